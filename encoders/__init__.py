@@ -1,0 +1,1 @@
+"""From touches to a pose: contact vector, encoders, labels, correction, reconstructor."""

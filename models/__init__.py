@@ -1,0 +1,1 @@
+"""What exists in the world, and the types that cross from room to room."""

@@ -1,0 +1,111 @@
+"""The touch surface: how large it is, and where it lies in the world.
+
+Contacts are given in the 2-D surface frame: origin top left, x right, y down, metres.
+Poses need a third axis. The 3-D surface frame keeps the origin and x, turns y *up* the surface and
+z out of it, towards the hand: right-handed, and the identity rotation is a hand lying flat on a
+table in front of the person. With y down and z into the table, that most common hand would sit at
+a rotation of pi, just where a rotation vector is not continuous, and no encoder could learn it.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from models.errors import InputError
+
+METRES_PER_INCH = 0.0254
+"""Metres in one inch (exact, by definition). The contact vector alone is in inches."""
+
+PRESETS: dict[str, tuple[float, float]] = {
+    "ipad2": (7.76, 5.82),
+    "ipad-11": (9.36, 6.52),
+    "ipad-13": (10.32, 7.74),
+    "ipad-mini": (7.06, 4.65),
+}
+"""Landscape size of the touch area by name, inches. ipad2: 1024 x 768 at 132 ppi, the paper's."""
+
+_SIZE = re.compile(r"^\s*([0-9.]+)\s*x\s*([0-9.]+)\s*(in|mm|cm)?\s*$", re.IGNORECASE)
+_TO_INCHES = {"in": 1.0, "mm": 1.0 / 25.4, "cm": 1.0 / 2.54}
+
+
+@dataclass(frozen=True)
+class Surface:
+    """A touch rectangle in the world; the mapping is absolute and 1:1.
+
+    Attributes:
+        width_in: Width, inches.
+        height_in: Height, inches.
+        origin: World position of the top left corner, metres.
+        rotation: (3, 3) world from surface: the world directions of the 3-D surface axes.
+        calibrated: False where the size is a guess; views and logs say so.
+    """
+
+    width_in: float = PRESETS["ipad2"][0]
+    height_in: float = PRESETS["ipad2"][1]
+    origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    rotation: NDArray[np.float64] = field(default_factory=lambda: np.eye(3))
+    calibrated: bool = True
+
+    def __post_init__(self) -> None:
+        for name, value in (("width", self.width_in), ("height", self.height_in)):
+            if not (np.isfinite(value) and 0.5 <= value <= 200.0):
+                raise InputError(
+                    f"the surface's {name} is out of range", got=value, expected="0.5 to 200 inches"
+                )
+
+    @property
+    def size(self) -> NDArray[np.float64]:
+        """(2,) width and height, metres."""
+        return np.array([self.width_in, self.height_in]) * METRES_PER_INCH
+
+    def centred_at(self, centre: ArrayLike) -> Surface:
+        """The same rectangle with its middle at a world position (3,), metres."""
+        w, h = self.size
+        origin = np.asarray(centre, float) - self.rotation @ np.array([w / 2, -h / 2, 0.0])
+        return Surface(
+            self.width_in,
+            self.height_in,
+            (float(origin[0]), float(origin[1]), float(origin[2])),
+            self.rotation,
+            self.calibrated,
+        )
+
+    def to_world(self, xy: ArrayLike, height: float = 0.0) -> NDArray[np.float64]:
+        """World positions (..., 3) of surface points (..., 2), `height` metres off the surface."""
+        points = np.asarray(xy, float)
+        local = np.empty((*points.shape[:-1], 3))
+        local[..., 0], local[..., 1], local[..., 2] = points[..., 0], -points[..., 1], height
+        return local @ self.rotation.T + np.asarray(self.origin)
+
+    def to_surface(self, world: ArrayLike) -> NDArray[np.float64]:
+        """Surface points (..., 2) under world positions (..., 3): the foot of the normal."""
+        local = (np.asarray(world, float) - np.asarray(self.origin)) @ self.rotation
+        return np.stack([local[..., 0], -local[..., 1]], axis=-1)
+
+
+def parse_surface(text: str) -> Surface:
+    """A flat surface from '7.76x5.82in', '197x148mm' or a preset's name.
+
+    Raises:
+        InputError: The text is neither.
+    """
+    if text in PRESETS:
+        return Surface(*PRESETS[text])
+    match = _SIZE.match(text)
+    try:
+        if match is None:
+            raise ValueError
+        unit = _TO_INCHES[(match[3] or "in").lower()]
+        return Surface(float(match[1]) * unit, float(match[2]) * unit)
+    except ValueError:
+        raise InputError(
+            "this is not the size of a surface",
+            where="--surface",
+            got=text,
+            expected="WIDTHxHEIGHT with in, mm or cm, or one of " + ", ".join(PRESETS),
+            remedy="Measure the touch area with a ruler, for example 197x148mm",
+        ) from None

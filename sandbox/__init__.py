@@ -1,0 +1,1 @@
+"""The running program: devices, session, views, recordings, command line."""

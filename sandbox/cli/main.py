@@ -1,0 +1,63 @@
+"""`sandbox COMMAND ...`: finds the command's module, and turns our errors into one clear line."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+
+from models.errors import HandSandboxError, InputError
+
+COMMANDS: dict[str, str] = {
+    "touches": "show, send and describe touches: the first thing to try with a new tablet",
+}
+"""Command -> one line of help. Each lives in sandbox/cli/COMMAND.py as `main(argv) -> int`."""
+
+EXIT_DONE, EXIT_GATE_FAILED, EXIT_BAD_INPUT = 0, 1, 2
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Entry point of the `sandbox` command.
+
+    Returns:
+        0 done (whatever the score), 1 a gate failed, 2 bad input: one clear line, no traceback.
+    """
+    args = list(sys.argv[1:] if argv is None else argv)
+    if not args or args[0] in ("-h", "--help"):
+        print(overview())
+        return EXIT_DONE
+    name, rest = args[0], args[1:]
+    try:
+        if name not in COMMANDS:
+            raise InputError(
+                "there is no such command",
+                got=name,
+                expected=", ".join(COMMANDS),
+                remedy="`sandbox` alone lists what there is",
+            )
+        module = importlib.import_module(f"sandbox.cli.{name}")
+        return int(module.main(rest) or EXIT_DONE)
+    except InputError as error:
+        print(f"sandbox: {error}", file=sys.stderr)
+        return EXIT_BAD_INPUT
+    except HandSandboxError as error:
+        print(f"sandbox: {error}", file=sys.stderr)
+        return EXIT_GATE_FAILED
+    except KeyboardInterrupt:
+        print("sandbox: stopped", file=sys.stderr)
+        return 130
+    except BrokenPipeError:
+        # The reader of our output left, as `head` does; that is no error of ours.
+        sys.stderr.close()
+        return EXIT_DONE
+
+
+def overview() -> str:
+    """What the program can do, one line a command."""
+    width = max(map(len, COMMANDS))
+    lines = ["usage: sandbox COMMAND [--help]", ""]
+    lines += [f"  {name:<{width}}  {text}" for name, text in COMMANDS.items()]
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

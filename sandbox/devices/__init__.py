@@ -1,0 +1,1 @@
+"""Devices: from bytes to frames, and nothing else."""

@@ -1,0 +1,1 @@
+"""Views look at a session and change nothing."""

@@ -1,0 +1,1 @@
+"""What is to be done, and whether it was done."""
