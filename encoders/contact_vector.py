@@ -1,0 +1,87 @@
+"""The contact vector `u`: the paper's 15 numbers, the only input of every encoder.
+
+u = (x1, y1, .., x5, y5, s1, .., s5): fingertip positions in inches relative to the leftmost contact
+(x right, y down), then contact flags; a lifted finger is (-1, -1) with flag 0.
+Source: Chung, Kim, Han, Pollard (2015), section 2, and section 4 for the units.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from models.errors import EncoderError
+from models.frames import FINGERS
+from models.surface import METRES_PER_INCH
+
+Array = NDArray[np.float64]
+
+LIFTED = -1.0
+"""Both coordinates of a finger that does not touch; the paper found its value to matter little."""
+
+CONTACT_VECTOR_SIZE = 15
+
+
+def leftmost(xy: ArrayLike, ids: ArrayLike | None = None) -> int:
+    """Index of the leftmost of the contacts (k, 2); ties: smaller y, then smaller id."""
+    xy = np.asarray(xy, float)
+    order = np.arange(len(xy)) if ids is None else np.asarray(ids)
+    return int(np.lexsort((order, xy[:, 1], xy[:, 0]))[0])
+
+
+def contact_vector(contacts: Mapping[int, tuple[float, float]]) -> Array:
+    """The contact vector of labelled contacts.
+
+    Args:
+        contacts: label (thumb 0 .. little 4) -> (x, y) in inches, x right and y down, from any
+            common origin: the result does not depend on it.
+
+    Returns:
+        (15,) u.
+
+    Raises:
+        EncoderError: No contact, a label that is no finger, or a position that is not finite.
+    """
+    if not contacts:
+        raise EncoderError("a contact vector needs at least one contact", expected="1 to 5")
+    labels = sorted(contacts)
+    if labels[0] < 0 or labels[-1] >= len(FINGERS):
+        raise EncoderError("no such finger", got=labels, expected="labels 0 to 4")
+    xy = np.array([contacts[label] for label in labels], float)
+    if xy.shape != (len(labels), 2) or not np.isfinite(xy).all():
+        raise EncoderError(
+            "positions must be finite pairs", got=xy.tolist(), expected="(x, y) in inches"
+        )
+    u = np.full(CONTACT_VECTOR_SIZE, LIFTED)
+    u[10:] = 0.0
+    xy = xy - xy[leftmost(xy)]
+    for label, (x, y) in zip(labels, xy, strict=True):
+        u[2 * label : 2 * label + 2] = x, y
+        u[10 + label] = 1.0
+    return u
+
+
+def contact_vectors(xy: ArrayLike) -> tuple[Array, Array]:
+    """Contact vectors of many frames.
+
+    Args:
+        xy: (T, 5, 2) m, surface position by label, NaN where the finger is lifted. Every frame
+            has at least one contact.
+
+    Returns:
+        U (T, 15) with positions in inches, and the leftmost contact (T, 2) in metres.
+    """
+    xy = np.asarray(xy, float)
+    down = ~np.isnan(xy[..., 0])
+    x = np.where(down, xy[..., 0], np.inf)
+    y = np.where(down, xy[..., 1], np.inf)
+    tied = x == x.min(axis=1, keepdims=True)
+    first = np.argmin(np.where(tied, y, np.inf), axis=1)
+    origin = xy[np.arange(len(xy)), first]
+    inches = (xy - origin[:, None, :]) / METRES_PER_INCH
+    U = np.empty((len(xy), CONTACT_VECTOR_SIZE))
+    U[:, :10] = np.where(down[..., None], inches, LIFTED).reshape(len(xy), 10)
+    U[:, 10:] = down
+    return U, origin

@@ -1,0 +1,61 @@
+"""Legal poses: anatomic ranges of the joints, and how fast a commanded pose may move."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION
+from models.rotations import unwrap_near
+from models.skeleton import Skeleton
+
+Array = NDArray[np.float64]
+
+
+def within_limits(q: ArrayLike, skeleton: Skeleton) -> Array:
+    """Poses (..., 48) with every ball joint clamped, component by component, to its range.
+
+    Servo targets must pass here: a ball joint's own limit in the simulation bounds only the total
+    angle, and would let a finger bend sideways as far as it bends forward.
+    """
+    q = np.array(q, float)
+    q[..., JOINTS] = np.clip(q[..., JOINTS], skeleton.lower, skeleton.upper)
+    return q
+
+
+def violations(q: ArrayLike, skeleton: Skeleton, tolerance: float = 1e-9) -> Array:
+    """(...) number of components outside their range by more than `tolerance` rad."""
+    joints = np.asarray(q, float)[..., JOINTS]
+    return np.sum(
+        (joints < skeleton.lower - tolerance) | (joints > skeleton.upper + tolerance), axis=-1
+    )
+
+
+@dataclass(frozen=True)
+class RateLimit:
+    """Bounds on the speed of a commanded pose; a safety net against jumps of the input.
+
+    Attributes:
+        linear: m/s of the root.
+        angular: rad/s of the root and of every ball joint.
+    """
+
+    linear: float = 1.0
+    angular: float = 12.0
+
+    def __call__(self, previous: Array, target: Array, dt: float) -> Array:
+        """Pose (48,) as far from previous towards target as dt seconds allow.
+
+        All parts are slowed by the same share, so that the fingers stay in step with the wrist.
+        """
+        goal = target.copy()
+        goal[ROOT_ROTATION] = unwrap_near(target[ROOT_ROTATION], previous[ROOT_ROTATION])
+        step = goal - previous
+        vectors = np.linalg.norm(step.reshape(16, 3), axis=1)
+        allowed = np.full(16, self.angular * dt)
+        allowed[0] = self.linear * dt
+        share = np.max(vectors / allowed)
+        assert step[ROOT_POSITION].shape == (3,)
+        return previous + step / share if share > 1.0 else goal

@@ -1,0 +1,91 @@
+"""Layout of the pose `q` (N = 48) and its frames.
+
+q = root position (3, m), root rotation vector (3, rad), then 14 ball joints x rotation vector
+(3, rad) in the order of the skeleton's table: thumb CMC, MCP; index, middle, ring, little MCP, PIP,
+DIP. A pose is given in the world, in the 3-D surface frame, or relative: in the 3-D surface frame
+with its root moved so that the leftmost contact is the origin. Encoders learn the relative pose.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from models.rotations import exp, log, unwrap_near
+from models.surface import Surface
+
+Array = NDArray[np.float64]
+
+POSE_SIZE = 48
+"""N, degrees of freedom of the hand."""
+BALL_JOINTS = 14
+ROOT_POSITION = slice(0, 3)
+ROOT_ROTATION = slice(3, 6)
+JOINTS = slice(6, 48)
+
+_MIRROR = np.concatenate([[-1.0, 1.0, 1.0], np.tile([1.0, -1.0, -1.0], 1 + BALL_JOINTS)])
+
+
+def joint_vectors(q: ArrayLike) -> Array:
+    """(..., 14, 3) rotation vectors of the ball joints of poses (..., 48)."""
+    q = np.asarray(q, float)
+    return q[..., JOINTS].reshape(*q.shape[:-1], BALL_JOINTS, 3)
+
+
+def mirrored(q: ArrayLike) -> Array:
+    """The pose of the other hand seen in a mirror across x = 0; its own inverse.
+
+    Positions change the sign of x; rotation vectors, being axial, the signs of y and z.
+    """
+    return np.asarray(q, float) * _MIRROR
+
+
+def surface_to_world(q: ArrayLike, surface: Surface) -> Array:
+    """World poses (..., 48) of poses in the 3-D surface frame."""
+    return _moved(q, surface.rotation, np.asarray(surface.origin))
+
+
+def world_to_surface(q: ArrayLike, surface: Surface) -> Array:
+    """Poses (..., 48) in the 3-D surface frame of world poses."""
+    inverse = surface.rotation.T
+    return _moved(q, inverse, -inverse @ np.asarray(surface.origin))
+
+
+def _moved(q: ArrayLike, rotation: Array, shift: Array) -> Array:
+    q = np.array(q, float)
+    q[..., ROOT_POSITION] = q[..., ROOT_POSITION] @ rotation.T + shift
+    if not np.array_equal(rotation, np.eye(3)):
+        # Skipped for a flat surface, so that poses there pass through to the bit.
+        turned = log(rotation @ exp(q[..., ROOT_ROTATION]))
+        q[..., ROOT_ROTATION] = turned
+    return q
+
+
+def relative_pose(q: ArrayLike, leftmost: ArrayLike) -> Array:
+    """Relative poses (..., 48) of poses in the 3-D surface frame.
+
+    Args:
+        q: (..., 48).
+        leftmost: (..., 2) leftmost contact on the surface, metres (x right, y down).
+    """
+    return _shifted(q, leftmost, -1.0)
+
+
+def absolute_pose(relative: ArrayLike, leftmost: ArrayLike) -> Array:
+    """Inverse of `relative_pose`."""
+    return _shifted(relative, leftmost, 1.0)
+
+
+def _shifted(q: ArrayLike, leftmost: ArrayLike, sign: float) -> Array:
+    q, leftmost = np.array(q, float), np.asarray(leftmost, float)
+    q[..., 0] += sign * leftmost[..., 0]
+    q[..., 1] -= sign * leftmost[..., 1]
+    return q
+
+
+def blend(a: ArrayLike, b: ArrayLike, t: float) -> Array:
+    """Pose (48,) on the way from a (t = 0) to b (t = 1); rotations the short way round."""
+    a, b = np.asarray(a, float), np.asarray(b, float)
+    target = b.copy()
+    target[ROOT_ROTATION] = unwrap_near(b[ROOT_ROTATION], a[ROOT_ROTATION])
+    return a + t * (target - a)

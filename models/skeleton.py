@@ -1,0 +1,197 @@
+"""The hand's skeleton as a table: 14 ball joints, one per phalanx.
+
+Hand frame of a right hand: origin at the wrist, y along the fingers, z out of the back of the hand,
+x towards the little finger, so that the thumb is at -x. Each bone's own frame has y along the bone
+and z dorsal (the nail's side); flexion is a negative turn about x. A zero ball joint is the middle
+of its range of flexion, so that every legal pose stays below 65 degrees from the origin of its
+rotation vector, where rotation vectors behave like plain vectors.
+
+Sizes are those of an average adult hand as measured for the simulation notes of this project;
+thumb: carpometacarpal and metacarpophalangeal joint, the interphalangeal joint fixed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from models.frames import FINGERS
+from models.rotations import exp
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Bone:
+    """One ball joint and the phalanx it carries.
+
+    Attributes:
+        name: Joint name, `index_pip` for example.
+        finger: Label of its finger, thumb 0 .. little 4.
+        anchor: (3,) m, place of the joint in the parent bone's frame (the palm's for the first).
+        rest: (3, 3) parent from bone at a zero joint.
+        length: m, joint to next joint, or to the centre of the fingertip.
+        radius: m, of the capsule that stands for the flesh.
+        lower: (3,) rad, least rotation vector of a legal pose, component by component.
+        upper: (3,) rad, greatest.
+        stiffness: N m/rad of the servo.
+        armature: kg m2 added to the joint; without it links of a few grams make the servo unstable.
+    """
+
+    name: str
+    finger: int
+    anchor: tuple[float, float, float]
+    rest: Array
+    length: float
+    radius: float
+    lower: Array
+    upper: Array
+    stiffness: float
+    armature: float
+
+
+@dataclass(frozen=True)
+class Skeleton:
+    """A right hand; a left hand is this one between two mirrors.
+
+    Attributes:
+        name: Written into captures.
+        bones: 14 bones, finger by finger, from the palm outwards; the order of the pose `q`.
+        palm_radius: m, thickness of the palm's capsules.
+    """
+
+    name: str
+    bones: tuple[Bone, ...]
+    palm_radius: float
+
+    @cached_property
+    def first_bone(self) -> Array:
+        """(5,) index of each finger's first bone."""
+        return np.array(
+            [
+                next(i for i, b in enumerate(self.bones) if b.finger == f)
+                for f in range(len(FINGERS))
+            ]
+        )
+
+    @cached_property
+    def lower(self) -> Array:
+        """(42,) rad, least legal rotation-vector components of all bones."""
+        return np.concatenate([b.lower for b in self.bones])
+
+    @cached_property
+    def upper(self) -> Array:
+        """(42,) rad, greatest legal rotation-vector components of all bones."""
+        return np.concatenate([b.upper for b in self.bones])
+
+    @property
+    def tip_radius(self) -> Array:
+        """(5,) m, radius of each fingertip's end sphere."""
+        last = [*(self.first_bone[1:] - 1), len(self.bones) - 1]
+        return np.array([self.bones[i].radius for i in last])
+
+    def scaled(self, factor: float) -> Skeleton:
+        """The same hand, `factor` times as large in every direction."""
+        bones = tuple(
+            replace(
+                b,
+                anchor=(b.anchor[0] * factor, b.anchor[1] * factor, b.anchor[2] * factor),
+                length=b.length * factor,
+                radius=b.radius * factor,
+            )
+            for b in self.bones
+        )
+        return Skeleton(f"{self.name} x{factor:g}", bones, self.palm_radius * factor)
+
+
+def _degrees(*values: float) -> Array:
+    return np.deg2rad(np.array(values))
+
+
+def _facing(along: ArrayLike, pad: ArrayLike) -> Array:
+    """Frame with y along a direction and -z (the pad) as near as possible to another."""
+    y = np.asarray(along, float) / np.linalg.norm(along)
+    z = -(np.asarray(pad, float) - np.dot(pad, y) * y)
+    z /= np.linalg.norm(z)
+    return np.stack([np.cross(y, z), y, z], axis=1)
+
+
+# Ranges: rotation about x (extension +, flexion -), y (twist), z (abduction), relative to the
+# reference flexions 30, 45, 30 degrees (finger) and 20 degrees (thumb MCP). Flexion limits follow
+# the usual clinical ranges (MCP -20..90, PIP 0..110, DIP -10..80); the few degrees of twist and
+# sideways play at the hinge-like joints are what soft tissue allows.
+_MCP = (_degrees(-60, -10, -25), _degrees(50, 10, 25))
+_PIP = (_degrees(-65, -5, -6), _degrees(45, 5, 6))
+_DIP = (_degrees(-50, -5, -6), _degrees(40, 5, 6))
+_CMC = (_degrees(-40, -25, -40), _degrees(40, 25, 40))
+_THUMB_MCP = (_degrees(-55, -10, -12), _degrees(35, 10, 12))
+
+# finger -> knuckle in the palm (m), splay about z (deg), phalanx lengths (m), radii (m)
+_FINGERS = {
+    "index": ((-0.026, 0.088, 0.000), 4.0, (0.045, 0.026, 0.021), (0.0090, 0.0082, 0.0070)),
+    "middle": ((-0.004, 0.091, 0.002), 0.0, (0.050, 0.030, 0.022), (0.0092, 0.0083, 0.0072)),
+    "ring": ((0.017, 0.086, 0.000), -4.0, (0.046, 0.028, 0.022), (0.0088, 0.0080, 0.0070)),
+    "little": ((0.036, 0.077, -0.004), -10.0, (0.036, 0.021, 0.020), (0.0080, 0.0072, 0.0064)),
+}
+
+
+def _right_hand() -> Skeleton:
+    flexion = {
+        name: exp(_degrees(-angle, 0, 0))
+        for name, angle in (("mcp", 30.0), ("pip", 45.0), ("dip", 30.0), ("thumb", 20.0))
+    }
+    # The resting thumb opposes the index: it points forward, down and outwards, its pad turned
+    # towards the index fingertip across the pinch axis (52 degrees in the palm's plane).
+    thumb = _facing((-0.38, 0.66, -0.55), (np.cos(np.deg2rad(52.0)), np.sin(np.deg2rad(52.0)), 0.0))
+    half = exp(_degrees(10.0, 0, 0))
+    bones = [
+        Bone(
+            "thumb_cmc", 0, (-0.022, 0.022, -0.010), thumb @ half, 0.046, 0.0115, *_CMC, 8.0, 8e-4
+        ),
+        Bone(
+            "thumb_mcp",
+            0,
+            (0.0, 0.046, 0.0),
+            flexion["thumb"],
+            0.052,
+            0.0080,
+            *_THUMB_MCP,
+            4.0,
+            4e-4,
+        ),
+    ]
+    for label, (name, (knuckle, splay, lengths, radii)) in enumerate(_FINGERS.items(), start=1):
+        base = exp(_degrees(0, 0, splay)) @ flexion["mcp"]
+        bones += [
+            Bone(f"{name}_mcp", label, knuckle, base, lengths[0], radii[0], *_MCP, 6.0, 6e-4),
+            Bone(
+                f"{name}_pip",
+                label,
+                (0.0, lengths[0], 0.0),
+                flexion["pip"],
+                lengths[1],
+                radii[1],
+                *_PIP,
+                3.0,
+                3e-4,
+            ),
+            Bone(
+                f"{name}_dip",
+                label,
+                (0.0, lengths[1], 0.0),
+                flexion["dip"],
+                lengths[2],
+                radii[2],
+                *_DIP,
+                1.5,
+                1.5e-4,
+            ),
+        ]
+    return Skeleton("adult", tuple(bones), 0.011)
+
+
+ADULT = _right_hand()
+"""The hand of the sandbox and of the built-in captures."""
