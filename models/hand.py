@@ -1,0 +1,193 @@
+"""The hand as MJCF: a palm on three slides and a ball, 14 ball joints, 48 servos.
+
+The order of joints and actuators is the order of the pose `q`, so that a pose *is* the control
+vector. Servos are limited in force, as the motors of the paper's Bullet hand were: its largest
+motor impulse J per step of 1/60 s mirrors to the force limit J / (1/60 s), whatever our time step.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from xml.etree.ElementTree import Element, SubElement
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.errors import SceneError
+from models.rotations import matrix_to_quaternion
+from models.skeleton import ADULT, Skeleton
+
+IMPULSE_PERIOD = 1.0 / 60.0
+"""s, the step of the paper's physics engine, over which its impulse limit is counted."""
+
+IMPULSE_PROFILES: dict[str, float] = {"paper": 100.0, "safe": 0.5}
+"""N s (N m s for turns). `paper` is 6000 N, which never binds; `safe` is 30 N."""
+
+SERVOS = ("orientation", "position")
+"""`orientation`: one servo on the rotation of each ball joint, its torque limited in norm, as
+Bullet's. `position`: three servos on the components of its rotation vector, each limited."""
+
+ROOT_MASS, ROOT_INERTIA = 1.0, 0.006
+"""kg and kg m2 added to the root's joints: a forearm's share, without which the hand jitters."""
+ROOT_STIFFNESS, ROOT_TURN_STIFFNESS = 8000.0, 40.0
+"""N/m and N m/rad of the root's servos, at servo stiffness 1."""
+
+CONTACT_HAND, CONTACT_OBJECT, CONTACT_TABLE = 1, 2, 4
+"""Collision bits. The hand meets objects only: neither itself nor the table, below which a wrist
+may have to go when the surface stands upright."""
+
+FLESH_DENSITY = 1100.0
+"""kg/m3."""
+
+
+@dataclass(frozen=True)
+class Hand:
+    """How one hand of a scene is made.
+
+    Attributes:
+        name: Prefix of its bodies, joints and actuators.
+        skeleton: Bones; the side is always right, a left hand works between two mirrors.
+        servo: One of `SERVOS`.
+        impulse: Impulse limit of every servo, N s (or N m s) per 1/60 s.
+        stiffness: Factor on the servo stiffnesses of the skeleton and the root.
+    """
+
+    name: str = "right"
+    skeleton: Skeleton = field(default_factory=lambda: ADULT)
+    servo: str = "orientation"
+    impulse: float = IMPULSE_PROFILES["paper"]
+    stiffness: float = 2.0
+
+    def __post_init__(self) -> None:
+        if self.servo not in SERVOS:
+            raise SceneError(
+                "no such servo", where="--servo", got=self.servo, expected=", ".join(SERVOS)
+            )
+        if not (np.isfinite(self.impulse) and self.impulse > 0):
+            raise SceneError(
+                "the impulse limit must be positive", where="--impulse", got=self.impulse
+            )
+
+    @property
+    def force_limit(self) -> float:
+        """N (slides) and N m (turns): impulse limit over the period it is counted in."""
+        return self.impulse / IMPULSE_PERIOD
+
+    def element_name(self, part: str) -> str:
+        """Name in the model of one of this hand's parts, `palm` or a bone's name."""
+        return f"{self.name}_{part}"
+
+
+def hand_default() -> Element:
+    """The default class that every hand of a scene shares."""
+    default = Element("default", {"class": "hand"})
+    # condim 4 adds torsional friction, without which a pinched object spins between two pads.
+    SubElement(default, "geom", {
+        "type": "capsule", "contype": "0", "conaffinity": "0", "condim": "4",
+        "friction": "1 .01 .0001", "density": _text(FLESH_DENSITY),
+        "solref": ".004 1", "solimp": ".95 .99 .001", "rgba": ".905 .735 .64 1",
+    })  # fmt: skip
+    SubElement(default, "joint", {"damping": ".002"})
+    return default
+
+
+def hand_body(hand: Hand) -> Element:
+    """The palm's body with everything that hangs on it.
+
+    Geoms collide with nothing until the session makes them solid.
+    """
+    palm = Element("body", {
+        "name": hand.element_name("palm"), "childclass": "hand", "gravcomp": "1",
+    })  # fmt: skip
+    for axis, direction in zip("xyz", np.eye(3), strict=True):
+        SubElement(palm, "joint", {
+            "name": hand.element_name(f"root_{axis}"), "type": "slide", "axis": _text(*direction),
+            "armature": _text(ROOT_MASS), "damping": "0",
+        })  # fmt: skip
+    SubElement(palm, "joint", {
+        "name": hand.element_name("root"), "type": "ball", "armature": _text(ROOT_INERTIA),
+    })  # fmt: skip
+    _palm_geoms(palm, hand)
+    parents: dict[int, Element] = {}
+    for bone in hand.skeleton.bones:
+        body = SubElement(parents.get(bone.finger, palm), "body", {
+            "name": hand.element_name(bone.name), "pos": _text(*bone.anchor),
+            "quat": _text(*matrix_to_quaternion(bone.rest)), "gravcomp": "1",
+        })  # fmt: skip
+        # The joint's own limit bounds the total angle only, a little outside the legal box; what
+        # keeps a finger straight is that its target is legal and its servo stiff.
+        reach = float(np.linalg.norm(np.maximum(-bone.lower, bone.upper))) + np.deg2rad(10.0)
+        SubElement(body, "joint", {
+            "name": hand.element_name(bone.name), "type": "ball",
+            "armature": _text(bone.armature), "limited": "true", "range": _text(0.0, _deg(reach)),
+            "solreflimit": ".01 1",
+        })  # fmt: skip
+        SubElement(body, "geom", {
+            "name": hand.element_name(bone.name), "fromto": _text(0, 0, 0, 0, bone.length, 0),
+            "size": _text(bone.radius),
+        })  # fmt: skip
+        parents[bone.finger] = body
+    return palm
+
+
+def hand_actuators(hand: Hand) -> list[Element]:
+    """48 controls in the order of the pose: root position, root rotation vector, ball joints."""
+    servos = [
+        Element("position", {
+            "name": hand.element_name(f"root_{axis}"), "joint": hand.element_name(f"root_{axis}"),
+            "kp": _text(ROOT_STIFFNESS * hand.stiffness), "dampratio": "1",
+            "forcerange": _text(-hand.force_limit, hand.force_limit),
+        })
+        for axis in "xyz"
+    ]  # fmt: skip
+    # The root turns further than three position servos hold (they fail beyond about 120 degrees).
+    servos.append(_orientation(hand, "root", ROOT_TURN_STIFFNESS))
+    for bone in hand.skeleton.bones:
+        if hand.servo == "orientation":
+            servos.append(_orientation(hand, bone.name, bone.stiffness))
+            continue
+        for axis, direction in zip("xyz", np.eye(3), strict=True):
+            servos.append(Element("position", {
+                "name": hand.element_name(f"{bone.name}_{axis}"),
+                "joint": hand.element_name(bone.name), "gear": _text(*direction, 0, 0, 0),
+                "kp": _text(bone.stiffness * hand.stiffness), "dampratio": "1",
+                "forcerange": _text(-hand.force_limit, hand.force_limit),
+            }))  # fmt: skip
+    return servos
+
+
+def _orientation(hand: Hand, joint: str, stiffness: float) -> Element:
+    return Element("orientation", {
+        "name": hand.element_name(joint), "joint": hand.element_name(joint),
+        "kp": _text(stiffness * hand.stiffness), "dampratio": "1",
+        "forcerange": _text(0.0, hand.force_limit),
+    })  # fmt: skip
+
+
+def _palm_geoms(palm: Element, hand: Hand) -> None:
+    """Metacarpals from the wrist to each knuckle, the thumb's ball, and a stub of forearm."""
+    skeleton, radius = hand.skeleton, hand.skeleton.palm_radius
+    knuckles = [np.array(skeleton.bones[i].anchor) for i in skeleton.first_bone]
+    ends: list[tuple[str, NDArray[np.float64], NDArray[np.float64], float]] = []
+    for knuckle in knuckles[1:]:
+        wrist = np.array([0.55 * knuckle[0], 0.06 * knuckle[1], -0.15 * radius])
+        ends.append((f"metacarpal_{len(ends) + 1}", wrist, knuckle, radius))
+    thumb = knuckles[0]
+    ends.append(("thenar", 0.35 * thumb, thumb, 1.15 * radius))
+    across = np.array([0.55 * radius, -0.6 * radius, 0.0])
+    for side, name in ((-1.0, "wrist_in"), (1.0, "wrist_out")):
+        start = across * np.array([side, 1.0, 1.0])
+        stub = start - np.array([0.0, 3.0 * radius, 0.0])
+        ends.append((name, stub, start, 1.35 * radius))
+    for name, start, end, size in ends:
+        SubElement(palm, "geom", {
+            "name": hand.element_name(name), "fromto": _text(*start, *end), "size": _text(size),
+        })  # fmt: skip
+
+
+def _text(*values: float) -> str:
+    return " ".join(f"{float(v):.9g}" for v in values)
+
+
+def _deg(angle: float) -> float:
+    return float(np.rad2deg(angle))

@@ -1,0 +1,222 @@
+"""A scene: hands, a table and objects, as one MuJoCo model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from models.errors import SceneError
+from models.hand import (
+    CONTACT_HAND,
+    CONTACT_TABLE,
+    Hand,
+    hand_actuators,
+    hand_body,
+    hand_default,
+)
+from models.objects import Box
+from models.pose import POSE_SIZE
+from models.rotations import quaternion_exp
+
+Array = NDArray[np.float64]
+
+CONTROL_PERIOD = 0.016
+"""s between two commanded poses: 62.5 Hz, the rate of a tablet rounded to whole physics steps."""
+
+TABLE = "table"
+
+
+@dataclass(frozen=True)
+class SceneSpec:
+    """What a scene is made of, before it is compiled.
+
+    Attributes:
+        hands: One or two hands.
+        objects: Things on the table.
+        table_friction: Coulomb coefficient between the table and what lies on it.
+        timestep: s; a whole number of them makes one control period.
+    """
+
+    hands: tuple[Hand, ...]
+    objects: tuple[Box, ...] = ()
+    table_friction: float = 0.5
+    timestep: float = 0.002
+
+
+class Scene:
+    """A compiled scene, with the places of its parts in MuJoCo's arrays.
+
+    Attributes:
+        spec: What it was made of.
+        xml: The whole scene as MJCF text.
+        model: The compiled model; belongs to one session, which changes what is solid.
+        substeps: Physics steps in one control period.
+    """
+
+    def __init__(self, spec: SceneSpec) -> None:
+        self.spec = spec
+        substeps = CONTROL_PERIOD / spec.timestep
+        if not np.isclose(substeps, round(substeps)) or spec.timestep <= 0:
+            raise SceneError(
+                "the control period is not a whole number of physics steps",
+                where="timestep",
+                got=spec.timestep,
+                expected=f"{CONTROL_PERIOD} s divided by a whole number",
+            )
+        self.substeps = round(substeps)
+        self.xml = scene_xml(spec)
+        self.model = mujoco.MjModel.from_xml_string(self.xml)
+        names = [o.name for o in spec.objects]
+        self.object_bodies = {n: self.model.body(n).id for n in names}
+        self._geoms = [
+            {b.name: self.model.geom(h.element_name(b.name)).id for b in h.skeleton.bones}
+            for h in spec.hands
+        ]
+
+    def control_slice(self, hand: int) -> slice:
+        """Where in `ctrl` the pose of a hand goes."""
+        return slice(hand * POSE_SIZE, (hand + 1) * POSE_SIZE)
+
+    def set_solid(self, hand: int, fingers: frozenset[int], whole: bool = False) -> None:
+        """Chooses what of a hand collides with objects.
+
+        Args:
+            hand: Index into `spec.hands`.
+            fingers: Labels whose distal link is solid; empty makes the hand a ghost.
+            whole: Makes every bone solid instead (an ablation: the rest of the hand only gets in
+                the way, since nobody sees where it is).
+        """
+        bones = self.spec.hands[hand].skeleton.bones
+        last = {b.finger: b.name for b in bones}
+        for bone in bones:
+            solid = bool(fingers) and (
+                whole or (bone.finger in fingers and last[bone.finger] == bone.name)
+            )
+            geom = self._geoms[hand][bone.name]
+            self.model.geom_contype[geom] = CONTACT_HAND if solid else 0
+
+    def object_pose(self, data: mujoco.MjData, name: str) -> tuple[Array, Array]:
+        """Position (3,) and rotation (3, 3) of an object in the world."""
+        body = self.object_bodies[name]
+        return data.xpos[body].copy(), data.xmat[body].reshape(3, 3).copy()
+
+    def pose_to_qpos(self, hand: int, q: Array) -> Array:
+        """(63,) joint positions of a hand that is at the pose (48,), in the order of its joints."""
+        return np.concatenate([q[:3], quaternion_exp(q[3:].reshape(15, 3)).ravel()])
+
+    def qpos_slice(self, hand: int) -> slice:
+        """Where in `qpos` a hand's joint positions are."""
+        start = int(self.model.joint(self.spec.hands[hand].element_name("root_x")).qposadr[0])
+        return slice(start, start + 3 + 4 * 15)
+
+
+def touching_sensor(a: str, b: str) -> str:
+    """Name of the contact sensor between two parts of a scene."""
+    return f"touch:{a}:{b}"
+
+
+def scene_xml(spec: SceneSpec) -> str:
+    """MJCF of a scene."""
+    root = Element("mujoco", {"model": "hand sandbox"})
+    SubElement(root, "compiler", {"angle": "degree", "autolimits": "true"})
+    # impratio 100: friction otherwise creeps, and a held box sinks by millimetres.
+    option = SubElement(root, "option", {
+        "timestep": f"{spec.timestep:.9g}", "integrator": "implicitfast", "cone": "elliptic",
+        "impratio": "100",
+    })  # fmt: skip
+    # A silent reset would look like a hand that jumped home; we stop and say so instead.
+    SubElement(option, "flag", {"autoreset": "disable"})
+    _look(root)
+    defaults = SubElement(root, "default")
+    defaults.append(hand_default())
+    world = SubElement(root, "worldbody")
+    _lights(world)
+    SubElement(world, "geom", {
+        "name": TABLE, "type": "plane", "size": "0 0 .05", "material": "floor",
+        "contype": str(CONTACT_TABLE), "conaffinity": str(CONTACT_TABLE), "priority": "1",
+        "condim": "4", "friction": f"{spec.table_friction:.9g} .01 .0001",
+        "solref": ".004 1", "solimp": ".95 .99 .001",
+    })  # fmt: skip
+    SubElement(world, "geom", {
+        "name": "mat", "type": "plane", "size": ".30 .21 .01", "pos": "0 0 .0002",
+        "material": "mat", "contype": "0", "conaffinity": "0",
+    })  # fmt: skip
+    for hand in spec.hands:
+        world.append(hand_body(hand))
+    for thing in spec.objects:
+        world.append(thing.body())
+    actuators = SubElement(root, "actuator")
+    for hand in spec.hands:
+        actuators.extend(hand_actuators(hand))
+    _touch_sensors(root, spec)
+    indent(root)
+    return tostring(root, encoding="unicode")
+
+
+def _touch_sensors(root: Element, spec: SceneSpec) -> None:
+    """One sensor for every pair of which a task may ask who touches whom."""
+    sensors = SubElement(root, "sensor")
+    for i, thing in enumerate(spec.objects):
+        pairs = [(TABLE, {"geom2": TABLE})]
+        pairs += [(h.name, {"subtree2": h.element_name("palm")}) for h in spec.hands]
+        pairs += [(other.name, {"body2": other.name}) for other in spec.objects[i + 1 :]]
+        for name, match in pairs:
+            SubElement(sensors, "contact", {
+                "name": touching_sensor(thing.name, name), "body1": thing.name, **match,
+                "data": "found force", "reduce": "netforce",
+            })  # fmt: skip
+
+
+def _look(root: Element) -> None:
+    """Colours, textures and render quality; none of it is physics."""
+    SubElement(root, "statistic", {"extent": ".45", "center": "0 .0 .05"})
+    visual = SubElement(root, "visual")
+    SubElement(visual, "global", {"offwidth": "1920", "offheight": "1080"})
+    SubElement(visual, "rgba", {"haze": ".93 .945 .96 1"})
+    SubElement(visual, "quality", {
+        "shadowsize": "4096", "offsamples": "4", "numslices": "40", "numstacks": "20",
+    })  # fmt: skip
+    SubElement(visual, "headlight", {
+        "ambient": ".30 .30 .32", "diffuse": ".18 .18 .18", "specular": ".05 .05 .05",
+    })  # fmt: skip
+    SubElement(visual, "map", {
+        "znear": ".02", "zfar": "60", "shadowclip": "1.3", "shadowscale": ".6", "haze": ".35",
+    })  # fmt: skip
+    asset = SubElement(root, "asset")
+    SubElement(asset, "texture", {
+        "type": "skybox", "builtin": "gradient", "rgb1": ".93 .945 .96", "rgb2": ".70 .77 .84",
+        "width": "64", "height": "384",
+    })  # fmt: skip
+    SubElement(asset, "texture", {
+        "name": "floor", "type": "2d", "builtin": "checker", "rgb1": ".86 .85 .84",
+        "rgb2": ".84 .83 .82", "width": "256", "height": "256",
+    })  # fmt: skip
+    SubElement(asset, "material", {
+        "name": "floor", "texture": "floor", "texrepeat": "4 4", "texuniform": "true",
+        "specular": ".05",
+    })  # fmt: skip
+    SubElement(asset, "texture", {
+        "name": "mat", "type": "2d", "builtin": "flat", "mark": "edge",
+        "rgb1": ".215 .275 .315", "markrgb": ".30 .36 .40", "width": "128", "height": "128",
+    })  # fmt: skip
+    # One square of the grid is 2 cm, which gives a picture its scale.
+    SubElement(asset, "material", {
+        "name": "mat", "texture": "mat", "texrepeat": "50 50", "texuniform": "true",
+        "specular": ".1",
+    })  # fmt: skip
+
+
+def _lights(world: Element) -> None:
+    SubElement(world, "light", {
+        "type": "directional", "pos": "-.5 -.3 1", "dir": ".45 .33 -.83",
+        "diffuse": ".64 .615 .575", "specular": ".22 .22 .22", "ambient": "0 0 0",
+        "castshadow": "true",
+    })  # fmt: skip
+    SubElement(world, "light", {
+        "type": "directional", "pos": ".6 -.3 .7", "dir": "-.6 .5 -.45",
+        "diffuse": ".14 .16 .20", "specular": "0 0 0", "castshadow": "false",
+    })  # fmt: skip

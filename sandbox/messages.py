@@ -1,0 +1,97 @@
+"""What a session tells its views.
+
+Snapshots: the latest wins, any may be dropped. Events: ordered, never lost.
+A snapshot is all that a window, a film, a page or a simulated user gets to see.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tasks.score import Score
+from tasks.task import Goal
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ContactView:
+    """A contact as it is drawn.
+
+    Attributes:
+        id: Of the contact.
+        position: (3,) m, in the world, on the touch surface.
+        label: Its finger, or None while it has none.
+        state: `active`; `lost` while it lives on for a moment; `ignored`: drawn grey.
+    """
+
+    id: int
+    position: Array
+    label: int | None
+    state: str
+
+
+@dataclass(frozen=True)
+class HandView:
+    """A hand as it is drawn.
+
+    Attributes:
+        target: (48,) commanded pose in the world: the ghost hand.
+        tips: (5, 3) m, fingertips of the simulated hand.
+        solid: Labels of the fingers that can touch things now; empty: the hand is a ghost.
+        phase: Where the hand is between hovering and being down (see the reconstructor).
+        contacts: What touches the surface.
+    """
+
+    target: Array
+    tips: Array
+    solid: frozenset[int]
+    phase: str
+    contacts: tuple[ContactView, ...]
+
+
+@dataclass(frozen=True)
+class ObjectView:
+    """An object as it is drawn: position (3,) m and rotation (3, 3)."""
+
+    position: Array
+    rotation: Array
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """One moment of a session.
+
+    Attributes:
+        time: s of simulated time since the trial's start.
+        step: Physics steps since the trial's start.
+        qpos: All joint positions of the scene's model, for a view with its own MjData.
+        hands: One per hand of the scene.
+        objects: By name.
+        goals: What is to be reached.
+        score: So far.
+        notice: A word to the person, or empty.
+    """
+
+    time: float
+    step: int
+    qpos: Array
+    hands: tuple[HandView, ...]
+    objects: Mapping[str, ObjectView]
+    goals: tuple[Goal, ...]
+    score: Score
+    notice: str = ""
+
+
+@dataclass(frozen=True)
+class Event:
+    """Something that happened once: `listening`, `trial_start`, `trial_end` or `warning`."""
+
+    kind: str
+    time: float
+    data: Mapping[str, Any]

@@ -1,0 +1,109 @@
+"""Push, pinch or drag a box to a goal on the table."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from models.objects import Box
+from models.surface import Surface
+from tasks.sensing import Sensing
+from tasks.task import Goal, Measure
+
+EDGE = 0.050
+"""m, edge of the box."""
+BORDER = 0.042
+"""m from the surface's border to the nearest place for a box's centre, so that a fingertip has room
+beside the box on the side of the border as well."""
+DISTANCE = (0.050, 0.100)
+"""m from start to goal."""
+TURN = np.deg2rad(45.0)
+"""rad, largest turn from start to goal."""
+MASS = (0.050, 0.250)
+"""kg."""
+
+POSITION_TOLERANCE = 0.010
+YAW_TOLERANCE = np.deg2rad(10.0)
+TILT_TOLERANCE = np.deg2rad(5.0)
+SPEED_TOLERANCE = 0.010
+"""m, rad, rad and m/s within which the box counts as arrived."""
+
+
+@dataclass(frozen=True)
+class BoxToGoal:
+    """Bring a 5 cm box onto its translucent twin.
+
+    Scene: a box of 5 cm on a table, friction 0.5 against the table, 50 to 250 g.
+    Goal: the box's ghost, 5 to 10 cm away and turned by up to 45 degrees.
+    Success: centre within 1 cm of the goal (horizontally and in height), yaw within 10 degrees of
+    the goal (a cube looks the same every quarter turn, so the nearest of the four counts), tilt
+    under 5 degrees, supported by the table, slower than 1 cm/s and touched by no hand, all for
+    0.5 s without a break, within 30 s.
+    Start: positions uniform over the surface less a border of 42 mm, redrawn until the distance is
+    in range; yaw uniform within 45 degrees of the surface's axes; turn uniform within 45 degrees.
+    History: version 1.
+    """
+
+    name: ClassVar[str] = "box-to-goal"
+    version: ClassVar[int] = 1
+    time_limit: ClassVar[float] = 30.0
+    hold_time: ClassVar[float] = 0.5
+    table_friction: ClassVar[float] = 0.5
+    touch_height: ClassVar[float] = 0.022
+
+    seed: int
+    objects: tuple[Box, ...]
+    goals: tuple[Goal, ...]
+
+    @classmethod
+    def draw(cls, seed: int, surface: Surface) -> BoxToGoal:
+        """The trial of a seed; same seed and surface, same trial."""
+        rng = np.random.default_rng([seed, cls.version])
+        width, height = surface.size
+        low = np.array([BORDER, BORDER])
+        high = np.maximum(np.array([width, height]) - BORDER, low + 0.02)
+        for _ in range(10_000):
+            start, end = rng.uniform(low, high), rng.uniform(low, high)
+            if DISTANCE[0] <= np.linalg.norm(end - start) <= DISTANCE[1]:
+                break
+        else:
+            # Only a surface smaller than the tablet of the paper has no room for two places.
+            start, end = low, low + (high - low) * (DISTANCE[0] / np.linalg.norm(high - low))
+        yaw = float(rng.uniform(-np.pi / 4, np.pi / 4))
+        turn = float(rng.uniform(-TURN, TURN))
+        mass = float(rng.uniform(*MASS))
+        places = surface.to_world(np.stack([start, end]))
+        half = EDGE / 2
+        box = Box("box", (half, half, half), mass, (*places[0, :2].tolist(), half), yaw)
+        goal = Goal("box", (*places[1, :2].tolist(), half), yaw + turn)
+        return cls(seed, (box,), (goal,))
+
+    def measure(self, sensing: Sensing) -> Measure:
+        """Whether the box is at its goal now."""
+        box, goal = sensing.object("box"), self.goals[0]
+        target = np.asarray(goal.position)
+        off = float(np.linalg.norm(box.position - target))
+        # Seen from above, a cube repeats every 90 degrees.
+        quarter = np.pi / 2
+        turn = abs((box.yaw - goal.yaw + quarter / 2) % quarter - quarter / 2)
+        reason = ""
+        if off > POSITION_TOLERANCE:
+            reason = f"the box is {1000 * off:.0f} mm from the goal"
+        elif box.tilt > TILT_TOLERANCE:
+            reason = f"the box is tilted by {np.rad2deg(box.tilt):.0f} degrees"
+        elif turn > YAW_TOLERANCE:
+            reason = f"the box is turned by {np.rad2deg(turn):.0f} degrees against the goal"
+        elif not box.on_table:
+            reason = "the box does not stand on the table"
+        elif box.held:
+            reason = "a hand still touches the box"
+        elif box.speed > SPEED_TOLERANCE:
+            reason = "the box is still moving"
+        start = np.asarray(self.objects[0].position)
+        way = max(float(np.linalg.norm(target - start)) - POSITION_TOLERANCE, 1e-9)
+        travelled = 1.0 - max(off - POSITION_TOLERANCE, 0.0) / way
+        # Nothing but success is 1: a box on its way, tilted or still held, is short of it.
+        progress = 1.0 if not reason else float(np.clip(travelled, 0.0, 0.99))
+        return Measure(not reason, progress, reason)

@@ -1,0 +1,112 @@
+"""Scoring a trial: reached for an instant, held, and still so a second later."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from tasks.task import Measure, Task
+
+AFTERMATH = 1.0
+"""s for which a trial runs on after success, to see whether it lasts."""
+
+
+class Status(StrEnum):
+    """How a trial ended; `running` until then."""
+
+    RUNNING = "running"
+    HELD = "held"
+    TIMEOUT = "timeout"
+    DIVERGED = "diverged"
+    INPUT_ENDED = "input_ended"
+
+
+@dataclass(frozen=True)
+class Score:
+    """The result of a trial so far.
+
+    Attributes:
+        instant: The goal was reached at some moment.
+        held: It was reached for the hold time without a break; this is success.
+        final: It was still reached when the trial ended, a second after success.
+        status: How the trial ended.
+        progress: 0 to 1, at the end.
+        reason: What is missing, for a person; empty when nothing is.
+        time: s of simulated time until it was held, or until the trial ended.
+    """
+
+    instant: bool = False
+    held: bool = False
+    final: bool = False
+    status: Status = Status.RUNNING
+    progress: float = 0.0
+    reason: str = ""
+    time: float = 0.0
+
+    @property
+    def success(self) -> bool:
+        """The one number of a trial: the goal was held."""
+        return self.held
+
+
+class Scorer:
+    """Follows one trial from measure to measure."""
+
+    def __init__(self, task: Task) -> None:
+        self._task = task
+        self._since: float | None = None
+        self._held_at: float | None = None
+        self.score = Score()
+
+    @property
+    def over(self) -> bool:
+        """Whether the trial has ended."""
+        return self.score.status is not Status.RUNNING
+
+    def update(self, time: float, measure: Measure) -> Score:
+        """Takes note of the state at a time in seconds since the trial's start."""
+        if self.over:
+            return self.score
+        if not measure.reached:
+            self._since = None
+        elif self._since is None:
+            self._since = time
+        lasted = 0.0 if self._since is None else time - self._since
+        # Times are sums of steps; half a microsecond is no break of the rule.
+        if self._held_at is None and lasted >= self._task.hold_time - 5e-7:
+            self._held_at = time
+        held = self._held_at is not None
+        self.score = Score(
+            instant=self.score.instant or measure.reached,
+            held=held,
+            final=measure.reached,
+            progress=measure.progress,
+            reason=measure.reason,
+            time=time if self._held_at is None else self._held_at,
+        )
+        if self._held_at is not None and time - self._held_at >= AFTERMATH - 5e-7:
+            self._end(Status.HELD)
+        elif not held and time >= self._task.time_limit:
+            self._end(Status.TIMEOUT)
+        return self.score
+
+    def abort(self, status: Status, reason: str) -> Score:
+        """Ends the trial for a reason outside the task: no more input, or a diverged simulation."""
+        if not self.over:
+            if self.score.held:
+                # What was won stays won; only the look a second later is missing.
+                status, reason = Status.HELD, self.score.reason
+            self._end(status, reason)
+        return self.score
+
+    def _end(self, status: Status, reason: str | None = None) -> None:
+        old = self.score
+        self.score = Score(
+            old.instant,
+            old.held,
+            old.final,
+            status,
+            old.progress,
+            old.reason if reason is None else reason,
+            old.time,
+        )
