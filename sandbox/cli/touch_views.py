@@ -1,0 +1,191 @@
+"""How `sandbox touches show` shows frames: JSON lines for programs, a table for people."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import socket
+import sys
+from typing import Protocol, Self, TypedDict
+
+from rich.console import Console, Group
+from rich.live import Live
+from rich.table import Table
+from rich.text import Text
+
+from models.frames import FINGERS, TouchFrame
+from models.surface import METRES_PER_INCH, Surface
+from sandbox.devices.touch_capture import CaptureDevice
+from sandbox.devices.tuio import TuioDevice
+from sandbox.devices.tuio11 import Statistics
+
+Source = TuioDevice | CaptureDevice
+"""What touches can be shown of."""
+
+
+class View(Protocol):
+    """Where frames are shown; entered once it is known what is listened to."""
+
+    def __enter__(self) -> Self: ...
+
+    def __exit__(self, *error: object) -> None: ...
+
+    def frame(self, frame: TouchFrame) -> None: ...
+
+    def hint(self, text: str) -> None: ...
+
+
+class JsonView:
+    """Frames as JSON lines on stdout, events as JSON lines on stderr."""
+
+    def __init__(self, seen: Source) -> None:
+        self._seen = seen
+
+    def __enter__(self) -> Self:
+        if isinstance(self._seen, TuioDevice):
+            self._event("listening", address=self._seen.address)
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._event("end", **dataclasses.asdict(self._seen.statistics))
+
+    def frame(self, frame: TouchFrame) -> None:
+        print(json.dumps({"time": frame.time, "contacts": _contacts(frame)}), flush=True)
+
+    def hint(self, text: str) -> None:
+        self._event("warning", message=text)
+
+    def _event(self, kind: str, **facts: object) -> None:
+        print(json.dumps({"event": kind, **facts}), file=sys.stderr, flush=True)
+
+
+class TextView:
+    """A table of the touches of this moment; one line a frame where stdout is no terminal."""
+
+    def __init__(self, seen: Source, surface: Surface) -> None:
+        self._seen, self._surface = seen, surface
+        self._last: TouchFrame | None = None
+        self._hint = ""
+        self._stderr = Console(stderr=True, highlight=False)
+        stdout = Console()
+        self._live = (
+            Live(console=stdout, get_renderable=self._render) if stdout.is_terminal else None
+        )
+
+    def __enter__(self) -> Self:
+        self._say(_title(self._seen, self._surface))
+        if self._live is not None:
+            self._live.start()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        if self._live is not None:
+            self._live.stop()
+        self._say(_summary(self._seen.statistics))
+
+    def frame(self, frame: TouchFrame) -> None:
+        self._last, self._hint = frame, ""
+        if self._live is None:
+            touches = "  ".join(f"{c['id']}: {c['x']:.2f}, {c['y']:.2f}" for c in _contacts(frame))
+            print(f"{frame.time:9.3f} s  {touches or 'no touch'}", flush=True)
+
+    def hint(self, text: str) -> None:
+        self._hint = text
+        if self._live is None:
+            self._say(text)
+
+    def _say(self, text: str) -> None:
+        self._stderr.print(Text(text), soft_wrap=True)
+
+    def _render(self) -> Group:
+        table = Table("id", "x, in", "y, in", "finger")
+        for c in _contacts(self._last) if self._last else ():
+            table.add_row(str(c["id"]), f"{c['x']:.2f}", f"{c['y']:.2f}", c["finger"] or "")
+        lines = [_summary(self._seen.statistics)]
+        if isinstance(self._seen, TuioDevice):
+            for source in self._seen.sources:
+                state = "silent" if source.stale else f"{source.touches} touches"
+                lines.append(f"{source.name or 'unnamed'} at {source.peer}: {state}")
+        return Group(table, Text("\n".join(lines)), Text(self._hint, style="yellow"))
+
+
+class _JsonContact(TypedDict):
+    """A contact in inches from the top left corner of the surface."""
+
+    id: int
+    x: float
+    y: float
+    finger: str | None
+
+
+def _contacts(frame: TouchFrame) -> list[_JsonContact]:
+    return [
+        {
+            "id": contact.id,
+            "x": contact.x / METRES_PER_INCH,
+            "y": contact.y / METRES_PER_INCH,
+            "finger": None if contact.label is None else FINGERS[contact.label],
+        }
+        for contact in frame.contacts
+    ]
+
+
+def _title(seen: Source, surface: Surface) -> str:
+    size = f"surface {surface.width_in:.2f} x {surface.height_in:.2f} in"
+    if not surface.calibrated:
+        size += " (a guess: give --surface)"
+    if not isinstance(seen, TuioDevice):
+        return f"playing a capture; {size}"
+    reach = ""
+    if seen.bind == "0.0.0.0":
+        reach = f", from the network at {_network_address()}:{seen.port}"
+    return f"listening on {seen.address}{reach} (TUIO 1.1 over UDP); {size}; Ctrl-C ends"
+
+
+def _summary(counts: Statistics) -> str:
+    """The counters in a line; what is zero is not worth a word."""
+    text = f"{counts.packets} packets, {counts.frames} frames"
+    for number, what, detail in (
+        (counts.malformed, "malformed", counts.malformed_reason),
+        (counts.late, "late", counts.late_reason),
+        (counts.unfinished, "without fseq", ""),
+        (counts.ignored, "messages ignored", counts.ignored_address),
+        (counts.dropped, "frames dropped", "shown too slowly"),
+    ):
+        if number:
+            text += f", {number} {what}" + (f" (last: {detail})" if detail else "")
+    return text
+
+
+def what_to_check(seen: Source) -> str:
+    """Why no frame may have come, from what has."""
+    counts = seen.statistics
+    if counts.packets:
+        return (
+            f"Packets come, but no touches of TUIO 1.1 in them: {_summary(counts)}. "
+            "Check that the sender is set to TUIO version 1.1, cursors (2Dcur), over UDP."
+        )
+    if not isinstance(seen, TuioDevice):
+        return "The capture has begun with a pause."
+    where = f"{_network_address()} port {seen.port}"
+    checks = [
+        "Nothing has arrived yet. Touch the surface: an idle sender is silent.",
+        f"Check that the sender's host and port are {where}, its protocol TUIO 1.1 over UDP,",
+        f"that both are in the same network, and that the firewall lets UDP {seen.port} in.",
+    ]
+    if seen.bind.startswith("127."):
+        checks[1] = f"Only this machine reaches {seen.address}; for a tablet add --bind 0.0.0.0."
+        checks[2] = (
+            "`sandbox touches send CAPTURE --to " + seen.address + "` sends recorded touches."
+        )
+    return " ".join(checks)
+
+
+def _network_address() -> str:
+    """This machine's address as others in the network see it, as far as it has one."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.connect(("192.0.2.1", 9))  # a documentation address (RFC 5737); nothing is sent
+            return str(probe.getsockname()[0])
+        except OSError:
+            return "this machine's address"
