@@ -1,0 +1,95 @@
+"""What all tests share: the data beside the project, and that a skipped test is no passed test.
+
+With `CI=true` a skip fails the run, since a check that quietly stopped running looks like one that
+passes. Two things a machine may honestly lack are let through, each only while it is lacking: the
+recordings in `../shared/data` (`HAND_SANDBOX_DATA` overrides the place) and device nodes in /dev.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Generator
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, settings
+
+ROOT = Path(__file__).resolve().parent.parent
+DATA_ABSENT = "shared data absent"
+NODE_ABSENT = "device node absent"
+IN_CI = os.environ.get("CI", "").lower() in ("true", "1")
+
+# A busy machine is no failure: no deadlines. CI searches from a fixed seed, people explore.
+settings.register_profile(
+    "hand-sandbox",
+    deadline=None,
+    derandomize=IN_CI,
+    suppress_health_check=[HealthCheck.too_slow],
+)
+settings.load_profile("hand-sandbox")
+
+
+def data_folder() -> Path:
+    """Where the recordings made by people outside this project are, or would be."""
+    override = os.environ.get("HAND_SANDBOX_DATA")
+    return Path(override) if override else ROOT.parent / "shared" / "data"
+
+
+def usable(node: str) -> bool:
+    """Whether a device node is there and this process may read and write it."""
+    return os.access(node, os.R_OK | os.W_OK)
+
+
+def skip_is_honest(reason: str) -> bool:
+    """Whether what a skip says is lacking is one of the two things that may be, and is lacking."""
+    text = reason.removeprefix("Skipped: ")
+    if text.startswith(DATA_ABSENT):
+        return not data_folder().is_dir()
+    if text.startswith(NODE_ABSENT):
+        node = text.removeprefix(NODE_ABSENT).lstrip(": ").split(" ")[0]
+        return node.startswith("/dev/") and not usable(node)
+    return False
+
+
+@pytest.fixture(scope="session")
+def shared_data() -> Path:
+    """The folder of recordings made outside this project; skips where it is absent."""
+    folder = data_folder()
+    if not folder.is_dir():
+        pytest.skip(f"{DATA_ABSENT}: there is no folder {folder}")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def device_node() -> Callable[[str], Path]:
+    """`device_node("/dev/uinput")` gives the node's path; skips where it cannot be used."""
+
+    def find(node: str) -> Path:
+        if not usable(node):
+            pytest.skip(f"{NODE_ABSENT}: {node}")
+        return Path(node)
+
+    return find
+
+
+def _fail_if_skipped(report: pytest.TestReport | pytest.CollectReport) -> None:
+    if not (IN_CI and report.skipped) or hasattr(report, "wasxfail"):
+        return
+    reason = report.longrepr[2] if isinstance(report.longrepr, tuple) else str(report.longrepr)
+    if not skip_is_honest(reason):
+        report.outcome = "failed"
+        report.longrepr = f"with CI=true a skipped test fails the run. {reason}"
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport() -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    report = yield
+    _fail_if_skipped(report)
+    return report
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_make_collect_report() -> Generator[None, pytest.CollectReport, pytest.CollectReport]:
+    report = yield
+    _fail_if_skipped(report)
+    return report

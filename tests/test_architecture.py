@@ -1,0 +1,278 @@
+"""The house stands as drawn: which package may know which, and what no file may do.
+
+Each rule is a function from a parsed file to what is wrong with it. It runs over every file of the
+repository, and over a few lines made to break it, so that a rule gone blind is noticed.
+"""
+
+from __future__ import annotations
+
+import ast
+import io
+import os
+import re
+import subprocess
+import sys
+import tokenize
+import tomllib
+from collections.abc import Callable, Iterator
+from importlib.metadata import packages_distributions
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+PACKAGES = ("models", "encoders", "tasks", "sandbox")
+MAY_IMPORT = {
+    "models": {"models"},
+    "encoders": {"models", "encoders"},
+    "tasks": {"models", "tasks"},
+    "sandbox": set(PACKAGES),
+}
+"""The arrows. Folders that are not listed (tests, benchmarks, examples) are judged below."""
+MAY_RUN_THE_PROGRAM = {"sandbox", "tests", "benchmarks", "examples"}
+SHOWS_OR_SERVES = (
+    "OpenGL",
+    "glfw",
+    "websockets",
+    "matplotlib",
+    "plotly",
+    "moderngl",
+    "pygame",
+    "pyglet",
+    "tkinter",
+    "mujoco.viewer",
+    "mujoco.renderer",
+    "mujoco.gl_context",
+    "mujoco.egl",
+    "mujoco.glfw",
+    "mujoco.osmesa",
+)
+"""Modules that open a window, a socket or a picture; only `sandbox` has business with them."""
+HEAVY = ("mujoco", "glfw", "scipy", "OpenGL", "websockets", "matplotlib", "numba")
+MOST_LINES = 400
+NOT_OURS = {"build", "dist", "out", "node_modules", "static", "__pycache__"}
+"""Folders with built or fetched files."""
+
+Rule = Callable[[str, str], Iterator[str]]
+
+
+def files(*suffixes: str) -> list[Path]:
+    """Every file of the repository with one of these suffixes, save what is built or fetched."""
+    found = []
+    for folder, inner, names in os.walk(ROOT):
+        inner[:] = [n for n in inner if n not in NOT_OURS and not n.startswith(".")]
+        found += [Path(folder, name) for name in names if name.endswith(suffixes)]
+    return sorted(found)
+
+
+def name_of(node: ast.expr) -> str:
+    """'a.b.c' for an attribute chain, the last name of any other callee."""
+    if isinstance(node, ast.Attribute):
+        return f"{name_of(node.value)}.{node.attr}"
+    return node.id if isinstance(node, ast.Name) else ""
+
+
+def text_of(node: ast.expr) -> str:
+    """A string literal, or what an f-string begins with."""
+    if isinstance(node, ast.JoinedStr) and node.values:
+        node = node.values[0]
+    return node.value if isinstance(node, ast.Constant) and isinstance(node.value, str) else ""
+
+
+def imports(path: str, source: str) -> Iterator[tuple[int, str]]:
+    """(line, dotted module) of every import, inside functions and by name as well."""
+    package = Path(path).parent.parts
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            yield from ((node.lineno, alias.name) for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            above = package[: len(package) - node.level + 1] if node.level else ()
+            module = ".".join([*above, *filter(None, [node.module])])
+            yield node.lineno, module
+            yield from ((node.lineno, f"{module}.{alias.name}") for alias in node.names)
+        elif (
+            isinstance(node, ast.Call)
+            and node.args
+            and name_of(node.func).split(".")[-1] in ("import_module", "__import__")
+        ):
+            yield node.lineno, text_of(node.args[0])
+
+
+def arrows_point_down(path: str, source: str) -> Iterator[str]:
+    room = Path(path).parts[0]
+    for line, module in imports(path, source):
+        target = module.partition(".")[0]
+        if target in PACKAGES and target not in MAY_IMPORT.get(room, PACKAGES):
+            yield f"{path}:{line} imports {module}, and {room} may not know {target}"
+        elif target == "sandbox" and room not in MAY_RUN_THE_PROGRAM:
+            yield f"{path}:{line} imports {module}, and only the program knows the program"
+
+
+def only_the_program_shows_and_serves(path: str, source: str) -> Iterator[str]:
+    room = Path(path).parts[0]
+    if room not in PACKAGES or room == "sandbox":
+        return
+    for line, module in imports(path, source):
+        if any(f"{module}.".startswith(f"{name}.") for name in SHOWS_OR_SERVES):
+            yield f"{path}:{line} imports {module} outside sandbox"
+
+
+def nothing_is_swallowed(path: str, source: str) -> Iterator[str]:
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.ExceptHandler):
+            caught = {name_of(part) for part in ast.walk(node.type or ast.Name("")) if part}
+            if node.type is None:
+                yield f"{path}:{node.lineno} catches everything without a name"
+            elif all(
+                isinstance(step, ast.Pass)
+                or (isinstance(step, ast.Expr) and isinstance(step.value, ast.Constant))
+                for step in node.body
+            ):
+                yield f"{path}:{node.lineno} catches an error and does nothing"
+            elif caught & {"Exception", "BaseException"} and not any(
+                isinstance(part, ast.Raise) or (isinstance(part, ast.Name) and part.id == node.name)
+                for step in node.body
+                for part in ast.walk(step)
+            ):
+                yield f"{path}:{node.lineno} catches every error and forgets which it was"
+        elif (
+            isinstance(node, ast.Call)
+            and name_of(node.func).split(".")[-1] == "suppress"
+            and {name_of(a) for a in node.args} & {"Exception", "BaseException"}
+        ):
+            yield f"{path}:{node.lineno} suppresses every error"
+
+
+def nothing_is_left_undone(path: str, source: str) -> Iterator[str]:
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Raise) and node.exc is not None:
+            raised = node.exc.func if isinstance(node.exc, ast.Call) else node.exc
+            if name_of(raised) == "NotImplementedError":
+                yield f"{path}:{node.lineno} is not implemented"
+    for token in tokenize.generate_tokens(io.StringIO(source).readline):
+        if token.type == tokenize.COMMENT and any(
+            word in token.string for word in ("TODO", "FIXME", "XXX")
+        ):
+            yield f"{path}:{token.start[0]} leaves work for later"
+
+
+def files_are_small(path: str, source: str) -> Iterator[str]:
+    count = len(source.splitlines())
+    if count > MOST_LINES:
+        yield f"{path} has {count} lines, more than {MOST_LINES}: it holds more than one idea"
+
+
+RULES: tuple[Rule, ...] = (
+    arrows_point_down,
+    only_the_program_shows_and_serves,
+    nothing_is_swallowed,
+    nothing_is_left_undone,
+    files_are_small,
+)
+
+BROKEN = [
+    (arrows_point_down, "models/a.py", "import encoders.polynomial"),
+    (arrows_point_down, "models/motion/a.py", "def f():\n    from tasks import score"),
+    (arrows_point_down, "encoders/a.py", "from tasks.score import Score"),
+    (arrows_point_down, "tasks/a.py", "import importlib\nimportlib.import_module('encoders.pca')"),
+    (arrows_point_down, "tasks/a.py", "__import__(f'sandbox.{name}')"),
+    (arrows_point_down, "encoders/a.py", "if TYPE_CHECKING:\n    import sandbox"),
+    (arrows_point_down, "docs/make.py", "from sandbox import session"),
+    (only_the_program_shows_and_serves, "models/a.py", "from OpenGL import GL"),
+    (only_the_program_shows_and_serves, "tasks/a.py", "def f():\n    import matplotlib.pyplot"),
+    (only_the_program_shows_and_serves, "tasks/a.py", "from mujoco import viewer"),
+    (nothing_is_swallowed, "a.py", "try:\n    f()\nexcept:\n    raise"),
+    (nothing_is_swallowed, "a.py", "try:\n    f()\nexcept OSError:\n    pass"),
+    (nothing_is_swallowed, "a.py", "try:\n    f()\nexcept OSError:\n    ..."),
+    (nothing_is_swallowed, "a.py", "try:\n    f()\nexcept (OSError, Exception):\n    x = 1"),
+    (nothing_is_swallowed, "a.py", "with contextlib.suppress(Exception):\n    f()"),
+    (nothing_is_left_undone, "a.py", "def f():\n    raise NotImplementedError"),
+    (nothing_is_left_undone, "a.py", "x = 1  # " + "TODO more"),
+    (files_are_small, "a.py", "x = 1\n" * (MOST_LINES + 1)),
+]
+
+SOUND = [
+    (arrows_point_down, "encoders/a.py", "from models.errors import EncoderError"),
+    (arrows_point_down, "encoders/paalm/a.py", "from .. import polynomial\nfrom . import b"),
+    (arrows_point_down, "sandbox/a.py", "import models, encoders, tasks"),
+    (arrows_point_down, "tests/a.py", "import sandbox.session"),
+    (only_the_program_shows_and_serves, "models/a.py", "import mujoco\nimport glfwlike"),
+    (only_the_program_shows_and_serves, "sandbox/views/a.py", "import glfw, OpenGL.GL"),
+    (nothing_is_swallowed, "a.py", "try:\n    f()\nexcept Exception as error:\n    log(error)"),
+    (nothing_is_swallowed, "a.py", "try:\n    f()\nexcept BaseException:\n    undo()\n    raise"),
+    (nothing_is_swallowed, "a.py", "with suppress(FileNotFoundError):\n    f()"),
+    (nothing_is_left_undone, "a.py", "TODO = 'in a name'\nraise ValueError"),
+    (files_are_small, "a.py", "x = 1\n" * MOST_LINES),
+]
+
+
+@pytest.mark.parametrize("rule", RULES, ids=lambda rule: rule.__name__)
+def test_every_file_of_the_repository_keeps_the_rule(rule: Rule) -> None:
+    paths = files(".py")
+    assert len(paths) >= len(PACKAGES), f"no files found under {ROOT}"
+    wrong = [
+        offence
+        for path in paths
+        for offence in rule(path.relative_to(ROOT).as_posix(), path.read_text(encoding="utf-8"))
+    ]
+    assert not wrong, "\n".join(wrong)
+
+
+@pytest.mark.parametrize(("rule", "path", "source"), BROKEN)
+def test_a_rule_sees_what_breaks_it(rule: Rule, path: str, source: str) -> None:
+    assert list(rule(path, source))
+
+
+@pytest.mark.parametrize(("rule", "path", "source"), SOUND)
+def test_a_rule_leaves_sound_code_alone(rule: Rule, path: str, source: str) -> None:
+    assert not list(rule(path, source))
+
+
+def test_pages_and_styles_are_as_small_as_modules() -> None:
+    wrong = [
+        offence
+        for path in files(".js", ".mjs", ".ts", ".css", ".html")
+        for offence in files_are_small(path.relative_to(ROOT).as_posix(), path.read_text("utf-8"))
+    ]
+    assert not wrong, "\n".join(wrong)
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_every_package_tells_type_checkers_that_it_is_typed(package: str) -> None:
+    assert (ROOT / package / "py.typed").is_file()
+
+
+@pytest.mark.parametrize("module", ["sandbox", "sandbox.cli.main"])
+def test_starting_the_program_loads_nothing_heavy(module: str) -> None:
+    question = f"import sys, {module}; print(*(set({HEAVY}) & set(sys.modules)))"
+    answer = subprocess.run(
+        [sys.executable, "-c", question], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    assert answer.stdout.split() == []
+
+
+def test_what_the_packages_import_is_declared() -> None:
+    """Whatever another package happens to bring along may be gone with its next release."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    extras = project["optional-dependencies"].values()
+    declared = {
+        canonical(re.split(r"[^\w.-]", requirement)[0])
+        for requirement in [*project["dependencies"], *(r for extra in extras for r in extra)]
+    }
+    providers = packages_distributions()
+    wrong = set()
+    for path in files(".py"):
+        where = path.relative_to(ROOT).as_posix()
+        if where.partition("/")[0] not in PACKAGES:
+            continue
+        for line, module in imports(where, path.read_text(encoding="utf-8")):
+            top = module.partition(".")[0]
+            names = {canonical(name) for name in providers.get(top, [top])}
+            if top and top not in {*PACKAGES, *sys.stdlib_module_names} and not names & declared:
+                wrong.add(f"{where}:{line} imports {module}, which pyproject.toml does not declare")
+    assert not wrong, "\n".join(sorted(wrong))
+
+
+def canonical(name: str) -> str:
+    """A distribution's name as package indexes compare it."""
+    return re.sub(r"[-_.]+", "-", name).lower()
