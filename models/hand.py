@@ -94,7 +94,8 @@ def hand_default() -> Element:
 def hand_body(hand: Hand) -> Element:
     """The palm's body with everything that hangs on it.
 
-    Geoms collide with nothing until the session makes them solid.
+    The bones' geoms are compiled as solid: MuJoCo decides at compile time which bodies may collide
+    at all. A session turns geoms off and on again afterwards.
     """
     palm = Element("body", {
         "name": hand.element_name("palm"), "childclass": "hand", "gravcomp": "1",
@@ -124,7 +125,7 @@ def hand_body(hand: Hand) -> Element:
         })  # fmt: skip
         SubElement(body, "geom", {
             "name": hand.element_name(bone.name), "fromto": _text(0, 0, 0, 0, bone.length, 0),
-            "size": _text(bone.radius),
+            "size": _text(bone.radius), "contype": str(CONTACT_HAND),
         })  # fmt: skip
         parents[bone.finger] = body
     return palm

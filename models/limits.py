@@ -50,6 +50,8 @@ class RateLimit:
 
         All parts are slowed by the same share, so that the fingers stay in step with the wrist.
         """
+        if dt <= 0:
+            return previous
         goal = target.copy()
         goal[ROOT_ROTATION] = unwrap_near(target[ROOT_ROTATION], previous[ROOT_ROTATION])
         step = goal - previous

@@ -1,0 +1,188 @@
+"""Follows fingers through what a touch device says: drop-outs, new ids, palms and noise.
+
+A finger that vanishes lives on for a moment, carried along by the others, and a new id close by
+inherits it; touch screens lose and find resting fingers, and a grasp must survive that. A touch
+that the system *cancelled* was not lifted by the person and lives on longer.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.frames import FINGERS, Contact, TouchFrame
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class TrackerSettings:
+    """When a contact is which finger's, and when it is none.
+
+    Attributes:
+        grace: s for which a lost contact lives on.
+        cancelled_grace: s for which a cancelled contact lives on.
+        inherit: m, how far from a lost contact a new id may appear to inherit it.
+        low_pass: s, time constant of the smoothing of positions.
+        blob: m, contact diameter from which on it is a palm rather than a finger.
+        span: m, farther apart than this no two fingers of one hand are.
+    """
+
+    grace: float = 0.15
+    cancelled_grace: float = 0.35
+    inherit: float = 0.025
+    low_pass: float = 0.02
+    blob: float = 0.035
+    span: float = 0.24
+
+
+@dataclass
+class Track:
+    """One finger followed through time.
+
+    Attributes:
+        id: Ours; stays the same when the device gives the finger a new id.
+        device_id: The device's id at present.
+        xy: (2,) m, smoothed position on the surface.
+        raw: (2,) m, last position from the device.
+        born: s, when it came down.
+        lost_at: s, when the device lost it; None while it touches.
+        grace: s for which it lives on once lost.
+        device_label: Finger according to the device, where it knows.
+    """
+
+    id: int
+    device_id: int
+    xy: Array
+    raw: Array
+    born: float
+    lost_at: float | None = None
+    grace: float = 0.0
+    device_label: int | None = None
+
+    @property
+    def active(self) -> bool:
+        """Whether the device sees it now."""
+        return self.lost_at is None
+
+
+@dataclass
+class ContactTracker:
+    """Turns touch frames into at most five tracks of one hand.
+
+    Attributes:
+        tracks: Living tracks by our id, in the order in which they came down.
+        ignored: Contacts of the last frame that are no finger of this hand, for views.
+        counts: How often something was ignored or repaired, by reason.
+    """
+
+    settings: TrackerSettings = field(default_factory=TrackerSettings)
+    tracks: dict[int, Track] = field(default_factory=dict)
+    ignored: tuple[Contact, ...] = ()
+    counts: dict[str, int] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self._next_id = 0
+        self._time: float | None = None
+        self._ignored_ids: dict[int, str] = {}
+
+    def reset(self) -> None:
+        """Forgets all tracks, but not the counts."""
+        self.tracks, self.ignored, self._time = {}, (), None
+        self._ignored_ids = {}
+
+    def step(self, frame: TouchFrame) -> None:
+        """Takes in the next frame; its time never runs backwards."""
+        dt = 0.0 if self._time is None else max(frame.time - self._time, 0.0)
+        self._time = frame.time
+        seen = {c.id: c for c in frame.contacts}
+        self._ignored_ids = {i: why for i, why in self._ignored_ids.items() if i in seen}
+        by_device = {t.device_id: t for t in self.tracks.values()}
+
+        moves = []
+        for track in self.tracks.values():
+            contact = seen.get(track.device_id)
+            if contact is None:
+                if track.active:
+                    self._lose(track, frame)
+            elif not track.active:
+                # The same id again: devices that keep ids need no inheritance.
+                self._find(track, contact, dt)
+            else:
+                moves.append(self._follow(track, contact, dt))
+        drift = np.mean(moves, axis=0) if moves else np.zeros(2)
+        for track in self.tracks.values():
+            if not track.active:
+                track.xy = track.xy + drift
+        new = [c for i, c in seen.items() if i not in by_device and i not in self._ignored_ids]
+        for contact in sorted(new, key=lambda c: c.id):
+            self._arrive(contact, frame.time, dt)
+        self._expire(frame.time)
+        self.ignored = tuple(seen[i] for i in sorted(self._ignored_ids))
+
+    def _follow(self, track: Track, contact: Contact, dt: float) -> Array:
+        before = track.xy
+        track.raw = np.array([contact.x, contact.y])
+        # A first-order low-pass, exact for a position held over the step.
+        share = 1.0 if self.settings.low_pass <= 0 else -np.expm1(-dt / self.settings.low_pass)
+        track.xy = before + share * (track.raw - before)
+        track.device_label = contact.label if contact.label is not None else track.device_label
+        return track.xy - before
+
+    def _lose(self, track: Track, frame: TouchFrame) -> None:
+        cancelled = track.device_id in frame.cancelled
+        track.lost_at = frame.time
+        track.grace = self.settings.cancelled_grace if cancelled else self.settings.grace
+        self._count("cancelled" if cancelled else "lifted")
+
+    def _find(self, track: Track, contact: Contact, dt: float) -> None:
+        track.device_id, track.lost_at = contact.id, None
+        self._count("found again")
+        self._follow(track, contact, dt)
+
+    def _arrive(self, contact: Contact, time: float, dt: float) -> None:
+        xy = np.array([contact.x, contact.y])
+        lost = [t for t in self.tracks.values() if not t.active]
+        if lost and self.settings.grace > 0:
+            nearest = min(lost, key=lambda t: (np.linalg.norm(t.xy - xy), t.id))
+            if np.linalg.norm(nearest.xy - xy) <= self.settings.inherit:
+                self._find(nearest, contact, dt)
+                return
+        why = self._unfit(contact, xy)
+        if why:
+            self._ignored_ids[contact.id] = why
+            self._count(why)
+            return
+        if len(self.tracks) >= len(FINGERS):
+            # A sixth contact while a lost finger still lives on: the living one wins.
+            oldest = min(lost, key=lambda t: (t.lost_at, t.id))
+            del self.tracks[oldest.id]
+        self.tracks[self._next_id] = Track(
+            self._next_id, contact.id, xy, xy, time, device_label=contact.label
+        )
+        self._next_id += 1
+
+    def _unfit(self, contact: Contact, xy: Array) -> str:
+        """Why a new contact is no finger of this hand; empty when it is one."""
+        if contact.size is not None and contact.size > self.settings.blob:
+            return "palm"
+        active = [t for t in self.tracks.values() if t.active]
+        if len(active) >= len(FINGERS):
+            return "more than five"
+        if any(np.linalg.norm(t.xy - xy) > self.settings.span for t in active):
+            return "farther away than a hand reaches"
+        return ""
+
+    def _expire(self, time: float) -> None:
+        lost = [t for t in self.tracks.values() if t.lost_at is not None]
+        over = [t for t in lost if time - float(t.lost_at or 0.0) >= t.grace - 1e-9]
+        # With no finger left on the surface all are let go together: were each to go after its own
+        # grace, the last one would still squeeze, and push what it held aside.
+        gone = lost if over and len(lost) == len(self.tracks) else over
+        for track in gone:
+            del self.tracks[track.id]
+
+    def _count(self, what: str) -> None:
+        self.counts[what] = self.counts.get(what, 0) + 1

@@ -1,0 +1,324 @@
+"""From one touch frame after another to the pose of the whole hand.
+
+Touches -> tracks -> labels -> contact vector -> encoder -> smoothing -> fingertip correction ->
+arrival -> rate limit -> commanded pose. Session, evaluation and replay all use this one object.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.arrival import Arrival, ArrivalSettings, Phase
+from encoders.contact_tracker import ContactTracker, TrackerSettings
+from encoders.contact_vector import contact_vector, leftmost
+from encoders.correction import CorrectionSettings, FingertipCorrection
+from encoders.labelling import Labeller
+from encoders.smoothing import PoseFilter
+from encoders.trained import TrainedModel
+from models.frames import TouchFrame
+from models.kinematics import Kinematics
+from models.limits import RateLimit, within_limits
+from models.pose import ROOT_POSITION, absolute_pose, surface_to_world
+from models.skeleton import Skeleton
+from models.surface import METRES_PER_INCH, Surface
+
+Array = NDArray[np.float64]
+
+PAD_HEIGHT = 0.006
+"""m, centre of a touching fingertip's end sphere above the surface: its radius less the flesh that
+the surface flattens, as in the captures."""
+
+TURN_LENGTH = 0.08
+"""m, from wrist to knuckles: an error of the hand's turn times this is an error of place."""
+
+
+@dataclass(frozen=True)
+class ReconstructorSettings:
+    """What takes part between touches and pose.
+
+    Attributes:
+        tracker: Drop-outs, palms, smoothing of touches.
+        arrival: How the hand comes and goes.
+        correction: How fingertips meet touches; None switches the correction off.
+        posture_tau: s, time constant of the posture filter; 0 switches it off.
+        encode: False takes the mean training pose instead of the encoder's (an ablation).
+        rate: Bounds on the commanded pose's speed.
+        device_labels: Believe the device where it names fingers.
+    """
+
+    tracker: TrackerSettings = field(default_factory=TrackerSettings)
+    arrival: ArrivalSettings = field(default_factory=ArrivalSettings)
+    correction: CorrectionSettings | None = field(default_factory=CorrectionSettings)
+    posture_tau: float = 0.10
+    encode: bool = True
+    rate: RateLimit = field(default_factory=RateLimit)
+    device_labels: bool = True
+
+
+@dataclass(frozen=True)
+class ReconstructedContact:
+    """A contact and what was made of it.
+
+    Attributes:
+        id: The device's.
+        xy: (2,) m on the surface, smoothed.
+        label: Its finger; None while unnamed or ignored.
+        state: `active`, `lost` (living on for a moment) or `ignored`.
+    """
+
+    id: int
+    xy: Array
+    label: int | None
+    state: str
+
+
+@dataclass(frozen=True)
+class Reconstruction:
+    """The hand at one moment.
+
+    Attributes:
+        q: (48,) commanded pose in the world.
+        phase: Where the hand is between the air and its place.
+        fingers: Labels of the fingers that touch.
+        u: (15,) contact vector, or None without a named contact.
+        probability: How sure the labels are, 0 to 1.
+        tip_error: m, largest distance between a corrected fingertip and its touch.
+        contacts: Everything on the surface.
+    """
+
+    q: Array
+    phase: Phase
+    fingers: frozenset[int]
+    u: Array | None
+    probability: float
+    tip_error: float
+    contacts: tuple[ReconstructedContact, ...]
+
+    @property
+    def down(self) -> bool:
+        """Whether the hand is at its place, so that its fingers may touch things."""
+        return self.phase is Phase.DOWN
+
+
+class TouchReconstructor:
+    """Holds labeller, encoder, filter, correction and arrival of one hand.
+
+    Args:
+        model: Trained encoder with the covariance of its errors.
+        labeller: Names the fingers.
+        skeleton: The hand whose fingertips are to meet the touches.
+        surface: Where the touches are in the world.
+        settings: What takes part.
+    """
+
+    def __init__(
+        self,
+        model: TrainedModel,
+        labeller: Labeller,
+        skeleton: Skeleton,
+        surface: Surface,
+        settings: ReconstructorSettings | None = None,
+    ) -> None:
+        self.model, self.labeller, self.surface = model, labeller, surface
+        self.settings = settings or ReconstructorSettings()
+        self._kinematics = Kinematics(skeleton)
+        s = self.settings
+        self._correction = (
+            FingertipCorrection(self._kinematics, model.residual_covariance, s.correction)
+            if s.correction
+            else None
+        )
+        self._mean = model.training_pose.mean(axis=0)
+        self._tracker = ContactTracker(s.tracker)
+        self._arrival = Arrival(s.arrival)
+        self._filter = PoseFilter(s.posture_tau)
+        self.reset()
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How often contacts were ignored or repaired, by reason."""
+        return self._tracker.counts
+
+    @property
+    def commanded(self) -> Array:
+        """(48,) the pose last commanded, in the world; where a simulation starts its hand."""
+        return surface_to_world(self._commanded, self.surface)
+
+    def reset(self) -> None:
+        """Back to a hand that hovers over the middle of the surface and knows no contact."""
+        self._tracker.reset()
+        self._arrival.reset()
+        self._filter.reset()
+        self.labeller.reset()
+        self._labels: dict[int, int] = {}
+        self._probability = 1.0
+        self._known: frozenset[int] = frozenset()
+        self._changed_at = -np.inf
+        self._time: float | None = None
+        self._last_xy: dict[int, Array] = {}
+        width, height = self.surface.size
+        middle = absolute_pose(self._mean, (width / 2, height / 2))
+        self._place = within_limits(self._centred(middle), self._kinematics.skeleton)
+        self._commanded = self._raised(self._place)
+        self._tip_error = 0.0
+
+    def step(self, frame: TouchFrame) -> Reconstruction:
+        """Takes in a touch frame; called once per control step, also when nothing has changed.
+
+        Args:
+            frame: Contacts now; `frame.time` is session time and never runs backwards.
+        """
+        dt = 0.0 if self._time is None else max(frame.time - self._time, 0.0)
+        self._time = frame.time
+        self._tracker.step(frame)
+        tracks = self._tracker.tracks
+        self._labels = {i: f for i, f in self._labels.items() if i in tracks}
+        self._name(frame.time)
+
+        carried, speed = self._motion(dt)
+        named = {i: tracks[i].xy for i in self._labels}
+        u = self._contact_vector(named) if named else None
+        if named:
+            self._place = self._reconstruct(named, u, carried, dt)
+        goal = self._raised(self._place)
+        self._commanded = self.settings.rate(self._commanded, goal, dt)
+        self._arrival.step(
+            dt,
+            touched=bool(named) if self._arrival.phase is Phase.DOWN else bool(tracks),
+            named=len(named) == len(tracks) > 0,
+            speed=speed,
+            off=self._off(goal),
+        )
+        if not tracks:
+            self._filter.reset()
+            self.labeller.reset()
+        return Reconstruction(
+            surface_to_world(self._commanded, self.surface),
+            self._arrival.phase,
+            frozenset(self._labels.values()),
+            u,
+            self._probability,
+            self._tip_error,
+            self._contacts(),
+        )
+
+    def _name(self, time: float) -> None:
+        """Names the fingers once the set of contacts has been stable for a while.
+
+        A hand that is down keeps its names: a changed name would wring the grasp apart. A finger
+        that joins it gets one of the free names.
+        """
+        tracks = self._tracker.tracks
+        present = frozenset(tracks)
+        if present - self._known:
+            self._changed_at = time
+            fresh = True
+        else:
+            fresh = False
+        self._known = present
+        settle = self.settings.arrival.settle if self.settings.arrival.hover > 0 else 0.0
+        waiting = len(self._labels) < len(tracks)
+        if not waiting and not fresh:
+            return
+        if time - self._changed_at < settle - 1e-9:
+            return
+        low = self._arrival.phase in (Phase.COMING_DOWN, Phase.DOWN)
+        fixed = dict(self._labels) if low and settle > 0 else {}
+        if self.settings.device_labels and all(t.device_label is not None for t in tracks.values()):
+            given = {i: int(t.device_label or 0) for i, t in tracks.items()}
+            if len(set(given.values())) == len(given):
+                self._labels, self._probability = given, 1.0
+                return
+        xy = {i: (float(t.xy[0]), float(t.xy[1])) for i, t in tracks.items()}
+        labelling = self.labeller.assign(xy, fixed)
+        self._labels, self._probability = dict(labelling.labels), labelling.probability
+
+    def _motion(self, dt: float) -> tuple[Array, float]:
+        """Common motion of the touches since the last step (2,), and the fastest one's speed."""
+        tracks = self._tracker.tracks
+        moves = [t.xy - self._last_xy[i] for i, t in tracks.items() if i in self._last_xy]
+        self._last_xy = {i: t.xy for i, t in tracks.items()}
+        if not moves:
+            return np.zeros(2), 0.0
+        fastest = max(float(np.linalg.norm(m)) for m in moves)
+        return np.mean(moves, axis=0), fastest / dt if dt > 0 else 0.0
+
+    def _contact_vector(self, named: dict[int, Array]) -> Array:
+        inches = {
+            self._labels[i]: (float(xy[0]) / METRES_PER_INCH, float(xy[1]) / METRES_PER_INCH)
+            for i, xy in named.items()
+        }
+        return contact_vector(inches)
+
+    def _reconstruct(
+        self, named: dict[int, Array], u: Array | None, carried: Array, dt: float
+    ) -> Array:
+        """The pose (48,) in the 3-D surface frame, at height 0."""
+        ids = sorted(named)
+        labels = np.array([self._labels[i] for i in ids])
+        xy = np.array([named[i] for i in ids])
+        targets = np.column_stack([xy[:, 0], -xy[:, 1], np.full(len(xy), PAD_HEIGHT)])
+        origin = xy[leftmost(xy, ids)]
+        if len(ids) == 1:
+            # No layout, no information: the posture stays, and the hand goes where the finger is.
+            guess = self._filter.step(self._held(carried), np.zeros(2), dt)
+            guess = self._shifted(guess, labels, targets)
+        else:
+            relative = self.model.encoder.predict(u) if self.settings.encode else self._mean
+            guess = absolute_pose(relative, origin)
+            if not self.settings.encode:
+                guess = self._shifted(guess, labels, targets)
+            guess = self._filter.step(guess, carried, dt)
+        if self._correction is None:
+            self._tip_error = float("nan")
+            return within_limits(guess, self._kinematics.skeleton)
+        corrected = self._correction.correct(guess, labels, targets)
+        self._tip_error = corrected.error
+        return corrected.q
+
+    def _held(self, carried: Array) -> Array:
+        """The last pose, carried along with the touches."""
+        q = self._place.copy()
+        q[0] += carried[0]
+        q[1] -= carried[1]
+        return q
+
+    def _shifted(self, q: Array, labels: NDArray[np.int64], targets: Array) -> Array:
+        """The pose moved so that its tips lie on their targets on average."""
+        q = q.copy()
+        q[ROOT_POSITION] += np.mean(targets - self._kinematics.tips(q)[labels], axis=0)
+        return q
+
+    def _centred(self, q: Array) -> Array:
+        """The pose moved so that its fingertips' middle is over the surface's."""
+        width, height = self.surface.size
+        middle = np.array([width / 2, -height / 2])
+        q = q.copy()
+        q[:2] += middle - self._kinematics.tips(q).mean(axis=0)[:2]
+        return q
+
+    def _raised(self, q: Array) -> Array:
+        q = q.copy()
+        q[2] += self._arrival.height
+        return q
+
+    def _off(self, goal: Array) -> float:
+        """m, how far the commanded hand is from its goal seen along the surface's normal."""
+        rest = np.abs(goal - self._commanded)
+        return float(np.hypot(rest[0], rest[1]) + TURN_LENGTH * rest[3:].max())
+
+    def _contacts(self) -> tuple[ReconstructedContact, ...]:
+        tracked = [
+            ReconstructedContact(
+                t.device_id, t.xy, self._labels.get(i), "active" if t.active else "lost"
+            )
+            for i, t in self._tracker.tracks.items()
+        ]
+        ignored = [
+            ReconstructedContact(c.id, np.array([c.x, c.y]), None, "ignored")
+            for c in self._tracker.ignored
+        ]
+        return (*tracked, *ignored)

@@ -1,0 +1,96 @@
+"""The simulated user as a device: it looks at snapshots like a window, and touches like a tablet."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Protocol
+
+from models.frames import TouchFrame
+from models.surface import Surface
+from sandbox.messages import Snapshot
+from tasks.simulated_user.configuration import UserConfiguration
+from tasks.simulated_user.control_arms import IdleUser, RandomUser
+from tasks.simulated_user.sight import SeenObject, Sight
+from tasks.simulated_user.user import SkilledUser
+from tasks.task import Task
+
+
+class User(Protocol):
+    """A simulated person."""
+
+    configuration: UserConfiguration
+
+    def look(self, sight: Sight) -> None: ...
+
+    def touch(self, now: float) -> TouchFrame: ...
+
+
+_USERS: dict[str, type[SkilledUser] | type[IdleUser] | type[RandomUser]] = {
+    "skilled": SkilledUser,
+    "idle": IdleUser,
+    "random": RandomUser,
+}
+
+
+class SimulatedDevice:
+    """A tablet under the fingers of a simulated user.
+
+    Args:
+        task: For the shapes of what is drawn; the user never gets the task itself.
+        configuration: What kind of person.
+        surface: The tablet.
+        seed: Of the person's chance.
+        tell_labels: Tells which finger touches (an upper bound for labelling; never the default).
+    """
+
+    name = "simulated"
+    finished = False
+
+    def __init__(
+        self,
+        task: Task,
+        configuration: UserConfiguration,
+        surface: Surface,
+        seed: int,
+        tell_labels: bool = False,
+    ) -> None:
+        self._shapes = {thing.name: thing for thing in task.objects}
+        self._tell_labels = tell_labels
+        self.user: User = _USERS[configuration.kind](configuration, surface, seed)
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Lets the user look at the screen."""
+        hand = snapshot.hands[0]
+        tips = {
+            c.id: hand.tips[c.label]
+            for c in hand.contacts
+            if c.label is not None
+        }
+        objects = {
+            name: SeenObject(self._shapes[name], o.position, o.rotation)
+            for name, o in snapshot.objects.items()
+        }
+        self.user.look(
+            Sight(
+                snapshot.time,
+                tips,
+                bool(hand.solid),
+                objects,
+                snapshot.goals,
+                snapshot.score.held,
+            )
+        )
+
+    def poll(self, now: float) -> Sequence[TouchFrame]:
+        """What the user touches now."""
+        frame = self.user.touch(now)
+        if self._tell_labels and isinstance(self.user, SkilledUser):
+            # The user puts down thumb, index, ... in this order.
+            order = {i: finger for finger, i in enumerate(self.user.finger_ids())}
+            contacts = tuple(replace(c, label=order[c.id]) for c in frame.contacts)
+            frame = replace(frame, contacts=contacts)
+        return [frame]
+
+    def close(self) -> None:
+        """Nothing to give back."""

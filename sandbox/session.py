@@ -1,0 +1,250 @@
+"""The one loop: devices -> reconstruction -> servo targets -> physics -> score -> views.
+
+Physics time decides. One call of `advance` is one control period; who drives a person's session
+calls it at real time, who runs headless as fast as it goes. The same input gives the same states to
+the bit, because nothing in here looks at a clock.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from hashlib import blake2b
+from typing import Any, Protocol
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.touch_reconstructor import Reconstruction, TouchReconstructor
+from models.errors import DivergenceError
+from models.frames import TouchFrame
+from models.hand import Hand
+from models.kinematics import Kinematics
+from models.scene import CONTROL_PERIOD, Scene, SceneSpec
+from sandbox.devices.device import Device
+from sandbox.messages import ContactView, HandView, ObjectView, Snapshot
+from sandbox.solidity import Solidity, SolidityRules
+from tasks.score import Scorer, Status
+from tasks.sensing import Sensing
+from tasks.task import Task
+
+Array = NDArray[np.float64]
+
+KEYFRAME_PERIOD = 1.0
+"""s between two stored states, from which a replay may start."""
+
+STATE = mujoco.mjtState.mjSTATE_INTEGRATION
+"""What has to be stored so that a simulation goes on to the bit: `FULLPHYSICS` lacks the solver's
+warm start, and diverges at the first step."""
+
+_FATAL = (
+    mujoco.mjtWarning.mjWARN_BADQPOS,
+    mujoco.mjtWarning.mjWARN_BADQVEL,
+    mujoco.mjtWarning.mjWARN_BADQACC,
+    mujoco.mjtWarning.mjWARN_BADCTRL,
+)
+
+
+@dataclass
+class Rig:
+    """A device, the reconstructor of its frames, and the hand they drive."""
+
+    device: Device
+    reconstructor: TouchReconstructor
+    hand: Hand
+
+
+class Recorder(Protocol):
+    """What writes a session down. It must not block, and never lose what it was given."""
+
+    def input(self, step: int, hand: int, frame: TouchFrame, state_hash: str) -> None:
+        """A frame that takes effect at a physics step, and the state's hash before it."""
+        ...
+
+    def keyframe(self, step: int, state: Array, state_hash: str) -> None:
+        """The integration state at a physics step."""
+        ...
+
+
+class Session:
+    """One trial of a task with its rigs.
+
+    Args:
+        task: A drawn trial.
+        rigs: One per hand.
+        rules: When hands are solid.
+        timestep: s of physics.
+        recorder: Writes down inputs and states; None records nothing.
+    """
+
+    def __init__(
+        self,
+        task: Task,
+        rigs: Sequence[Rig],
+        rules: SolidityRules | None = None,
+        timestep: float = 0.002,
+        recorder: Recorder | None = None,
+    ) -> None:
+        self.task, self.rigs = task, tuple(rigs)
+        rules = rules or SolidityRules()
+        hands = tuple(rig.hand for rig in rigs)
+        self.scene = Scene(SceneSpec(hands, task.objects, task.table_friction, timestep))
+        self.data = mujoco.MjData(self.scene.model)
+        self._kinematics = [Kinematics(hand.skeleton) for hand in hands]
+        self._solidity = [Solidity(self.scene, i, rules) for i in range(len(hands))]
+        self._frames = [TouchFrame(0.0)] * len(hands)
+        self._recorder = recorder
+        self.step = 0
+        self._begin()
+        self._sensing = Sensing(self.scene, self.data)
+        self.scorer = Scorer(task)
+        self._state = np.empty(mujoco.mj_stateSize(self.scene.model, STATE))
+        self._hash = b""
+        self._chain()
+        self.reconstructions: list[Reconstruction] = []
+
+    @property
+    def time(self) -> float:
+        """s of simulated time since the trial began."""
+        return self.step * self.scene.spec.timestep
+
+    @property
+    def over(self) -> bool:
+        """Whether the trial has ended."""
+        return self.scorer.over
+
+    @property
+    def state_hash(self) -> str:
+        """Chained BLAKE2b of the integration states at all control steps so far, hexadecimal."""
+        return self._hash.hex()
+
+    def advance(self) -> Snapshot:
+        """One control period.
+
+        Raises:
+            DivergenceError: The simulation left the region where its numbers mean something; the
+                trial is marked before it is raised.
+        """
+        per_keyframe = round(KEYFRAME_PERIOD / CONTROL_PERIOD) * self.scene.substeps
+        if self._recorder and self.step % per_keyframe == 0:
+            self._recorder.keyframe(self.step, self._state, self.state_hash)
+        self.reconstructions = [self._command(i) for i in range(len(self.rigs))]
+        mujoco.mj_step(self.scene.model, self.data, self.scene.substeps)
+        self.step += self.scene.substeps
+        self._chain()
+        self._check()
+        self.scorer.update(self.time, self.task.measure(self._sensing))
+        if all(rig.device.finished for rig in self.rigs):
+            self.scorer.abort(Status.INPUT_ENDED, "the input ended before the task was done")
+        return self.snapshot()
+
+    def snapshot(self) -> Snapshot:
+        """What a view may see now."""
+        objects = {
+            thing.name: ObjectView(*self.scene.object_pose(self.data, thing.name))
+            for thing in self.task.objects
+        }
+        return Snapshot(
+            self.time,
+            self.step,
+            self.data.qpos.copy(),
+            tuple(self._hand_view(i, r) for i, r in enumerate(self.reconstructions)),
+            objects,
+            self.task.goals,
+            self.scorer.score,
+        )
+
+    def close(self) -> None:
+        """Closes the devices."""
+        for rig in self.rigs:
+            rig.device.close()
+
+    def _begin(self) -> None:
+        for i, rig in enumerate(self.rigs):
+            rig.reconstructor.reset()
+            pose = rig.reconstructor.commanded
+            self.data.qpos[self.scene.qpos_slice(i)] = self.scene.pose_to_qpos(i, pose)
+            self.data.ctrl[self.scene.control_slice(i)] = pose
+            self.scene.set_solid(i, frozenset())
+        mujoco.mj_forward(self.scene.model, self.data)
+
+    def _command(self, i: int) -> Reconstruction:
+        """Takes in what a device has to say, and sets the targets of its hand."""
+        rig = self.rigs[i]
+        frame = self._latest(i)
+        reconstruction = rig.reconstructor.step(frame)
+        self.data.ctrl[self.scene.control_slice(i)] = reconstruction.q
+        target = self._kinematics[i].tips(reconstruction.q)
+        self._solidity[i].update(self.data, reconstruction, target)
+        return reconstruction
+
+    def _latest(self, i: int) -> TouchFrame:
+        """The newest frame of a device, stamped with session time.
+
+        Of several frames in one control period the last one counts; touches that were cancelled in
+        any of them stay cancelled.
+        """
+        frames = self.rigs[i].device.poll(self.time)
+        if frames:
+            cancelled = frozenset().union(*(f.cancelled for f in frames))
+            present = {c.id for c in frames[-1].contacts}
+            self._frames[i] = replace(
+                frames[-1], time=self.time, cancelled=frozenset(cancelled - present)
+            )
+            if self._recorder:
+                self._recorder.input(self.step, i, self._frames[i], self.state_hash)
+        else:
+            self._frames[i] = replace(self._frames[i], time=self.time, cancelled=frozenset())
+        return self._frames[i]
+
+    def _chain(self) -> None:
+        mujoco.mj_getState(self.scene.model, self.data, self._state, STATE)
+        # What is solid is no part of MuJoCo's state, and decides as much about what comes next.
+        solid = bytes(sum(1 << f for f in s.fingers) for s in self._solidity)
+        self._hash = blake2b(self._hash + self._state.tobytes() + solid, digest_size=16).digest()
+
+    def _check(self) -> None:
+        for kind in _FATAL:
+            if self.data.warning[kind].number:
+                where = f"{self.time:.3f} s"
+                self.scorer.abort(Status.DIVERGED, f"the simulation diverged at {where}")
+                raise DivergenceError(
+                    "the simulation diverged",
+                    where=where,
+                    got=str(kind),
+                    remedy="The recording up to here shows how; a smaller impulse limit helps",
+                )
+
+    def _hand_view(self, i: int, reconstruction: Reconstruction) -> HandView:
+        surface = self.rigs[i].reconstructor.surface
+        contacts = tuple(
+            ContactView(c.id, surface.to_world(c.xy), c.label, c.state)
+            for c in reconstruction.contacts
+        )
+        return HandView(
+            reconstruction.q,
+            self._solidity[i].tips(self.data),
+            self._solidity[i].fingers,
+            reconstruction.phase.value,
+            contacts,
+        )
+
+
+def describe(session: Session) -> dict[str, Any]:
+    """The trial's score as JSON values."""
+    score = session.scorer.score
+    return {
+        "task": session.task.name,
+        "task_version": session.task.version,
+        "seed": session.task.seed,
+        "success": score.success,
+        "instant": score.instant,
+        "held": score.held,
+        "final": score.final,
+        "status": score.status.value,
+        "progress": round(score.progress, 6),
+        "reason": score.reason,
+        "time_s": round(score.time, 6),
+        "state_hash": session.state_hash,
+    }

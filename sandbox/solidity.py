@@ -1,0 +1,95 @@
+"""When a hand is solid: only once it is down and no fingertip is inside an object.
+
+Until then it is a ghost that passes through things. A finger that became solid inside an object
+would throw it across the room; a person who sees a ghost moves the finger out instead.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.touch_reconstructor import Reconstruction
+from models.scene import Scene
+
+Array = NDArray[np.float64]
+
+CLEARANCE = 0.0005
+"""m, nearest a fingertip's surface may be to an object when it becomes solid."""
+ARRIVED = 0.008
+"""m, farthest the simulated fingertips may lag behind the commanded ones when they become solid."""
+
+GHOST: frozenset[int] = frozenset()
+
+
+@dataclass(frozen=True)
+class SolidityRules:
+    """What may collide, and when.
+
+    Attributes:
+        ghost_until_clear: A hand that is down stays a ghost until its tips are outside all objects.
+        distal_only: Only the last links of touching fingers are ever solid; otherwise every link.
+    """
+
+    ghost_until_clear: bool = True
+    distal_only: bool = True
+
+
+class Solidity:
+    """Which fingers of one hand are solid, step by step."""
+
+    def __init__(self, scene: Scene, hand: int, rules: SolidityRules) -> None:
+        self._scene, self._hand, self._rules = scene, hand, rules
+        skeleton = scene.spec.hands[hand].skeleton
+        name = scene.spec.hands[hand].element_name
+        last = {b.finger: b for b in skeleton.bones}
+        self._bodies = np.array([scene.model.body(name(last[f].name)).id for f in sorted(last)])
+        self._reach = np.array([last[f].length for f in sorted(last)])
+        self._radius = skeleton.tip_radius
+        self.fingers = GHOST
+
+    def tips(self, data: mujoco.MjData) -> Array:
+        """(5, 3) m, fingertips of the simulated hand."""
+        return self._along(data, 1.0)
+
+    def update(self, data: mujoco.MjData, reconstruction: Reconstruction, target: Array) -> None:
+        """Chooses the solid fingers for the next step.
+
+        Args:
+            data: The simulation now.
+            reconstruction: What the touches say now.
+            target: (5, 3) m, fingertips of the commanded pose.
+        """
+        wanted = reconstruction.fingers if reconstruction.down else GHOST
+        staying = self.fingers & wanted
+        joining = wanted - staying
+        if joining:
+            near = np.linalg.norm(self.tips(data) - target, axis=1) < ARRIVED
+            free = near & (self._clear(data) if self._rules.ghost_until_clear else True)
+            fit = frozenset(f for f in joining if free[f])
+            # A hand that comes down becomes solid as a whole: one finger ahead of the others would
+            # push away what they are about to grasp.
+            if staying:
+                staying |= fit
+            elif fit == joining:
+                staying = fit
+        if staying != self.fingers:
+            self._scene.set_solid(self._hand, staying, whole=not self._rules.distal_only)
+            self.fingers = staying
+
+    def _clear(self, data: mujoco.MjData) -> NDArray[np.bool_]:
+        """(5,) whether each last link is outside all objects."""
+        points = np.concatenate([self._along(data, share) for share in (1.0, 0.5)])
+        nearest = np.full(len(points), np.inf)
+        for thing in self._scene.spec.objects:
+            position, rotation = self._scene.object_pose(data, thing.name)
+            nearest = np.minimum(nearest, thing.clearance(points, position, rotation))
+        return nearest.reshape(2, -1).min(axis=0) - self._radius > CLEARANCE
+
+    def _along(self, data: mujoco.MjData, share: float) -> Array:
+        """(5, 3) m, points on the last links, from their joints (0) to their tips (1)."""
+        axis = data.xmat[self._bodies].reshape(-1, 3, 3)[:, :, 1]
+        return data.xpos[self._bodies] + share * self._reach[:, None] * axis

@@ -1,0 +1,146 @@
+"""The simulated user's fingers: smooth movements, tremor, and what of it the screen feels."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from models.frames import Contact
+from models.surface import Surface
+from tasks.simulated_user.configuration import UserConfiguration
+
+Array = NDArray[np.float64]
+
+_PEAK = 1.875
+"""Peak speed of a minimum-jerk movement over its mean speed."""
+
+_MARGIN = 0.001
+"""m, how near to the border of the screen a finger still touches it."""
+
+
+def minimum_jerk(s: ArrayLike) -> Array:
+    """Share of the way after a share s of the time (Flash and Hogan 1985)."""
+    s = np.clip(np.asarray(s, float), 0.0, 1.0)
+    return s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
+
+
+@dataclass
+class _Movement:
+    """A rigid or free movement of all fingers from one set of places to another."""
+
+    start: Array
+    end: Array
+    begin: float
+    duration: float
+    turn: float = 0.0
+    pivot: Array | None = None
+
+    def at(self, now: float) -> Array:
+        share = float(minimum_jerk((now - self.begin) / self.duration))
+        if self.pivot is None:
+            return self.start + share * (self.end - self.start)
+        # Turning about a point that itself moves: what a hand does that drags and turns at once.
+        angle = share * self.turn
+        c, s = np.cos(angle), np.sin(angle)
+        shift = share * (self.end - self.start)
+        return (self.start - self.pivot) @ np.array([[c, s], [-s, c]]) + self.pivot + shift
+
+
+class Fingers:
+    """Places of the user's fingers in the world's horizontal plane (x right, y away), m.
+
+    Args:
+        configuration: Speeds and noises.
+        rng: The user's own randomness.
+    """
+
+    def __init__(self, configuration: UserConfiguration, rng: np.random.Generator) -> None:
+        self._c, self._rng = configuration, rng
+        n = configuration.fingers
+        self._movement = _Movement(np.zeros((n, 2)), np.zeros((n, 2)), 0.0, 1e-9)
+        self._tremor = rng.normal(0.0, configuration.tremor, (n, 2))
+        self._down_at = np.full(n, np.inf)
+        self._up_at = np.full(n, -np.inf)
+        self._ids = np.full(n, -1)
+        self._next_id = 0
+        self._last = 0.0
+
+    def ids(self) -> list[int]:
+        """Contact ids of the fingers that were last put down, thumb first."""
+        return [int(i) for i in self._ids]
+
+    def places(self, now: float) -> Array:
+        """(n, 2) m, where the fingers are meant to be."""
+        return self._movement.at(now)
+
+    def arrived(self, now: float) -> bool:
+        """Whether the last movement is over."""
+        return now >= self._movement.begin + self._movement.duration - 1e-9
+
+    def land(self, places: Array, now: float) -> None:
+        """Puts the fingers down, one shortly after another."""
+        n = self._c.fingers
+        self._movement = _Movement(places, places, now, 1e-9)
+        self._down_at = now + self._rng.permutation(np.linspace(0.0, self._c.stagger, n))
+        self._up_at = np.full(n, np.inf)
+        self._ids = np.arange(self._next_id, self._next_id + n)
+        # The order of ids must not tell which finger is which.
+        self._rng.shuffle(self._ids)
+        self._next_id += n
+
+    def lift(self, now: float) -> None:
+        """Takes the fingers off, one shortly after another."""
+        n = self._c.fingers
+        self._up_at = now + self._rng.permutation(np.linspace(0.0, self._c.stagger, n))
+
+    def move(self, places: Array, now: float) -> float:
+        """Moves every finger on its own; returns the time of arrival."""
+        start = self.places(now)
+        return self._go(_Movement(start, self._missed(start, places), now, 0.0))
+
+    def carry(self, shift: Array, turn: float, pivot: Array, now: float) -> float:
+        """Moves the fingers as one body: a shift (2,) and a turn about a pivot (2,)."""
+        start = self.places(now)
+        end = start + self._missed(np.zeros((1, 2)), shift[None])[0]
+        missed = turn * (1.0 + self._c.end_noise * self._rng.normal())
+        return self._go(_Movement(start, end, now, 0.0, missed, pivot))
+
+    def touches(self, now: float, surface: Surface) -> tuple[Contact, ...]:
+        """What the screen feels now."""
+        self._shake(now)
+        noise = self._rng.normal(0.0, self._c.noise, self._tremor.shape)
+        world = self.places(now) + self._tremor + noise
+        z = np.full((len(world), 1), surface.origin[2])
+        xy = surface.to_surface(np.hstack([world, z]))
+        xy = np.clip(xy, _MARGIN, surface.size - _MARGIN)
+        touching = (now >= self._down_at - 1e-9) & (now < self._up_at - 1e-9)
+        order = np.argsort(self._ids)
+        return tuple(
+            Contact(int(self._ids[i]), float(xy[i, 0]), float(xy[i, 1]))
+            for i in order
+            if touching[i]
+        )
+
+    def _go(self, movement: _Movement) -> float:
+        arc = 0.0
+        if movement.pivot is not None:
+            arm = np.linalg.norm(movement.start - movement.pivot, axis=1).max()
+            arc = abs(movement.turn) * float(arm)
+        way = float(np.linalg.norm(movement.end - movement.start, axis=1).max()) + arc
+        fitts = self._c.movement_base + self._c.movement_slope * np.log2(max(way, 0.002) / 0.002)
+        movement.duration = max(float(fitts), _PEAK * way / self._c.peak_speed)
+        self._movement = movement
+        return movement.begin + movement.duration
+
+    def _missed(self, start: Array, end: Array) -> Array:
+        """Where a movement really ends: all fingers miss alike, by a share of its length."""
+        length = float(np.linalg.norm(end - start, axis=1).max())
+        return end + self._rng.normal(0.0, self._c.end_noise * length, 2)
+
+    def _shake(self, now: float) -> None:
+        keep = np.exp(-(now - self._last) / self._c.tremor_time)
+        self._last = now
+        fresh = self._rng.normal(0.0, self._c.tremor, self._tremor.shape)
+        self._tremor = keep * self._tremor + np.sqrt(1.0 - keep * keep) * fresh

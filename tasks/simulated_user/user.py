@@ -1,0 +1,199 @@
+"""A person who brings a box to a goal: look, reach, adjust, grasp, drag, let go, look again."""
+
+from __future__ import annotations
+
+from enum import Enum, auto
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.frames import TouchFrame
+from models.surface import Surface
+from tasks.simulated_user.configuration import UserConfiguration
+from tasks.simulated_user.fingers import Fingers
+from tasks.simulated_user.grasp import Grasp, choose_grasp
+from tasks.simulated_user.sight import Eye, SeenObject, Sight
+
+Array = NDArray[np.float64]
+
+_GOOD_PLACE, _GOOD_TURN = 0.003, float(np.deg2rad(2.5))
+"""m and rad within which the user is content and lets go."""
+_ENOUGH_PLACE, _ENOUGH_TURN = 0.008, float(np.deg2rad(8.0))
+"""m and rad within which a box that lies still is not touched again."""
+_IN_PLACE = 0.004
+"""m within which the fingers are where the user wants them before closing."""
+_DRAGS = 7
+"""Corrected movements of one grasp before the user lets go and looks afresh."""
+_SLIPPED = 0.015
+"""m by which the box may fall behind the fingers before the user notes that it slipped."""
+_SETTLE = 0.08
+"""s the user watches what a movement has done, beyond the reaction time."""
+
+
+class _Doing(Enum):
+    LOOKING = auto()
+    ADJUSTING = auto()
+    CLOSING = auto()
+    DRAGGING = auto()
+    LIFTING = auto()
+    CONTENT = auto()
+
+
+class SkilledUser:
+    """Plays box-to-goal with touches only.
+
+    Args:
+        configuration: What kind of person.
+        surface: The tablet.
+        seed: Of everything this person does by chance.
+    """
+
+    def __init__(self, configuration: UserConfiguration, surface: Surface, seed: int) -> None:
+        self.configuration, self.surface = configuration, surface
+        self._rng = np.random.default_rng([seed, 7_001])
+        self._eye = Eye(float(self._rng.uniform(*configuration.reaction)))
+        self._fingers = Fingers(configuration, self._rng)
+        self._doing = _Doing.LOOKING
+        self._until = 0.0
+        self._grasp: Grasp | None = None
+        self._grasps = 0
+        self._tries = 0
+        self._centre = np.zeros(2)
+
+    def finger_ids(self) -> list[int]:
+        """Contact ids of the fingers last put down: thumb, index, ..."""
+        return self._fingers.ids()
+
+    def look(self, sight: Sight) -> None:
+        """Takes in what is on the screen now; it is acted upon a reaction time later."""
+        self._eye.look(sight)
+
+    def touch(self, now: float) -> TouchFrame:
+        """What the fingers do on the screen now, s."""
+        sight = self._eye.at(now)
+        if sight is not None and now >= self._until - 1e-9:
+            self._act(sight, now)
+        return TouchFrame(now, self._fingers.touches(now, self.surface), source="simulated user")
+
+    def _act(self, sight: Sight, now: float) -> None:
+        name = sight.goals[0].object
+        box = sight.objects[name]
+        if self._doing is _Doing.LOOKING:
+            self._reach(sight, box, now)
+        elif self._doing is _Doing.ADJUSTING:
+            self._adjust(sight, box, now)
+        elif self._doing is _Doing.CLOSING:
+            self._begin_drag(sight, box, now)
+        elif self._doing is _Doing.DRAGGING:
+            self._drag(sight, box, now)
+        elif self._doing is _Doing.LIFTING:
+            self._doing = _Doing.LOOKING
+
+    def _reach(self, sight: Sight, box: SeenObject, now: float) -> None:
+        """Puts the fingers down around the box, without seeing where they will land."""
+        off, turn = self._missing(sight, box)
+        content = np.linalg.norm(off) < _ENOUGH_PLACE and abs(turn) < _ENOUGH_TURN
+        if sight.done or (content and box.upright):
+            self._wait(_SETTLE, now)
+            return
+        c = self.configuration
+        if self._grasps >= c.attempts:
+            self._doing = _Doing.CONTENT
+            return
+        self._grasps += 1
+        self._grasp = choose_grasp(box, turn, c)
+        self._centre = box.position[:2].copy()
+        error = self._rng.normal(0.0, c.aim_error, 2)
+        each = self._rng.normal(0.0, c.finger_error, (c.fingers, 2))
+        self._fingers.land(self._grasp.places(self._centre, c.opening, c) + error + each, now)
+        self._doing, self._tries = _Doing.ADJUSTING, 0
+        # Nothing can be judged before the hand has been seen to come down.
+        self._wait(self._eye.delay + 0.45, now)
+
+    def _adjust(self, sight: Sight, box: SeenObject, now: float) -> None:
+        """Moves the fingers to where the drawn hand is right around the box."""
+        assert self._grasp is not None
+        c = self.configuration
+        wanted = self._grasp.places(box.position[:2], c.opening, c)
+        wanted = wanted + self._drawn_offset(sight, now)
+        off = float(np.linalg.norm(wanted - self._fingers.places(now), axis=1).max())
+        self._tries += 1
+        if off > _IN_PLACE and self._tries <= 8:
+            self._watch(self._fingers.move(wanted, now))
+            return
+        if not sight.solid:
+            if self._tries > 14:
+                self._let_go(now)
+                return
+            # Still a ghost: perhaps a finger is inside the box; open a little wider and look.
+            if self._tries > 4:
+                wider = self._grasp.places(box.position[:2], c.opening + 0.004, c)
+                self._watch(self._fingers.move(wider + self._drawn_offset(sight, now), now))
+            else:
+                self._wait(0.1, now)
+            return
+        closed = self._grasp.places(box.position[:2], -c.squeeze, c)
+        closed = closed + self._drawn_offset(sight, now)
+        self._doing = _Doing.CLOSING
+        self._watch(self._fingers.move(closed, now))
+
+    def _begin_drag(self, sight: Sight, box: SeenObject, now: float) -> None:
+        self._doing, self._tries = _Doing.DRAGGING, 0
+        self._drag(sight, box, now)
+
+    def _drag(self, sight: Sight, box: SeenObject, now: float) -> None:
+        """Carries the box towards the goal, as often as what is seen asks for it."""
+        off, turn = self._missing(sight, box)
+        lag = np.linalg.norm(box.position[:2] + self._drawn_offset(sight, now) - self._middle(now))
+        good = np.linalg.norm(off) < _GOOD_PLACE and abs(turn) < _GOOD_TURN
+        slipped = self._tries > 0 and lag > _SLIPPED
+        if good or slipped or self._tries >= _DRAGS or not sight.solid:
+            self._let_go(now)
+            return
+        self._tries += 1
+        self._watch(self._fingers.carry(off, turn, box.position[:2].copy(), now))
+
+    def _let_go(self, now: float) -> None:
+        self._fingers.lift(now)
+        self._doing = _Doing.LIFTING
+        self._wait(self._eye.delay + 0.45, now)
+
+    def _missing(self, sight: Sight, box: SeenObject) -> tuple[Array, float]:
+        """Shift (2,) and turn from the box as seen to its goal; a quarter turn looks the same."""
+        goal = sight.goals[0]
+        quarter = np.pi / 2
+        turn = (goal.yaw - box.yaw + quarter / 2) % quarter - quarter / 2
+        return np.asarray(goal.position[:2]) - box.position[:2], float(turn)
+
+    def _middle(self, now: float) -> Array:
+        """(2,) m, between the thumb and the middle of the other fingers."""
+        places = self._fingers.places(now)
+        return 0.5 * (places[0] + places[1:].mean(axis=0))
+
+    def _drawn_offset(self, sight: Sight, now: float) -> Array:
+        """(2,) m to add to the fingers, so that the *drawn* hand is where they should be.
+
+        A person follows the drawn hand, not the own fingers: whatever constant error the
+        reconstruction makes is made up for. Without drawn fingertips there is nothing to go by.
+        """
+        ids = self._fingers.ids()
+        if any(i not in sight.tips for i in ids):
+            return np.zeros(2)
+        drawn = np.array([sight.tips[i][:2] for i in ids])
+        middle = 0.5 * (drawn[0] + drawn[1:].mean(axis=0))
+        places = self._seen_places(sight)
+        seen = 0.5 * (places[0] + places[1:].mean(axis=0))
+        off = seen - middle
+        # What is smaller than a fingertip's blur on the screen is no error to a person.
+        return off if np.linalg.norm(off) > 0.004 else np.zeros(2)
+
+    def _seen_places(self, sight: Sight) -> Array:
+        """Where the fingers were when the screen showed what is seen."""
+        return self._fingers.places(sight.time)
+
+    def _watch(self, arrival: float) -> None:
+        """Acts again when the effect of a movement that ends then has been seen."""
+        self._until = arrival + self._eye.delay + _SETTLE
+
+    def _wait(self, seconds: float, now: float) -> None:
+        self._until = now + seconds
