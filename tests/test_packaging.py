@@ -21,6 +21,9 @@ PACKAGES = ("models", "encoders", "tasks", "sandbox")
 NOT_SHIPPED = {"__pycache__", "page", "node_modules"}
 """Folders inside the packages whose files stay out of the wheel."""
 
+UNWANTED = {"PYTHONPATH", "PYTHONSAFEPATH", "PYTEST_ADDOPTS", "CI"}
+"""Variables that would change what a child process is asked."""
+
 FINDER = f"""
 import sys
 from importlib.machinery import PathFinder
@@ -87,7 +90,7 @@ def python(
     *args: object, cwd: Path, path: tuple[Path, ...] = (ROOT,), **environment: str
 ) -> subprocess.CompletedProcess[str]:
     """Runs this Python in `cwd` with `path` as PYTHONPATH; installed packages stay visible."""
-    kept = {k: v for k, v in os.environ.items() if k not in ("PYTHONSAFEPATH", "CI")}
+    kept = {k: v for k, v in os.environ.items() if k not in UNWANTED}
     kept["PYTHONPATH"] = os.pathsep.join(map(str, path))
     return subprocess.run(
         [sys.executable, *map(str, args)],
@@ -292,7 +295,9 @@ def test_every_data_file_is_shipped(project: dict[str, Any]) -> None:
         path
         for name in PACKAGES
         for path in (ROOT / name).rglob("*")
-        if path.is_file() and path.suffix != ".py" and not NOT_SHIPPED & set(path.parts)
+        if path.is_file()
+        and path.suffix != ".py"
+        and not NOT_SHIPPED & set(path.relative_to(ROOT).parts)
     }
     assert data, "the py.typed files at least"
     assert not sorted(data - shipped), "add their suffix to package-data in pyproject.toml"
