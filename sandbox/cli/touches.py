@@ -94,7 +94,7 @@ def show(
         with view:
             _follow(seen, view, seconds, frames)
     except KeyboardInterrupt:
-        pass  # the usual way to end
+        return 0  # the usual way to end
     finally:
         seen.close()
     if isinstance(seen, CaptureDevice) and seen.damage is not None:

@@ -68,7 +68,9 @@ def decode(data: bytes) -> Packet:
         MalformedPacket: Whatever is wrong with it; no other exception leaves this function.
     """
     if len(data) > MAX_PACKET_BYTES:
-        raise MalformedPacket("the packet is too large", got=len(data), expected="65507 bytes")
+        raise MalformedPacket(
+            "the packet is too large", got=len(data), expected=f"{MAX_PACKET_BYTES} bytes at most"
+        )
     if not data or len(data) % 4:
         raise MalformedPacket(
             "an OSC packet is a whole number of 4-byte words", got=f"{len(data)} bytes"
@@ -101,7 +103,9 @@ def _bundle_messages(data: bytes) -> list[bytes]:
             )
         elements += 1
         if elements > MAX_ELEMENTS:
-            raise MalformedPacket("a packet has too many elements", expected=f"{MAX_ELEMENTS}")
+            raise MalformedPacket(
+                "a packet has too many elements", expected=f"{MAX_ELEMENTS} at most"
+            )
         open_bundles.append((begin + size, end))
         if data.startswith(_BUNDLE, begin, begin + size):
             if len(open_bundles) >= MAX_DEPTH or size < _BUNDLE_HEADER:
@@ -143,7 +147,7 @@ def _check_arguments(data: bytes) -> None:
     tags = data[begin : data.index(0, begin)]
     if len(tags) > MAX_ARGUMENTS:
         raise MalformedPacket(
-            "a message has too many arguments", got=len(tags), expected=f"{MAX_ARGUMENTS}"
+            "a message has too many arguments", got=len(tags), expected=f"{MAX_ARGUMENTS} at most"
         )
     for tag in tags:
         if tag in _FIXED_SIZE:

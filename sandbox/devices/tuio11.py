@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from itertools import islice
 from typing import NamedTuple
 
 from sandbox.devices.osc import MalformedPacket, Packet, decode
@@ -102,6 +103,12 @@ class _Source:
         self.positions = {touch: known[touch] for touch in self.alive if touch in known}
         return True
 
+    def touches(self) -> Iterable[Touch]:
+        """The living touches, none while the source is silent."""
+        if self.slot is not None:
+            for touch, (x, y) in self.positions.items():
+                yield Touch(touch + self.slot * ID_STRIDE, x, y)
+
 
 class Tuio11:
     """Follows the touches of all senders; the caller gives datagrams and the time.
@@ -182,16 +189,14 @@ class Tuio11:
         if source.slot is None and source.positions and not source.stale:
             taken = {s.slot for s in self._sources.values()}
             source.slot = next(slot for slot in range(MAX_SOURCES) if slot not in taken)
-        touches = tuple(self._touches())
+        shown = [s for s in self._sources.values() if s.slot is not None]
+        surplus = sum(len(s.positions) for s in shown) - MAX_TOUCHES
+        if surplus > 0:
+            self.statistics.surplus += surplus
+            shown.sort(key=lambda s: s is not source)  # whoever speaks is seen in any case
+        touches = islice((touch for s in shown for touch in s.touches()), MAX_TOUCHES)
         self.statistics.frames += 1
-        self.statistics.surplus += len(touches[MAX_TOUCHES:])
-        commits.append(Commit(source.name, touches[:MAX_TOUCHES]))
-
-    def _touches(self) -> Iterable[Touch]:
-        for source in self._sources.values():
-            if source.slot is not None:
-                for touch, (x, y) in source.positions.items():
-                    yield Touch(touch + source.slot * ID_STRIDE, x, y)
+        commits.append(Commit(source.name, tuple(touches)))
 
     def _hear(self, peer: str, name: str | None, now: float, commits: list[Commit]) -> _Source:
         """The source that speaks; without a name, the one that last spoke from that address."""

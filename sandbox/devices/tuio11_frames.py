@@ -19,6 +19,9 @@ PROFILE = "/tuio/2Dcur"
 MAX_IDS = 64
 """Living touches of one source. More than a room full of hands; bounds our memory."""
 
+MAX_FRAMES = 16
+"""Frames of one packet. Honest senders put one into each; bounds the work of a packet."""
+
 LOWEST, HIGHEST = -0.1, 1.1
 """Where a position may lie, in widths of the surface: sensors see a little beyond their edge."""
 
@@ -96,6 +99,10 @@ def read_frames(packet: Packet) -> Reading:
             rest.fseq = closed.fseq
             closed.take(rest)
             _check_count(closed.positions)
+    if len(frames) > MAX_FRAMES:
+        raise MalformedPacket(
+            "a packet has too many frames", got=len(frames), expected=f"{MAX_FRAMES} at most"
+        )
     return Reading(frames, list(names), ignored)
 
 
