@@ -73,7 +73,13 @@ class FingertipCorrection:
         skeleton = kinematics.skeleton
         self._lower, self._upper = skeleton.lower, skeleton.upper
 
-    def correct(self, guess: ArrayLike, labels: ArrayLike, targets: ArrayLike) -> Corrected:
+    def correct(
+        self,
+        guess: ArrayLike,
+        labels: ArrayLike,
+        targets: ArrayLike,
+        start: ArrayLike | None = None,
+    ) -> Corrected:
         """The likeliest pose near a guess whose tips are at their targets.
 
         A joint that reaches the end of its range is held there, as a further exact measurement,
@@ -83,22 +89,26 @@ class FingertipCorrection:
             guess: (48,) pose from the encoder, in the frame of the targets.
             labels: (k,) fingers that touch.
             targets: (k, 3) m, where the centres of their fingertips belong.
+            start: (48,) pose near which the result is expected, the last frame's; it saves steps
+                and does not pull the result towards itself.
         """
         s = self.settings
         guess = np.array(guess, float)
         labels, targets = np.asarray(labels, int), np.asarray(targets, float)
         # The guess itself must be legal, or the first linearisation is taken at no hand at all.
         guess[JOINTS] = np.clip(guess[JOINTS], self._lower, self._upper)
-        q = guess.copy()
+        q = guess.copy() if start is None else np.array(start, float)
         held = np.zeros(len(self._lower), bool)
         best = Corrected(q, np.inf, 0)
         for iteration in range(s.iterations + 1):
             tips, jacobian = self._kinematics.tips_and_jacobian(q)
             off = targets - tips[labels]
             error = float(np.sqrt(np.max(np.einsum("ij,ij->i", off, off))))
-            if error < best.error:
+            # The start is where the last frame ended: exact perhaps, but not yet near the guess.
+            fresh = start is None or iteration > 0
+            if fresh and error < best.error:
                 best = Corrected(q, error, iteration)
-            if error < s.tolerance or iteration == s.iterations:
+            if fresh and (error < s.tolerance or iteration == s.iterations):
                 break
             J = jacobian[labels].reshape(-1, 48)
             q, held = self._step(q, guess, off.ravel(), J, held)

@@ -154,6 +154,8 @@ class TouchReconstructor:
         self._filter.reset()
         self.labeller.reset()
         self._labels: dict[int, int] = {}
+        self._previous_labels: dict[int, int] = {}
+        self._same_grasp = False
         self._probability = 1.0
         self._known: frozenset[int] = frozenset()
         self._changed_at = -np.inf
@@ -179,6 +181,8 @@ class TouchReconstructor:
         self._name(frame.time)
 
         carried, speed = self._motion(dt)
+        self._same_grasp = self._labels == self._previous_labels
+        self._previous_labels = dict(self._labels)
         named = {i: tracks[i].xy for i in self._labels}
         u = self._contact_vector(named) if named else None
         if named:
@@ -275,7 +279,9 @@ class TouchReconstructor:
         if self._correction is None:
             self._tip_error = float("nan")
             return within_limits(guess, self._kinematics.skeleton)
-        corrected = self._correction.correct(guess, labels, targets)
+        # Far from the last pose, its linearisation would be worse than the guess's own.
+        start = self._held(carried) if self._same_grasp else None
+        corrected = self._correction.correct(guess, labels, targets, start)
         self._tip_error = corrected.error
         return corrected.q
 

@@ -1,4 +1,4 @@
-"""The simulated user as a device: it looks at snapshots like a window, and touches like a tablet."""
+"""The simulated user as a device: looks at snapshots like a window, touches like a tablet."""
 
 from __future__ import annotations
 
@@ -62,11 +62,7 @@ class SimulatedDevice:
     def show(self, snapshot: Snapshot) -> None:
         """Lets the user look at the screen."""
         hand = snapshot.hands[0]
-        tips = {
-            c.id: hand.tips[c.label]
-            for c in hand.contacts
-            if c.label is not None
-        }
+        tips = {c.id: hand.tips[c.label] for c in hand.contacts if c.label is not None}
         objects = {
             name: SeenObject(self._shapes[name], o.position, o.rotation)
             for name, o in snapshot.objects.items()

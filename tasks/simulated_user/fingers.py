@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from models.frames import Contact
 from models.surface import Surface
@@ -20,9 +20,9 @@ _MARGIN = 0.001
 """m, how near to the border of the screen a finger still touches it."""
 
 
-def minimum_jerk(s: ArrayLike) -> Array:
+def minimum_jerk(s: float) -> float:
     """Share of the way after a share s of the time (Flash and Hogan 1985)."""
-    s = np.clip(np.asarray(s, float), 0.0, 1.0)
+    s = min(max(s, 0.0), 1.0)
     return s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
 
 
@@ -38,7 +38,7 @@ class _Movement:
     pivot: Array | None = None
 
     def at(self, now: float) -> Array:
-        share = float(minimum_jerk((now - self.begin) / self.duration))
+        share = minimum_jerk((now - self.begin) / self.duration)
         if self.pivot is None:
             return self.start + share * (self.end - self.start)
         # Turning about a point that itself moves: what a hand does that drags and turns at once.

@@ -1,0 +1,90 @@
+"""Puts a run together from its settings: task, surface, reconstructor, hand, session."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+from encoders.belief import builtin_belief
+from encoders.labelling import Labeller, PaperLabels
+from encoders.trained import BUILTIN, TrainedModel, builtin, load_model
+
+from encoders.arrival import ArrivalSettings
+from encoders.contact_tracker import TrackerSettings
+from encoders.correction import CorrectionSettings
+from encoders.touch_reconstructor import ReconstructorSettings, TouchReconstructor
+from models.errors import InputError
+from models.hand import Hand
+from models.surface import Surface
+from sandbox.devices.device import Device
+from sandbox.session import Recorder, Rig, Session
+from sandbox.settings import RunSettings
+from sandbox.solidity import SolidityRules
+from tasks.registry import find_task
+from tasks.task import Task
+
+DeviceMaker = Callable[[Task, Surface], Device]
+"""Opens a device for a drawn task on a placed surface."""
+
+
+def load_encoder(name: str) -> TrainedModel:
+    """A built-in encoder by name, or a trained model's file.
+
+    Raises:
+        InputError: It is neither.
+    """
+    if name in BUILTIN:
+        return builtin(name)
+    if not Path(name).exists():
+        raise InputError(
+            "there is no such encoder",
+            where="--encoder",
+            got=name,
+            expected=", ".join(BUILTIN) + ", or a file made by `sandbox train`",
+        )
+    return load_model(Path(name))
+
+
+def reconstructor_settings(settings: RunSettings) -> ReconstructorSettings:
+    """What takes part between touches and pose."""
+    tracker, arrival = TrackerSettings(), ArrivalSettings()
+    if not settings.stitch:
+        tracker = replace(tracker, grace=0.0, cancelled_grace=0.0)
+    if not settings.smoothing:
+        tracker = replace(tracker, low_pass=0.0)
+    if not settings.arrival:
+        arrival = replace(arrival, hover=0.0)
+    chosen = ReconstructorSettings(
+        tracker=tracker,
+        arrival=arrival,
+        correction=CorrectionSettings() if settings.correction else None,
+        encode=settings.encode,
+    )
+    return chosen if settings.smoothing else replace(chosen, posture_tau=0.0)
+
+
+def make_labeller(settings: RunSettings, model: TrainedModel) -> Labeller:
+    """Who names the fingers; `device` falls back on history where the device does not know."""
+    return PaperLabels(model) if settings.labels == "paper" else builtin_belief()
+
+
+def build(
+    settings: RunSettings, make_device: DeviceMaker, recorder: Recorder | None = None
+) -> Session:
+    """A session with one right hand, ready for its first step."""
+    task_type = find_task(settings.task)
+    surface = settings.surface.centred_at((0.0, 0.0, task_type.touch_height))
+    task = task_type.draw(settings.seed, surface)
+    hand = Hand(servo=settings.servo, impulse=settings.impulse)
+    model = load_encoder(settings.encoder)
+    reconstructor = TouchReconstructor(
+        model,
+        make_labeller(settings, model),
+        hand.skeleton,
+        surface,
+        reconstructor_settings(settings),
+    )
+    rules = SolidityRules(settings.ghost_until_clear, settings.distal_only)
+    rig = Rig(make_device(task, surface), reconstructor, hand)
+    return Session(task, [rig], rules, settings.timestep, recorder)

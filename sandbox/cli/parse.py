@@ -1,0 +1,16 @@
+"""Command lines become dataclasses; their docstrings become the help."""
+
+from __future__ import annotations
+
+from typing import TypeVar
+
+import tyro
+
+T = TypeVar("T")
+
+
+def parse(options: type[T], prog: str, argv: list[str]) -> T:
+    """The options of a command; exits with status 2 and a message where they do not parse."""
+    return tyro.cli(
+        options, prog=prog, args=argv, config=(tyro.conf.OmitArgPrefixes, tyro.conf.UseAppendAction)
+    )

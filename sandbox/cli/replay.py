@@ -1,0 +1,59 @@
+"""`sandbox replay`: plays a recording again, and checks every state."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+from rich.console import Console
+from rich.progress import Progress
+
+from sandbox.cli.parse import parse
+from sandbox.messages import Snapshot
+from sandbox.recording import load_recording
+from sandbox.replay import replay
+
+
+@dataclass(frozen=True)
+class ReplayOptions:
+    """Plays a recording again and compares each state with the recorded one, hash by hash.
+
+    Exit status 1 means that a state differs although versions and processor are the recording's.
+    """
+
+    file: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="FILE")]
+    """A recording, made with --record."""
+
+
+def main(argv: list[str]) -> int:
+    """Runs `sandbox replay ...`."""
+    options = parse(ReplayOptions, "sandbox replay", argv)
+    console = Console()
+    recording = load_recording(options.file)
+    if recording.damage:
+        console.print(f"[yellow]{options.file}: {recording.damage}[/]")
+    steps = recording.end["step"] if recording.end else None
+    with Progress(console=console, transient=True) as progress:
+        bar = progress.add_task("replaying", total=steps)
+
+        def show(snapshot: Snapshot) -> None:
+            progress.update(bar, completed=snapshot.step)
+
+        session, found = replay(recording, [show])
+    score = session.scorer.score
+    if found.exact:
+        whole = "" if found.complete else ", up to where it breaks off"
+        console.print(f"[green]exact[/]: {found.compared} states equal to the bit{whole}")
+    elif found.compared == 0:
+        console.print("[yellow]nothing to compare: it holds no input[/]")
+    elif found.same_machine:
+        console.print(f"[red]differs[/] from physics step {found.first_difference} on")
+    else:
+        console.print(
+            f"[yellow]differs[/] from physics step {found.first_difference} on, as it may: it was "
+            "made with other versions or on another kind of processor"
+        )
+    console.print(f"{session.task.name}: {score.status.value} after {score.time:.1f} s")
+    return 1 if found.first_difference is not None and found.same_machine else 0

@@ -1,0 +1,100 @@
+"""`sandbox run`: a task without a window, as fast as it goes."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import tyro
+from rich.console import Console
+
+from models.errors import InputError
+from sandbox.cli.parse import parse
+from sandbox.cli.scene_options import Plan, SceneOptions, plan
+from sandbox.events import EventLog
+from sandbox.headless import run_trial
+from sandbox.messages import Snapshot
+from sandbox.pacing import RealTime
+
+
+@dataclass(frozen=True)
+class RunOptions(SceneOptions):
+    """Runs a task without a window, as fast as it goes, and prints its score.
+
+    Try: sandbox run box-to-goal --device simulated --seed 3 --json -
+    """
+
+    json: Annotated[Path | None, tyro.conf.arg(metavar="OUT")] = None
+    """Writes the result as JSON; - is the terminal."""
+
+
+def main(argv: list[str]) -> int:
+    """Runs `sandbox run ...`."""
+    options = parse(RunOptions, "sandbox run", argv)
+    chosen = plan(options)
+    if options.device == "mouse":
+        raise InputError(
+            "the mouse needs a window", where="--device mouse", remedy="Use `sandbox play`"
+        )
+    if options.json and str(options.json) != "-" and not options.json.parent.exists():
+        raise InputError("there is no such folder", where=f"--json {options.json}")
+    events = EventLog(options.events)
+    # Nothing but the result goes to standard output when it is asked for there.
+    console = Console(stderr=str(options.json) == "-")
+    try:
+        result = _run(options, chosen, events, console)
+    finally:
+        events.close()
+    _report(result, console)
+    if options.json:
+        text = json.dumps(result, indent=1)
+        if str(options.json) == "-":
+            print(text)
+        else:
+            options.json.write_text(text + "\n")
+    return 0
+
+
+def _run(options: RunOptions, chosen: Plan, events: EventLog, console: Console) -> dict[str, Any]:
+    clock: list[RealTime] = []
+
+    def pace(snapshot: Snapshot) -> None:
+        if not clock:
+            clock.append(RealTime())
+        clock[0].wait(snapshot.time)
+
+    def make_device(task: Any, surface: Any) -> Any:
+        device = chosen.make_device(task, surface)
+        address = getattr(device, "address", None)
+        if address:
+            console.print(f"listening for TUIO on [bold]{address}[/] (UDP)")
+            events.tell("listening", address=address)
+        damage = getattr(device, "damage", None)
+        if damage:
+            console.print(f"[yellow]{damage}[/]")
+            events.tell("warning", what=str(damage))
+        events.tell("trial_start", task=task.name, seed=task.seed)
+        return device
+
+    views = [pace] if chosen.live else []
+    result = run_trial(chosen.settings, make_device, views, options.record, chosen.about)
+    events.tell("trial_end", **result)
+    if clock and clock[0].lost > 0:
+        what = f"this machine fell behind real time by {clock[0].lost:.1f} s"
+        console.print(f"[yellow]{what}[/]")
+        events.tell("warning", what=what)
+    return result
+
+
+def _report(result: dict[str, Any], console: Console) -> None:
+    colour = "green" if result["success"] else "red"
+    what = "done" if result["success"] else result["status"].replace("_", " ")
+    line = f"[bold {colour}]{result['task']}: {what}[/] after {result['time_s']:.1f} s"
+    if result["reason"]:
+        line += f", {result['reason']}"
+    console.print(line)
+    console.print(
+        f"[dim]seed {result['seed']}, {result['encoder']}, state {result['state_hash']}[/]"
+    )

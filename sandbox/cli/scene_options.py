@@ -1,0 +1,240 @@
+"""Options that all commands share which run a scene, and what they mean."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import tyro
+
+from models.errors import InputError
+from models.hand import IMPULSE_PROFILES
+from models.surface import Surface, parse_surface
+from sandbox.assembly import DeviceMaker
+from sandbox.devices.device import Device
+from sandbox.devices.recorded import RecordedDevice
+from sandbox.devices.simulated import SimulatedDevice
+from sandbox.devices.touch_capture import CaptureDevice, read_capture
+from sandbox.devices.tuio import DEFAULT_PORT, LOOPBACK, TuioDevice
+from sandbox.recording import Recording, is_recording, load_recording
+from sandbox.settings import RunSettings, bare
+from tasks.simulated_user.configuration import UserConfiguration
+from tasks.task import Task
+
+Part = Literal[
+    "correction", "smoothing", "arrival", "ghost", "distal", "stitch", "encoder", "history"
+]
+"""Parts of the pipeline that can be taken away, to see what each is worth."""
+
+_PARTS: dict[str, dict[str, Any]] = {
+    "correction": {"correction": False},
+    "smoothing": {"smoothing": False},
+    "arrival": {"arrival": False},
+    "ghost": {"ghost_until_clear": False},
+    "distal": {"distal_only": False},
+    "stitch": {"stitch": False},
+    "encoder": {"encode": False},
+    "history": {"labels": "paper"},
+}
+
+
+@dataclass(frozen=True)
+class SceneOptions:
+    """What runs, and how."""
+
+    task: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="TASK")] = "box-to-goal"
+    """Task to do; `sandbox` lists them."""
+
+    device: Annotated[str, tyro.conf.arg(metavar="{simulated,tuio,mouse,FILE}")] = "simulated"
+    """Where touches come from: the simulated user, a TUIO sender, the mouse in the window, or a
+    file: a recording of ours, or a capture of TUIO packets."""
+
+    encoder: Annotated[str, tyro.conf.arg(metavar="{paper,linear,quadratic,cubic,best,FILE}")] = (
+        "best"
+    )
+    """From touches to the hand. paper: least squares, the paper's labels, no correction, no
+    smoothing. The others share labels, correction and smoothing of best."""
+
+    bare: tyro.conf.FlagCreatePairsOff[bool] = False
+    """Any encoder as bare as paper's: its labels, no correction, no smoothing."""
+
+    without: tuple[Part, ...] = ()
+    """Takes parts of the pipeline away, to see what they are worth."""
+
+    seed: Annotated[int | None, tyro.conf.arg(metavar="INT")] = None
+    """Start, goal and simulated user come from it; 0 unless a recording says otherwise."""
+
+    impulse: Annotated[str, tyro.conf.arg(metavar="{paper,safe,N}")] = "paper"
+    """Limit of every servo in N s per 1/60 s: paper is 100, safe is 0.5."""
+
+    servo: Literal["orientation", "position"] = "orientation"
+    """One servo on the rotation of each ball joint, or three on its components."""
+
+    surface: Annotated[str | None, tyro.conf.arg(metavar="SIZE")] = None
+    """Size of the touch surface: 7.76x5.82in, 197x148mm or a preset such as ipad2."""
+
+    fingers: int = 3
+    """Of the simulated user, 2 to 5."""
+
+    user: Literal["skilled", "idle", "random"] = "skilled"
+    """The simulated user; idle and random are control arms that must not succeed."""
+
+    tell_labels: tyro.conf.FlagCreatePairsOff[bool] = False
+    """The simulated user says which finger touches: an upper bound for labelling."""
+
+    port: int = DEFAULT_PORT
+    """UDP port for TUIO; 0 takes a free one."""
+
+    bind: Annotated[str, tyro.conf.arg(metavar="ADDRESS")] = LOOPBACK
+    """Address for TUIO; 127.0.0.1 is reached from this machine only, 0.0.0.0 from the network."""
+
+    record: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Writes a recording that `sandbox replay` plays to the bit."""
+
+    events: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Appends events as JSON lines: listening, trial_start, trial_end, warning."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Options made definite.
+
+    Attributes:
+        settings: Of the run.
+        about: For header and result: device and simulated user.
+        live: A person or another program drives it, so that it runs at real time.
+        make_device: Opens the device.
+        opened: The device, once opened.
+    """
+
+    settings: RunSettings
+    about: dict[str, Any]
+    live: bool
+    make_device: DeviceMaker
+    opened: list[Device] = field(default_factory=list)
+
+
+def plan(options: SceneOptions) -> Plan:
+    """What the options mean.
+
+    Raises:
+        InputError: An option's value is none of those it has.
+    """
+    recording = _recording(options.device)
+    settings = _settings(options, recording)
+    about: dict[str, Any] = {"device": options.device}
+    if options.device == "simulated":
+        user = _user(options)
+        about["user"] = user.as_json()
+        seed, tell = settings.seed, options.tell_labels
+
+        def simulated(task: Task, surface: Surface) -> Device:
+            return SimulatedDevice(task, user, surface, seed, tell)
+
+        return _keeping(settings, about, False, simulated)
+    if options.device == "tuio":
+        return _keeping(
+            settings,
+            about,
+            True,
+            lambda task, surface: TuioDevice(surface, bind=options.bind, port=options.port),
+        )
+    if options.device == "mouse":
+        from sandbox.devices.mouse import MouseDevice
+
+        return _keeping(settings, about, True, lambda task, surface: MouseDevice(surface))
+    if recording is not None:
+        played = recording
+        about["user"] = recording.header.get("user")
+        return _keeping(settings, about, False, lambda task, surface: RecordedDevice(played))
+    capture = read_capture(Path(options.device))
+    return _keeping(settings, about, False, lambda task, surface: CaptureDevice(capture, surface))
+
+
+def _keeping(settings: RunSettings, about: dict[str, Any], live: bool, make: DeviceMaker) -> Plan:
+    opened: list[Device] = []
+
+    def open_device(task: Task, surface: Surface) -> Device:
+        opened.append(make(task, surface))
+        return opened[-1]
+
+    return Plan(settings, about, live, open_device, opened)
+
+
+def _recording(device: str) -> Recording | None:
+    if device in ("simulated", "tuio", "mouse"):
+        return None
+    path = Path(device)
+    if not path.exists():
+        raise InputError(
+            "there is no such device or file",
+            where="--device",
+            got=device,
+            expected="simulated, tuio, mouse or a file",
+            remedy="`sandbox touches formats` lists the files that play as devices",
+        )
+    return load_recording(path) if is_recording(path) else None
+
+
+def _settings(options: SceneOptions, recording: Recording | None) -> RunSettings:
+    if recording is not None:
+        # A recording brings its own task, seed and surface; what is asked for otherwise is tried on
+        # the recorded touches.
+        base = RunSettings.from_json(recording.header["settings"])
+    else:
+        base = RunSettings(task=options.task)
+    base = replace(base, seed=base.seed if options.seed is None else options.seed)
+    if recording is not None and _defaults_apart_from_input(options):
+        return base
+    values: dict[str, Any] = {
+        "encoder": options.encoder,
+        "servo": options.servo,
+        "impulse": _impulse(options.impulse),
+    }
+    if options.encoder == "paper" or options.bare:
+        values = bare(values)
+    for part in options.without:
+        values |= _PARTS[part]
+    if options.tell_labels:
+        values["labels"] = "device"
+    if options.surface:
+        surface = parse_surface(options.surface)
+        values["surface_in"] = (surface.width_in, surface.height_in)
+    elif options.device == "tuio":
+        # TUIO tells no sizes: without one, inches are a guess, and views say so.
+        values["surface_calibrated"] = False
+    return replace(base, **values)
+
+
+def _defaults_apart_from_input(options: SceneOptions) -> bool:
+    """Whether a recording is to be run just as it was."""
+    plain = SceneOptions()
+    keys = ("encoder", "bare", "without", "impulse", "servo", "surface", "tell_labels")
+    return all(getattr(options, k) == getattr(plain, k) for k in keys)
+
+
+def _impulse(text: str) -> float:
+    if text in IMPULSE_PROFILES:
+        return IMPULSE_PROFILES[text]
+    try:
+        value = float(text)
+        if not 0 < value < float("inf"):
+            raise ValueError
+    except ValueError:
+        raise InputError(
+            "this is no impulse limit",
+            where="--impulse",
+            got=text,
+            expected="paper, safe or a positive number of N s per 1/60 s",
+        ) from None
+    return value
+
+
+def _user(options: SceneOptions) -> UserConfiguration:
+    if not 2 <= options.fingers <= 5:
+        raise InputError(
+            "the simulated user cannot do this", where="--fingers", got=options.fingers,
+            expected="2 to 5",
+        )  # fmt: skip
+    return UserConfiguration(kind=options.user, fingers=options.fingers)

@@ -1,0 +1,47 @@
+"""A recording as a device: it gives each frame at the very step at which it took effect."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from models.frames import TouchFrame
+from models.scene import CONTROL_PERIOD
+from sandbox.recording import Recording
+
+
+class RecordedDevice:
+    """Plays one hand of a recording.
+
+    Args:
+        recording: Read by `load_recording`.
+        hand: Whose frames.
+    """
+
+    def __init__(self, recording: Recording, hand: int = 0) -> None:
+        self.name = str(recording.path)
+        self._timestep = float(recording.header["settings"]["timestep"])
+        self._inputs = recording.inputs.get(hand, [])
+        self._next = 0
+        self._now = 0.0
+        last = self._inputs[-1].step if self._inputs else 0
+        period = round(CONTROL_PERIOD / self._timestep)
+        # The last control period begins one period before the end.
+        self._last = recording.end["step"] - period if recording.end else last
+
+    def poll(self, now: float) -> Sequence[TouchFrame]:
+        """Frames that took effect since the last call, up to now."""
+        self._now = now
+        step = round(now / self._timestep)
+        frames = []
+        while self._next < len(self._inputs) and self._inputs[self._next].step <= step:
+            frames.append(self._inputs[self._next].frame)
+            self._next += 1
+        return frames
+
+    @property
+    def finished(self) -> bool:
+        """Whether the recorded trial is over."""
+        return round(self._now / self._timestep) >= self._last
+
+    def close(self) -> None:
+        """Nothing to give back."""

@@ -1,0 +1,83 @@
+"""Runs a trial as fast as it goes, with whoever wants to look on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from models.errors import DivergenceError
+from sandbox.assembly import DeviceMaker, build, load_encoder
+from sandbox.messages import Snapshot
+from sandbox.recording import RecordingWriter
+from sandbox.session import Session, describe
+from sandbox.settings import RunSettings
+from sandbox.versions import versions
+
+SCHEMA = 1
+"""Version of a trial's JSON."""
+
+View = Callable[[Snapshot], None]
+"""Gets every snapshot of a headless run, in order."""
+
+
+def run_trial(
+    settings: RunSettings,
+    make_device: DeviceMaker,
+    views: Sequence[View] = (),
+    record: Path | None = None,
+    about: dict[str, Any] | None = None,
+) -> dict[str, Any]:
+    """Plays a trial to its end.
+
+    Args:
+        settings: How it goes.
+        make_device: Where the touches come from.
+        views: Get every snapshot. A device that also looks (the simulated user) need not be named.
+        record: Where to write a recording.
+        about: More for the header and the result, such as who the simulated user is.
+
+    Returns:
+        The trial's JSON.
+    """
+    header = trial_header(settings, about)
+    recorder = RecordingWriter(record, header) if record else None
+    session = build(settings, make_device, recorder)
+    try:
+        play(session, views)
+        result = {**describe(session), **header, "schema": SCHEMA}
+        if recorder:
+            recorder.end(session.step, result)
+    finally:
+        session.close()
+        if recorder:
+            recorder.close()
+    return result
+
+
+def play(session: Session, views: Sequence[View]) -> None:
+    """Advances a session until it is over."""
+    watching = [*views, *_looking_devices(session)]
+    while not session.over:
+        try:
+            snapshot = session.advance()
+        except DivergenceError:
+            # The trial is marked; its recording holds all that led here.
+            break
+        for view in watching:
+            view(snapshot)
+
+
+def trial_header(settings: RunSettings, about: dict[str, Any] | None = None) -> dict[str, Any]:
+    """What must be known to run a trial again."""
+    return {
+        "settings": settings.as_json(),
+        "encoder": settings.encoder,
+        "encoder_digest": load_encoder(settings.encoder).digest,
+        "versions": versions(),
+        **(about or {}),
+    }
+
+
+def _looking_devices(session: Session) -> list[View]:
+    return [rig.device.show for rig in session.rigs if hasattr(rig.device, "show")]

@@ -1,0 +1,35 @@
+"""Keeps a session with a person at real time."""
+
+from __future__ import annotations
+
+import time
+
+LEEWAY = 0.10
+"""s behind real time from which on the lost time is given up: the session then runs slower than
+real time and says so, rather than hurrying after a moment that has passed."""
+
+
+class RealTime:
+    """Waits for the wall clock to catch up with simulated time.
+
+    Args:
+        speed: Simulated seconds per second.
+
+    Attributes:
+        lost: s of real time given up so far because the machine was too slow.
+    """
+
+    def __init__(self, speed: float = 1.0) -> None:
+        self.speed = speed
+        self.lost = 0.0
+        self._origin = time.monotonic()
+
+    def wait(self, simulated: float) -> None:
+        """Returns when `simulated` seconds of simulated time are due."""
+        due = self._origin + simulated / self.speed
+        ahead = due - time.monotonic()
+        if ahead > 0:
+            time.sleep(ahead)
+        elif ahead < -LEEWAY:
+            self._origin -= ahead
+            self.lost -= ahead

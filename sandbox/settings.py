@@ -1,0 +1,93 @@
+"""Everything that decides how a run goes, as plain values: what is written, can be run again."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, fields
+from typing import Any
+
+from models.errors import InputError
+from models.hand import IMPULSE_PROFILES, SERVOS
+from models.surface import PRESETS, Surface
+
+LABELS = ("history", "paper", "device")
+"""`history`: a belief carried from contact to contact; `paper`: nearest training pose; `device`:
+what the device says, for devices that know, and as an upper bound with the simulated user."""
+
+
+@dataclass(frozen=True)
+class RunSettings:
+    """Settings of one run; JSON values only.
+
+    Attributes:
+        task: Name of the task.
+        seed: Of the task's start and goal, and of a simulated user.
+        encoder: `paper`, `linear`, `quadratic`, `cubic`, `best`, or a trained model's file.
+        labels: One of `LABELS`.
+        correction: Fingertips are made to meet their touches.
+        smoothing: Touches and posture are low-passed.
+        arrival: The hand hovers, comes down from above and rises; otherwise it drops where it is.
+        ghost_until_clear: A hand that is down turns solid only outside of objects.
+        distal_only: Only last links of touching fingers are ever solid.
+        stitch: A lost contact lives on for a moment.
+        encode: The encoder's pose is used; otherwise the mean training pose.
+        servo: One of `models.hand.SERVOS`.
+        impulse: N s (N m s) per 1/60 s, limit of every servo.
+        surface_in: Width and height of the touch surface, inches.
+        surface_calibrated: False where its size is a guess.
+        timestep: s of physics.
+    """
+
+    task: str = "box-to-goal"
+    seed: int = 0
+    encoder: str = "best"
+    labels: str = "history"
+    correction: bool = True
+    smoothing: bool = True
+    arrival: bool = True
+    ghost_until_clear: bool = True
+    distal_only: bool = True
+    stitch: bool = True
+    encode: bool = True
+    servo: str = SERVOS[0]
+    impulse: float = IMPULSE_PROFILES["paper"]
+    surface_in: tuple[float, float] = PRESETS["ipad2"]
+    surface_calibrated: bool = True
+    timestep: float = 0.002
+
+    def __post_init__(self) -> None:
+        if self.labels not in LABELS:
+            raise InputError(
+                "no such labels", where="labels", got=self.labels, expected=", ".join(LABELS)
+            )
+
+    @property
+    def surface(self) -> Surface:
+        """The touch rectangle, not yet placed in the world."""
+        return Surface(*self.surface_in, calibrated=self.surface_calibrated)
+
+    def as_json(self) -> dict[str, Any]:
+        """For headers and results."""
+        return asdict(self)
+
+    @classmethod
+    def from_json(cls, values: dict[str, Any]) -> RunSettings:
+        """Settings read back.
+
+        Raises:
+            InputError: A setting is missing or unknown: another version wrote it.
+        """
+        names = {f.name for f in fields(cls)}
+        if set(values) != names:
+            raise InputError(
+                "these settings are another version's",
+                where="settings",
+                got=", ".join(sorted(set(values) ^ names)) + " missing or unknown",
+                remedy="Use the version that the header names",
+            )
+        width, height = values["surface_in"]
+        return cls(**{**values, "surface_in": (float(width), float(height))})
+
+
+def bare(settings: dict[str, Any]) -> dict[str, Any]:
+    """The paper's own pipeline: its labels, no correction, no smoothing."""
+    return {**settings, "labels": "paper", "correction": False, "smoothing": False}
