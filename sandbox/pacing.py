@@ -14,15 +14,16 @@ class RealTime:
 
     Args:
         speed: Simulated seconds per second.
+        simulated: s of simulated time that is due now.
 
     Attributes:
         lost: s of real time given up so far because the machine was too slow.
     """
 
-    def __init__(self, speed: float = 1.0) -> None:
+    def __init__(self, speed: float = 1.0, simulated: float = 0.0) -> None:
         self.speed = speed
         self.lost = 0.0
-        self._origin = time.monotonic()
+        self._origin = time.monotonic() - simulated / speed
 
     def wait(self, simulated: float) -> None:
         """Returns when `simulated` seconds of simulated time are due."""

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from models.errors import RecordingError
+from models.errors import InputError, RecordingError
 from models.frames import Contact, TouchFrame
 
 SCHEMA = 1
@@ -51,11 +51,14 @@ class RecordingWriter:
                 "the file cannot be written", where=str(path), got=error.strerror
             ) from None
         self._path = path
+        self._start()
+        self._put({"kind": "header", "schema": SCHEMA, **header})
+
+    def _start(self) -> None:
         self._queue: queue.SimpleQueue[dict[str, Any] | None] = queue.SimpleQueue()
         self._error: OSError | None = None
         self._thread = threading.Thread(target=self._write, name="recording", daemon=True)
         self._thread.start()
-        self._put({"kind": "header", "schema": SCHEMA, **header})
 
     def input(self, step: int, hand: int, frame: TouchFrame, state_hash: str) -> None:
         """A frame that takes effect at a physics step, and the state's hash before it."""
@@ -185,7 +188,7 @@ def load_recording(path: Path) -> Recording:
             elif kind == "end":
                 line["step"] = int(line["step"])
                 end = line
-        except (ValueError, KeyError, TypeError, RecordingError) as error:
+        except (ValueError, KeyError, TypeError, InputError) as error:
             damage = f"line {number} is damaged ({error}); everything before it is used"
             break
     if not damage and end is None:

@@ -1,0 +1,1 @@
+"""Measurements: each prints the machine, what was measured and against what."""

@@ -1,0 +1,64 @@
+"""Seeds that nobody chose: outputs of SHA-256 over the frozen configuration.
+
+A number is judged on seeds drawn after the configuration is frozen. `python -m benchmarks.judged
+--freeze` writes everything that decides a run into `frozen.json`; the seeds follow from that file,
+so that tuning anything afterwards draws new ones.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from dataclasses import asdict
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+from models.errors import InputError
+from sandbox.assembly import load_encoder, reconstructor_settings
+from sandbox.settings import RunSettings
+from tasks.registry import TASKS
+from tasks.simulated_user.configuration import UserConfiguration
+
+FROZEN = Path(__file__).with_name("frozen.json")
+
+
+def configuration() -> dict[str, Any]:
+    """Everything that decides how a run of `best` goes, as it is in the code now."""
+    settings = RunSettings()
+    return {
+        "settings": settings.as_json(),
+        "reconstructor": asdict(reconstructor_settings(settings)),
+        "user": UserConfiguration().as_json(),
+        "encoder_digest": load_encoder(settings.encoder).digest,
+        "tasks": {name: task.version for name, task in TASKS.items()},
+    }
+
+
+def judged_seeds(n: int) -> list[int]:
+    """The first n seeds of the frozen configuration.
+
+    Raises:
+        InputError: The code's configuration is no longer the frozen one.
+    """
+    text = FROZEN.read_text()
+    if json.loads(text) != json.loads(json.dumps(configuration())):
+        raise InputError(
+            "the configuration has changed since it was frozen",
+            where=str(FROZEN),
+            remedy="`python -m benchmarks.judged --freeze` freezes it anew and draws new seeds",
+        )
+    return [int.from_bytes(sha256(f"{text}\n{i}".encode()).digest()[:4], "big") for i in range(n)]
+
+
+def freeze() -> None:
+    """Writes the configuration down."""
+    FROZEN.write_text(json.dumps(configuration(), indent=1, sort_keys=True) + "\n")
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--freeze", action="store_true", help="write frozen.json")
+    if parser.parse_args().freeze:
+        freeze()
+    print(*judged_seeds(10))

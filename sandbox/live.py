@@ -1,0 +1,95 @@
+"""A session with a person: physics in its own thread at real time, the window in the main one."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from typing import Protocol
+
+from models.errors import DivergenceError, HandSandboxError
+from sandbox.messages import Snapshot
+from sandbox.pacing import RealTime
+from sandbox.session import Session
+
+
+class LiveView(Protocol):
+    """A window."""
+
+    def pump(self, snapshot: Snapshot | None) -> bool:
+        """Draws the newest snapshot and takes in clicks; False when the person closed it."""
+        ...
+
+
+class LiveSession:
+    """Runs a session in a thread of its own; the newest snapshot waits for whoever looks.
+
+    Args:
+        session: Ready for its first step.
+        on_step: Called in the session's thread with every snapshot, in order (a looking device).
+        speed: Simulated seconds per second.
+    """
+
+    def __init__(
+        self,
+        session: Session,
+        on_step: Callable[[Snapshot], None] | None = None,
+        speed: float = 1.0,
+    ) -> None:
+        self.session = session
+        self._on_step = on_step
+        self._speed = speed
+        self._newest: Snapshot | None = None
+        self._stop = threading.Event()
+        self._running = threading.Event()
+        self._running.set()
+        self._thread = threading.Thread(target=self._run, name="session", daemon=True)
+        self.lost = 0.0
+        self.failure: HandSandboxError | None = None
+
+    @property
+    def over(self) -> bool:
+        """Whether the session's thread has ended."""
+        return not self._thread.is_alive() and self._thread.ident is not None
+
+    @property
+    def newest(self) -> Snapshot | None:
+        """The latest snapshot; older ones are gone."""
+        return self._newest
+
+    def start(self) -> None:
+        """Begins."""
+        self._thread.start()
+
+    def pause(self, paused: bool) -> None:
+        """Halts simulated time, or lets it go on."""
+        if paused:
+            self._running.clear()
+        else:
+            self._running.set()
+
+    def stop(self) -> None:
+        """Ends the session's thread; the score stays as it is."""
+        self._stop.set()
+        self._running.set()
+        self._thread.join()
+
+    def _run(self) -> None:
+        clock = RealTime(self._speed)
+        try:
+            while not self.session.over and not self._stop.is_set():
+                if not self._running.is_set():
+                    self._running.wait()
+                    # Time that stood still is not to be caught up with.
+                    clock = RealTime(self._speed, self.session.time)
+                snapshot = self.session.advance()
+                self._newest = snapshot
+                if self._on_step:
+                    self._on_step(snapshot)
+                clock.wait(snapshot.time)
+                self.lost = clock.lost
+        except DivergenceError:
+            # The trial is marked and the score says so; there is nothing more to simulate.
+            self._newest = self.session.snapshot()
+        except HandSandboxError as error:
+            # A device broke. Whoever waits for this thread passes it on.
+            self.failure = error
