@@ -190,7 +190,9 @@ def _connected(to: str) -> socket.socket:
     channel = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     try:
         # Connected, so that the system tells us where nobody listens.
-        channel.connect((host or LOOPBACK, int(port)))
+        if not host:
+            raise ValueError("there is no host in it")
+        channel.connect((host, int(port)))
     except (OSError, ValueError, OverflowError) as error:
         channel.close()
         raise InputError(
