@@ -8,6 +8,8 @@ import sys
 from models.errors import HandSandboxError, InputError
 
 COMMANDS: dict[str, str] = {
+    "run": "do a task without a window, as fast as it goes",
+    "replay": "play a recording again and check every state",
     "touches": "show, send and describe touches: the first thing to try with a new tablet",
 }
 """Command -> one line of help. Each lives in sandbox/cli/COMMAND.py as `main(argv) -> int`."""
