@@ -8,10 +8,11 @@ motor impulse J per step of 1/60 s mirrors to the force limit J / (1/60 s), what
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import pairwise
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from models.errors import SceneError
 from models.rotations import matrix_to_quaternion
@@ -38,6 +39,9 @@ may have to go when the surface stands upright."""
 
 FLESH_DENSITY = 1100.0
 """kg/m3."""
+
+CUFF, SLEEVE = ".93 .94 .95 1", ".16 .20 .27 1"
+"""Colours, red green blue alpha, of what ends the hand at the wrist."""
 
 
 @dataclass(frozen=True)
@@ -166,24 +170,83 @@ def _orientation(hand: Hand, joint: str, stiffness: float) -> Element:
 
 
 def _palm_geoms(palm: Element, hand: Hand) -> None:
-    """Metacarpals from the wrist to each knuckle, the thumb's ball, and a stub of forearm."""
+    """Metacarpals from the wrist to each knuckle, the thumb's ball, and a stub of forearm.
+
+    The capsules with mass are the palm of the simulation and are hidden (group 3); what is seen
+    has none, so that the look can change without changing a single number of the physics.
+    """
     skeleton, radius = hand.skeleton, hand.skeleton.palm_radius
     knuckles = [np.array(skeleton.bones[i].anchor) for i in skeleton.first_bone]
-    ends: list[tuple[str, NDArray[np.float64], NDArray[np.float64], float]] = []
+    flesh: list[tuple[str, NDArray[np.float64], NDArray[np.float64], float]] = []
     for knuckle in knuckles[1:]:
         wrist = np.array([0.55 * knuckle[0], 0.06 * knuckle[1], -0.15 * radius])
-        ends.append((f"metacarpal_{len(ends) + 1}", wrist, knuckle, radius))
+        flesh.append((f"metacarpal_{len(flesh) + 1}", wrist, knuckle, radius))
     thumb = knuckles[0]
-    ends.append(("thenar", 0.35 * thumb, thumb, 1.15 * radius))
+    flesh.append(("thenar", 0.35 * thumb, thumb, 1.15 * radius))
     across = np.array([0.55 * radius, -0.6 * radius, 0.0])
     for side, name in ((-1.0, "wrist_in"), (1.0, "wrist_out")):
         start = across * np.array([side, 1.0, 1.0])
         stub = start - np.array([0.0, 3.0 * radius, 0.0])
-        ends.append((name, stub, start, 1.35 * radius))
-    for name, start, end, size in ends:
+        flesh.append((name, stub, start, 1.35 * radius))
+    for name, start, end, size in flesh:
         SubElement(palm, "geom", {
             "name": hand.element_name(name), "fromto": _text(*start, *end), "size": _text(size),
+            "group": "3",
         })  # fmt: skip
+    _palm_look(palm, knuckles, radius)
+
+
+def _palm_look(palm: Element, knuckles: list[NDArray[np.float64]], radius: float) -> None:
+    """What is seen of the palm: no mass, no collisions.
+
+    Args:
+        palm: Body to add to.
+        knuckles: (3,) m each, thumb first, in the palm's frame.
+        radius: m, of the palm's capsules.
+    """
+
+    def seen(start: ArrayLike, end: ArrayLike, size: float, **look: str) -> None:
+        SubElement(palm, "geom", {
+            "fromto": _text(*np.asarray(start, float), *np.asarray(end, float)),
+            "size": _text(size), "mass": "0", "group": "1", **look,
+        })  # fmt: skip
+
+    # Back of the hand: a ray to every knuckle and one to every web between two, else grooves show.
+    rays = [knuckles[1]]
+    for inner, outer in pairwise(knuckles[1:]):
+        web = (inner + outer) / 2 - np.array([0.0, 0.9 * radius, 0.1 * radius])
+        rays += [web, outer]
+    for end in rays:
+        root = np.array([0.60 * end[0], 0.5 * radius, 0.1 * radius])
+        seen(root, end - np.array([0.0, 0.0, 0.12 * radius]), 0.97 * radius)
+    # Its inside: a cushion under the knuckles, the ball of the thumb, the edge of the hand.
+    under = np.array([0.0, -0.7 * radius, -0.95 * radius])
+    for end in rays[1::2]:
+        root = np.array([0.60 * end[0], 0.9 * radius, -0.75 * radius])
+        seen(root, end + under, 1.0 * radius)
+    thumb, little = knuckles[0], knuckles[4]
+    seen(little * [0.72, 0.16, 0.0] - [0.0, 0.0, 0.8 * radius],
+         little * [0.93, 0.72, 1.0] - [0.0, 0.0, 0.5 * radius], 1.2 * radius)  # fmt: skip
+    seen(thumb * [0.45, 0.5, 0.9], thumb, 1.3 * radius)
+    seen(thumb * [1.0, 1.2, 0.9], knuckles[1] * [0.85, 0.62, 0.0] - [0.0, 0.0, 0.6 * radius],
+         0.95 * radius)  # fmt: skip
+    # A flat dome over the metacarpals, which alone would look like a rake.
+    middle = (knuckles[1] + little) / 2
+    SubElement(palm, "geom", {
+        "type": "ellipsoid", "pos": _text(*(middle * [1.1, 0.46, 0.0])),
+        "size": _text(0.5 * (little[0] - knuckles[1][0]), 0.62 * middle[1], 1.20 * radius),
+        "mass": "0", "group": "1",
+    })  # fmt: skip
+    # Wrist, cuff and sleeve. Three of each side by side make them wider than thick; the ends
+    # differ a little in length, since equal ones would flicker where they overlap.
+    for side in (-1.0, 0.0, 1.0):
+        place = np.array([0.75 * side * radius, 0.0, -0.45 * radius])
+        along = np.array([0.0, radius, 0.0])
+        seen(place + 0.9 * along, place - 4.5 * along, 1.55 * radius)
+        ends = (3.4 + 0.05 * side) * along
+        seen(place - ends, place - ends - 1.2 * along, 1.80 * radius, type="cylinder", rgba=CUFF)
+        seen(place - ends - 0.5 * along, place - ends - 3.6 * along, 2.0 * radius,
+             type="cylinder", rgba=SLEEVE)  # fmt: skip
 
 
 def _text(*values: float) -> str:

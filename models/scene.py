@@ -184,7 +184,7 @@ def _look(root: Element) -> None:
         "ambient": ".30 .30 .32", "diffuse": ".18 .18 .18", "specular": ".05 .05 .05",
     })  # fmt: skip
     SubElement(visual, "map", {
-        "znear": ".02", "zfar": "60", "shadowclip": "1.3", "shadowscale": ".6", "haze": ".35",
+        "znear": ".02", "zfar": "60", "shadowclip": "2.5", "shadowscale": ".6", "haze": ".35",
     })  # fmt: skip
     asset = SubElement(root, "asset")
     SubElement(asset, "texture", {
@@ -201,18 +201,22 @@ def _look(root: Element) -> None:
     })  # fmt: skip
     SubElement(asset, "texture", {
         "name": "mat", "type": "2d", "builtin": "flat", "mark": "edge",
-        "rgb1": ".215 .275 .315", "markrgb": ".30 .36 .40", "width": "128", "height": "128",
+        "rgb1": ".215 .275 .315", "markrgb": ".26 .32 .36", "width": "64", "height": "64",
     })  # fmt: skip
     # One square of the grid is 2 cm, which gives a picture its scale.
     SubElement(asset, "material", {
-        "name": "mat", "texture": "mat", "texrepeat": "50 50", "texuniform": "true",
+        "name": "mat", "texture": "mat", "texrepeat": "100 100", "texuniform": "true",
         "specular": ".1",
     })  # fmt: skip
 
 
 def _lights(world: Element) -> None:
+    """A warm key light over the left shoulder, aimed at the middle of the table, and a cool fill.
+
+    Colours of all lights add up to less than 1, or skin burns out.
+    """
     SubElement(world, "light", {
-        "type": "directional", "pos": "-.5 -.3 1", "dir": ".45 .33 -.83",
+        "type": "directional", "pos": "-.54 -.43 1.05", "dir": ".45 .33 -.83",
         "diffuse": ".64 .615 .575", "specular": ".22 .22 .22", "ambient": "0 0 0",
         "castshadow": "true",
     })  # fmt: skip
