@@ -8,6 +8,8 @@ import sys
 from models.errors import HandSandboxError, InputError
 
 COMMANDS: dict[str, str] = {
+    "demo": "the simulated user brings a box to its goal; ends with score, film and picture",
+    "play": "do a task in a window, with the mouse or a tablet as fingers",
     "run": "do a task without a window, as fast as it goes",
     "replay": "play a recording again and check every state",
     "touches": "show, send and describe touches: the first thing to try with a new tablet",
@@ -56,8 +58,25 @@ def main(argv: list[str] | None = None) -> int:
 def overview() -> str:
     """What the program can do, one line a command."""
     width = max(map(len, COMMANDS))
-    lines = ["usage: sandbox COMMAND [--help]", ""]
+    lines = ["usage: sandbox COMMAND [--help]", "", "commands"]
     lines += [f"  {name:<{width}}  {text}" for name, text in COMMANDS.items()]
+    lines += ["", "tasks", "  box-to-goal  bring a box onto its translucent twin"]
+    lines += [
+        "",
+        "devices",
+        "  simulated  a simulated user, who only touches",
+        "  mouse      in the window: drag, pin fingers, keys 1 to 5 for a whole hand",
+        "  tuio       a tablet, table or simulator that sends TUIO 1.1 over UDP",
+        "  FILE       a recording of ours, or a capture of TUIO packets",
+    ]
+    lines += [
+        "",
+        "try first",
+        "  sandbox demo",
+        "  sandbox play box-to-goal",
+        "  sandbox touches show          with a tablet at hand",
+        "  sandbox run box-to-goal --fingers 5 --seed 7 --record run.jsonl",
+    ]
     return "\n".join(lines)
 
 

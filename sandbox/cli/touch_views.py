@@ -104,9 +104,13 @@ class TextView:
         lines = [_summary(self._seen.statistics)]
         if isinstance(self._seen, TuioDevice):
             for source in self._seen.sources:
-                state = "silent" if source.stale else f"{source.touches} touches"
+                state = "silent" if source.stale else _touches(source.touches)
                 lines.append(f"{source.name or 'unnamed'} at {source.peer}: {state}")
         return Group(table, Text("\n".join(lines)), Text(self._hint, style="yellow"))
+
+
+def _touches(count: int) -> str:
+    return "1 touch" if count == 1 else f"{count} touches"
 
 
 class _JsonContact(TypedDict):

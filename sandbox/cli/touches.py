@@ -129,7 +129,7 @@ def send(
         for packet in capture.packets:
             due = begin + (packet.time - capture.packets[0].time) / speed
             time.sleep(max(0.0, due - time.monotonic()))
-            if _send_packet(channel, packet.data, to):
+            if send_packet(channel, packet.data, to):
                 if not refused:
                     bar.print(Text(f"nobody listens at {to} yet: `sandbox touches show` does"))
                 refused += 1
@@ -204,7 +204,7 @@ def _connected(to: str) -> socket.socket:
     return channel
 
 
-def _send_packet(channel: socket.socket, data: bytes, to: str) -> bool:
+def send_packet(channel: socket.socket, data: bytes, to: str) -> bool:
     """Sends a packet; True where the system says that nobody listened to an earlier one."""
     try:
         try:

@@ -1,0 +1,165 @@
+"""`sandbox demo`: the whole path in a few seconds, with nothing but this machine."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+from models.errors import HandSandboxError
+from sandbox.assembly import build
+from sandbox.cli.parse import parse
+from sandbox.devices.recorded import RecordedDevice
+from sandbox.headless import play
+from sandbox.live import LiveSession
+from sandbox.messages import Snapshot
+from sandbox.recording import load_recording
+from sandbox.replay import settings_of
+from sandbox.session import Session
+from sandbox.views.errors import GraphicsError
+
+FILM_RATE = 15
+"""Pictures per second of the film."""
+
+CAPTION = "simulated user"
+
+_WORDS = {
+    "away": "the user looks; the hand waits in the air",
+    "waiting": "fingers touch the tablet: which finger is which?",
+    "above": "fingers named; the hand moves to its place, still a ghost",
+    "coming down": "the hand comes down around the box",
+    "down": "the hand follows the touches",
+}
+
+
+@dataclass(frozen=True)
+class DemoOptions:
+    """Plays a recording of the simulated user who drags a box to its goal by touching a tablet.
+
+    The touches are recorded; labels, hand pose, physics and score are computed here and now. With a
+    display it opens a window and plays live, without one it draws off screen. Ends with the score,
+    a film and a picture.
+    """
+
+    out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path("sandbox-demo")
+    """Folder for the film and the picture; those of an earlier demo are replaced."""
+
+    view: Annotated[str, tyro.conf.arg(metavar="{auto,window,film,none}")] = "auto"
+    """auto: a window where there is a display, a film where there is OpenGL."""
+
+
+def main(argv: list[str]) -> int:
+    """Runs `sandbox demo`."""
+    options = parse(DemoOptions, "sandbox demo", argv)
+    console = Console()
+    recording = load_recording(Path(str(files("sandbox") / "data" / "demo.jsonl")))
+    console.print(
+        "[bold]Hand Sandbox[/]: a recording of the [bold]simulated[/] user touches a tablet; "
+        "no person took part."
+    )
+    session = build(settings_of(recording), lambda task, surface: RecordedDevice(recording))
+    kept: list[Snapshot] = []
+    length = recording.end["step"] * session.scene.spec.timestep if recording.end else None
+    shown = options.view in ("auto", "window") and has_display() and _live(session, kept, console)
+    if not session.over and not shown:
+        _headless(session, kept, console, length)
+    score = session.scorer.score
+    colour = "green" if score.success else "red"
+    console.print(
+        f"[bold {colour}]{session.task.name}: {score.status.value}[/] after {score.time:.1f} s"
+        + (f", {score.reason}" if score.reason else ", placed and let go")
+    )
+    if options.view != "none" and kept:
+        _pictures(session, kept, options.out, console)
+    console.print("Next: [bold]sandbox[/] lists what else there is.")
+    return 0
+
+
+def has_display() -> bool:
+    """Whether there is a screen to open a window on."""
+    if sys.platform.startswith("linux"):
+        return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+    return True
+
+
+def _keep(kept: list[Snapshot], snapshot: Snapshot) -> None:
+    """Keeps as many snapshots as a film needs."""
+    if not kept or snapshot.time >= kept[-1].time + 1.0 / FILM_RATE - 1e-9:
+        kept.append(snapshot)
+
+
+def _live(session: Session, kept: list[Snapshot], console: Console) -> bool:
+    """Plays in a window at real time; False when there can be none, and nothing has been played."""
+    from sandbox.views.window import Window
+
+    surface = session.rigs[0].reconstructor.surface
+    try:
+        window = Window(session.scene, surface, title="Hand Sandbox: demo (simulated user)")
+    except GraphicsError as error:
+        console.print(f"[yellow]no window: {error}[/]")
+        return False
+    live = LiveSession(session, lambda snapshot: _keep(kept, snapshot))
+    live.start()
+    try:
+        while window.pump(live.newest) and not live.over:
+            pass
+    finally:
+        live.stop()
+        window.close()
+    return True
+
+
+def _headless(
+    session: Session, kept: list[Snapshot], console: Console, length: float | None
+) -> None:
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
+    last = ""
+    with Progress(*columns, console=console, transient=True) as progress:
+        bar = progress.add_task("playing", total=length)
+
+        def show(snapshot: Snapshot) -> None:
+            nonlocal last
+            _keep(kept, snapshot)
+            progress.update(bar, completed=snapshot.time)
+            phase = snapshot.hands[0].phase
+            if phase != last:
+                last = phase
+                progress.console.print(f"[dim]{snapshot.time:5.2f} s[/]  {_WORDS[phase]}")
+
+        play(session, [show])
+
+
+def _pictures(session: Session, kept: list[Snapshot], out: Path, console: Console) -> None:
+    """The film, and a picture of the moment at which the box is being dragged."""
+    from sandbox.views.film import FilmView
+
+    surface = session.rigs[0].reconstructor.surface
+    started = time.monotonic()
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        film_path, picture_path = out / "demo.webp", out / "demo.png"
+        held = [s for s in kept if s.hands[0].solid] or kept
+        with (
+            FilmView(film_path, session.scene, surface, fps=FILM_RATE, caption=CAPTION) as film,
+            Progress(console=console, transient=True) as progress,
+        ):
+            for snapshot in progress.track(kept, description="drawing the film"):
+                film.show(snapshot)
+            film.picture(held[len(held) * 2 // 3], picture_path)
+    except HandSandboxError as error:
+        console.print(f"[yellow]no film: {error}[/]")
+        return
+    except OSError as error:
+        console.print(f"[yellow]no film: {out} cannot be written ({error.strerror})[/]")
+        return
+    spent = time.monotonic() - started
+    console.print(f"film     [bold]{film_path}[/] ({len(kept)} pictures, drawn in {spent:.1f} s)")
+    console.print(f"picture  [bold]{picture_path}[/]")

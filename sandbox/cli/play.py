@@ -1,0 +1,115 @@
+"""`sandbox play`: a task in a window, with the mouse or a tablet as fingers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+from rich.console import Console
+
+from models.errors import InputError
+from sandbox.assembly import build
+from sandbox.cli.demo import has_display
+from sandbox.cli.parse import parse
+from sandbox.cli.scene_options import Plan, SceneOptions, plan
+from sandbox.events import EventLog
+from sandbox.headless import trial_header
+from sandbox.live import LiveSession
+from sandbox.recording import RecordingWriter
+from sandbox.session import Session, describe
+from sandbox.views.window import Window
+
+
+@dataclass(frozen=True)
+class PlayOptions(SceneOptions):
+    """Plays a task in a window: with the mouse as one or several fingers, or with a TUIO tablet.
+
+    Drag with the left button: one finger. Keys 1 to 5 put down a whole hand of so many fingers, and
+    h shows all keys. r starts again, p pauses.
+    """
+
+    device: str = "mouse"
+    """mouse, tuio, simulated, or a file: a recording of ours, or a capture of TUIO packets."""
+
+
+def main(argv: list[str]) -> int:
+    """Runs `sandbox play ...`."""
+    options = parse(PlayOptions, "sandbox play", argv)
+    console = Console()
+    if not has_display():
+        raise InputError(
+            "there is no display to open a window on",
+            remedy="`sandbox run` does a task without one; on a remote machine try `xvfb-run`",
+        )
+    events = EventLog(options.events)
+    window: Window | None = None
+    again, trial = True, 0
+    try:
+        while again:
+            chosen = plan(replace(options, record=None))
+            if trial:
+                seed = chosen.settings.seed + trial
+                chosen = replace(chosen, settings=replace(chosen.settings, seed=seed))
+            window, again = _trial(options, chosen, window, events, console, trial)
+            trial += 1
+    finally:
+        if window is not None:
+            window.close()
+        events.close()
+    return 0
+
+
+def _trial(
+    options: PlayOptions,
+    chosen: Plan,
+    window: Window | None,
+    events: EventLog,
+    console: Console,
+    trial: int,
+) -> tuple[Window, bool]:
+    """One trial; returns the window and whether the person asked for another."""
+    recorder = None
+    if options.record:
+        # A second trial is another file: nothing recorded is ever written over.
+        path = (
+            options.record
+            if not trial
+            else options.record.with_stem(f"{options.record.stem}-{trial + 1}")
+        )
+        recorder = RecordingWriter(path, trial_header(chosen.settings, chosen.about))
+    session = build(chosen.settings, chosen.make_device, recorder)
+    device: Any = chosen.opened[-1]
+    if window is not None:
+        window.close()
+    window = Window(session.scene, session.rigs[0].reconstructor.surface, title=_title(session))
+    window.attach(device)
+    address = getattr(device, "address", None)
+    if address:
+        console.print(f"listening for TUIO on [bold]{address}[/] (UDP)")
+        events.tell("listening", address=address)
+    events.tell("trial_start", task=session.task.name, seed=session.task.seed)
+    live = LiveSession(session, getattr(device, "show", None))
+    live.start()
+    again = False
+    try:
+        while window.pump(live.newest):
+            live.pause(window.paused)
+            if window.take_reset():
+                again = True
+                break
+    finally:
+        live.stop()
+        result = {**describe(session), **trial_header(chosen.settings, chosen.about), "schema": 1}
+        if recorder:
+            recorder.end(session.step, result)
+            recorder.close()
+        session.close()
+    if live.failure:
+        raise live.failure
+    events.tell("trial_end", **result)
+    console.print(f"{session.task.name}: {result['status']} {result['reason']}")
+    return window, again
+
+
+def _title(session: Session) -> str:
+    return f"Hand Sandbox: {session.task.name}"
