@@ -95,6 +95,12 @@ def test_a_malformed_packet_is_refused_in_one_way(data: bytes) -> None:
     assert str(refusal.value).isprintable()
 
 
+def test_bundles_may_be_nested_to_a_limit() -> None:
+    assert decode(nested(MAX_DEPTH, cur("fseq", 1))).messages[0].arguments == ("fseq", 1)
+    with pytest.raises(MalformedPacket, match="too deep"):
+        decode(nested(MAX_DEPTH + 1, cur("fseq", 1)))
+
+
 def hostile(rng: random.Random) -> dict[str, bytes]:
     """Packets made to cost much: as large as UDP allows, or as twisted."""
     widest = MAX_PACKET_BYTES // 4 * 4

@@ -78,6 +78,7 @@ NO_OSC: dict[str, bytes] = {
     + IMMEDIATELY
     + b"\x7f\xff\xff\xfc"
     + b"\x00" * 8,
+    "a byte too many": cur("fseq", 7) + b"\x00",
     "500 bundles in each other": nested(500, cur("fseq", 7)),
     "more elements than anybody sends": bundle(*[b"/a\x00\x00"] * 5000),
     "a bundle without time tag": b"#bundle\x00",
