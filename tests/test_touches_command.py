@@ -158,6 +158,8 @@ def test_a_damaged_capture_is_used_up_to_the_line_that_is_named(tmp_path: Path) 
     shown, lines, more_errors = run("touches", "show", "--device", capture, "--json")
     assert len(lines) == 25
     assert (status, shown) == (2, 2)
+    before, _, _ = run("touches", "show", "--device", capture, "--json", "--frames", "10")
+    assert before == 0, "what was asked for was there"
     for said in (errors, more_errors):
         assert "touches.jsonl, line 26" in said
         assert "Traceback" not in said

@@ -93,11 +93,12 @@ def show(
     try:
         with view:
             _follow(seen, view, seconds, frames)
+            reached_end = isinstance(seen, CaptureDevice) and seen.finished
     except KeyboardInterrupt:
         return 0  # the usual way to end
     finally:
         seen.close()
-    if isinstance(seen, CaptureDevice) and seen.damage is not None:
+    if isinstance(seen, CaptureDevice) and seen.damage is not None and reached_end:
         raise seen.damage
     return 0
 
