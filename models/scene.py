@@ -59,8 +59,9 @@ class Scene:
 
     def __init__(self, spec: SceneSpec) -> None:
         self.spec = spec
-        substeps = CONTROL_PERIOD / spec.timestep
-        if not np.isclose(substeps, round(substeps)) or spec.timestep <= 0:
+        substeps = CONTROL_PERIOD / spec.timestep if spec.timestep > 0 else 0.0
+        # A million steps are a typing error, and so is less than one.
+        if not (0.5 < substeps < 1e6 and np.isclose(substeps, round(substeps))):
             raise SceneError(
                 "the control period is not a whole number of physics steps",
                 where="timestep",
