@@ -33,7 +33,7 @@ SCHEMA = 1
 FOLDS = 10
 """Of the cross-validation blocked by trial."""
 
-RIDGES = (1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 1e-1)
+RIDGES = (1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 1e-1, 3e-1, 1.0)
 """Penalties that validation chooses from."""
 
 BUILTIN: dict[str, tuple[int, float | None]] = {

@@ -1,0 +1,159 @@
+"""Everything about the simulated subject that somebody chose, with units.
+
+Two kinds of numbers stand here. Sizes of sets and of the screen are the paper's (Chung, Kim, Han,
+Pollard 2015, sections 3 and 4). Everything else is a guess at how a hand moves, of a plausible
+order of magnitude; amplitudes and spreads among them were tuned on seeds 0 to 2 until the principal
+components and the paper's own method came near the paper's numbers, and were then frozen.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+SEED = 0
+"""Of the capture that the built-in models are trained on."""
+
+
+@dataclass(frozen=True)
+class SubjectConfiguration:
+    """How the subject moves, how it is measured, and what it is asked to do.
+
+    Attributes:
+        training_frames: Frames with 2, 3, 4 and 5 fingers on day 0; the paper's 7,083 (its 2,020
+            and 874 are printed, the split of the rest between 2 and 5 fingers is ours).
+        test_frames: The same of every later day; the paper's 2,538.
+        training_rate: Hz. Frames that follow each other say nearly the same, so the script is
+            sampled slowly: 7,083 frames last 16 minutes rather than 4.
+        test_rate: Hz of later days.
+        five_finger_repeats: Clips of each gesture with all fingers; other sets have one.
+        take_length: s, mean length of a take of a later day.
+        stay: s, least and greatest time between two changes of the touching fingers there.
+        transition: s, from resting on the surface to fully lifted.
+
+        move: m, amplitude of the hand's way over the surface.
+        turn: rad, amplitude of the hand's turn about the surface's normal.
+        grasp: Amplitude of opening and closing, as a share of the natural span.
+        pinch: Amplitude of thumb and fingers nearing each other, as a share of their distance.
+        wobble: m, each fingertip's own way about the layout.
+        aside: Share of the other gestures in a clip of one gesture.
+        swing: s, least and greatest duration of one stroke of a gesture.
+        variety: Least and greatest factor on a stroke's amplitude.
+        greatest_turn: rad, where the forearm comes to an end.
+        free_amplitude: Amplitude of free-form gestures against the script's.
+
+        root_position_spread: m, of wrist x, y, z about its place over the layout.
+        root_rotation_spread: rad, of pitch, roll and yaw.
+        synergy_spread: rad, of flexing all fingers; knuckles against the middle joints; index side
+            against little side; opposing the thumb; spreading; flexing the thumb.
+        finger_spread: rad, of MCP flexion, MCP abduction, PIP and DIP beyond the synergies.
+        thumb_spread: rad, of CMC flexion, abduction, twist, MCP flexion, abduction likewise.
+        neighbour: Correlation of that remainder between neighbouring fingers.
+        hinge_tilt: rad, spread of the hinges' axes about the bones' own.
+        style: Spread of the posture aimed at, from take to take, as a share of the prior's.
+        sway: The same within a take.
+        sway_time: s, over which it changes.
+        arm_turn: Share of the surface's turn that the hand makes.
+        elbow: Share of the direction from elbow to hand in the hand's yaw.
+        elbow_distance: m, from the elbow to the near edge of the surface.
+
+        contact_precision: m, to which a touching fingertip meets its target.
+        lift_precision: m, to which a lifted fingertip keeps its height.
+        lift_height: m, least and greatest height of lifted fingertips.
+        curl_share: Share of takes that lift fingers by curling rather than by stretching them.
+        lift_posture: rad, by which a lifted finger's joints turn towards that.
+        tip_height: m, centre of a touching fingertip's end sphere above the surface: its radius
+            less the flesh that the surface flattens.
+
+        pad_roll: m, from the fingertip's centre to the touch's when the finger lies flat.
+        touch_noise: m.
+        touch_resolution: dots per inch of the reported position; an iPad 2 has 132.
+        soft_tissue: rad, slow error of joint angles, because markers move with the skin.
+        soft_tissue_time: s, over which it changes.
+        joint_noise: rad, fast error of joint angles.
+        root_noise: m and rad, fast error of the root.
+
+        tip_marker: m, to which the capture system's skeleton meets the fingertips' markers.
+
+        day_joint: rad, constant error of joint angles of another day: markers placed anew.
+        day_root: m and rad, the same of the root.
+        day_style: Shift of the posture aimed at on another day, as a share of the prior's spread.
+        day_elbow: m, by which the subject sits elsewhere.
+        day_yaw: rad, by which it holds the hand otherwise.
+        free_style: Concentration of the mixture of gestures; below 1, one dominates.
+        natural: Exponent on how natural a set of fingers is, when the subject chooses freely.
+    """
+
+    training_frames: tuple[int, int, int, int] = (2500, 2020, 874, 1689)
+    test_frames: tuple[int, int, int, int] = (640, 720, 430, 748)
+    training_rate: float = 7.5
+    test_rate: float = 30.0
+    five_finger_repeats: int = 6
+    take_length: float = 5.5
+    stay: tuple[float, float] = (0.8, 2.4)
+    transition: float = 0.12
+
+    move: float = 0.032
+    turn: float = 1.75
+    grasp: float = 0.38
+    pinch: float = 0.50
+    wobble: float = 0.0028
+    aside: float = 0.2
+    swing: tuple[float, float] = (0.5, 1.0)
+    variety: tuple[float, float] = (0.6, 1.3)
+    greatest_turn: float = 2.5
+    free_amplitude: float = 1.2
+
+    root_position_spread: tuple[float, float, float] = (0.015, 0.020, 0.012)
+    root_rotation_spread: tuple[float, float, float] = (0.14, 0.12, 0.16)
+    synergy_spread: tuple[float, float, float, float, float, float] = (
+        0.105,
+        0.192,
+        0.209,
+        0.262,
+        0.175,
+        0.157,
+    )
+    finger_spread: tuple[float, float, float, float] = (0.087, 0.052, 0.096, 0.070)
+    thumb_spread: tuple[float, float, float, float, float] = (0.087, 0.087, 0.070, 0.087, 0.035)
+    neighbour: float = 0.5
+    hinge_tilt: float = 0.035
+    style: float = 0.42
+    sway: float = 0.50
+    sway_time: float = 0.4
+    arm_turn: float = 0.95
+    elbow: float = 0.05
+    elbow_distance: float = 0.25
+
+    contact_precision: float = 0.0005
+    lift_precision: float = 0.005
+    lift_height: tuple[float, float] = (0.012, 0.035)
+    curl_share: float = 0.25
+    lift_posture: float = 0.20
+    tip_height: float = 0.006
+
+    pad_roll: float = 0.0035
+    touch_noise: float = 0.0002
+    touch_resolution: float = 132.0
+    soft_tissue: float = 0.026
+    soft_tissue_time: float = 0.5
+    joint_noise: float = 0.006
+    root_noise: tuple[float, float] = (0.0005, 0.004)
+
+    tip_marker: float = 0.003
+
+    day_joint: float = 0.038
+    day_root: tuple[float, float] = (0.005, 0.026)
+    day_style: float = 0.35
+    day_elbow: float = 0.03
+    day_yaw: float = 0.087
+    free_style: float = 0.8
+    natural: float = 1.4
+
+    def as_json(self) -> dict[str, Any]:
+        """The configuration as JSON values, for a capture's `meta`."""
+        return asdict(self)
+
+
+FROZEN = SubjectConfiguration()
+"""The configuration of the built-in captures."""
