@@ -1,0 +1,152 @@
+"""A trial is won by holding the goal without a break, and what was won stays won."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from models.scene import CONTROL_PERIOD
+from models.surface import Surface
+from tasks.box_to_goal import BoxToGoal
+from tasks.score import AFTERMATH, Score, Scorer, Status
+from tasks.task import Measure
+
+TASK = BoxToGoal.draw(0, Surface())
+HOLD, LIMIT = TASK.hold_time, TASK.time_limit
+
+REACHED = Measure(True, 1.0, "")
+MISSED = Measure(False, 0.4, "the box is 38 mm from the goal")
+
+HOLD_STEPS = round(HOLD / CONTROL_PERIOD) + 1
+AFTERMATH_STEPS = round(AFTERMATH / CONTROL_PERIOD) + 1
+
+
+def play(steps: list[bool], dt: float = CONTROL_PERIOD) -> Scorer:
+    """A scorer that has seen the goal reached, or not, at one control step after another."""
+    scorer = Scorer(TASK)
+    for i, reached in enumerate(steps, start=1):
+        scorer.update(i * dt, REACHED if reached else MISSED)
+    return scorer
+
+
+def longest_hold(steps: list[bool], dt: float) -> float:
+    """s from the first to the last step of the longest unbroken run in which it was reached."""
+    runs = "".join("x" if reached else " " for reached in steps).split()
+    return max((len(run) - 1 for run in runs), default=-1) * dt
+
+
+def stretches(longest: int) -> st.SearchStrategy[list[bool]]:
+    """Steps in stretches of reached and missed, none of them longer than so many."""
+    stretch = st.tuples(st.booleans(), st.integers(1, longest))
+    return st.lists(stretch, max_size=12).map(
+        lambda parts: [reached for reached, n in parts for _ in range(n)]
+    )
+
+
+@given(steps=stretches(140), dt=st.sampled_from([0.004, 0.008, CONTROL_PERIOD]))
+def test_held_means_reached_for_the_hold_time_without_a_break(steps, dt):
+    scorer = play(steps, dt)
+    seen = steps
+    if scorer.over and scorer.score.status is Status.HELD:
+        # What comes after the end is not looked at.
+        seen = steps[: round((scorer.score.time + AFTERMATH) / dt)]
+    assert scorer.score.held == (longest_hold(seen, dt) >= HOLD - 1e-6)
+    assert scorer.score.success == scorer.score.held
+    assert scorer.score.instant == any(seen)
+    assert scorer.score.final == (bool(seen) and seen[-1])
+
+
+@given(pieces=st.lists(st.integers(1, HOLD_STEPS - 1), min_size=1, max_size=20))
+def test_any_number_of_moments_at_the_goal_with_breaks_between_them_is_no_hold(pieces):
+    steps = [reached for n in pieces for reached in [True] * n + [False]]
+    score = play(steps).score
+    assert score.instant
+    assert not score.held
+    assert score.status is Status.RUNNING
+
+
+def test_one_step_short_is_short():
+    # 0.5 s is 31.25 control steps: the 33rd moment at the goal is the first that long after it.
+    assert not play([True] * (HOLD_STEPS)).score.held
+    assert play([True] * (HOLD_STEPS + 1)).score.held
+
+
+def test_the_time_of_a_success_is_when_it_was_held():
+    scorer = play([False] * 10 + [True] * 200)
+    assert scorer.score.time == pytest.approx((11 + HOLD_STEPS) * CONTROL_PERIOD)
+
+
+def test_the_trial_runs_one_second_more_and_tells_how_it_stood_then():
+    lasting = play([True] * (HOLD_STEPS + 1 + AFTERMATH_STEPS))
+    assert lasting.score == Score(
+        True, True, True, Status.HELD, 1.0, "", pytest.approx((1 + HOLD_STEPS) * CONTROL_PERIOD)
+    )
+    short = play([True] * (HOLD_STEPS + 1) + [True] * (AFTERMATH_STEPS - 2))
+    assert not short.over
+    toppled = play([True] * (HOLD_STEPS + 1) + [False] * AFTERMATH_STEPS)
+    assert toppled.over
+    assert (toppled.score.held, toppled.score.final) == (True, False)
+    assert toppled.score.status is Status.HELD
+    assert toppled.score.reason == MISSED.reason
+    assert toppled.score.progress == MISSED.progress
+
+
+def test_a_trial_that_is_never_held_ends_at_its_time_limit():
+    steps = round(LIMIT / CONTROL_PERIOD)
+    assert not play([False] * (steps - 1)).over
+    scorer = play([False] * (steps + 1))
+    assert scorer.score.status is Status.TIMEOUT
+    assert scorer.score.time == pytest.approx(LIMIT, abs=CONTROL_PERIOD)
+    assert scorer.score.reason == MISSED.reason
+    assert not scorer.score.success
+
+
+def test_a_goal_reached_too_late_to_be_held_is_an_instant_and_a_timeout():
+    steps = round(LIMIT / CONTROL_PERIOD)
+    late = play([False] * (steps - 5) + [True] * 100)
+    assert late.score.status is Status.TIMEOUT
+    assert (late.score.instant, late.score.held, late.score.final) == (True, False, True)
+
+
+def test_a_hold_in_the_last_second_still_gets_its_second_of_aftermath():
+    steps = round(LIMIT / CONTROL_PERIOD)
+    scorer = play([False] * (steps - HOLD_STEPS - 5) + [True] * (HOLD_STEPS + 20))
+    assert scorer.score.held
+    assert not scorer.over
+    scorer = play([False] * (steps - HOLD_STEPS - 5) + [True] * (HOLD_STEPS + 100))
+    assert scorer.score.status is Status.HELD
+
+
+ended = st.sampled_from([Status.DIVERGED, Status.INPUT_ENDED])
+
+
+@given(steps=stretches(45), status=ended)
+def test_an_abort_keeps_what_was_won(steps, status):
+    scorer = play(steps)
+    before = scorer.score
+    after = scorer.abort(status, "the tablet was unplugged")
+    assert scorer.over
+    assert (after.instant, after.held, after.final) == (before.instant, before.held, before.final)
+    assert (after.progress, after.time) == (before.progress, before.time)
+    if before.held:
+        assert (after.status, after.reason) == (Status.HELD, before.reason)
+    elif before.status is Status.RUNNING:
+        assert (after.status, after.reason) == (status, "the tablet was unplugged")
+
+
+@given(steps=stretches(45), later=stretches(45), status=ended)
+def test_nothing_changes_a_trial_that_is_over(steps, later, status):
+    scorer = play(steps)
+    result = scorer.abort(status, "the tablet was unplugged")
+    for i, reached in enumerate(later):
+        scorer.update(100.0 + i, REACHED if reached else MISSED)
+    assert scorer.abort(Status.INPUT_ENDED, "again") == result
+    assert scorer.score == result
+
+
+def test_a_trial_that_has_not_begun_is_aborted_with_nothing_won():
+    score = Scorer(TASK).abort(Status.DIVERGED, "it diverged at once")
+    assert score == replace(Score(), status=Status.DIVERGED, reason="it diverged at once")
