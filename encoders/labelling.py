@@ -87,6 +87,11 @@ def hypotheses(count: int) -> Labels:
     return table
 
 
+def true_row(fingers: NDArray[np.intp]) -> int:
+    """Row of `hypotheses(k)` in which the contacts have these fingers (k,)."""
+    return int(np.flatnonzero((hypotheses(len(fingers)) == fingers).all(axis=1))[0])
+
+
 def arranged(
     contacts: Mapping[int, tuple[float, float]], fixed: Mapping[int, int]
 ) -> tuple[tuple[int, ...], Array]:

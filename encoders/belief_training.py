@@ -1,0 +1,227 @@
+"""Training of the belief over labels; all settings are chosen by validation blocked by trial.
+
+Held-out trials judge by the mean log probability of the true labelling, which punishes false
+certainty as accuracy does not. Random frames would leak: neighbours in time are nearly equal.
+A capture with one finger set a trial holds no fingers that come and go, so histories are made from
+held-out trials by telling the labeller only of some of the fingers for a while.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from importlib.resources import files
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.belief import BeliefLabels
+from encoders.capture import Capture
+from encoders.label_evidence import LabelEvidence, normalised
+from encoders.labelling import true_row
+from encoders.layout_density import KernelShape, LayoutDensity, prototypes_of
+from encoders.trained import builtin_capture, trial_folds
+from encoders.trained_belief import TrainedBelief, capture_digest
+from models.errors import EncoderError
+from models.frames import FINGERS
+
+Array = NDArray[np.float64]
+Event = dict[int, tuple[float, float]]
+
+FOLDS = 5
+JUDGED_FRAMES = 1500
+"""Held-out frames that judge a setting, spread evenly; neighbours say nearly the same."""
+
+SHAPES: dict[str, tuple[float, ...]] = {
+    "borrow": (0.15, 0.5, 1.0, 2.0, 4.0, 8.0),
+    "width": (0.05, 0.07, 0.1, 0.15, 0.2, 0.3),
+    "turn": (0.0, 0.05, 0.1, 0.2, 0.3),
+    "size": (0.0, 0.05, 0.1, 0.2, 0.3),
+}
+"""Kernel shapes that validation chooses from; see `KernelShape` for the units."""
+TRUSTS = (0.1, 0.25, 0.35, 0.5, 0.6, 0.75, 0.85, 1.0)
+ETAS = (0.0, 0.1, 0.25, 0.5, 0.75, 1.0)
+
+MOST_PROTOTYPES = 250
+"""A finger set, own and borrowed each: bounds the time of one look at the touches. Twice as many
+gained nothing on held-out trials."""
+
+
+@dataclass(frozen=True)
+class Report:
+    """What validation chose, and how the choice did on held-out trials.
+
+    Attributes:
+        shape: Of the kernels.
+        trust: See `LabelEvidence`.
+        eta: See `TrainedBelief`.
+        log_probability: Mean log probability of the true labelling at one look.
+        accuracy: Share of frames labelled right at one look, by number of fingers.
+        history: Mean log probability of the true labelling as fingers come and go, by eta.
+    """
+
+    shape: KernelShape
+    trust: float
+    eta: float
+    log_probability: float
+    accuracy: dict[int, float]
+    history: dict[float, float]
+
+
+def train_belief(
+    capture: Capture, say: Callable[[str], None] = lambda line: None
+) -> tuple[TrainedBelief, Report]:
+    """Trains on a capture; the same capture gives the same belief.
+
+    Args:
+        capture: Labelled touches; every finger set of two or more must occur.
+        say: Is told of progress.
+
+    Raises:
+        EncoderError: The capture has too few trials, or lacks a finger set.
+    """
+    folds = _Folds(capture)
+    shape, scores = _choose_shape(folds, say)
+    trust = max(TRUSTS, key=lambda t: folds.judge([t * s for s in scores]))
+    say(f"trust {trust:g}: log probability {folds.judge([trust * s for s in scores]):.4f}")
+    densities = folds.densities(shape)
+    by_eta = {}
+    for eta in ETAS:
+        held_out = [TrainedBelief(LabelEvidence(d, trust), eta, "") for d in densities]
+        by_eta[eta] = _history_score(folds, [BeliefLabels(t) for t in held_out])
+        say(f"eta {eta:g}: log probability in play {by_eta[eta]:.4f}")
+    eta = max(by_eta, key=lambda e: by_eta[e])
+    evidence = LabelEvidence(_density(folds.capture, shape), trust)
+    trained = TrainedBelief(evidence, eta, capture_digest(capture))
+    value = folds.judge([trust * s for s in scores])
+    return trained, Report(shape, trust, eta, value, folds.accuracy(scores), by_eta)
+
+
+class _Folds:
+    """Trials in turn held out, and the frames of theirs that judge."""
+
+    def __init__(self, capture: Capture) -> None:
+        several = capture.down.sum(axis=1) >= 2
+        capture = capture.select(several)
+        if len(np.unique(capture.trial)) < FOLDS:
+            raise EncoderError(
+                "too few trials to validate with",
+                got=len(np.unique(capture.trial)),
+                expected=f"{FOLDS} or more",
+            )
+        self.fold = trial_folds(capture.trial, FOLDS)
+        self.parts = [capture.select(self.fold != f) for f in range(FOLDS)]
+        self.capture = capture
+        self.judged = _evenly(len(capture), JUDGED_FRAMES)
+        self.truth = [true_row(np.flatnonzero(capture.down[t])) for t in self.judged]
+
+    def densities(self, shape: KernelShape) -> list[LayoutDensity]:
+        return [_density(part, shape) for part in self.parts]
+
+    def scores(self, densities: list[LayoutDensity]) -> list[Array]:
+        """Log densities of all judged frames by the one that has not seen their trial."""
+        xy, down = self.capture.xy, self.capture.down
+        return [densities[self.fold[t]].log_density(xy[t, down[t]]) for t in self.judged]
+
+    def judge(self, scores: list[Array]) -> float:
+        """Mean log probability of the true labellings."""
+        pairs = zip(scores, self.truth, strict=True)
+        return float(np.mean([normalised(s)[t] for s, t in pairs]))
+
+    def accuracy(self, scores: list[Array]) -> dict[int, float]:
+        """Share of frames in which the truth is the likeliest, by number of fingers."""
+        fingers = self.capture.down[self.judged].sum(axis=1)
+        right = np.array([s.argmax() == t for s, t in zip(scores, self.truth, strict=True)])
+        return {int(k): float(right[fingers == k].mean()) for k in np.unique(fingers)}
+
+
+def _density(capture: Capture, shape: KernelShape) -> LayoutDensity:
+    return LayoutDensity(prototypes_of(capture, shape.borrow, MOST_PROTOTYPES), shape)
+
+
+def _evenly(count: int, most: int) -> NDArray[np.int64]:
+    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
+
+
+def _choose_shape(folds: _Folds, say: Callable[[str], None]) -> tuple[KernelShape, list[Array]]:
+    """One setting after another, twice round; each at the trust that suits it best."""
+    tried: dict[KernelShape, tuple[float, list[Array]]] = {}
+
+    def value(shape: KernelShape) -> float:
+        if shape not in tried:
+            scores = folds.scores(folds.densities(shape))
+            tried[shape] = max(folds.judge([t * s for s in scores]) for t in TRUSTS), scores
+            say(f"{shape}: log probability {tried[shape][0]:.4f}")
+        return tried[shape][0]
+
+    best = KernelShape()
+    for _ in range(2):
+        for name, choices in SHAPES.items():
+            best = max((replace(best, **{name: c}) for c in choices), key=value)
+    return best, tried[best][1]
+
+
+def _history_score(folds: _Folds, beliefs: list[BeliefLabels]) -> float:
+    """Mean log probability of the truth after each change of fingers in held-out trials."""
+    found = []
+    for trial in np.unique(folds.capture.trial):
+        frames = np.flatnonzero(folds.capture.trial == trial)
+        belief = beliefs[folds.fold[frames[0]]]
+        belief.reset()
+        for event in histories(folds.capture.select(frames), int(trial)):
+            belief.assign(event, {})
+            found.append(belief.log_probability({i: i % len(FINGERS) for i in event}))
+    return float(np.mean(found))
+
+
+def histories(trial: Capture, seed: int) -> Iterator[Event]:
+    """Contacts after each change of fingers in one trial; an id's finger is its rest modulo 5.
+
+    The trial's own changes where it has some; else fingers of its set that come and go, up to two
+    at a time, at eight moments spread over it.
+    """
+    if (trial.down != trial.down[0]).any():
+        changed = np.flatnonzero((trial.ids[1:] != trial.ids[:-1]).any(axis=1)) + 1
+        moments = np.concatenate([[0], changed])
+        shown = trial.down[moments]
+        ids = trial.ids[moments] * len(FINGERS) + np.arange(len(FINGERS))
+    else:
+        moments = _evenly(len(trial), 8)
+        shown = _coming_and_going(trial.down[0], len(moments), np.random.default_rng(seed))
+        born = np.cumsum(np.diff(shown.astype(int), axis=0, prepend=0) > 0, axis=0)
+        ids = born * len(FINGERS) + np.arange(len(FINGERS))
+    for row, moment in enumerate(moments):
+        yield {
+            int(ids[row, f]): (float(trial.xy[moment, f, 0]), float(trial.xy[moment, f, 1]))
+            for f in np.flatnonzero(shown[row])
+        }
+
+
+def _coming_and_going(
+    down: NDArray[np.bool_], steps: int, rng: np.random.Generator
+) -> NDArray[np.bool_]:
+    """(steps, 5) which of the fingers that are down the labeller is told of."""
+    fingers = np.flatnonzero(down)
+    shown = np.zeros((steps, len(FINGERS)), bool)
+    current = frozenset(rng.permutation(fingers)[:2].tolist())
+    for step in range(steps):
+        shown[step, list(current)] = True
+        if len(fingers) > 2:
+            turned = rng.permutation(fingers)[: rng.integers(1, 3)].tolist()
+            following = current.symmetric_difference(turned)
+            current = following if len(following) >= 2 else current
+    return shown
+
+
+def main() -> None:
+    """Trains the built-in belief on the built-in capture and writes it into the package."""
+    path = Path(str(files("encoders") / "data" / "belief.npz"))
+    trained, report = train_belief(builtin_capture(), print)
+    trained.save(path)
+    print(report)
+    print(f"{path}: {path.stat().st_size} bytes")
+
+
+if __name__ == "__main__":
+    main()
