@@ -22,6 +22,13 @@ Array = NDArray[np.float64]
 
 _JOINT_OFFSET = JOINTS.start
 
+_ACTIVE_SET_ROUNDS = 10
+"""Rounds of holding joints at their ends and letting them go; two or three are the rule."""
+_EXACT = 1e-10
+"""rad2, variance with which a held joint is known."""
+_SLACK = 1e-6
+"""rad, by which a joint may leave its range before it is held; the end clips it."""
+
 
 class Corrected(NamedTuple):
     """A corrected pose (48,), its largest tip error in metres, and the steps it took."""
@@ -38,6 +45,8 @@ class CorrectionSettings:
     Attributes:
         tip_sigma: m, how exactly the tips are to meet the touches.
         tolerance: m, largest tip error at which the steps stop.
+        settled: rad (and m), largest change of a step after which the posture counts as the
+            likeliest one.
         iterations: Most steps; five fingers far from the guess need five.
         floor_position: m, smallest trusted error of the encoder in a position.
         floor_angle: rad, smallest trusted error of the encoder in an angle.
@@ -45,6 +54,7 @@ class CorrectionSettings:
 
     tip_sigma: float = 0.0003
     tolerance: float = 0.0003
+    settled: float = 0.003
     iterations: int = 12
     floor_position: float = 0.002
     floor_angle: float = 0.02
@@ -98,47 +108,57 @@ class FingertipCorrection:
         # The guess itself must be legal, or the first linearisation is taken at no hand at all.
         guess[JOINTS] = np.clip(guess[JOINTS], self._lower, self._upper)
         q = guess.copy() if start is None else np.array(start, float)
-        held = np.zeros(len(self._lower), bool)
         best = Corrected(q, np.inf, 0)
+        # A guess whose tips are right already is the likeliest pose itself.
+        moved = 0.0 if start is None else np.inf
         for iteration in range(s.iterations + 1):
             tips, jacobian = self._kinematics.tips_and_jacobian(q)
             off = targets - tips[labels]
             error = float(np.sqrt(np.max(np.einsum("ij,ij->i", off, off))))
-            # The start is where the last frame ended: exact perhaps, but not yet near the guess.
-            fresh = start is None or iteration > 0
-            if fresh and error < best.error:
+            # A start is where the last frame ended: exact perhaps, but not yet the likeliest pose.
+            if error < max(best.error, s.tolerance) and (start is None or iteration > 0):
                 best = Corrected(q, error, iteration)
-            if fresh and (error < s.tolerance or iteration == s.iterations):
+            if (error < s.tolerance and moved < s.settled) or iteration == s.iterations:
                 break
             J = jacobian[labels].reshape(-1, 48)
-            q, held = self._step(q, guess, off.ravel(), J, held)
+            new = self._step(q, guess, off.ravel(), J)
+            moved = float(np.abs(new - q).max())
+            q = new
         return best
 
-    def _step(
-        self, q: Array, guess: Array, off: Array, J: Array, held: NDArray[np.bool_]
-    ) -> tuple[Array, NDArray[np.bool_]]:
-        """One Gauss-Newton step; joints that leave their range are caught and the step redone."""
+    def _step(self, q: Array, guess: Array, off: Array, J: Array) -> Array:
+        """One Gauss-Newton step within the ranges.
+
+        An active-set search: a joint that would leave its range is held at its end, one whose hold
+        pushes it outwards rather than keeping it in is let go again.
+        """
         C, variance = self._covariance, self.settings.tip_sigma**2
         r = off + J @ (q - guess)
-        bound = np.clip(q[JOINTS], self._lower, self._upper)
-        for _ in range(4):
-            rows = np.flatnonzero(held) + _JOINT_OFFSET
+        JC = J @ C
+        k = len(J)
+        side = np.zeros(len(self._lower), int)
+        new = q
+        for _ in range(_ACTIVE_SET_ROUNDS):
+            held = np.flatnonzero(side)
+            rows = held + _JOINT_OFFSET
+            bound = np.where(side[held] > 0, self._upper[held], self._lower[held])
             # Exact measurements of held joints beside the measurements of the tips.
-            A = np.concatenate([J @ C, C[rows]]) if len(rows) else J @ C
+            A = np.concatenate([JC, C[rows]])
             S = np.empty((len(A), len(A)))
-            k = len(J)
             S[:, :k] = A @ J.T
             S[:, k:] = A[:, rows]
             S[range(k), range(k)] += variance
-            S[range(k, len(A)), range(k, len(A))] += 1e-10
-            residual = np.concatenate([r, bound[held] - guess[rows]]) if len(rows) else r
-            new = guess + A.T @ np.linalg.solve(S, residual)
+            S[range(k, len(A)), range(k, len(A))] += _EXACT
+            weights = np.linalg.solve(S, np.concatenate([r, bound - guess[rows]]))
+            new = guess + A.T @ weights
             joints = new[JOINTS]
-            beyond = (joints < self._lower - 1e-6) | (joints > self._upper + 1e-6)
-            newly = beyond & ~held
-            if not newly.any():
+            wrong = np.sign(weights[k:]) == side[held]
+            beyond = (joints > self._upper + _SLACK).astype(int)
+            beyond -= joints < self._lower - _SLACK
+            beyond[held] = 0
+            if not wrong.any() and not beyond.any():
                 break
-            bound = np.where(newly, np.clip(joints, self._lower, self._upper), bound)
-            held = held | newly
+            side[held[wrong]] = 0
+            side += beyond
         new[JOINTS] = np.clip(new[JOINTS], self._lower, self._upper)
-        return new, held
+        return new
