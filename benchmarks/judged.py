@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from models.errors import InputError
-from sandbox.assembly import load_encoder, reconstructor_settings
+from sandbox.assembly import digests, reconstructor_settings
 from sandbox.settings import RunSettings
 from tasks.registry import TASKS
 from tasks.simulated_user.configuration import UserConfiguration
@@ -30,7 +30,7 @@ def configuration() -> dict[str, Any]:
         "settings": settings.as_json(),
         "reconstructor": asdict(reconstructor_settings(settings)),
         "user": UserConfiguration().as_json(),
-        "encoder_digest": load_encoder(settings.encoder).digest,
+        "digests": digests(settings),
         "tasks": {name: task.version for name, task in TASKS.items()},
     }
 

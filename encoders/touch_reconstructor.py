@@ -184,8 +184,9 @@ class TouchReconstructor:
         self._same_grasp = self._labels == self._previous_labels
         self._previous_labels = dict(self._labels)
         named = {i: tracks[i].xy for i in self._labels}
-        u = self._contact_vector(named) if named else None
+        u = None
         if named:
+            u = self._contact_vector(named)
             self._place = self._reconstruct(named, u, carried, dt)
         goal = self._raised(self._place)
         self._commanded = self.settings.rate(self._commanded, goal, dt)
@@ -258,7 +259,7 @@ class TouchReconstructor:
         return contact_vector(inches)
 
     def _reconstruct(
-        self, named: dict[int, Array], u: Array | None, carried: Array, dt: float
+        self, named: dict[int, Array], u: Array, carried: Array, dt: float
     ) -> Array:
         """The pose (48,) in the 3-D surface frame, at height 0."""
         ids = sorted(named)

@@ -46,6 +46,12 @@ def load_encoder(name: str) -> TrainedModel:
     return load_model(Path(name))
 
 
+def digests(settings: RunSettings) -> dict[str, str]:
+    """Digests of what was learned: the encoder, and the belief over labels where it is used."""
+    labels = "" if settings.labels == "paper" else builtin_belief().trained.digest
+    return {"encoder": load_encoder(settings.encoder).digest, "labels": labels}
+
+
 def reconstructor_settings(settings: RunSettings) -> ReconstructorSettings:
     """What takes part between touches and pose."""
     tracker, arrival = TrackerSettings(), ArrivalSettings()

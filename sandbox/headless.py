@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from models.errors import DivergenceError
-from sandbox.assembly import DeviceMaker, build, load_encoder
+from sandbox.assembly import DeviceMaker, build, digests
 from sandbox.messages import Snapshot
 from sandbox.recording import RecordingWriter
 from sandbox.session import Session, describe
@@ -73,7 +73,7 @@ def trial_header(settings: RunSettings, about: dict[str, Any] | None = None) -> 
     return {
         "settings": settings.as_json(),
         "encoder": settings.encoder,
-        "encoder_digest": load_encoder(settings.encoder).digest,
+        "digests": digests(settings),
         "versions": versions(),
         **(about or {}),
     }

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from models.errors import DivergenceError, RecordingError
-from sandbox.assembly import build, load_encoder
+from sandbox.assembly import build, digests
 from sandbox.devices.recorded import RecordedDevice
 from sandbox.headless import View
 from sandbox.recording import Recording
@@ -41,17 +41,17 @@ def settings_of(recording: Recording) -> RunSettings:
     """The settings a recording was made with.
 
     Raises:
-        RecordingError: The encoder it was made with is not the one of that name here.
+        RecordingError: What it was made with has learned something else here.
     """
     settings = RunSettings.from_json(recording.header["settings"])
-    digest = load_encoder(settings.encoder).digest
-    if digest != recording.header["encoder_digest"]:
+    here, there = digests(settings), recording.header.get("digests")
+    if here != there:
         raise RecordingError(
-            "it was made with another encoder of the same name",
+            "it was made with another encoder, or other labels, of the same name",
             where=str(recording.path),
-            got=digest,
-            expected=str(recording.header["encoder_digest"]),
-            remedy="Use the version of the sandbox that the header names",
+            got=here,
+            expected=str(there),
+            remedy="Use the version of the sandbox that its header names",
         )
     return settings
 

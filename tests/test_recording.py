@@ -15,7 +15,7 @@ from models.frames import Contact, TouchFrame
 from sandbox.devices.recorded import RecordedDevice
 from sandbox.recording import RecordingWriter, is_recording, load_recording
 
-HEADER = {"settings": {"timestep": 0.002}, "versions": {}, "encoder_digest": ""}
+HEADER = {"settings": {"timestep": 0.002}, "versions": {}, "digests": {}}
 
 coordinates = st.floats(-1.0, 1.0, allow_nan=False)
 contacts = st.builds(

@@ -22,8 +22,8 @@ from sandbox.headless import play
 from sandbox.live import LiveSession
 from sandbox.messages import Snapshot
 from sandbox.recording import load_recording
-from sandbox.replay import settings_of
 from sandbox.session import Session
+from sandbox.settings import RunSettings
 from sandbox.views.errors import GraphicsError
 
 FILM_RATE = 15
@@ -65,7 +65,10 @@ def main(argv: list[str]) -> int:
         "[bold]Hand Sandbox[/]: a recording of the [bold]simulated[/] user touches a tablet; "
         "no person took part."
     )
-    session = build(settings_of(recording), lambda task, surface: RecordedDevice(recording))
+    session = build(
+        RunSettings.from_json(recording.header["settings"]),
+        lambda task, surface: RecordedDevice(recording),
+    )
     kept: list[Snapshot] = []
     length = recording.end["step"] * session.scene.spec.timestep if recording.end else None
     shown = options.view in ("auto", "window") and has_display() and _live(session, kept, console)
