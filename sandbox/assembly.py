@@ -6,14 +6,13 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from encoders.belief import builtin_belief
-from encoders.labelling import Labeller, PaperLabels
-from encoders.trained import BUILTIN, TrainedModel, builtin, load_model
-
 from encoders.arrival import ArrivalSettings
+from encoders.belief import builtin_belief
 from encoders.contact_tracker import TrackerSettings
 from encoders.correction import CorrectionSettings
+from encoders.labelling import Labeller, PaperLabels
 from encoders.touch_reconstructor import ReconstructorSettings, TouchReconstructor
+from encoders.trained import BUILTIN, TrainedModel, builtin, load_model
 from models.errors import InputError
 from models.hand import Hand
 from models.surface import Surface
