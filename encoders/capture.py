@@ -59,11 +59,12 @@ class Capture:
         if not (np.isfinite(self.time).all() and np.isfinite(self.q).all()):
             raise CaptureError("times and poses must be finite", where="time, q")
         down = self.ids >= 0
-        if not np.array_equal(down, np.isfinite(self.xy).all(axis=2)):
+        lifted = np.isnan(self.xy).all(axis=2)
+        if not (np.array_equal(down, ~lifted) and np.isfinite(self.xy[down]).all()):
             raise CaptureError(
                 "contacts and their places disagree",
                 where="ids, xy",
-                expected="a finite place exactly where the id is not -1",
+                expected="a finite place where there is an id, NaN where the id is -1",
             )
         if not down.any(axis=1).all():
             raise CaptureError(

@@ -9,6 +9,7 @@ which takes the shortest of all equal solutions; predictions do not depend on th
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import combinations_with_replacement
 
 import numpy as np
@@ -63,7 +64,7 @@ class PolynomialEncoder:
         self._plan(self.n_inputs_)
         X = self.terms(U)
         if self.ridge > 0:
-            self.coef_ = _ridge(X, Q, self.ridge)
+            self.coef_ = ridge_path(X, Q, [self.ridge])[0]
             self.rank_ = X.shape[1]
             return self
         scale = np.sqrt(np.mean(X * X, axis=0))
@@ -136,17 +137,23 @@ class PolynomialEncoder:
             raise EncoderError("inputs and outputs must be finite")
 
 
-def _ridge(X: Array, Q: Array, ridge: float) -> Array:
-    """Coefficients with a penalty on standardised terms; the constant is not penalised."""
+def ridge_path(X: Array, Q: Array, ridges: Sequence[float]) -> Array:
+    """(len(ridges), K, n_outputs) coefficients of terms X (T, K), one set for every penalty.
+
+    Penalties are on standardised terms, the constant is not penalised; the costly part, the terms'
+    products, is done once for all of them.
+    """
     mean, std = X.mean(axis=0), X.std(axis=0)
     # A term that never varies carries nothing; without this it would be divided by nothing.
     std[std < 1e-12 * np.maximum(1.0, np.abs(mean))] = np.inf
     Z = (X - mean) / std
     centre = Q.mean(axis=0)
-    gram = Z.T @ Z
-    gram[np.diag_indices_from(gram)] += ridge * len(X)
-    weights = np.linalg.solve(gram, Z.T @ (Q - centre)) / std[:, None]
-    weights[0] = centre - mean @ weights
+    gram, right = Z.T @ Z, Z.T @ (Q - centre)
+    weights = np.empty((len(ridges), X.shape[1], Q.shape[1]))
+    for i, ridge in enumerate(ridges):
+        penalised = gram + ridge * len(X) * np.eye(len(gram))
+        weights[i] = np.linalg.solve(penalised, right) / std[:, None]
+        weights[i, 0] = centre - mean @ weights[i]
     return weights
 
 

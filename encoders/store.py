@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
-import zipfile
 from pathlib import Path
 
 import numpy as np
 
 from encoders.capture import Capture
+from encoders.npz import read_npz, write_npz
 from models.errors import CaptureError
 
 SCHEMA = 1
@@ -19,17 +18,14 @@ _ARRAYS = {"time": "f", "trial": "i", "ids": "i", "xy": "f", "q": "f"}
 
 def save_capture(capture: Capture, path: Path, dtype: type[np.floating] = np.float64) -> None:
     """Writes a capture; `dtype` float32 halves the file and keeps 0.01 micrometre."""
-    header = json.dumps({"schema": SCHEMA, **capture.meta})
-    with path.open("wb") as file:
-        np.savez_compressed(
-            file,
-            header=np.frombuffer(header.encode(), np.uint8),
-            time=capture.time,
-            trial=capture.trial,
-            ids=capture.ids,
-            xy=capture.xy.astype(dtype),
-            q=capture.q.astype(dtype),
-        )
+    arrays = {
+        "time": capture.time,
+        "trial": capture.trial,
+        "ids": capture.ids,
+        "xy": capture.xy.astype(dtype),
+        "q": capture.q.astype(dtype),
+    }
+    write_npz(path, {"schema": SCHEMA, **capture.meta}, arrays)
 
 
 def load_capture(path: Path) -> Capture:
@@ -38,24 +34,10 @@ def load_capture(path: Path) -> Capture:
     Raises:
         CaptureError: The file is missing, damaged, of another version, or breaks the contract.
     """
-    where = str(path)
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in (*_ARRAYS, "header")}
-    except FileNotFoundError:
-        raise CaptureError("there is no such file", where=where) from None
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
-        raise CaptureError(
-            "this is not a capture, or it is damaged",
-            where=where,
-            got=str(error),
-            remedy="`sandbox subject --out FILE` makes a sound one",
-        ) from error
-    try:
-        meta = json.loads(bytes(arrays.pop("header").tobytes()).decode())
-        schema = meta.pop("schema")
-    except (ValueError, KeyError, AttributeError) as error:
-        raise CaptureError("the header is damaged", where=where) from error
+    meta, arrays = read_npz(
+        path, _ARRAYS, CaptureError, "a capture", "`sandbox subject --out FILE` makes a sound one"
+    )
+    where, schema = str(path), meta.pop("schema", None)
     if schema != SCHEMA:
         raise CaptureError(
             "another version's capture", where=where, got=schema, expected=f"schema {SCHEMA}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,9 @@ MARGIN = 0.006
 
 _COMPONENTS = 24
 """Waves that make up a smooth noise; enough for its values to be nearly normal."""
+
+_PUSHES = 8
+"""Rounds of pushing fingertips apart; five in a row then keep their distance within 1 mm."""
 
 _THUMB = 0
 
@@ -110,7 +114,7 @@ def path(
 
     tips = span[:, None, None] * layout
     tips = tips + c.wobble * smooth_noise(rng, times, 0.4, (len(FINGERS), 2))
-    tips = _pinched(tips, closing, fingers)
+    tips = _apart(_pinched(tips, closing, fingers), c.tip_width)
     cos, sin = np.cos(turn), np.sin(turn)
     rotation = np.stack([np.stack([cos, -sin], -1), np.stack([sin, cos], -1)], -2)
     tips = tips @ np.swapaxes(rotation, -1, -2)
@@ -135,6 +139,20 @@ def _pinched(tips: Array, closing: Array, fingers: NDArray[np.bool_]) -> Array:
     else:
         out[:, 1:] += 0.6 * closing[:, None, None] * (middle[:, None] - tips[:, 1:])
     return out
+
+
+def _apart(tips: Array, width: float) -> Array:
+    """Fingertips (n, 5, 2) pushed from each other until none is nearer to another than a width."""
+    tips = tips.copy()
+    pairs = list(combinations(range(tips.shape[1]), 2))
+    for _ in range(_PUSHES):
+        for a, b in pairs:
+            between = tips[:, b] - tips[:, a]
+            distance = np.maximum(np.linalg.norm(between, axis=1, keepdims=True), 1e-6)
+            push = 0.5 * np.maximum(width - distance, 0.0) * between / distance
+            tips[:, a] -= push
+            tips[:, b] += push
+    return tips
 
 
 def _on_screen(way: Array, tips: Array, fingers: NDArray[np.bool_], surface: Surface) -> Array:

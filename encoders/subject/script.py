@@ -1,4 +1,4 @@
-"""What the subject is asked to do: a script of all finger sets on day 0, free play on later days."""
+"""What the subject is asked to do: a script of all finger sets on day 0, later free play."""
 
 from __future__ import annotations
 
@@ -76,7 +76,9 @@ def _free_play(rng: np.random.Generator, configuration: SubjectConfiguration) ->
     """
     c = configuration
     left = dict(zip(range(2, 6), c.test_frames, strict=True))
-    takes, stretches, length = [], [], 0
+    takes: list[Take] = []
+    stretches: list[tuple[tuple[int, ...], int]] = []
+    length = 0
     current: tuple[int, ...] | None = None
     wanted = rng.exponential(c.take_length)
     while any(left.values()):

@@ -18,10 +18,13 @@ from models.pose import JOINTS
 
 Array = NDArray[np.float64]
 
-ITERATIONS = 12
+ITERATIONS = 20
 
 _FIRST_PRECISION = 0.02
 """m, of targets in the first iterations: pulled at fully at once, a far hand would overshoot."""
+
+_STEP = 0.15
+"""rad, most that a joint turns in one iteration: tips are nearly linear in joints only so far."""
 
 _WALL = np.deg2rad(0.5)
 """rad, to which a joint may yield beyond its wall."""
@@ -66,7 +69,9 @@ class PostureSolver:
             H += np.einsum("nj,ja,jb->nab", blocked, joints, joints, optimize=True)
             g = (weighted @ miss[..., None])[..., 0] + (aim - theta) @ self._precision
             g -= (blocked * over) @ joints
-            theta = theta + np.linalg.solve(H, g[..., None])[..., 0]
+            step = np.linalg.solve(H, g[..., None])[..., 0]
+            largest = np.abs(step[:, 3:]).max(axis=1, keepdims=True)
+            theta = theta + step * np.minimum(1.0, _STEP / np.maximum(largest, _STEP))
         return theta
 
     def _over(self, joints: Array) -> Array:

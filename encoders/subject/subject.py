@@ -79,7 +79,8 @@ def simulate(
         "rate_hz": takes[0].rate,
         "configuration": configuration.as_json(),
     }
-    return Capture(*(np.concatenate(column) for column in zip(*parts, strict=True)), meta)
+    time, trial, ids, xy, q = (np.concatenate(column) for column in zip(*parts, strict=True))
+    return Capture(time, trial, ids, xy, q, meta)
 
 
 class _Person:
@@ -135,7 +136,7 @@ class _Session:
         """Touches (n, 5, 2) m on the surface and poses (n, 48) of a take, both as measured."""
         person = self.person
         c, times = person.configuration, take.times
-        fingers = take.down.any(axis=0)
+        fingers: NDArray[np.bool_] = np.any(take.down, axis=0)
         way = path(rng, times, take.amplitudes, fingers, person.layout, person.surface, c)
         yaw = c.arm_turn * way.turn + self.yaw + c.elbow * self._forearm(way.place)
         pressed = _pressed(take.down, times, c.transition)
@@ -167,7 +168,9 @@ class _Session:
         sway = c.sway * smooth_noise(rng, times, c.sway_time, (FREEDOMS,))
         habit = self.style + c.style * rng.normal(size=FREEDOMS) + sway
         lift = c.lift_posture * lifting(curled=bool(rng.random() < c.curl_share))
-        return person.rest + habit @ person.habit + (1 - pressed) @ lift
+        deviation = habit @ person.habit
+        deviation[:, :6] *= c.root_variety
+        return person.rest + deviation + (1 - pressed) @ lift
 
     def _targets(
         self, rng: np.random.Generator, times: Array, pressed: Array
@@ -201,7 +204,8 @@ def _pressed(down: NDArray[np.bool_], times: Array, transition: float) -> Array:
         touching = times[down[:, finger]]
         if len(touching):
             away = np.abs(times[:, None] - touching).min(axis=1)
-            out[:, finger] = np.clip(1 - away / transition, 0, 1)
+            share = np.clip(1 - away / transition, 0, 1)
+            out[:, finger] = share**2 * (3 - 2 * share)
     return out
 
 

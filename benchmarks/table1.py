@@ -1,0 +1,112 @@
+"""The paper's Table 1 on the simulated subject: how far reconstructions are from the captured hand.
+
+    python -m benchmarks.table1 --seeds 10 11 12 13 --days 1 2 3
+
+Every seed is another subject; it is trained on day 0 and tested on later days. True labels, no
+correction, no filter. What is printed is measured on simulated captures whose configuration was
+tuned on seeds 0 to 2 (docs/encoding.md), and the paper's numbers stand beside it, not behind it.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+from rich.console import Console
+from rich.progress import track
+from rich.table import Table
+
+from encoders.capture import Capture
+from encoders.polynomial import PolynomialEncoder
+from encoders.subject import FROZEN, simulate
+from encoders.trained import train
+from models.pose import ROOT_POSITION, joint_vectors
+from models.rotations import geodesic_angle
+
+Array = NDArray[np.float64]
+Predict = Callable[[Array], Array]
+
+PAPER = {"linear": (3.98, 9.08), "quadratic": (2.55, 8.57), "cubic": (3.17, 9.94)}
+"""Mean distance (cm) and angle (degrees), Table 1 of Chung, Kim, Han and Pollard (2015)."""
+
+PAPER_VARIANCE = {3: 68, 6: 87, 9: 94, 12: 97}
+"""Principal components -> percent of the training data's variance, section 3 there."""
+
+
+def errors(predict: Predict, capture: Capture) -> tuple[float, float, float]:
+    """Mean wrist distance (cm), geodesic angle and |component| of the ball joints (degrees)."""
+    guess, truth = predict(capture.u), capture.relative
+    distance = np.linalg.norm((guess - truth)[:, ROOT_POSITION], axis=1)
+    angle = geodesic_angle(joint_vectors(guess), joint_vectors(truth))
+    component = np.abs(joint_vectors(guess) - joint_vectors(truth))
+    return 100 * float(distance.mean()), *(float(np.rad2deg(a.mean())) for a in (angle, component))
+
+
+def methods(capture: Capture) -> dict[str, Predict]:
+    """What is compared, trained on a capture: the paper's least squares, and `best`'s ridge."""
+    U, Q = capture.u, capture.relative
+    mean = Q.mean(axis=0)
+    return {
+        "mean pose": lambda u: np.broadcast_to(mean, (len(u), len(mean))),
+        "linear": PolynomialEncoder(1).fit(U, Q).predict,
+        "quadratic": PolynomialEncoder(2).fit(U, Q).predict,
+        "cubic": PolynomialEncoder(3).fit(U, Q).predict,
+        "ridge quadratic": train(capture, "best", 2, None).encoder.predict,
+    }
+
+
+def variance_shares(poses: Array) -> list[float]:
+    """Percent of the variance of vectors (T, n) in their first 3, 6, 9 and 12 components."""
+    values = np.linalg.eigvalsh(np.cov(poses.T))[::-1]
+    return [float(100 * values[:k].sum() / values.sum()) for k in PAPER_VARIANCE]
+
+
+def measure(seeds: list[int], days: list[int]) -> tuple[dict[str, Array], Array, Array]:
+    """Errors (seeds, days, 3) by method, and variance shares (seeds, 4) of poses and joints."""
+    found: dict[str, list[list[tuple[float, float, float]]]] = {}
+    whole, joints = [], []
+    for seed in track(seeds, "subjects", console=Console(stderr=True)):
+        training = simulate(FROZEN, seed, 0)
+        whole.append(variance_shares(training.relative))
+        joints.append(variance_shares(training.relative[:, 6:]))
+        tests = [simulate(FROZEN, seed, day) for day in days]
+        for name, predict in methods(training).items():
+            found.setdefault(name, []).append([errors(predict, test) for test in tests])
+    return {n: np.array(e) for n, e in found.items()}, np.array(whole), np.array(joints)
+
+
+def main() -> None:
+    """Prints the table."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--seeds", type=int, nargs="+", default=[10, 11, 12, 13])
+    parser.add_argument("--days", type=int, nargs="+", default=[1, 2, 3])
+    options = parser.parse_args()
+    found, whole, joints = measure(options.seeds, options.days)
+    console = Console(width=110)
+    console.print(
+        f"simulated subjects {options.seeds}, each trained on day 0 and tested on days "
+        f"{options.days}; true labels; mean (least to greatest over subjects and days)"
+    )
+    table = Table("method", "wrist cm", "paper", "joint angle deg", "paper", "|component| deg")
+    for name, e in found.items():
+        wrist, angle, component = (
+            f"{x.mean():.2f} ({x.min():.2f} to {x.max():.2f})" for x in np.moveaxis(e, -1, 0)
+        )
+        there = [f"{x:.2f}" for x in PAPER.get(name, ())] or ["", ""]
+        table.add_row(name, wrist, there[0], angle, there[1], component)
+    console.print(table)
+    variance = Table("principal components", *map(str, PAPER_VARIANCE), title="percent of variance")
+    variance.add_row("48 numbers of the relative pose (m, rad)", *_percent(whole))
+    variance.add_row("42 numbers of the joints (rad)", *_percent(joints))
+    variance.add_row("paper", *map(str, PAPER_VARIANCE.values()))
+    console.print(variance)
+
+
+def _percent(shares: Array) -> list[str]:
+    return [f"{x:.1f}" for x in shares.mean(axis=0)]
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,83 @@
+"""Arrays and a JSON header in one npz file, read without trusting the file.
+
+Pickle stays off, sizes are bounded before anything is unpacked, and whatever else can be wrong with
+a zip of arrays becomes one sentence.
+"""
+
+from __future__ import annotations
+
+import json
+import zipfile
+import zlib
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.errors import InputError
+
+LARGEST = 2**30
+"""bytes, of a file unpacked: 100 times the paper's capture; more is a mistake or an attack."""
+
+_DAMAGE = (
+    OSError,
+    ValueError,
+    KeyError,
+    TypeError,
+    EOFError,
+    NotImplementedError,
+    RuntimeError,
+    zipfile.BadZipFile,
+    zlib.error,
+)
+"""What numpy, zipfile and zlib raise on files that are no sound npz (measured by mutation)."""
+
+
+def write_npz(path: Path, header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> None:
+    """Writes arrays and a header of JSON values; equal contents give equal files."""
+    text = json.dumps(dict(header), sort_keys=True, allow_nan=False)
+    with path.open("wb") as file:
+        everything: dict[str, Any] = {
+            "header": np.frombuffer(text.encode(), np.uint8),
+            **arrays,
+        }
+        np.savez_compressed(file, **everything)
+
+
+def read_npz(
+    path: Path, names: Iterable[str], error: type[InputError], what: str, remedy: str
+) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
+    """Header and arrays of a file.
+
+    Args:
+        path: The file.
+        names: Arrays that it must have.
+        error: Raised when it is missing, damaged or too large.
+        what: What the file should be, for the message: "a capture".
+        remedy: How to get a sound one.
+    """
+    where = str(path)
+    try:
+        with zipfile.ZipFile(path) as archive:
+            size = sum(member.file_size for member in archive.infolist())
+        if size > LARGEST:
+            raise error("the file is too large", where=where, got=size, expected=f"{LARGEST} bytes")
+        with np.load(path, allow_pickle=False) as file:
+            arrays = {name: file[name] for name in names}
+            header = json.loads(bytes(file["header"].tobytes()).decode())
+    except FileNotFoundError:
+        raise error("there is no such file", where=where) from None
+    except error:
+        raise
+    except _DAMAGE as damage:
+        raise error(
+            f"this is not {what}, or it is damaged",
+            where=where,
+            got=f"{type(damage).__name__}: {damage}"[:200],
+            remedy=remedy,
+        ) from damage
+    if not isinstance(header, dict):
+        raise error("the header is damaged", where=where, got=type(header).__name__)
+    return header, arrays
