@@ -125,8 +125,8 @@ class PolynomialEncoder:
     def _check(self, U: Array, Q: Array) -> None:
         if self.degree not in (1, 2, 3):
             raise EncoderError("no such degree", got=self.degree, expected="1, 2 or 3")
-        if not self.ridge >= 0:
-            raise EncoderError("the ridge must not be negative", got=self.ridge)
+        if not 0 <= self.ridge < np.inf:
+            raise EncoderError("no such ridge", got=self.ridge, expected="0 or more, finite")
         if U.ndim != 2 or Q.ndim != 2 or len(U) != len(Q) or not len(U):
             raise EncoderError(
                 "inputs and outputs do not belong together",

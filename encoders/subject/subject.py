@@ -14,6 +14,7 @@ from encoders.subject.posture import FREEDOMS, anatomy, lifting
 from encoders.subject.script import Take, takes_of
 from encoders.subject.sensors import day_error, measured_pose, touches
 from encoders.subject.solve import PostureSolver
+from models.errors import InputError
 from models.frames import FINGERS
 from models.kinematics import Kinematics
 from models.pose import POSE_SIZE, ROOT_POSITION, ROOT_ROTATION
@@ -51,7 +52,13 @@ def simulate(
 
     Returns:
         The capture; equal arguments give equal captures. `meta["simulated"]` is True.
+
+    Raises:
+        InputError: Seed or day is negative.
     """
+    for name, value in (("seed", seed), ("day", day)):
+        if value < 0:
+            raise InputError(f"there is no such {name}", got=value, expected="0 or more")
     person = _Person(configuration, seed)
     session = _Session(person, day)
     takes = takes_of(day, np.random.default_rng([seed, DAY, day, 1]), configuration)

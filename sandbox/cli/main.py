@@ -12,6 +12,8 @@ COMMANDS: dict[str, str] = {
     "play": "do a task in a window, with the mouse or a tablet as fingers",
     "run": "do a task without a window, as fast as it goes",
     "replay": "play a recording again and check every state",
+    "subject": "make a capture of a simulated subject: touches and poses at the same time",
+    "train": "train an encoder on a capture, or the built-in ones anew",
     "touches": "show, send and describe touches: the first thing to try with a new tablet",
 }
 """Command -> one line of help. Each lives in sandbox/cli/COMMAND.py as `main(argv) -> int`."""

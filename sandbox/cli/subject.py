@@ -1,0 +1,69 @@
+"""`sandbox subject`: captures of the simulated subject."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import tyro
+from rich.console import Console
+from rich.progress import Progress
+
+from encoders.store import save_capture
+from encoders.subject import FROZEN, SEED, simulate
+from models.errors import InputError
+from sandbox.cli.parse import parse
+
+
+@dataclass(frozen=True)
+class SubjectOptions:
+    """Makes a capture of a SIMULATED subject: what its fingers touch, and how its hand is posed.
+
+    It stands for the motion capture of a person, which no public recording can replace, and is
+    never real data. Every seed is another subject. Day 0 is the training script: all 26 sets of 2
+    to 5 fingers, each moving, grasping, pinching and rotating, 7,083 frames. Every later day is
+    free play with markers placed anew, 2,538 frames, to test on. The same seed and day make the
+    same file. A capture is npz: time (s), trial, ids, xy (m on the surface, x right, y down, by
+    finger), q (48 numbers in m and rad), and a header.
+
+    Try: sandbox subject --seed 7 --day 0 --out training.npz
+    then: sandbox train --capture training.npz --out mine.npz
+    """
+
+    out: Annotated[Path, tyro.conf.arg(metavar="FILE")]
+    """Where the capture goes; a file that is there is replaced."""
+
+    seed: int = SEED
+    """Which subject. The built-in models are trained on subject 0."""
+
+    day: int = 0
+    """0 the training script, 1 and later free play."""
+
+
+def main(argv: list[str]) -> int:
+    """Runs `sandbox subject ...`."""
+    options = parse(SubjectOptions, "sandbox subject", argv)
+    if not options.out.absolute().parent.is_dir():
+        raise InputError("there is no such folder", where=f"--out {options.out}")
+    console = Console()
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        bar = progress.add_task(f"subject {options.seed}, day {options.day}", total=1.0)
+        capture = simulate(
+            FROZEN, options.seed, options.day, lambda share: progress.update(bar, completed=share)
+        )
+    try:
+        save_capture(capture, options.out, np.float32)
+    except OSError as error:
+        raise InputError(
+            "the capture cannot be written", where=f"--out {options.out}", got=str(error)
+        ) from error
+    fingers = capture.down.sum(axis=1)
+    split = ", ".join(f"{(fingers == n).sum():,} with {n}" for n in range(2, 6))
+    console.print(
+        f"{options.out}: {len(capture):,} frames at {capture.meta['rate_hz']:g} Hz in "
+        f"{len(np.unique(capture.trial))} takes ({split} fingers), simulated",
+        soft_wrap=True,
+    )
+    return 0

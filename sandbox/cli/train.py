@@ -1,0 +1,162 @@
+"""`sandbox train`: encoders from captures, and the built-in ones anew."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import tyro
+from rich.console import Console
+from rich.progress import Progress
+
+from encoders.capture import Capture
+from encoders.store import load_capture, save_capture
+from encoders.subject import FROZEN, SEED, simulate
+from encoders.trained import (
+    BUILTIN,
+    TrainedModel,
+    builtin,
+    builtin_capture,
+    load_model,
+    save_model,
+    train,
+)
+from models.errors import InputError
+from sandbox.cli.parse import parse
+
+SAME_POSE = 1e-4
+"""m and rad: two poses that differ by less are the same."""
+
+DIFFERENT_FRAMES = 0.01
+"""Share of frames that may differ: solvers of other processors round differently, and where two
+postures are equally likely, one rounding may decide between them."""
+
+SAME_PREDICTION = 1e-3
+"""m and rad, root mean square: what that may change in predictions."""
+
+
+@dataclass(frozen=True)
+class TrainOptions:
+    """Trains an encoder: the whole hand's pose as a polynomial of the touches.
+
+    With --capture, on a capture made by `sandbox subject` or of your own in the same format. With
+    --builtin, the models that come with the program are made anew from the simulated subject and
+    compared with the shipped ones: at most 1 % of frames may differ by more than 0.0001 (m, rad),
+    and predictions by 0.001 (root mean square); exit status 1 if they do. It takes less than a minute.
+
+    Try: sandbox train --capture training.npz --out mine.npz
+    then: sandbox run box-to-goal --encoder mine.npz
+    """
+
+    out: Annotated[Path, tyro.conf.arg(metavar="MODEL|DIR")]
+    """The model's file; with --builtin the folder of all of them."""
+
+    capture: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Trains on this capture."""
+
+    builtin: bool = False
+    """Makes the built-in models anew and compares them."""
+
+    degree: int = 2
+    """Of the polynomial: 1, 2 (the paper's) or 3."""
+
+    ridge: float | None = None
+    """Penalty on the coefficients; 0 is least squares, as in the paper. Without it, it is chosen
+    by cross-validation that never splits a take."""
+
+
+def main(argv: list[str]) -> int:
+    """Runs `sandbox train ...`."""
+    options = parse(TrainOptions, "sandbox train", argv)
+    if options.builtin == (options.capture is not None):
+        raise InputError(
+            "either a capture or the built-in models",
+            where="sandbox train",
+            expected="--capture FILE or --builtin",
+        )
+    console = Console()
+    try:
+        if options.capture is None:
+            return _builtin(options.out, console)
+        return _one(options, load_capture(options.capture), console)
+    except OSError as error:
+        raise InputError(
+            "it cannot be written", where=f"--out {options.out}", got=str(error)
+        ) from error
+
+
+def _one(options: TrainOptions, capture: Capture, console: Console) -> int:
+    if not options.out.absolute().parent.is_dir():
+        raise InputError("there is no such folder", where=f"--out {options.out}")
+    with console.status("training"):
+        model = train(capture, options.out.stem, options.degree, options.ridge)
+    save_model(model, options.out)
+    _report(console, options.out, model)
+    return 0
+
+
+def _report(console: Console, path: Path, model: TrainedModel) -> None:
+    spread = np.sqrt(np.diag(model.residual_covariance))
+    wrist = 100 * float(np.linalg.norm(spread[:3]))
+    source = "simulated" if model.meta["simulated"] else "not marked as simulated"
+    console.print(
+        f"{path}: degree {model.encoder.degree}, ridge {model.encoder.ridge:g}, "
+        f"{len(model.training_u):,} frames ({source}); on takes it had not seen the wrist is "
+        f"{wrist:.1f} cm off (root mean square, outliers bounded)",
+        soft_wrap=True,
+    )
+
+
+def _builtin(folder: Path, console: Console) -> int:
+    folder.mkdir(parents=True, exist_ok=True)
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        bar = progress.add_task("capture", total=1.0 + len(BUILTIN))
+        made = simulate(FROZEN, SEED, 0, lambda share: progress.update(bar, completed=share))
+        path = folder / "capture.npz"
+        save_capture(made, path, np.float32)
+        # What the models learn from is the capture as everyone reads it, in single precision.
+        capture = load_capture(path)
+        models = []
+        for name, (degree, ridge) in BUILTIN.items():
+            progress.update(bar, description=name)
+            models.append(train(capture, name, degree, ridge))
+            progress.advance(bar)
+    sound = _capture_agrees(console, capture)
+    for model in models:
+        path = folder / f"{model.name}.npz"
+        save_model(model, path, training=False)
+        sound &= _model_agrees(console, load_model(path, capture))
+    return 0 if sound else 1
+
+
+def _capture_agrees(console: Console, capture: Capture) -> bool:
+    """Whether a capture is the shipped one but for rounding."""
+    shipped = builtin_capture()
+    if not np.array_equal(capture.ids, shipped.ids):
+        return _verdict(console, "capture", False, "other contacts")
+    moved = np.abs(capture.q - shipped.q).max(axis=1) > SAME_POSE
+    moved |= np.nan_to_num(np.abs(capture.xy - shipped.xy)).max(axis=(1, 2)) > SAME_POSE
+    share = float(moved.mean())
+    return _verdict(
+        console, "capture", share <= DIFFERENT_FRAMES, f"{100 * share:.2f} % of frames differ"
+    )
+
+
+def _model_agrees(console: Console, model: TrainedModel) -> bool:
+    """Whether a model predicts what the shipped one of its name predicts."""
+    shipped = builtin(model.name)
+    if model.digest == shipped.digest:
+        return _verdict(console, model.name, True, "identical")
+    u = shipped.training_u
+    off = model.encoder.predict(u) - shipped.encoder.predict(u)
+    size = float(np.sqrt(np.mean(off**2)))
+    what = f"predictions differ by {size:.1e} m or rad"
+    return _verdict(console, model.name, size <= SAME_PREDICTION, what)
+
+
+def _verdict(console: Console, name: str, sound: bool, what: str) -> bool:
+    colour, word = ("green", "agrees") if sound else ("red", "differs")
+    console.print(f"{name + '.npz':<14} [{colour}]{word}[/] with the shipped file: {what}")
+    return sound
