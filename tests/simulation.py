@@ -8,9 +8,8 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from numpy.typing import NDArray
 
-from encoders.correction import FingertipCorrection
+from benchmarks.pinch import pinch_poses
 from models.hand import Hand
-from models.kinematics import Kinematics
 from models.objects import Box
 from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT
@@ -21,9 +20,6 @@ TIMESTEPS = (0.001, 0.002, 0.004)
 """s, all of them whole parts of the control period."""
 
 CUBE = Box("box", (0.025, 0.025, 0.025), 0.15, (0.0, 0.0, 0.025), 0.3)
-
-GUESS_COVARIANCE = np.diag([0.025**2] * 3 + [0.25**2] * 45)
-"""m2 and rad2, of a guess that knows little."""
 
 LOWEST = np.concatenate([[-0.2, -0.2, 0.05, -1.5, -1.5, -1.5], ADULT.lower])
 HIGHEST = np.concatenate([[0.2, 0.2, 0.30, 1.5, 1.5, 1.5], ADULT.upper])
@@ -64,28 +60,6 @@ def put(scene: Scene, data: mujoco.MjData, q: Array, hand: int = 0) -> None:
     """A hand at a pose (48,), at rest and with its servos there."""
     data.qpos[scene.qpos_slice(hand)] = scene.pose_to_qpos(hand, q)
     data.ctrl[scene.control_slice(hand)] = q
-
-
-def pinch_poses(box: Box, squeeze: float = 0.003) -> tuple[Array, Array]:
-    """Poses with thumb and index beside a box, and `squeeze` metres inside its faces."""
-    kinematics = Kinematics(ADULT)
-    correction = FingertipCorrection(kinematics, GUESS_COVARIANCE)
-    labels = [0, 1]
-    centre = np.asarray(box.position)
-    along = np.array([np.cos(box.yaw), np.sin(box.yaw), 0.0])
-    # A comfortable pinch is 52 degrees off the hand's x axis: the hand turns until it is along
-    # the box's.
-    guess = np.zeros(48)
-    guess[5] = box.yaw - np.deg2rad(52.0)
-    guess[:3] = centre - kinematics.tips(guess)[labels].mean(axis=0)
-    poses = []
-    for gap in (0.005, -squeeze):
-        reach = box.half_size[0] + gap + ADULT.tip_radius[labels]
-        targets = centre + np.outer([-reach[0], reach[1]], along)
-        corrected = correction.correct(guess, labels, targets)
-        assert corrected.error < 0.001
-        poses.append(corrected.q)
-    return poses[0], poses[1]
 
 
 def pinched(

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from benchmarks.pinch import pinch_poses
 from models.hand import Hand
 from models.rotations import exp, matrix_to_quaternion
 from models.scene import Scene, SceneSpec
@@ -15,7 +16,7 @@ from models.surface import PRESETS, Surface
 from tasks.box_to_goal import BORDER, DISTANCE, EDGE, MASS, TURN, BoxToGoal
 from tasks.sensing import Sensing
 from tasks.task import Measure
-from tests.simulation import no_warning, pinch_poses, put, run
+from tests.simulation import no_warning, put, run
 
 seeds = st.integers(0, 2**63 - 1)
 surfaces = st.builds(

@@ -7,11 +7,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from benchmarks.pinch import GUESS_COVARIANCE
 from encoders.correction import Corrected, CorrectionSettings, FingertipCorrection
 from models.kinematics import Kinematics
 from models.limits import violations
 from models.skeleton import ADULT
-from tests.simulation import GUESS_COVARIANCE, HIGHEST, LOWEST, random_pose
+from tests.simulation import HIGHEST, LOWEST, random_pose
 
 KINEMATICS = Kinematics(ADULT)
 CORRECTION = FingertipCorrection(KINEMATICS, GUESS_COVARIANCE)

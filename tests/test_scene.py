@@ -8,12 +8,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from benchmarks.pinch import pinch_poses
 from models.errors import SceneError
 from models.hand import CONTACT_HAND, SERVOS, Hand
 from models.objects import Box
 from models.scene import CONTROL_PERIOD, Scene, SceneSpec
 from models.skeleton import ADULT
-from tests.simulation import CUBE, TIMESTEPS, pinch_poses, pinched, put, run
+from tests.simulation import CUBE, TIMESTEPS, pinched, put, run
 
 AWAY = np.concatenate([[0.0, 0.0, 0.30], np.zeros(45)])
 """A pose high above whatever is on the table."""

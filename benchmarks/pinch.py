@@ -1,0 +1,45 @@
+"""A box between two fingertips: the contact that everything else is made of."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.correction import FingertipCorrection
+from models.kinematics import Kinematics
+from models.objects import Box
+from models.skeleton import ADULT
+
+Array = NDArray[np.float64]
+
+GUESS_COVARIANCE = np.diag([0.025**2] * 3 + [0.25**2] * 45)
+"""m2 and rad2, of a guess that knows little."""
+
+COMFORTABLE_AXIS = np.deg2rad(52.0)
+"""rad from the hand's x axis to the line from thumb to index fingertip, in the palm's plane."""
+
+
+def pinch_poses(box: Box, squeeze: float = 0.003, opening: float = 0.005) -> tuple[Array, Array]:
+    """Two poses (48,) of a right hand whose thumb and index are on opposite faces of a box.
+
+    Args:
+        box: Where it is at the start.
+        squeeze: m, how far inside the faces the second pose's fingertips end.
+        opening: m, how far outside the faces the first pose's are.
+    """
+    kinematics = Kinematics(ADULT)
+    correction = FingertipCorrection(kinematics, GUESS_COVARIANCE)
+    labels = [0, 1]
+    centre = np.asarray(box.position)
+    along = np.array([np.cos(box.yaw), np.sin(box.yaw), 0.0])
+    guess = np.zeros(48)
+    guess[5] = box.yaw - COMFORTABLE_AXIS
+    guess[:3] = centre - kinematics.tips(guess)[labels].mean(axis=0)
+    poses = []
+    for gap in (opening, -squeeze):
+        reach = box.half_size[0] + gap + ADULT.tip_radius[labels]
+        targets = centre + np.outer([-reach[0], reach[1]], along)
+        corrected = correction.correct(guess, labels, targets)
+        assert corrected.error < 0.001
+        poses.append(corrected.q)
+    return poses[0], poses[1]
