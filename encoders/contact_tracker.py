@@ -144,17 +144,17 @@ class ContactTracker:
 
     def _arrive(self, contact: Contact, time: float, dt: float) -> None:
         xy = np.array([contact.x, contact.y])
+        why = self._unfit(contact, xy)
+        if why:
+            self._ignored_ids[contact.id] = why
+            self._count(why)
+            return
         lost = [t for t in self.tracks.values() if not t.active]
         if lost and self.settings.grace > 0:
             nearest = min(lost, key=lambda t: (np.linalg.norm(t.xy - xy), t.id))
             if np.linalg.norm(nearest.xy - xy) <= self.settings.inherit:
                 self._find(nearest, contact, dt)
                 return
-        why = self._unfit(contact, xy)
-        if why:
-            self._ignored_ids[contact.id] = why
-            self._count(why)
-            return
         if len(self.tracks) >= len(FINGERS):
             # A sixth contact while a lost finger still lives on: the living one wins.
             oldest = min(lost, key=lambda t: (t.lost_at, t.id))

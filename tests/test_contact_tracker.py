@@ -277,7 +277,6 @@ def test_what_is_no_finger_of_the_hand_is_ignored_and_counted_once(contact, why)
     assert tracker.ignored == ()
 
 
-@pytest.mark.xfail(reason="whether a contact is a palm is asked only after whether it inherits")
 def test_a_palm_is_no_finger_come_back():
     palm = Contact(9, *INDEX, SETTINGS.blob + 0.001)
     thumb = frame(0.0, THUMB).contacts
