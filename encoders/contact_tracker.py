@@ -99,6 +99,7 @@ class ContactTracker:
         self._time = frame.time
         seen = {c.id: c for c in frame.contacts}
         self._ignored_ids = {i: why for i, why in self._ignored_ids.items() if i in seen}
+        self._drop_reused_ids(seen)
         by_device = {t.device_id: t for t in self.tracks.values()}
 
         moves = []
@@ -121,6 +122,15 @@ class ContactTracker:
             self._arrive(contact, frame.time, dt)
         self._expire(frame.time)
         self.ignored = tuple(seen[i] for i in sorted(self._ignored_ids))
+
+    def _drop_reused_ids(self, seen: dict[int, Contact]) -> None:
+        """Forgets lost fingers whose id a device has given to a contact somewhere else."""
+        for track in list(self.tracks.values()):
+            contact = seen.get(track.device_id)
+            if contact is not None and not track.active:
+                way = np.linalg.norm(track.xy - np.array([contact.x, contact.y]))
+                if way > self.settings.inherit:
+                    del self.tracks[track.id]
 
     def _follow(self, track: Track, contact: Contact, dt: float) -> Array:
         before = track.xy

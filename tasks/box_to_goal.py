@@ -7,6 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from models.errors import InputError
 from models.objects import Box
 from models.surface import Surface
 from tasks.sensing import Sensing
@@ -19,6 +20,8 @@ BORDER = 0.042
 beside the box on the side of the border as well."""
 DISTANCE = (0.050, 0.100)
 """m from start to goal."""
+ROOM = 0.055
+"""m, least diagonal of the places for a box's centre; with less, no draw is ever far enough."""
 TURN = np.deg2rad(45.0)
 """rad, largest turn from start to goal."""
 MASS = (0.050, 0.250)
@@ -59,18 +62,25 @@ class BoxToGoal:
 
     @classmethod
     def draw(cls, seed: int, surface: Surface) -> BoxToGoal:
-        """The trial of a seed; same seed and surface, same trial."""
+        """The trial of a seed; same seed and surface, same trial.
+
+        Raises:
+            InputError: The surface has no room for a start and a goal.
+        """
         rng = np.random.default_rng([seed, cls.version])
-        width, height = surface.size
         low = np.array([BORDER, BORDER])
-        high = np.maximum(np.array([width, height]) - BORDER, low + 0.02)
-        for _ in range(10_000):
+        high = surface.size - BORDER
+        if np.any(high < low) or np.linalg.norm(high - low) < ROOM:
+            raise InputError(
+                "the surface is too small for this task",
+                where=cls.name,
+                got=f"{surface.width_in:g}x{surface.height_in:g}in",
+                expected="room for two places of a box, as on 5.5x4in",
+            )
+        distance = 0.0
+        while not DISTANCE[0] <= distance <= DISTANCE[1]:
             start, end = rng.uniform(low, high), rng.uniform(low, high)
-            if DISTANCE[0] <= np.linalg.norm(end - start) <= DISTANCE[1]:
-                break
-        else:
-            # Only a surface smaller than the tablet of the paper has no room for two places.
-            start, end = low, low + (high - low) * (DISTANCE[0] / np.linalg.norm(high - low))
+            distance = float(np.linalg.norm(end - start))
         yaw = float(rng.uniform(-np.pi / 4, np.pi / 4))
         turn = float(rng.uniform(-TURN, TURN))
         mass = float(rng.uniform(*MASS))

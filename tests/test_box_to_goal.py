@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from benchmarks.pinch import pinch_poses
+from models.errors import InputError
 from models.hand import Hand
 from models.rotations import exp, matrix_to_quaternion
 from models.scene import Scene, SceneSpec
@@ -272,3 +273,9 @@ def test_measuring_moves_nothing(trial):
     trial.task.measure(trial.sensing)
     mujoco.mj_getState(trial.scene.model, trial.data, after, spec)
     np.testing.assert_array_equal(before, after)
+
+
+@pytest.mark.parametrize("size", [(2.0, 2.0), (3.0, 10.0), (5.0, 3.0)])
+def test_a_surface_without_room_for_start_and_goal_is_refused(size):
+    with pytest.raises(InputError, match="too small"):
+        BoxToGoal.draw(0, Surface(*size))

@@ -328,3 +328,12 @@ def test_a_device_that_knows_its_fingers_is_quoted():
         TouchFrame(DT, (Contact(0, *THUMB), Contact(1, *INDEX, label=1))),
     )
     assert [t.device_label for t in tracker.tracks.values()] == [0, 1]
+
+
+def test_an_id_that_a_device_uses_again_elsewhere_is_another_finger():
+    tracker = after(frame(0.0, THUMB, INDEX), frame(DT, THUMB, None))
+    before = set(tracker.tracks)
+    far = (INDEX[0] + SETTINGS.inherit + 0.01, INDEX[1])
+    tracker.step(frame(2 * DT, THUMB, far))
+    assert len(tracker.tracks) == 2
+    assert len(before & set(tracker.tracks)) == 1
