@@ -11,6 +11,7 @@ import zipfile
 import zlib
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+from tokenize import TokenError
 from typing import Any
 
 import numpy as np
@@ -31,6 +32,10 @@ _DAMAGE = (
     RuntimeError,
     zipfile.BadZipFile,
     zlib.error,
+    SyntaxError,
+    TokenError,
+    OverflowError,
+    MemoryError,
 )
 """What numpy, zipfile and zlib raise on files that are no sound npz (measured by mutation)."""
 
@@ -62,8 +67,13 @@ def read_npz(
     try:
         with zipfile.ZipFile(path) as archive:
             size = sum(member.file_size for member in archive.infolist())
-        if size > LARGEST:
-            raise error("the file is too large", where=where, got=size, expected=f"{LARGEST} bytes")
+            if size > LARGEST:
+                what_is_wrong = "the file is too large"
+                raise error(what_is_wrong, where=where, got=size, expected=f"{LARGEST} bytes")
+            # Checksums come before numpy looks at a part: it would parse damaged text otherwise.
+            bad = archive.testzip()
+        if bad is not None:
+            raise zipfile.BadZipFile(f"checksum of {bad}")
         with np.load(path, allow_pickle=False) as file:
             arrays = {name: file[name] for name in names}
             header = json.loads(bytes(file["header"].tobytes()).decode())

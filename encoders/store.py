@@ -47,11 +47,21 @@ def load_capture(path: Path) -> Capture:
             raise CaptureError(
                 "wrong type", where=f"{where}: {name}", got=arrays[name].dtype, expected=kind
             )
-    return Capture(
-        arrays["time"].astype(float),
-        arrays["trial"].astype(np.int64),
-        arrays["ids"].astype(np.int64),
-        arrays["xy"].astype(float),
-        arrays["q"].astype(float),
-        meta,
-    )
+    try:
+        return Capture(
+            arrays["time"].astype(float),
+            arrays["trial"].astype(np.int64),
+            arrays["ids"].astype(np.int64),
+            arrays["xy"].astype(float),
+            arrays["q"].astype(float),
+            meta,
+        )
+    except CaptureError as error:
+        place = f"{where}: {error.where}" if error.where else where
+        raise CaptureError(
+            error.what,
+            where=place,
+            got=error.got,
+            expected=error.expected,
+            remedy=error.remedy,
+        ) from None

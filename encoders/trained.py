@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from hashlib import blake2b
 from importlib.resources import files
+from math import comb
 from pathlib import Path
 from typing import Any
 
@@ -237,7 +238,7 @@ def load_model(path: Path, capture: Capture | None = None) -> TrainedModel:
     arrays = {name: array.astype(float) for name, array in raw.items()}
     if capture:
         arrays |= {"training_u": _single(capture.u), "training_pose": _single(capture.relative)}
-    _check(arrays, where)
+    _check(arrays, degree, where)
     encoder = PolynomialEncoder(degree, ridge).load(arrays["coef"], CONTACT_VECTOR_SIZE)
     return TrainedModel(
         str(header.get("name")),
@@ -249,13 +250,13 @@ def load_model(path: Path, capture: Capture | None = None) -> TrainedModel:
     )
 
 
-def _check(arrays: dict[str, Array], where: str) -> None:
+def _check(arrays: dict[str, Array], degree: int, where: str) -> None:
     frames = len(np.atleast_1d(arrays["training_u"]))
     shapes = {
         "covariance": (POSE_SIZE, POSE_SIZE),
         "training_u": (frames, CONTACT_VECTOR_SIZE),
         "training_pose": (frames, POSE_SIZE),
-        "coef": (len(np.atleast_1d(arrays["coef"])), POSE_SIZE),
+        "coef": (comb(CONTACT_VECTOR_SIZE + degree, degree), POSE_SIZE),
     }
     for name, shape in shapes.items():
         if arrays[name].shape != shape or not frames:

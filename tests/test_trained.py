@@ -1,0 +1,255 @@
+"""Trained models: what they know, how they are kept, and what is refused."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from encoders.capture import Capture
+from encoders.polynomial import QuadraticEncoder
+from encoders.store import save_capture
+from encoders.trained import (
+    BUILTIN,
+    RIDGES,
+    TrainedModel,
+    builtin,
+    builtin_capture,
+    builtin_folder,
+    load_model,
+    save_model,
+    train,
+    trial_folds,
+)
+from models.errors import EncoderError
+from sandbox.cli.main import main
+from tests.npz_files import claiming_too_much, header_of, rewritten, with_pickle
+
+
+@pytest.fixture(scope="module")
+def capture() -> Capture:
+    """Every twentieth frame of the built-in capture: all takes, quickly learned."""
+    return builtin_capture().select(np.arange(0, len(builtin_capture()), 20))
+
+
+@pytest.fixture(scope="module")
+def model(capture) -> TrainedModel:
+    return train(capture, "mine", 1, 0.01)
+
+
+@pytest.fixture
+def path(model, tmp_path: Path) -> Path:
+    path = tmp_path / "mine.npz"
+    save_model(model, path)
+    return path
+
+
+def test_a_saved_model_comes_back_to_the_bit(model, path):
+    read = load_model(path)
+    assert read.digest == model.digest and read.meta == model.meta and read.name == "mine"
+    np.testing.assert_array_equal(
+        read.encoder.predict(model.training_u), model.encoder.predict(model.training_u)
+    )
+    np.testing.assert_array_equal(read.residual_covariance, model.residual_covariance)
+
+
+def test_a_model_without_its_training_data_takes_them_from_the_capture(model, capture, tmp_path):
+    save_model(model, tmp_path / "slim.npz", training=False)
+    assert load_model(tmp_path / "slim.npz", capture).digest == model.digest
+    with pytest.raises(EncoderError, match=r"slim\.npz"):
+        load_model(tmp_path / "slim.npz")
+
+
+def test_the_digest_sees_every_part(model):
+    changed = (
+        replace(model, residual_covariance=model.residual_covariance * 1.01),
+        replace(model, training_u=model.training_u[:-1]),
+        replace(model, training_pose=model.training_pose + 0.01),
+        replace(model, meta=model.meta | {"ridge": 0.02}),
+    )
+    assert len({model.digest, *(m.digest for m in changed)}) == 5
+    assert replace(model, name="other").digest == model.digest
+
+
+def test_a_model_says_where_it_comes_from(model, capture):
+    assert model.meta["simulated"] is True
+    assert model.meta["capture"]["configuration"] and model.meta["capture"]["seed"] == 0
+    nameless = train(replace(capture, meta={}), "mine", 1, 0.01)
+    assert nameless.meta["simulated"] is False
+
+
+def test_covariance_is_that_of_errors_on_takes_not_seen(model, capture):
+    C = model.residual_covariance
+    np.testing.assert_allclose(C, C.T, atol=1e-12)
+    assert np.linalg.eigvalsh(C).min() > -1e-9
+    seen = capture.relative - model.encoder.predict(capture.u)
+    assert np.trace(C) > 0.9 * np.trace(seen.T @ seen / len(seen))
+
+
+def test_frames_of_one_take_are_never_on_both_sides_of_a_split(capture):
+    fold = trial_folds(capture.trial)
+    assert all(len(set(fold[capture.trial == t])) == 1 for t in np.unique(capture.trial))
+    sizes = np.bincount(fold)
+    assert len(sizes) == 10 and sizes.max() < 1.5 * sizes.min()
+
+
+def test_without_a_ridge_validation_chooses_one(capture):
+    chosen = train(capture, "mine", 2, None)
+    assert chosen.meta["ridge"] in RIDGES and chosen.encoder.ridge == chosen.meta["ridge"]
+
+
+def test_on_noise_validation_chooses_the_strongest_ridge(capture):
+    q = np.random.default_rng(0).normal(size=capture.q.shape)
+    noise = replace(capture, q=0.1 * q, xy=capture.xy)
+    assert train(noise, "noise", 2, None).meta["ridge"] == RIDGES[-1]
+
+
+def test_one_take_alone_is_refused(capture):
+    with pytest.raises(EncoderError, match="2 trials"):
+        train(capture.select(capture.trial == 0), "mine", 1, 0.0)
+
+
+@pytest.mark.parametrize(("degree", "ridge"), ((0, 0.0), (4, 0.0), (2, -1.0), (2, np.nan)))
+def test_a_degree_or_ridge_that_is_none_is_refused(capture, degree, ridge):
+    with pytest.raises(EncoderError):
+        train(capture, "mine", degree, ridge)
+
+
+@pytest.mark.parametrize("name", BUILTIN)
+def test_built_in_models_are_trained_on_the_built_in_capture(name):
+    model, capture = builtin(name), builtin_capture()
+    assert model.meta["capture"] == capture.meta and model.meta["simulated"] is True
+    np.testing.assert_array_equal(model.training_u, np.float32(capture.u))
+    error = model.encoder.predict(capture.u) - capture.relative
+    assert np.linalg.norm(error[:, :3], axis=1).mean() < 0.05
+
+
+def test_the_papers_model_is_least_squares_on_the_built_in_capture():
+    capture = builtin_capture()
+    fresh = QuadraticEncoder().fit(capture.u, capture.relative)
+    paper = builtin("paper")
+    assert paper.encoder.ridge == 0 and paper.encoder.degree == 2 and fresh.rank_ == 121
+    np.testing.assert_allclose(
+        paper.encoder.predict(capture.u), fresh.predict(capture.u), atol=1e-4
+    )
+
+
+def test_shipped_files_are_small():
+    assert sum(p.stat().st_size for p in builtin_folder().glob("*.npz")) < 5e6
+
+
+def test_a_built_in_model_is_loaded_once():
+    assert builtin("best") is builtin("best")
+
+
+def test_an_unknown_name_is_answered_with_the_known_ones():
+    with pytest.raises(EncoderError, match="paper, linear, quadratic, cubic, best"):
+        builtin("deep")
+
+
+@pytest.mark.parametrize(
+    "changes",
+    (
+        {"coef": None},
+        {"coef": np.zeros((15, 48), np.float32)},
+        {"coef": np.zeros((16, 47), np.float32)},
+        {"coef": np.float32(1.0)},
+        {"coef": np.zeros((16, 48), int)},
+        {"coef": np.array("text")},
+        {"covariance": np.zeros((48, 47), np.float32)},
+        {"covariance": np.full((48, 48), np.nan, np.float32)},
+        {"training_u": np.zeros((3, 15), np.float32)},
+        {"training_u": np.zeros((0, 15), np.float32), "training_pose": np.zeros((0, 48))},
+        {"training_pose": np.full((355, 48), np.inf, np.float32)},
+        {"header": header_of("")},
+        {"header": header_of("null")},
+        {"header": header_of('{"schema": 2}')},
+        {"header": header_of('{"schema": 1, "degree": 1, "ridge": 0.0}')},
+        {"header": header_of('{"schema": 1, "degree": 9, "ridge": 0.0, "meta": {}}')},
+        {"header": header_of('{"schema": 1, "degree": [1], "ridge": 0.0, "meta": {}}')},
+        {"header": header_of('{"schema": 1, "degree": 1, "ridge": NaN, "meta": {}}')},
+        {"header": header_of('{"schema": 1, "degree": 3, "ridge": 0.0, "meta": {}}')},
+    ),
+)
+def test_a_file_with_a_wrong_part_is_refused_in_one_clear_line(path, changes):
+    rewritten(path, **changes)
+    with pytest.raises(EncoderError, match=r"mine\.npz") as error:
+        load_model(path)
+    assert "\n" not in str(error.value)
+
+
+def test_nothing_is_unpickled(path):
+    with_pickle(path, "coef")
+    with pytest.raises(EncoderError, match="pickle"):
+        load_model(path)
+
+
+def test_a_file_that_would_fill_the_memory_is_refused(path):
+    claiming_too_much(path)
+    with pytest.raises(EncoderError, match="too large"):
+        load_model(path)
+
+
+def test_a_missing_file_is_said_to_be_missing(tmp_path):
+    with pytest.raises(EncoderError, match="no such file"):
+        load_model(tmp_path / "none.npz")
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=40)
+@given(share=st.floats(0, 0.999))
+def test_a_truncated_file_is_refused(path, share):
+    whole = path.read_bytes()
+    cut = path.with_name("cut.npz")
+    cut.write_bytes(whole[: int(share * len(whole))])
+    with pytest.raises(EncoderError):
+        load_model(cut)
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=100)
+@given(where=st.floats(0, 1), value=st.binary(min_size=1, max_size=8))
+def test_a_damaged_file_is_refused_or_reads_as_it_was(path, model, where, value):
+    data = bytearray(path.read_bytes())
+    at = int(where * (len(data) - len(value)))
+    data[at : at + len(value)] = value
+    damaged = path.with_name("damaged.npz")
+    damaged.write_bytes(data)
+    try:
+        read = load_model(damaged)
+    except EncoderError as error:
+        assert "damaged.npz" in str(error)
+    else:
+        assert read.digest == model.digest
+
+
+def test_the_command_trains_on_a_capture(capture, tmp_path, capsys):
+    save_capture(capture, tmp_path / "c.npz")
+    line = ["train", "--capture", str(tmp_path / "c.npz"), "--out", str(tmp_path / "m.npz")]
+    assert main([*line, "--degree", "1", "--ridge", "0"]) == 0
+    assert "simulated" in capsys.readouterr().out
+    assert load_model(tmp_path / "m.npz").digest == train(capture, "m", 1, 0.0).digest
+
+
+@pytest.mark.full
+def test_the_command_makes_the_built_in_models_anew(tmp_path, capsys):
+    assert main(["train", "--builtin", "--out", str(tmp_path)]) == 0
+    told = capsys.readouterr().out
+    assert told.count("agrees") == 1 + len(BUILTIN) and "differs" not in told
+
+
+@pytest.mark.parametrize(
+    ("rest", "told"),
+    (
+        ([], "either a capture or the built-in"),
+        (["--capture", "none.npz"], "no such file"),
+        (["--builtin", "--capture", "c.npz"], "either"),
+    ),
+)
+def test_the_command_answers_bad_input_with_one_line(rest, told, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["train", "--out", "m.npz", *rest]) == 2
+    line = capsys.readouterr().err
+    assert told in line and line.count("\n") == 1
