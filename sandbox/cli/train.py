@@ -44,8 +44,8 @@ class TrainOptions:
     With --capture, on a capture made by `sandbox subject` or of your own in the same format. With
     --builtin, the models that come with the program are made anew from the simulated subject and
     compared with the shipped ones: at most 1 % of frames may differ by more than 0.0001 (m, rad),
-    and predictions by 0.001 (root mean square); exit
-    status 1 if they do. It takes less than a minute.
+    and predictions by 0.001 (root mean square); exit status 1 if they do. It takes less than a
+    minute.
 
     Try: sandbox train --capture training.npz --out mine.npz
     then: sandbox run box-to-goal --encoder mine.npz
