@@ -7,7 +7,8 @@ a probability is kept for every labelling of the living contacts.
 - The same contacts later: the belief stays, as frames of one grasp say the same over and over.
 - Contacts leave: the belief is summed over their labels.
 - Contacts come: the labels of the old ones are believed as before, and the new ones are judged
-  given those, by p(all | layout) / p(old | layout).
+  given those, by p(all | layout) / p(old | layout). Where the old ones have moved since they were
+  last looked at, they are judged again.
 
 Early mistakes are thus kept as doubts, not as decisions, and a third finger can still undo them.
 """
@@ -28,6 +29,7 @@ from encoders.labelling import Labelling, allowed, arranged, hypotheses
 from encoders.trained_belief import TrainedBelief, load_belief
 from models.errors import EncoderError
 from models.frames import FINGERS
+from models.surface import METRES_PER_INCH
 
 Array = NDArray[np.float64]
 
@@ -68,6 +70,7 @@ class BeliefLabels:
         """Forgets all contacts."""
         self._ids: tuple[int, ...] = ()
         self._belief: Array = np.zeros(1)
+        self._seen: dict[int, Array] = {}
 
     def assign(
         self, contacts: Mapping[int, tuple[float, float]], fixed: Mapping[int, int]
@@ -115,15 +118,27 @@ class BeliefLabels:
 
     def _updated(self, ids: tuple[int, ...], xy: Array) -> Array:
         kept = [place for place, contact in enumerate(ids) if contact in self._ids]
-        if not kept:
-            return _bounded(self.evidence.log_posterior(xy))
-        before = self._summed(tuple(ids[place] for place in kept))
-        if len(kept) == len(ids):
+        before = self._summed(tuple(ids[place] for place in kept)) if kept else None
+        if before is not None and len(kept) == len(ids):
             return before
-        old = self.evidence.log_posterior(xy[kept])
-        carried = before - (1.0 - self.trained.eta) * old
-        rows = _rows(len(ids), tuple(kept))
-        return _bounded(self.evidence.log_posterior(xy) + carried[rows])
+        look = self.evidence.log_posterior(xy)
+        if before is not None:
+            again = self._freshness([ids[place] for place in kept], xy[kept])
+            carried = before - (1.0 - again) * self.evidence.log_posterior(xy[kept])
+            look = look + carried[_rows(len(ids), tuple(kept))]
+        self._seen = dict(zip(ids, xy, strict=True))
+        return _bounded(look)
+
+    def _freshness(self, ids: list[int], xy: Array) -> float:
+        """Share with which a look at contacts counts that were looked at before.
+
+        What has hardly moved says nothing new: fingers that land shortly one after the other must
+        not make the first ones count twice.
+        """
+        moved = xy - np.array([self._seen[i] for i in ids])
+        moved = (moved - moved.mean(axis=0)) / METRES_PER_INCH
+        squared = float(np.mean(np.sum(moved**2, axis=1))) / self.evidence.shape.width**2
+        return self.trained.eta * -float(np.expm1(-0.5 * squared))
 
     def _summed(self, ids: tuple[int, ...]) -> Array:
         """The belief about some of the known contacts, summed over the labels of the others."""

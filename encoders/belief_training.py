@@ -3,7 +3,8 @@
 Held-out trials judge by the mean log probability of the true labelling, which punishes false
 certainty as accuracy does not. Random frames would leak: neighbours in time are nearly equal.
 A capture with one finger set a trial holds no fingers that come and go, so histories are made from
-held-out trials by telling the labeller only of some of the fingers for a while.
+held-out trials by telling the labeller only of some of the fingers for a while. A script gives
+every finger set equal time, so validation takes them for equally likely; in use they are not.
 """
 
 from __future__ import annotations
@@ -18,9 +19,10 @@ from numpy.typing import NDArray
 
 from encoders.belief import BeliefLabels
 from encoders.capture import Capture
-from encoders.label_evidence import LabelEvidence, normalised
+from encoders.finger_order import order_shares
+from encoders.label_evidence import LabelEvidence, even_prior, natural_prior, normalised
 from encoders.labelling import true_row
-from encoders.layout_density import KernelShape, LayoutDensity, prototypes_of
+from encoders.layout_density import KernelShape, LayoutDensity, layouts_of
 from encoders.trained import builtin_capture, trial_folds
 from encoders.trained_belief import TrainedBelief, capture_digest
 from models.errors import EncoderError
@@ -34,18 +36,16 @@ JUDGED_FRAMES = 1500
 """Held-out frames that judge a setting, spread evenly; neighbours say nearly the same."""
 
 SHAPES: dict[str, tuple[float, ...]] = {
-    "borrow": (0.15, 0.5, 1.0, 2.0, 4.0, 8.0),
-    "width": (0.05, 0.07, 0.1, 0.15, 0.2, 0.3),
-    "turn": (0.0, 0.05, 0.1, 0.2, 0.3),
-    "size": (0.0, 0.05, 0.1, 0.2, 0.3),
+    "width": (0.05, 0.07, 0.1, 0.14, 0.2, 0.3),
+    "turn": (0.0, 0.05, 0.07, 0.1, 0.14, 0.2, 0.3),
+    "size": (0.0, 0.035, 0.05, 0.07, 0.1, 0.2, 0.3),
 }
 """Kernel shapes that validation chooses from; see `KernelShape` for the units."""
-TRUSTS = (0.1, 0.25, 0.35, 0.5, 0.6, 0.75, 0.85, 1.0)
 ETAS = (0.0, 0.1, 0.25, 0.5, 0.75, 1.0)
 
-MOST_PROTOTYPES = 250
-"""A finger set, own and borrowed each: bounds the time of one look at the touches. Twice as many
-gained nothing on held-out trials."""
+MOST_LAYOUTS = 500
+"""A finger set: bounds the time of one look at the touches. Twice as many gained nothing on
+held-out trials."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,6 @@ class Report:
 
     Attributes:
         shape: Of the kernels.
-        trust: See `LabelEvidence`.
         eta: See `TrainedBelief`.
         log_probability: Mean log probability of the true labelling at one look.
         accuracy: Share of frames labelled right at one look, by number of fingers.
@@ -62,7 +61,6 @@ class Report:
     """
 
     shape: KernelShape
-    trust: float
     eta: float
     log_probability: float
     accuracy: dict[int, float]
@@ -82,20 +80,21 @@ def train_belief(
         EncoderError: The capture has too few trials, or lacks a finger set.
     """
     folds = _Folds(capture)
-    shape, scores = _choose_shape(folds, say)
-    trust = max(TRUSTS, key=lambda t: folds.judge([t * s for s in scores]))
-    say(f"trust {trust:g}: log probability {folds.judge([trust * s for s in scores]):.4f}")
-    densities = folds.densities(shape)
-    by_eta = {}
-    for eta in ETAS:
-        held_out = [TrainedBelief(LabelEvidence(d, trust), eta, "") for d in densities]
-        by_eta[eta] = _history_score(folds, [BeliefLabels(t) for t in held_out])
-        say(f"eta {eta:g}: log probability in play {by_eta[eta]:.4f}")
-    eta = max(by_eta, key=lambda e: by_eta[e])
-    evidence = LabelEvidence(_density(folds.capture, shape), trust)
-    trained = TrainedBelief(evidence, eta, capture_digest(capture))
-    value = folds.judge([trust * s for s in scores])
-    return trained, Report(shape, trust, eta, value, folds.accuracy(scores), by_eta)
+    shape = _choose_shape(folds, say)
+    held_out = folds.evidence(shape)
+    in_play = {eta: _history_score(folds, held_out, eta) for eta in ETAS}
+    for eta, found in in_play.items():
+        say(f"eta {eta:g}: log probability in play {found:.4f}")
+    eta = max(in_play, key=lambda e: in_play[e])
+    scores = folds.scores([e.log_posterior for e in held_out])
+    evidence = LabelEvidence(folds.all_layouts, shape, folds.order, natural_prior())
+    return TrainedBelief(evidence, eta, capture_digest(capture)), Report(
+        shape,
+        eta,
+        folds.judge(scores),
+        folds.accuracy(scores),
+        in_play,
+    )
 
 
 class _Folds:
@@ -111,18 +110,24 @@ class _Folds:
                 expected=f"{FOLDS} or more",
             )
         self.fold = trial_folds(capture.trial, FOLDS)
-        self.parts = [capture.select(self.fold != f) for f in range(FOLDS)]
+        self.all_layouts = layouts_of(capture, MOST_LAYOUTS)
+        self.order = order_shares(capture)
+        self.layouts = [
+            layouts_of(capture.select(self.fold != f), MOST_LAYOUTS) for f in range(FOLDS)
+        ]
         self.capture = capture
         self.judged = _evenly(len(capture), JUDGED_FRAMES)
         self.truth = [true_row(np.flatnonzero(capture.down[t])) for t in self.judged]
 
-    def densities(self, shape: KernelShape) -> list[LayoutDensity]:
-        return [_density(part, shape) for part in self.parts]
+    def evidence(self, shape: KernelShape) -> list[LabelEvidence]:
+        """Of each fold, from the trials of the others. The shares of order, three numbers, are
+        those of all trials."""
+        return [LabelEvidence(z, shape, self.order, even_prior()) for z in self.layouts]
 
-    def scores(self, densities: list[LayoutDensity]) -> list[Array]:
-        """Log densities of all judged frames by the one that has not seen their trial."""
+    def scores(self, ask: list[Callable[[Array], Array]]) -> list[Array]:
+        """Answers about all judged frames by the one in `ask` that has not seen their trial."""
         xy, down = self.capture.xy, self.capture.down
-        return [densities[self.fold[t]].log_density(xy[t, down[t]]) for t in self.judged]
+        return [ask[self.fold[t]](xy[t, down[t]]) for t in self.judged]
 
     def judge(self, scores: list[Array]) -> float:
         """Mean log probability of the true labellings."""
@@ -136,34 +141,31 @@ class _Folds:
         return {int(k): float(right[fingers == k].mean()) for k in np.unique(fingers)}
 
 
-def _density(capture: Capture, shape: KernelShape) -> LayoutDensity:
-    return LayoutDensity(prototypes_of(capture, shape.borrow, MOST_PROTOTYPES), shape)
-
-
 def _evenly(count: int, most: int) -> NDArray[np.int64]:
     return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
 
 
-def _choose_shape(folds: _Folds, say: Callable[[str], None]) -> tuple[KernelShape, list[Array]]:
-    """One setting after another, twice round; each at the trust that suits it best."""
-    tried: dict[KernelShape, tuple[float, list[Array]]] = {}
+def _choose_shape(folds: _Folds, say: Callable[[str], None]) -> KernelShape:
+    """One setting after another, twice round."""
+    tried: dict[KernelShape, float] = {}
 
     def value(shape: KernelShape) -> float:
         if shape not in tried:
-            scores = folds.scores(folds.densities(shape))
-            tried[shape] = max(folds.judge([t * s for s in scores]) for t in TRUSTS), scores
-            say(f"{shape}: log probability {tried[shape][0]:.4f}")
-        return tried[shape][0]
+            densities = [LayoutDensity(z, shape) for z in folds.layouts]
+            tried[shape] = folds.judge(folds.scores([d.log_density for d in densities]))
+            say(f"{shape}: log probability {tried[shape]:.4f}")
+        return tried[shape]
 
     best = KernelShape()
     for _ in range(2):
         for name, choices in SHAPES.items():
             best = max((replace(best, **{name: c}) for c in choices), key=value)
-    return best, tried[best][1]
+    return best
 
 
-def _history_score(folds: _Folds, beliefs: list[BeliefLabels]) -> float:
+def _history_score(folds: _Folds, held_out: list[LabelEvidence], eta: float) -> float:
     """Mean log probability of the truth after each change of fingers in held-out trials."""
+    beliefs = [BeliefLabels(TrainedBelief(evidence, eta, "")) for evidence in held_out]
     found = []
     for trial in np.unique(folds.capture.trial):
         frames = np.flatnonzero(folds.capture.trial == trial)

@@ -2,41 +2,128 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.layout_density import LayoutDensity
+from encoders.finger_order import ORDERED_COUNTS, in_order
+from encoders.layout_density import (
+    KernelShape,
+    LayoutDensity,
+    Layouts,
+    finger_sets,
+    set_of_labelling,
+)
 from models.errors import EncoderError
+from models.frames import FINGERS
 
 Array = NDArray[np.float64]
 
 LONE_FINGER = (0.15, 0.40, 0.25, 0.10, 0.10)
-"""Probability that a lone contact is this finger. An assumption, not learned: a lone touch has no
-layout and captures hold none. People point with the index finger, or with the middle one."""
+"""Probability that a lone contact is this finger. An assumption, not learned: captures hold no lone
+contacts. People point with the index finger, or with the middle one."""
+
+THUMB_AND_NEXT = 4.0
+"""How much likelier than any other set of as many fingers the thumb with the fingers next to it is.
+An assumption, not learned: a capture by script gives every set equal time. Whoever grasps sets the
+thumb against the index, then index and middle, and so on (the precision grasps in the taxonomy of
+Feix and others, 2016)."""
+
+
+STRANGER_SHARE = 0.01
+"""Probability that a layout is none that the captured hand would show: another person's, or one on
+an object wider than any gesture of the capture. An assumption; the captured hand's held-out trials
+are judged no worse with it than without."""
+
+STRANGER = KernelShape(width=0.4, turn=0.3, size=0.3)
+"""Kernels of such layouts: a centimetre a finger, 17 degrees, a third in size. An assumption."""
+
+_THINNED = 4
+"""Every so manieth layout has a stranger's kernel; wide kernels need not stand as dense."""
+
+
+def natural_prior() -> dict[int, Array]:
+    """Number of contacts -> (S,) assumed probability of every set of `finger_sets`."""
+    found = {1: np.array(LONE_FINGER)}
+    for count in range(2, len(FINGERS) + 1):
+        weights = np.ones(len(finger_sets(count)))
+        weights[0] = THUMB_AND_NEXT
+        found[count] = weights / weights.sum()
+    return found
+
+
+def even_prior() -> dict[int, Array]:
+    """The same with all sets of one size equally likely."""
+    return {
+        count: np.full(len(finger_sets(count)), 1.0 / len(finger_sets(count)))
+        for count in range(1, len(FINGERS) + 1)
+    }
 
 
 class LabelEvidence:
-    """Probabilities of the labellings of contacts at one moment.
+    """Probabilities of the labellings of contacts at one moment, by Bayes' rule.
+
+    Most layouts are taken for the captured hand's, some for a stranger's: far from everything that
+    was captured, the narrow kernels would be as sure as they are wrong.
 
     Args:
-        density: Of touch layouts.
-        trust: Share with which the logarithm of the density counts. A kernel density takes frames
-            for independent and is too sure of itself; validation finds how much.
+        layouts: Number of contacts, 2 to 5 -> training layouts.
+        shape: Of the captured hand's kernels.
+        order: Number of contacts, 3 to 5 -> probability that touches are in the fingers' order.
+        prior: Number of contacts, 1 to 5 -> (S,) positive probability of every finger set.
 
     Raises:
-        EncoderError: The trust is not positive.
+        EncoderError: A probability is none.
     """
 
-    def __init__(self, density: LayoutDensity, trust: float) -> None:
-        if not 0.0 < trust <= 10.0:
-            raise EncoderError("trust is out of range", got=trust, expected="above 0, at most 10")
-        self.density, self.trust = density, trust
+    def __init__(
+        self,
+        layouts: Mapping[int, Layouts],
+        shape: KernelShape,
+        order: Mapping[int, float],
+        prior: Mapping[int, Array],
+    ) -> None:
+        _check(order, prior)
+        self.layouts, self.shape = dict(layouts), shape
+        self.order, self.prior = dict(order), dict(prior)
+        self._captured = LayoutDensity(layouts, shape)
+        self._stranger = LayoutDensity({k: z[:, ::_THINNED] for k, z in layouts.items()}, STRANGER)
+        self._log_prior = {
+            k: normalised(np.log(p)[set_of_labelling(k)]) for k, p in self.prior.items()
+        }
 
     def log_posterior(self, xy: Array) -> Array:
         """(P,) log probability of every labelling of `hypotheses(k)` given contacts (k, 2) in m."""
+        prior = self._log_prior[len(xy)]
         if len(xy) == 1:
-            return np.log(LONE_FINGER)
-        return normalised(self.trust * self.density.log_density(xy))
+            return prior
+        captured = np.log(1.0 - STRANGER_SHARE) + self._captured.log_density(xy)
+        stranger = np.log(STRANGER_SHARE) + self._stranger.log_density(xy)
+        if len(xy) in self.order:
+            share = self.order[len(xy)]
+            stranger = stranger + np.where(in_order(xy), np.log(share), np.log(1.0 - share))
+        return normalised(prior + np.logaddexp(captured, stranger))
+
+
+def _check(order: Mapping[int, float], prior: Mapping[int, Array]) -> None:
+    for count in ORDERED_COUNTS:
+        if not 0.0 < order[count] < 1.0:
+            raise EncoderError(
+                "this is no probability of order",
+                where=f"{count} contacts",
+                got=order[count],
+                expected="between 0 and 1",
+            )
+    for count in range(1, len(FINGERS) + 1):
+        share, sets = prior[count], len(finger_sets(count))
+        if share.shape != (sets,) or not (share > 0).all() or abs(share.sum() - 1.0) > 1e-6:
+            raise EncoderError(
+                "this is no prior over finger sets",
+                where=f"{count} contacts",
+                got=share,
+                expected=f"{sets} positive numbers that add up to 1",
+            )
 
 
 def normalised(log_weights: Array) -> Array:

@@ -40,7 +40,8 @@ class NearestNeighbour:
 
     Args:
         points: (T, d).
-        cells: Number of cells; by default about 1.5 sqrt(T).
+        cells: Number of cells; by default about 3 sqrt(T), at which neither centres nor
+            opened points dominate (measured at T = 7,083).
 
     Raises:
         EncoderError: There is no point, or one is not finite.
@@ -54,7 +55,7 @@ class NearestNeighbour:
         # Centred, so that single precision is spent on differences rather than on the mean.
         self._mean = points.mean(axis=0)
         points = points - self._mean
-        count = min(cells or int(1.5 * np.sqrt(len(points))) + 1, len(points))
+        count = min(cells or int(3.0 * np.sqrt(len(points))) + 1, len(points))
         member, centres = _cells(points, count)
         self._order = np.argsort(member, kind="stable")
         self._points = points[self._order]

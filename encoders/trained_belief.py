@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import zipfile
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from functools import cached_property
@@ -15,8 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.capture import Capture
+from encoders.finger_order import ORDERED_COUNTS
 from encoders.label_evidence import LabelEvidence
-from encoders.layout_density import KernelShape, LayoutDensity, Prototypes, finger_sets
+from encoders.layout_density import KernelShape, Layouts, finger_sets
+from encoders.npz import read_npz, write_npz
 from models.errors import EncoderError
 from models.frames import FINGERS
 
@@ -32,8 +33,8 @@ class TrainedBelief:
 
     Attributes:
         evidence: What one look at the touches says.
-        eta: Share with which a new look at contacts that were there before counts anew, when others
-            join them; 0 to 1.
+        eta: Share with which a new look at contacts that were there before, and have moved since,
+            counts when others join them; 0 to 1.
         capture_digest: Of the capture it was trained on.
 
     Raises:
@@ -51,63 +52,69 @@ class TrainedBelief:
     @cached_property
     def digest(self) -> str:
         """BLAKE2b over everything that decides a label, hexadecimal."""
-        hash_ = blake2b(digest_size=16)
+        hash_ = blake2b(json.dumps(self.header, sort_keys=True).encode(), digest_size=16)
         for name, array in sorted(self.to_arrays().items()):
             hash_.update(name.encode() + np.ascontiguousarray(array).tobytes())
         return hash_.hexdigest()
 
-    def to_arrays(self) -> dict[str, NDArray[Any]]:
-        """The belief as arrays without pickle; `from_arrays` makes the same belief of them."""
-        evidence = self.evidence
-        header = {
+    @property
+    def header(self) -> dict[str, Any]:
+        """The belief's settings as JSON values."""
+        return {
             "schema": SCHEMA,
-            "shape": asdict(evidence.density.shape),
-            "trust": evidence.trust,
+            "shape": asdict(self.evidence.shape),
+            "order": {str(k): share for k, share in self.evidence.order.items()},
             "eta": self.eta,
             "capture_digest": self.capture_digest,
         }
-        text = json.dumps(header).encode()
-        arrays: dict[str, NDArray[Any]] = {"header": np.frombuffer(text, np.uint8)}
-        for count, p in evidence.density.prototypes.items():
-            layout = np.stack([p.layout.real, p.layout.imag], axis=-1)
-            arrays[f"layout_{count}"] = layout.astype(np.float32)
-            arrays[f"weight_{count}"] = p.weight
-            arrays[f"prior_{count}"] = p.prior
+
+    def to_arrays(self) -> dict[str, NDArray[Any]]:
+        """Layouts and prior; with the header, `from_arrays` makes the same belief of them."""
+        arrays: dict[str, NDArray[Any]] = {}
+        for count, z in self.evidence.layouts.items():
+            arrays[f"layout_{count}"] = np.stack([z.real, z.imag], axis=-1).astype(np.float32)
+        for count, prior in self.evidence.prior.items():
+            arrays[f"prior_{count}"] = prior
         return arrays
 
     @classmethod
     def from_arrays(
-        cls, arrays: Mapping[str, NDArray[Any]], where: str = "belief"
+        cls, header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]], where: str = "belief"
     ) -> TrainedBelief:
-        """Inverse of `to_arrays`.
+        """Inverse of `header` and `to_arrays`.
 
         Args:
-            arrays: By name.
+            header: Settings.
+            arrays: Layouts and prior by name.
             where: They come from, for messages.
 
         Raises:
-            EncoderError: An array is missing, of the wrong shape, or not what it must be.
+            EncoderError: Something is missing, of the wrong shape, or not what it must be.
         """
         try:
-            header = json.loads(bytes(np.asarray(arrays["header"], np.uint8).tobytes()).decode())
             schema = header["schema"]
             shape = KernelShape(**{k: float(v) for k, v in header["shape"].items()})
-            trust, eta = float(header["trust"]), float(header["eta"])
-            digest = str(header["capture_digest"])
-            prototypes = {k: _prototypes(arrays, k, where) for k in _COUNTS}
+            eta, digest = float(header["eta"]), str(header["capture_digest"])
+            layouts = {k: _layouts(arrays, k, where) for k in _COUNTS}
+            order = {int(k): float(v) for k, v in header["order"].items()}
+            prior = {k: np.asarray(arrays[f"prior_{k}"], float) for k in (1, *_COUNTS)}
         except (KeyError, TypeError, ValueError, AttributeError) as error:
             raise EncoderError(
-                "this is no trained belief, or it is damaged", where=where, got=str(error)
+                "this is no trained belief, or it is damaged",
+                where=where,
+                got=f"{type(error).__name__}: {error}",
             ) from error
         if schema != SCHEMA:
-            raise EncoderError("another version's belief", where=where, got=schema,
-                               expected=f"schema {SCHEMA}")  # fmt: skip
-        return cls(LabelEvidence(LayoutDensity(prototypes, shape), trust), eta, digest)
+            raise EncoderError(
+                "another version's belief", where=where, got=schema, expected=f"schema {SCHEMA}"
+            )
+        if sorted(order) != list(ORDERED_COUNTS):
+            raise EncoderError("shares of order are missing", where=where, got=sorted(order))
+        return cls(LabelEvidence(layouts, shape, order, prior), eta, digest)
 
     def save(self, path: Path) -> None:
         """Writes the belief as npz."""
-        with path.open("wb") as file:
-            np.savez_compressed(file, **self.to_arrays())  # type: ignore[arg-type]
+        write_npz(path, self.header, self.to_arrays())
 
 
 def load_belief(path: Path) -> TrainedBelief:
@@ -116,17 +123,15 @@ def load_belief(path: Path) -> TrainedBelief:
     Raises:
         EncoderError: The file is missing, damaged, of another version or breaks its contract.
     """
-    where = str(path)
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in file.files}
-    except FileNotFoundError:
-        raise EncoderError("there is no such file", where=where) from None
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
-        raise EncoderError(
-            "this is no trained belief, or it is damaged", where=where, got=str(error)
-        ) from error
-    return TrainedBelief.from_arrays(arrays, where)
+    names = [f"layout_{k}" for k in _COUNTS] + [f"prior_{k}" for k in (1, *_COUNTS)]
+    header, arrays = read_npz(
+        path,
+        names,
+        EncoderError,
+        "a trained belief",
+        "`python -m encoders.belief_training` makes the built-in one anew",
+    )
+    return TrainedBelief.from_arrays(header, arrays, str(path))
 
 
 def capture_digest(capture: Capture) -> str:
@@ -139,25 +144,15 @@ def capture_digest(capture: Capture) -> str:
     return hash_.hexdigest()
 
 
-def _prototypes(arrays: Mapping[str, NDArray[Any]], count: int, where: str) -> Prototypes:
-    layout = np.asarray(arrays[f"layout_{count}"], float)
-    weight = np.asarray(arrays[f"weight_{count}"], float)
-    prior = np.asarray(arrays[f"prior_{count}"], float)
+def _layouts(arrays: Mapping[str, NDArray[Any]], count: int, where: str) -> Layouts:
+    parts = np.asarray(arrays[f"layout_{count}"], float)
     sets = len(finger_sets(count))
-    most = weight.shape[-1] if weight.ndim else 0
-    for name, array, shape in (
-        ("layout", layout, (sets, most, count, 2)),
-        ("weight", weight, (sets, most)),
-        ("prior", prior, (sets,)),
-    ):
-        if array.shape != shape or not np.isfinite(array).all():
-            raise EncoderError(
-                "wrong shape, or not finite",
-                where=f"{where}: {name}_{count}",
-                got=array.shape,
-                expected=f"{shape} finite numbers",
-            )
-    for name, shares in (("weight", weight), ("prior", prior)):
-        if (shares < 0).any() or not np.allclose(shares.sum(axis=-1), 1.0):
-            raise EncoderError("shares do not add up to 1", where=f"{where}: {name}_{count}")
-    return Prototypes(layout[..., 0] + 1j * layout[..., 1], weight, prior)
+    number = parts.shape[1] if parts.ndim > 1 else 0
+    if parts.shape != (sets, number, count, 2) or not number or not np.isfinite(parts).all():
+        raise EncoderError(
+            "wrong shape, or not finite",
+            where=f"{where}: layout_{count}",
+            got=parts.shape,
+            expected=f"({sets}, M, {count}, 2) finite numbers",
+        )
+    return parts[..., 0] + 1j * parts[..., 1]

@@ -1,0 +1,343 @@
+"""A belief is a probability over labellings, whatever comes and goes."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import encoders.belief_training as training
+from encoders.belief import BeliefLabels, builtin_belief
+from encoders.label_evidence import even_prior, natural_prior
+from encoders.labelling import hypotheses
+from encoders.layout_density import finger_sets
+from encoders.trained import builtin_capture
+from encoders.trained_belief import TrainedBelief, capture_digest, load_belief
+from models.errors import EncoderError
+
+Contacts = dict[int, tuple[float, float]]
+SEEDS = st.integers(0, 2**32 - 1)
+SHIPPED = builtin_belief().trained
+
+
+@st.composite
+def touches(draw: st.DrawFn, least: int = 1, most: int = 5) -> Contacts:
+    """The touches of a frame of the capture, some of them, a little displaced, with any ids."""
+    capture = builtin_capture()
+    rng = np.random.default_rng(draw(SEEDS))
+    fitting = np.flatnonzero(capture.down.sum(axis=1) >= least)
+    frame = int(rng.choice(fitting))
+    fingers = rng.permutation(np.flatnonzero(capture.down[frame]))[:most]
+    count = draw(st.integers(least, len(fingers)))
+    ids = draw(st.lists(st.integers(0, 2**40), min_size=count, max_size=count, unique=True))
+    xy = capture.xy[frame, fingers[:count]] + rng.normal(0, 0.003, (count, 2))
+    return {i: (float(x), float(y)) for i, (x, y) in zip(ids, xy, strict=True)}
+
+
+def moved(contacts: Contacts, rng: np.random.Generator) -> Contacts:
+    step = rng.normal(0, 0.004, (len(contacts), 2))
+    return {i: (x + dx, y + dy) for (i, (x, y)), (dx, dy) in zip(contacts.items(), step,
+                                                                 strict=True)}  # fmt: skip
+
+
+def table(belief: BeliefLabels, ids: list[int]) -> dict[tuple[int, ...], float]:
+    """Probability of every labelling of the ids, in their order."""
+    return {
+        tuple(labels): float(np.exp(belief.log_probability(dict(zip(ids, labels, strict=True)))))
+        for labels in hypotheses(len(ids)).tolist()
+    }
+
+
+@given(touches(), st.data())
+def test_probabilities_add_up_to_one_after_any_coming_and_going(
+    contacts: Contacts, data: st.DataObject
+) -> None:
+    belief = builtin_belief()
+    rng = np.random.default_rng(data.draw(SEEDS))
+    for _ in range(4):
+        shown = data.draw(st.lists(st.sampled_from(list(contacts)), min_size=1, unique=True))
+        contacts = moved(contacts, rng)
+        labelling = belief.assign({i: contacts[i] for i in shown}, {})
+        assert sum(table(belief, shown).values()) == pytest.approx(1.0)
+        assert belief.marginals().keys() == set(shown)
+        for share in belief.marginals().values():
+            assert share.shape == (5,)
+            assert share.sum() == pytest.approx(1.0)
+        assert len(set(labelling.labels.values())) == len(shown)
+        assert 0.0 < labelling.probability <= 1.0
+
+
+@given(touches(least=2), st.data())
+def test_of_contacts_that_leave_the_labels_are_summed_out(
+    contacts: Contacts, data: st.DataObject
+) -> None:
+    belief = builtin_belief()
+    belief.assign(contacts, {})
+    before = table(belief, list(contacts))
+    stay = data.draw(
+        st.lists(st.sampled_from(list(contacts)), min_size=1, max_size=len(contacts), unique=True)
+    )
+    belief.assign({i: contacts[i] for i in stay}, {})
+    places = [list(contacts).index(i) for i in stay]
+    for labels, probability in table(belief, stay).items():
+        expected = sum(
+            p for all_, p in before.items() if all(all_[at] == f for at, f in zip(places, labels,
+                                                                                 strict=True))
+        )  # fmt: skip
+        assert probability == pytest.approx(expected, abs=1e-9)
+
+
+@given(touches(least=3), st.data())
+def test_it_does_not_matter_in_which_order_contacts_leave(
+    contacts: Contacts, data: st.DataObject
+) -> None:
+    order = data.draw(st.permutations(list(contacts)))
+    one_by_one, at_once = builtin_belief(), builtin_belief()
+    for belief in (one_by_one, at_once):
+        belief.assign(contacts, {})
+    for gone in range(1, len(order)):
+        one_by_one.assign({i: contacts[i] for i in order[gone:]}, {})
+    at_once.assign({order[-1]: contacts[order[-1]]}, {})
+    assert one_by_one.marginals()[order[-1]] == pytest.approx(
+        at_once.marginals()[order[-1]], abs=1e-9
+    )
+
+
+@given(touches(), SEEDS)
+def test_the_same_contacts_elsewhere_are_believed_the_same(contacts: Contacts, seed: int) -> None:
+    belief = builtin_belief()
+    first = belief.assign(contacts, {})
+    again = belief.assign(moved(contacts, np.random.default_rng(seed)), {})
+    assert again.labels == first.labels
+    assert again.probability == pytest.approx(first.probability)
+
+
+@given(touches(least=2), st.data())
+def test_fingers_that_join_unmoved_ones_leave_nothing_but_one_look_at_all(
+    contacts: Contacts, data: st.DataObject
+) -> None:
+    """p(all | layout) is p(old | layout) times what the new ones say given the old."""
+    first = data.draw(st.lists(st.sampled_from(list(contacts)), min_size=1, unique=True))
+    joined, fresh = builtin_belief(), builtin_belief()
+    joined.assign({i: contacts[i] for i in first}, {})
+    joined.assign(contacts, {})
+    fresh.assign(contacts, {})
+    for i, share in fresh.marginals().items():
+        assert joined.marginals()[i] == pytest.approx(share, abs=1e-3)
+
+
+@given(touches(), st.data())
+def test_order_ids_and_place_change_no_label_with_history(
+    contacts: Contacts, data: st.DataObject
+) -> None:
+    first = data.draw(st.lists(st.sampled_from(list(contacts)), min_size=1, unique=True))
+    order = data.draw(st.permutations(list(contacts)))
+    other = dict(zip(contacts, order, strict=True))
+    dx, dy = data.draw(st.tuples(st.floats(-0.2, 0.2), st.floats(-0.2, 0.2)))
+    here, there = builtin_belief(), builtin_belief()
+    here.assign({i: contacts[i] for i in first}, {})
+    there.assign({other[i]: (contacts[i][0] + dx, contacts[i][1] + dy) for i in first[::-1]}, {})
+    here.assign(contacts, {})
+    there.assign({other[i]: (contacts[i][0] + dx, contacts[i][1] + dy) for i in order}, {})
+    for i, share in here.marginals().items():
+        assert there.marginals()[other[i]] == pytest.approx(share, abs=1e-3)
+
+
+@given(touches(), st.data())
+def test_fixed_labels_are_kept_but_do_not_change_what_is_believed(
+    contacts: Contacts, data: st.DataObject
+) -> None:
+    some = data.draw(st.lists(st.sampled_from(list(contacts)), unique=True))
+    fixed = dict(zip(some, data.draw(st.permutations(range(5))), strict=False))
+    bound, free = builtin_belief(), builtin_belief()
+    labelling = bound.assign(contacts, fixed)
+    free.assign(contacts, {})
+    assert fixed.items() <= labelling.labels.items()
+    assert table(bound, list(contacts)) == table(free, list(contacts))
+    best = max(
+        (p, labels)
+        for labels, p in table(free, list(contacts)).items()
+        if fixed.items() <= dict(zip(contacts, labels, strict=True)).items()
+    )
+    assert labelling.probability == pytest.approx(best[0])
+
+
+@given(touches(), touches())
+def test_after_a_reset_nothing_is_left(before: Contacts, contacts: Contacts) -> None:
+    used, new = builtin_belief(), builtin_belief()
+    used.assign(before, {})
+    used.reset()
+    assert used.marginals() == {}
+    assert used.assign(contacts, {}) == new.assign(contacts, {})
+
+
+def test_two_hands_share_what_was_learned_but_not_what_they_believe() -> None:
+    left, right = builtin_belief(), builtin_belief()
+    assert left.trained is right.trained
+    left.assign({1: (0.1, 0.1)}, {})
+    assert right.marginals() == {}
+
+
+def test_history_names_fingers_better_than_looking_at_what_is_left_alone() -> None:
+    """Five fingers leave no doubt; of the two that stay, a single look would often be wrong."""
+    capture = builtin_capture()
+    five = np.flatnonzero(capture.down.all(axis=1))[::40]
+    right = {"history": 0, "alone": 0}
+    for frame in five:
+        contacts = {f: (float(x), float(y)) for f, (x, y) in enumerate(capture.xy[frame])}
+        pair = {f: contacts[f] for f in (2, 3)}
+        belief = builtin_belief()
+        belief.assign(contacts, {})
+        right["history"] += belief.assign(pair, {}).labels == {2: 2, 3: 3}
+        right["alone"] += builtin_belief().assign(pair, {}).labels == {2: 2, 3: 3}
+    assert right["history"] == len(five)
+    assert right["alone"] < 0.95 * len(five)
+
+
+def test_a_belief_comes_back_from_its_file_as_it_was(tmp_path: Path) -> None:
+    SHIPPED.save(tmp_path / "belief.npz")
+    back = load_belief(tmp_path / "belief.npz")
+    assert back.digest == SHIPPED.digest
+    assert back.to_arrays().keys() == SHIPPED.to_arrays().keys()
+    capture = builtin_capture()
+    for frame in range(0, len(capture), 701):
+        xy = capture.xy[frame, capture.down[frame]]
+        assert np.array_equal(back.evidence.log_posterior(xy), SHIPPED.evidence.log_posterior(xy))
+
+
+def test_a_freshly_trained_belief_decides_like_its_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    trained = quickly_trained(monkeypatch)
+    trained.save(tmp_path / "belief.npz")
+    back = load_belief(tmp_path / "belief.npz")
+    capture = builtin_capture()
+    for frame in range(0, len(capture), 701):
+        xy = capture.xy[frame, capture.down[frame]]
+        assert np.array_equal(back.evidence.log_posterior(xy), trained.evidence.log_posterior(xy))
+
+
+def test_the_same_capture_gives_the_same_belief(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert quickly_trained(monkeypatch).digest == quickly_trained(monkeypatch).digest
+
+
+def quickly_trained(monkeypatch: pytest.MonkeyPatch) -> TrainedBelief:
+    """Trained on part of the capture, with little to choose from."""
+    choices = {"width": (0.1,), "turn": (0.1,), "size": (0.05, 0.1)}
+    monkeypatch.setattr(training, "SHAPES", choices)
+    monkeypatch.setattr(training, "JUDGED_FRAMES", 100)
+    capture = builtin_capture()
+    return training.train_belief(capture.select(np.arange(0, len(capture), 6)))[0]
+
+
+def test_the_shipped_belief_was_trained_on_the_shipped_capture() -> None:
+    assert SHIPPED.capture_digest == capture_digest(builtin_capture()), (
+        "belief.npz is of another capture; `python -m encoders.belief_training` makes it anew"
+    )
+
+
+@pytest.mark.full
+def test_training_makes_the_shipped_belief_again() -> None:
+    trained, _ = training.train_belief(builtin_capture())
+    assert trained.evidence.shape == SHIPPED.evidence.shape
+    assert trained.eta == SHIPPED.eta
+    for name, array in trained.to_arrays().items():
+        assert np.array_equal(array, SHIPPED.to_arrays()[name]), name
+
+
+def test_a_capture_s_digest_notices_a_finger_moved_by_a_hair() -> None:
+    capture = builtin_capture().select(np.arange(100))
+    xy = capture.xy.copy()
+    xy[50, np.flatnonzero(capture.down[50])[0], 0] += 1e-5
+    other = type(capture)(capture.time, capture.trial, capture.ids, xy, capture.q, capture.meta)
+    assert capture_digest(other) != capture_digest(capture)
+
+
+@pytest.mark.parametrize("lacking", ["trials", "a finger set"])
+def test_a_capture_that_cannot_teach_is_refused(lacking: str) -> None:
+    capture = builtin_capture()
+    if lacking == "trials":
+        kept = np.isin(capture.trial, np.unique(capture.trial)[:3])
+    else:
+        kept = ~capture.down[:, 3:].all(axis=1)
+    with pytest.raises(EncoderError):
+        training.train_belief(capture.select(np.flatnonzero(kept)))
+
+
+def damage(change: Callable[[dict[str, Any], dict[str, np.ndarray]], object]) -> Any:
+    """Header and arrays of the shipped belief after a change."""
+    header, arrays = json.loads(json.dumps(SHIPPED.header)), SHIPPED.to_arrays()
+    change(header, arrays)
+    return header, arrays
+
+
+DAMAGED = {
+    "another version": damage(lambda h, a: h.update(schema=2)),
+    "no version": damage(lambda h, a: h.pop("schema")),
+    "no eta": damage(lambda h, a: h.pop("eta")),
+    "eta above one": damage(lambda h, a: h.update(eta=1.5)),
+    "eta in words": damage(lambda h, a: h.update(eta="much")),
+    "a shape that is a list": damage(lambda h, a: h.update(shape=[0.1])),
+    "a kernel without width": damage(lambda h, a: h["shape"].update(width=0.0)),
+    "a kernel with a colour": damage(lambda h, a: h["shape"].update(colour=1.0)),
+    "no order": damage(lambda h, a: h.pop("order")),
+    "order of two": damage(lambda h, a: h["order"].update({"2": 0.5})),
+    "order without exception": damage(lambda h, a: h["order"].update({"4": 1.0})),
+    "layouts cut short": damage(lambda h, a: a.update(layout_3=a["layout_3"][:5])),
+    "layouts that are not finite": damage(lambda h, a: a["layout_2"].fill(np.nan)),
+    "layouts of one number": damage(lambda h, a: a.update(layout_5=np.float64(1.0))),
+    "no layouts": damage(lambda h, a: a.update(layout_4=a["layout_4"][:, :0])),
+    "a prior in words": damage(lambda h, a: a.update(prior_2=np.array(["a"] * 10))),
+    "no prior": damage(lambda h, a: a.pop("prior_1")),
+    "a prior of too much": damage(lambda h, a: a.update(prior_3=2 * a["prior_3"])),
+    "a prior that rules out": damage(lambda h, a: a.update(prior_2=np.eye(10)[0])),
+}
+
+
+@pytest.mark.parametrize(("header", "arrays"), DAMAGED.values(), ids=DAMAGED.keys())
+def test_damaged_arrays_are_refused(header: dict[str, Any], arrays: dict[str, np.ndarray]) -> None:
+    with pytest.raises(EncoderError):
+        TrainedBelief.from_arrays(header, arrays)
+
+
+@given(cut=st.floats(0.0, 0.999))
+def test_a_file_cut_short_is_refused(cut: float, tmp_path_factory: pytest.TempPathFactory) -> None:
+    path = tmp_path_factory.mktemp("belief") / "belief.npz"
+    SHIPPED.save(path)
+    whole = path.read_bytes()
+    path.write_bytes(whole[: int(cut * len(whole))])
+    with pytest.raises(EncoderError, match="damaged"):
+        load_belief(path)
+
+
+def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
+    with pytest.raises(EncoderError, match="no such file"):
+        load_belief(tmp_path / "belief.npz")
+
+
+def test_a_belief_about_other_contacts_is_not_asked_for() -> None:
+    belief = builtin_belief()
+    with pytest.raises(EncoderError, match="other contacts"):
+        belief.log_probability({})
+    belief.assign({3: (0.1, 0.1), 4: (0.15, 0.1)}, {})
+    with pytest.raises(EncoderError, match="other contacts"):
+        belief.log_probability({3: 0})
+    with pytest.raises(EncoderError, match="different fingers"):
+        belief.log_probability({3: 0, 4: 0})
+
+
+def test_priors_are_probabilities_and_the_natural_one_prefers_the_thumb_and_its_neighbours() -> (
+    None
+):
+    for prior in (even_prior(), natural_prior()):
+        assert {k: len(p) for k, p in prior.items()} == {1: 5, 2: 10, 3: 10, 4: 5, 5: 1}
+        assert all(p.sum() == pytest.approx(1.0) for p in prior.values())
+    for count in (2, 3, 4):
+        assert finger_sets(count)[natural_prior()[count].argmax()] == tuple(range(count))
+        assert len(set(even_prior()[count])) == 1
