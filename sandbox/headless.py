@@ -20,11 +20,19 @@ SCHEMA = 1
 View = Callable[[Snapshot], None]
 """Gets every snapshot of a headless run, in order."""
 
+ViewMaker = Callable[[Session], Sequence[View]]
+"""Makes the views of a session before its first step."""
+
+
+def no_views(session: Session) -> Sequence[View]:
+    """Nobody looks on."""
+    return ()
+
 
 def run_trial(
     settings: RunSettings,
     make_device: DeviceMaker,
-    views: Sequence[View] = (),
+    make_views: ViewMaker = no_views,
     record: Path | None = None,
     about: dict[str, Any] | None = None,
 ) -> dict[str, Any]:
@@ -33,7 +41,7 @@ def run_trial(
     Args:
         settings: How it goes.
         make_device: Where the touches come from.
-        views: Get every snapshot. A device that also looks (the simulated user) need not be named.
+        make_views: Who looks on. A device that also looks (the simulated user) need not be named.
         record: Where to write a recording.
         about: More for the header and the result, such as who the simulated user is.
 
@@ -44,7 +52,7 @@ def run_trial(
     recorder = RecordingWriter(record, header) if record else None
     session = build(settings, make_device, recorder)
     try:
-        play(session, views)
+        play(session, make_views(session))
         result = {**describe(session), **header, "schema": SCHEMA}
         if recorder:
             recorder.end(session.step, result)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from models.errors import DivergenceError, RecordingError
 from sandbox.assembly import build, digests
 from sandbox.devices.recorded import RecordedDevice
-from sandbox.headless import View
+from sandbox.headless import ViewMaker, no_views
 from sandbox.recording import Recording
 from sandbox.session import Session
 from sandbox.settings import RunSettings
@@ -56,10 +55,11 @@ def settings_of(recording: Recording) -> RunSettings:
     return settings
 
 
-def replay(recording: Recording, views: Sequence[View] = ()) -> tuple[Session, Verification]:
+def replay(recording: Recording, make_views: ViewMaker = no_views) -> tuple[Session, Verification]:
     """Plays a recording to its end, comparing hashes on the way."""
     settings = settings_of(recording)
     session = build(settings, lambda task, surface: RecordedDevice(recording))
+    views = make_views(session)
     expected = {i.step: i.state_hash for inputs in recording.inputs.values() for i in inputs}
     if recording.end:
         expected[recording.end["step"]] = recording.end["hash"]

@@ -24,7 +24,7 @@ from sandbox.settings import RunSettings
 
 def trial(record: Path | None = None, **options) -> dict:
     chosen = plan(SceneOptions(**options))
-    return run_trial(chosen.settings, chosen.make_device, (), record, chosen.about)
+    return run_trial(chosen.settings, chosen.make_device, record=record, about=chosen.about)
 
 
 class Script:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
@@ -10,10 +11,13 @@ import tyro
 from rich.console import Console
 from rich.progress import Progress
 
+from sandbox.cli.films import open_film
 from sandbox.cli.parse import parse
+from sandbox.headless import View
 from sandbox.messages import Snapshot
 from sandbox.recording import load_recording
 from sandbox.replay import replay
+from sandbox.session import Session
 
 
 @dataclass(frozen=True)
@@ -26,6 +30,9 @@ class ReplayOptions:
     file: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="FILE")]
     """A recording, made with --record."""
 
+    film: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Draws a film: .webp, .gif, or .mp4 with the extra `film`."""
+
 
 def main(argv: list[str]) -> int:
     """Runs `sandbox replay ...`."""
@@ -35,13 +42,21 @@ def main(argv: list[str]) -> int:
     if recording.damage:
         console.print(f"[yellow]{options.file}: {recording.damage}[/]")
     steps = recording.end["step"] if recording.end else None
-    with Progress(console=console, transient=True) as progress:
+    with ExitStack() as closing:
+        progress = closing.enter_context(Progress(console=console, transient=True))
         bar = progress.add_task("replaying", total=steps)
 
         def show(snapshot: Snapshot) -> None:
             progress.update(bar, completed=snapshot.step)
 
-        session, found = replay(recording, [show])
+        def make_views(session: Session) -> list[View]:
+            if options.film is None:
+                return [show]
+            # Who played is told by the recording; a film of a simulated user has to say so.
+            caption = "simulated user" if recording.header.get("user") else ""
+            return [show, closing.enter_context(open_film(options.film, session, caption)).show]
+
+        session, found = replay(recording, make_views)
     score = session.scorer.score
     if found.exact:
         whole = "" if found.complete else ", up to where it breaks off"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -11,12 +12,14 @@ import tyro
 from rich.console import Console
 
 from models.errors import InputError
+from sandbox.cli.films import open_film
 from sandbox.cli.parse import parse
 from sandbox.cli.scene_options import Plan, SceneOptions, plan
 from sandbox.events import EventLog
-from sandbox.headless import run_trial
+from sandbox.headless import View, run_trial
 from sandbox.messages import Snapshot
 from sandbox.pacing import RealTime
+from sandbox.session import Session
 
 
 @dataclass(frozen=True)
@@ -28,6 +31,9 @@ class RunOptions(SceneOptions):
 
     json: Annotated[Path | None, tyro.conf.arg(metavar="OUT")] = None
     """Writes the result as JSON; - is the terminal."""
+
+    film: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Draws a film: .webp, .gif, or .mp4 with the extra `film`."""
 
 
 def main(argv: list[str]) -> int:
@@ -78,8 +84,16 @@ def _run(options: RunOptions, chosen: Plan, events: EventLog, console: Console) 
         events.tell("trial_start", task=task.name, seed=task.seed)
         return device
 
-    views = [pace] if chosen.live else []
-    result = run_trial(chosen.settings, make_device, views, options.record, chosen.about)
+    with ExitStack() as closing:
+
+        def make_views(session: Session) -> list[View]:
+            views: list[View] = [pace] if chosen.live else []
+            if options.film:
+                views.append(closing.enter_context(open_film(options.film, session, caption)).show)
+            return views
+
+        caption = "simulated user" if options.device == "simulated" else ""
+        result = run_trial(chosen.settings, make_device, make_views, options.record, chosen.about)
     events.tell("trial_end", **result)
     if clock and clock[0].lost > 0:
         what = f"this machine fell behind real time by {clock[0].lost:.1f} s"
