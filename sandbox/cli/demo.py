@@ -105,7 +105,7 @@ def _live(session: Session, kept: list[Snapshot], console: Console) -> bool:
 
     surface = session.rigs[0].reconstructor.surface
     try:
-        window = Window(session.scene, surface, title="Hand Sandbox: demo (simulated user)")
+        window = Window(session.scene, surface, title="Hand Sandbox: demo", caption=CAPTION)
     except GraphicsError as error:
         console.print(f"[yellow]no window: {error}[/]")
         return False

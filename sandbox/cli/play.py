@@ -16,7 +16,7 @@ from sandbox.events import EventLog
 from sandbox.headless import trial_header
 from sandbox.live import LiveSession
 from sandbox.recording import RecordingWriter
-from sandbox.session import Session, describe
+from sandbox.session import describe
 from sandbox.views.window import Window
 
 
@@ -81,7 +81,14 @@ def _trial(
     device: Any = chosen.opened[-1]
     if window is not None:
         window.close()
-    window = Window(session.scene, session.rigs[0].reconstructor.surface, title=_title(session))
+    surface = session.rigs[0].reconstructor.surface
+    simulated = chosen.about.get("user") is not None
+    window = Window(
+        session.scene,
+        surface,
+        title=f"Hand Sandbox: {session.task.name}",
+        caption="simulated user" if simulated else "",
+    )
     window.attach(device)
     address = getattr(device, "address", None)
     if address:
@@ -109,7 +116,3 @@ def _trial(
     events.tell("trial_end", **result)
     console.print(f"{session.task.name}: {result['status']} {result['reason']}")
     return window, again
-
-
-def _title(session: Session) -> str:
-    return f"Hand Sandbox: {session.task.name}"
