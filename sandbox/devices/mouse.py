@@ -1,0 +1,280 @@
+"""The mouse as fingers: a whole hand can be put down, opened, turned and moved with one pointer.
+
+A mouse is one finger at best, so fingers can be *pinned*: they stay on the surface when the button
+goes up. The window turns pixels into surface metres and calls the methods here; what comes out is
+the same as from a tablet.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from models.errors import InputError
+from models.frames import FINGERS, Contact, TouchFrame
+from models.kinematics import Kinematics
+from models.pose import POSE_SIZE
+from models.skeleton import ADULT
+from models.surface import Surface
+
+Array = NDArray[np.float64]
+
+GRAB_RADIUS = 0.010
+"""m around a pin in which a click takes hold of it."""
+OPENING = 0.075
+"""m between thumb and the middle of the other fingers of a hand just put down: wide enough for a
+5 cm box between two fingertips, and what an adult hand spans with ease."""
+FINGER_BREADTH = 0.019
+"""m between fingertips that lie side by side: an adult's finger is 16 to 20 mm wide."""
+WHEEL_FACTOR = 1.03
+"""Change of the opening with one step of the wheel; at 75 mm, about 2 mm."""
+WHEEL_TURN = np.deg2rad(3.0)
+"""rad, turn of the hand with one step of the wheel."""
+NARROWEST, WIDEST = 0.008, 0.200
+"""m, opening at which the wheel stops."""
+PENDING = 4096
+"""Frames that may wait for the session, a minute of moving; of more, the oldest go."""
+
+
+@dataclass
+class _Finger:
+    """A finger on the surface."""
+
+    xy: Array
+    label: int | None
+    pinned: bool
+
+
+class MouseDevice:
+    """A device whose frames are made of mouse gestures. Safe to use from two threads.
+
+    Positions are metres on the surface, x right and y down. A press outside of it is no touch; a
+    finger dragged over the border stays at the border, as on a tablet that ends there.
+
+    Args:
+        surface: The touch surface.
+    """
+
+    name = "mouse"
+
+    def __init__(self, surface: Surface) -> None:
+        self._size = surface.size
+        self._lock = threading.Lock()
+        self._frames: deque[TouchFrame] = deque(maxlen=PENDING)
+        self._fingers: dict[int, _Finger] = {}
+        self._next_id = 0
+        self._held: tuple[int, ...] = ()
+        self._last = np.zeros(2)
+        self._is_hand = False
+        self._closed = False
+
+    @property
+    def finished(self) -> bool:
+        """True once it was closed."""
+        return self._closed
+
+    @property
+    def pins(self) -> int:
+        """How many fingers stay down without a button."""
+        with self._lock:
+            return sum(f.pinned for f in self._fingers.values())
+
+    def poll(self, now: float) -> Sequence[TouchFrame]:
+        """One frame for every change since the last call; the time is this machine's clock."""
+        with self._lock:
+            frames = list(self._frames)
+            self._frames.clear()
+            return frames
+
+    def close(self) -> None:
+        """Lifts everything; may be called twice."""
+        self.lift()
+        self._closed = True
+
+    def press(self, xy: ArrayLike, pin: bool = False, together: bool = False) -> None:
+        """The button goes down: on a pin, it takes hold of it; elsewhere a finger comes down.
+
+        Args:
+            xy: (2,) m.
+            pin: The finger is to stay; on a pin: it is lifted.
+            together: Takes hold of all pins, wherever the press is.
+        """
+        place = np.asarray(xy, float)
+        with self._lock:
+            self._release()
+            self._last = place
+            pins = [i for i, f in self._fingers.items() if f.pinned]
+            near = self._nearest(pins, place)
+            if pins and together:
+                self._held = tuple(pins)
+            elif near is not None and pin:
+                del self._fingers[near]
+                self._emit()
+            elif near is not None:
+                self._held = (near,)
+            elif self._is_hand and not pin:
+                self._held = tuple(pins)
+            elif np.all(place >= 0.0) and np.all(place <= self._size):
+                self._held = (self._put(place, None, pin),)
+                self._is_hand = False
+                self._emit()
+
+    def move(self, xy: ArrayLike) -> None:
+        """The pointer moves, (2,) m; what the button holds goes along."""
+        place = np.asarray(xy, float)
+        with self._lock:
+            step, self._last = place - self._last, place
+            if not self._held:
+                return
+            if len(self._held) == 1 and not self._fingers[self._held[0]].pinned:
+                # A finger that is the pointer itself comes back to it from beyond the border.
+                self._fingers[self._held[0]].xy = np.clip(place, 0.0, self._size)
+            else:
+                self._shift(step)
+            self._emit()
+
+    def release(self) -> None:
+        """The button goes up: pins stay, a finger that is not pinned is lifted."""
+        with self._lock:
+            if self._release():
+                self._emit()
+
+    def wheel(self, steps: float, turn: bool = False) -> None:
+        """Opens (steps above 0) or closes the pinned fingers, or turns them about their middle.
+
+        A thumb closes against all other fingers together; fingers without names close evenly.
+
+        Args:
+            steps: Of the wheel; touch pads give fractions.
+            turn: Turns instead, counterclockwise for steps above 0, as seen by the person.
+        """
+        with self._lock:
+            pins = [f for f in self._fingers.values() if f.pinned]
+            if len(pins) < 2 or not np.isfinite(steps):
+                return
+            groups = _opposing(pins)
+            means = np.array([np.mean([f.xy for f in g], axis=0) for g in groups])
+            middle = means.mean(axis=0)
+            if turn:
+                # y points down on the surface, which turns the sense of rotation around.
+                angle = -WHEEL_TURN * steps
+                cos, sin = np.cos(angle), np.sin(angle)
+                rotation = np.array([[cos, -sin], [sin, cos]])
+                targets = [middle + rotation @ (f.xy - middle) for f in pins]
+            else:
+                width = 2.0 * float(np.linalg.norm(means - middle, axis=1).max())
+                goal = np.clip(width * WHEEL_FACTOR**steps, NARROWEST, WIDEST)
+                factor = goal / width if width > 0.0 else 1.0
+                shifts = (factor - 1.0) * (means - middle)
+                of = {id(f): shift for g, shift in zip(groups, shifts, strict=True) for f in g}
+                targets = [f.xy + of[id(f)] for f in pins]
+            for finger, target in zip(pins, targets, strict=True):
+                finger.xy = np.clip(target, 0.0, self._size)
+            self._emit()
+
+    def hand(self, fingers: int, xy: ArrayLike) -> None:
+        """Puts down a hand of so many fingers around a place, or lifts the one that is there.
+
+        The same number again lifts it; another number puts down another hand instead.
+
+        Args:
+            fingers: 1 (index) to 5; from 2 on with the thumb.
+            xy: (2,) m, the middle between thumb and the others; moved so that all are on the
+                surface.
+
+        Raises:
+            InputError: Nobody has that many fingers.
+        """
+        if fingers not in range(1, len(FINGERS) + 1):
+            raise InputError("no hand has so many fingers", got=fingers, expected="1 to 5")
+        with self._lock:
+            pinned = [f for f in self._fingers.values() if f.pinned]
+            there = self._is_hand and len(pinned) == fingers
+            self._fingers.clear()
+            self._held = ()
+            self._is_hand = False
+            if not there:
+                layout = default_hand(fingers)
+                places = np.asarray(xy, float) + np.array(list(layout.values()))
+                places += np.maximum(-places.min(axis=0), 0.0)
+                places -= np.maximum(places.max(axis=0) - self._size, 0.0)
+                for label, place in zip(layout, places, strict=True):
+                    self._put(np.clip(place, 0.0, self._size), label, True)
+                self._is_hand = True
+            self._emit()
+
+    def lift(self) -> None:
+        """Lifts all fingers."""
+        with self._lock:
+            self._held = ()
+            self._is_hand = False
+            if self._fingers:
+                self._fingers.clear()
+                self._emit()
+
+    def _put(self, place: Array, label: int | None, pinned: bool) -> int:
+        self._fingers[self._next_id] = _Finger(place, label, pinned)
+        self._next_id += 1
+        return self._next_id - 1
+
+    def _release(self) -> bool:
+        """Lets go; whether a finger was lifted by that."""
+        lifted = [i for i in self._held if not self._fingers[i].pinned]
+        for i in lifted:
+            del self._fingers[i]
+        self._held = ()
+        return bool(lifted)
+
+    def _nearest(self, pins: list[int], place: Array) -> int | None:
+        off = {i: float(np.linalg.norm(self._fingers[i].xy - place)) for i in pins}
+        near = min(off, key=lambda i: off[i], default=None)
+        return near if near is not None and off[near] <= GRAB_RADIUS else None
+
+    def _shift(self, step: Array) -> None:
+        """Moves what is held by the same step, as far as all of it stays on the surface."""
+        places = np.array([self._fingers[i].xy for i in self._held])
+        step = np.clip(step, -places.min(axis=0), self._size - places.max(axis=0))
+        for i in self._held:
+            self._fingers[i].xy = self._fingers[i].xy + step
+
+    def _emit(self) -> None:
+        contacts = tuple(
+            Contact(i, float(f.xy[0]), float(f.xy[1]), label=f.label)
+            for i, f in self._fingers.items()
+        )
+        self._frames.append(TouchFrame(time.monotonic(), contacts, source=self.name))
+
+
+def default_hand(fingers: int) -> dict[int, Array]:
+    """Where the fingertips of a hand about to grip are on the surface, by label.
+
+    The fingers lie side by side, as they do on the face of a box, and the thumb opposes them in the
+    direction in which it opposes the index finger in the skeleton's reference pose.
+
+    Returns:
+        (2,) m each, x right and y down, from the middle between thumb and the others; of one finger
+        alone: the index finger at the middle.
+    """
+    if fingers == 1:
+        return {1: np.zeros(2)}
+    tips = Kinematics(ADULT).tips(np.zeros(POSE_SIZE))[:, :2] * np.array([1.0, -1.0])
+    across = (tips[1] - tips[0]) / np.linalg.norm(tips[1] - tips[0])
+    # From the index finger towards the little one.
+    aside = np.array([-across[1], across[0]])
+    order = np.arange(1, fingers)
+    places = OPENING / 2 * across + np.outer(order - order.mean(), FINGER_BREADTH * aside)
+    return {0: -OPENING / 2 * across} | dict(zip(order.tolist(), places, strict=True))
+
+
+def _opposing(fingers: list[_Finger]) -> list[list[_Finger]]:
+    """Groups that move against each other: the thumb and the rest, or everybody for himself."""
+    thumbs = [f for f in fingers if f.label == 0]
+    if len(thumbs) == 1:
+        return [thumbs, [f for f in fingers if f.label != 0]]
+    return [[f] for f in fingers]

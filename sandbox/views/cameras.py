@@ -1,0 +1,56 @@
+"""Where the cameras of films and windows stand."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+
+from models.surface import Surface
+from sandbox.messages import Snapshot
+
+FILM_AZIMUTH, FILM_ELEVATION, FILM_DISTANCE = 28.0, -31.0, 0.43
+"""deg, deg, m. From the side of a right hand's thumb and from above, where the hand hides neither
+the object nor the goal; chosen by looking at pictures."""
+
+WINDOW_AZIMUTH, WINDOW_ELEVATION, WINDOW_DISTANCE = 58.0, -50.0, 0.40
+"""deg, deg, m. Nearer to the view of a person whose hand it is, so that right and away mean right
+and away for the mouse; turned as far as the thumb and what it touches need to be seen."""
+
+
+def film_camera(snapshot: Snapshot, surface: Surface) -> mujoco.MjvCamera:
+    """A camera that has the objects, their goals and the hand over them in its picture."""
+    places = [o.position for o in snapshot.objects.values()]
+    places += [np.asarray(goal.position) for goal in snapshot.goals]
+    middle = np.mean(places, axis=0) if places else _middle(surface)
+    spread = max((float(np.linalg.norm((p - middle)[:2])) for p in places), default=0.0)
+    camera = _free(FILM_AZIMUTH, FILM_ELEVATION, FILM_DISTANCE + 1.2 * max(spread - 0.04, 0.0))
+    # The hand reaches up and towards the person, so the picture's middle does as well.
+    camera.lookat[:] = middle + np.array([0.005, -0.022, 0.042])
+    return camera
+
+
+def window_camera(surface: Surface) -> mujoco.MjvCamera:
+    """A camera that has the whole surface in its picture, from a person's side."""
+    size = float(np.max(surface.size))
+    camera = _free(WINDOW_AZIMUTH, WINDOW_ELEVATION, WINDOW_DISTANCE * max(size / 0.197, 0.6))
+    camera.lookat[:] = _middle(surface) + np.array([0.0, -0.01, 0.012])
+    return camera
+
+
+def camera_above(surface: Surface) -> mujoco.MjvCamera:
+    """Straight down on the surface, x to the right, without perspective."""
+    camera = _free(90.0, -90.0, 0.6)
+    camera.orthographic = 1
+    camera.lookat[:] = _middle(surface)
+    return camera
+
+
+def _middle(surface: Surface) -> np.ndarray:
+    return surface.to_world(surface.size / 2)
+
+
+def _free(azimuth: float, elevation: float, distance: float) -> mujoco.MjvCamera:
+    camera = mujoco.MjvCamera()
+    camera.type = mujoco.mjtCamera.mjCAMERA_FREE
+    camera.azimuth, camera.elevation, camera.distance = azimuth, elevation, distance
+    return camera

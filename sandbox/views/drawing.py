@@ -1,0 +1,361 @@
+"""The scene as a person must see it: hand, objects, goals, contacts and the touch surface.
+
+Works on copies of the model and of its state, so that drawing can neither change nor disturb a
+simulation. What the model does not have (goals, contacts) is added to MuJoCo's drawing list after
+the model's own geoms.
+
+A hand that can touch nothing is drawn as a ghost by mixing two pictures, one with and one without
+it. Geoms drawn translucent would show each other: a palm of many capsules becomes a cloud.
+"""
+
+from __future__ import annotations
+
+import copy
+from dataclasses import dataclass
+from typing import Literal
+
+import mujoco
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from models.frames import FINGERS
+from models.scene import Scene
+from models.surface import Surface
+from sandbox.messages import ContactView, HandView, Snapshot
+from sandbox.views import palette
+from sandbox.views.palette import Colour
+from tasks.task import Goal
+
+Array = NDArray[np.float64]
+Hidden = Literal["ghosts", "hands"]
+"""Which hands are left out of a picture."""
+
+MAX_GEOMS = 2000
+"""Room in the drawing list; five contacts, two goals and two hands take about 400."""
+
+RING_RADIUS, RING_WIDTH, RING_SIDES = 0.0100, 0.0016, 20
+"""m, m and number of straight pieces of the ring around a contact."""
+EDGE_RADIUS, THREAD_RADIUS = 0.0008, 0.0006
+"""m, of the edges of a goal and of the threads between touches and fingertips."""
+LIFT = 0.0007
+"""m above the table of flat marks; the mat is 0.2 mm above it, and nearer marks would flicker."""
+OUTLINE_WIDTH = 0.0012
+"""m, of the line around the touch surface."""
+
+FIRST_HIDDEN_GROUP = 3
+"""MuJoCo shows the geoms of groups 0 to 2, unless told otherwise."""
+HAND_GROUPS = (4, 5)
+"""Geom groups of the first and the second hand in the copy that is drawn."""
+
+ORTHOGRAPHIC_HEIGHT = 1.6
+"""Visible height of a camera without perspective, in heights of the touch surface."""
+
+SHADOW_REACH = 0.25
+"""m around the middle of the table in which shadows are drawn: the narrower, the sharper."""
+
+SKIN_SPECULAR, SKIN_SHININESS = 0.12, 0.3
+"""Skin has a dull gloss; MuJoCo's default would make it plastic."""
+
+
+@dataclass(frozen=True)
+class _Part:
+    """A geom of an object in the object's frame, as it is repeated at a goal."""
+
+    type: int
+    size: Array
+    position: Array
+    rotation: Array
+    mesh: int
+
+
+class Drawing:
+    """MuJoCo's drawing list for snapshots of one scene.
+
+    Args:
+        scene: Its model is copied.
+        surface: Where the touches are.
+        rings_on_table: Contacts are marked on the table below the touch surface, which looks
+            natural from the side. Otherwise they are marked on the touch surface itself, so that a
+            mark lies exactly under the pointer that made it, whatever the camera.
+
+    Attributes:
+        view: The drawing list, up to date after `update`.
+        model: The copy that is drawn.
+    """
+
+    def __init__(self, scene: Scene, surface: Surface, rings_on_table: bool = True) -> None:
+        self.surface = surface
+        self.model = copy.copy(scene.model)
+        self._fovy = float(self.model.vis.global_.fovy)
+        self.model.vis.map.shadowclip = SHADOW_REACH / self.model.stat.extent
+        self.view = mujoco.MjvScene(self.model, MAX_GEOMS)
+        self._data = mujoco.MjData(self.model)
+        self._option = mujoco.MjvOption()
+        self._hand_geoms = self._group_hands(scene)
+        self._last_bones = [
+            {
+                bone.finger: (self.model.body(hand.element_name(bone.name)).id, bone)
+                for bone in hand.skeleton.bones
+            }
+            for hand in scene.spec.hands
+        ]
+        self._parts = {n: self._parts_of(body) for n, body in scene.object_bodies.items()}
+        flat = surface.rotation[2, 2] > 0.999
+        height = surface.origin[2] - LIFT if flat and rings_on_table else 0.0
+        # Marks lie on a plane parallel to the surface, towards the table where there is one below.
+        self.drop = -surface.rotation[:, 2] * height
+        self._outline_drop = -surface.rotation[:, 2] * (surface.origin[2] - LIFT if flat else 0.0)
+
+    def update(
+        self, snapshot: Snapshot, camera: mujoco.MjvCamera, hidden: Hidden | None = None
+    ) -> None:
+        """Fills the drawing list.
+
+        Args:
+            snapshot: What is to be seen.
+            camera: From where.
+            hidden: Which hands are left out: `ghosts`, those that can touch nothing, or all.
+        """
+        model, data = self.model, self._data
+        data.qpos[:] = snapshot.qpos
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        mujoco.mj_camlight(model, data)
+        drawn = [hidden is None or (hidden == "ghosts" and bool(h.solid)) for h in snapshot.hands]
+        for group, shown in zip(HAND_GROUPS, drawn, strict=False):
+            self._option.geomgroup[group] = shown
+        # For a camera without perspective, MuJoCo takes the visible height, in metres, from here.
+        model.vis.global_.fovy = (
+            ORTHOGRAPHIC_HEIGHT * self.surface.size[1] if camera.orthographic else self._fovy
+        )
+        mujoco.mjv_updateScene(
+            model, data, self._option, None, camera, mujoco.mjtCatBit.mjCAT_ALL, self.view
+        )
+        self._finish_model()
+        self._draw_outline()
+        colour = goal_colour(snapshot)
+        for goal in snapshot.goals:
+            self._draw_goal(goal, snapshot, colour)
+        for i, hand in enumerate(snapshot.hands):
+            if drawn[i]:
+                self._draw_nails(i, hand)
+                self._draw_threads(hand)
+            for contact in hand.contacts:
+                self._draw_contact(contact, hand)
+
+    def sees_sky(self) -> bool:
+        """Whether anything above the horizon is in the picture; the sky is drawn only then."""
+        camera = mujoco.mjv_averageCamera(self.view.camera[0], self.view.camera[1])
+        if camera.orthographic:
+            return bool(camera.forward[2] > -0.1)
+        # The steepest line of sight is that of the middle of the upper edge.
+        highest = camera.forward + camera.up * (camera.frustum_top / camera.frustum_near)
+        return bool(highest[2] > 0.0)
+
+    def _group_hands(self, scene: Scene) -> set[int]:
+        """Puts what is seen of each hand into a group of its own; gives all those geoms."""
+        model, found = self.model, set()
+        for i, hand in enumerate(scene.spec.hands):
+            root = int(model.body(hand.element_name("palm")).rootid[0])
+            mine = (model.body_rootid[model.geom_bodyid] == root) & (
+                model.geom_group < FIRST_HIDDEN_GROUP
+            )
+            model.geom_group[mine] = HAND_GROUPS[i]
+            found |= set(np.flatnonzero(mine).tolist())
+        return found
+
+    def _parts_of(self, body: int) -> list[_Part]:
+        model = self.model
+        parts = []
+        for g in np.flatnonzero(model.geom_bodyid == body):
+            rotation = np.empty(9)
+            mujoco.mju_quat2Mat(rotation, model.geom_quat[g])
+            parts.append(
+                _Part(
+                    int(model.geom_type[g]),
+                    model.geom_size[g].copy(),
+                    model.geom_pos[g].copy(),
+                    rotation.reshape(3, 3),
+                    int(model.geom_dataid[g]),
+                )
+            )
+        return parts
+
+    def _finish_model(self) -> None:
+        """Changes in the drawing list what the model does not say."""
+        for i in range(self.view.ngeom):
+            geom = self.view.geoms[i]
+            if geom.type == mujoco.mjtGeom.mjGEOM_PLANE:
+                # An endless plane casts no shadow that anyone sees, but specks of one on itself.
+                geom.category = mujoco.mjtCatBit.mjCAT_DECOR
+            if geom.objtype == mujoco.mjtObj.mjOBJ_GEOM and geom.objid in self._hand_geoms:
+                geom.specular, geom.shininess = SKIN_SPECULAR, SKIN_SHININESS
+
+    def _draw_outline(self) -> None:
+        width, height = self.surface.size
+        corners = self.surface.to_world([[0, 0], [width, 0], [width, height], [0, height]])
+        corners += self._outline_drop
+        rotation = self.surface.rotation
+        half = OUTLINE_WIDTH / 2
+        for i, length in enumerate((width, height, width, height)):
+            middle = (corners[i] + corners[(i + 1) % 4]) / 2
+            along = [length / 2 + half, half] if i % 2 == 0 else [half, length / 2 - half]
+            self._add(
+                mujoco.mjtGeom.mjGEOM_BOX,
+                [*along, 1e-4],
+                middle,
+                rotation,
+                palette.OUTLINE,
+                0.9,
+            )
+
+    def _draw_goal(self, goal: Goal, snapshot: Snapshot, colour: Colour) -> None:
+        cos, sin = np.cos(goal.yaw), np.sin(goal.yaw)
+        rotation = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+        position = np.asarray(goal.position)
+        now = snapshot.objects.get(goal.object)
+        off = np.inf if now is None else float(np.linalg.norm(now.position - position))
+        # Faces that nearly coincide with the object's own would flicker: they fade as it arrives.
+        faces = 0.15 * float(np.clip((off - 0.004) / 0.016, 0.0, 1.0))
+        done = snapshot.score.final or snapshot.score.held
+        for part in self._parts[goal.object]:
+            place, turn = position + rotation @ part.position, rotation @ part.rotation
+            if faces > 0.0:
+                self._add(part.type, part.size * 1.004, place, turn, colour, faces, mesh=part.mesh)
+            if part.type == mujoco.mjtGeom.mjGEOM_BOX:
+                edge = EDGE_RADIUS * (1.8 if done else 1.0)
+                self._draw_edges(part.size + 0.7 * edge, place, turn, colour, edge)
+        if done:
+            ground = np.array([position[0], position[1], LIFT])
+            reach = 1.9 * max(float(np.linalg.norm(p.size[:2])) for p in self._parts[goal.object])
+            self._draw_ring(ground, np.eye(3), reach / 1.4, 0.003, 48, colour, 1.0)
+            self._add(
+                mujoco.mjtGeom.mjGEOM_CYLINDER,
+                [reach / 1.4, 1e-4, 0.0],
+                ground,
+                np.eye(3),
+                colour,
+                0.20,
+            )
+
+    def _draw_edges(
+        self, half: Array, place: Array, turn: Array, colour: Colour, radius: float
+    ) -> None:
+        """The twelve edges of a box."""
+        signs = np.array([[a, b] for a in (-1.0, 1.0) for b in (-1.0, 1.0)])
+        for axis in range(3):
+            others = [(axis + 1) % 3, (axis + 2) % 3]
+            for pair in signs:
+                ends = np.zeros((2, 3))
+                ends[:, others] = pair * half[others]
+                ends[:, axis] = -half[axis], half[axis]
+                a, b = place + ends @ turn.T
+                self._add_line(a, b, radius, colour, 1.0)
+
+    def _draw_nails(self, index: int, hand: HandView) -> None:
+        """Nails in the colours of the fingers that touch, so that one sees which is which."""
+        touching = {c.label for c in hand.contacts if c.state != "ignored"}
+        for finger in range(len(FINGERS)):
+            body, bone = self._last_bones[index][finger]
+            rotation = self._data.xmat[body].reshape(3, 3)
+            local = np.array([0.0, bone.length + 0.12 * bone.radius, 0.62 * bone.radius])
+            colour = palette.finger_colour(finger) if finger in touching else palette.NAIL
+            size = bone.radius * np.array([0.66, 0.86, 0.45])
+            self._add(
+                mujoco.mjtGeom.mjGEOM_ELLIPSOID,
+                size,
+                self._data.xpos[body] + rotation @ local,
+                rotation,
+                colour,
+                1.0,
+            )
+
+    def _draw_threads(self, hand: HandView) -> None:
+        """From every touch to its fingertip: where a hovering finger will land."""
+        for contact in hand.contacts:
+            if contact.label is not None and contact.state != "ignored":
+                colour = palette.finger_colour(contact.label)
+                place = contact.position + self.drop
+                self._add_line(place, hand.tips[contact.label], THREAD_RADIUS, colour, 0.9)
+
+    def _draw_contact(self, contact: ContactView, hand: HandView) -> None:
+        place = contact.position + self.drop
+        colour = palette.finger_colour(contact.label, contact.state)
+        strength = 0.45 if contact.state == "lost" else 1.0
+        rotation = self.surface.rotation
+        self._draw_ring(place, rotation, RING_RADIUS, RING_WIDTH, RING_SIDES, colour, strength)
+        solid = contact.label in hand.solid
+        self._add(
+            mujoco.mjtGeom.mjGEOM_CYLINDER,
+            [RING_RADIUS, 1e-4, 0.0],
+            place,
+            rotation,
+            colour,
+            (0.55 if solid else 0.22) * strength,
+        )
+
+    def _draw_ring(
+        self,
+        place: Array,
+        rotation: Array,
+        radius: float,
+        width: float,
+        sides: int,
+        colour: Colour,
+        alpha: float,
+    ) -> None:
+        half = radius * np.tan(np.pi / sides)
+        for angle in 2 * np.pi * np.arange(sides) / sides:
+            cos, sin = np.cos(angle), np.sin(angle)
+            turn = rotation @ np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+            middle = place + turn @ np.array([radius, 0.0, 0.0])
+            self._add(
+                mujoco.mjtGeom.mjGEOM_BOX, [width / 2, half, 2e-4], middle, turn, colour, alpha
+            )
+
+    def _add_line(
+        self, start: Array, end: Array, radius: float, colour: Colour, alpha: float
+    ) -> None:
+        geom = self._add(mujoco.mjtGeom.mjGEOM_CAPSULE, np.ones(3), start, np.eye(3), colour, alpha)
+        if geom is not None:
+            mujoco.mjv_connector(geom, mujoco.mjtGeom.mjGEOM_CAPSULE, radius, start, end)
+
+    def _add(
+        self,
+        kind: int,
+        size: ArrayLike,
+        position: Array,
+        rotation: Array,
+        colour: Colour,
+        alpha: float,
+        mesh: int = -1,
+    ) -> mujoco.MjvGeom | None:
+        """Appends a geom that lies in the world; None when the list is full."""
+        view = self.view
+        if view.ngeom >= view.maxgeom:
+            return None
+        geom = view.geoms[view.ngeom]
+        mujoco.mjv_initGeom(
+            geom,
+            kind,
+            np.asarray(size, float),
+            np.asarray(position, float),
+            np.asarray(rotation, float).ravel(),
+            np.array([*colour, alpha], np.float32),
+        )
+        # Marks cast no shadow, shine a little by themselves, and belong to nothing in the model.
+        geom.category = mujoco.mjtCatBit.mjCAT_DECOR
+        geom.objtype, geom.objid, geom.segid = mujoco.mjtObj.mjOBJ_UNKNOWN, -1, -1
+        geom.emission, geom.specular, geom.shininess = 0.35, 0.1, 0.2
+        if mesh >= 0:
+            # MuJoCo draws a mesh's own triangles at an even number, its hull at the odd one after.
+            geom.dataid = 2 * mesh
+        view.ngeom += 1
+        return geom
+
+
+def goal_colour(snapshot: Snapshot) -> Colour:
+    """Green while the goal is to be reached, bright when it is, golden once it was held."""
+    if snapshot.score.held:
+        return palette.HELD
+    return palette.REACHED if snapshot.score.final else palette.GOAL

@@ -1,0 +1,16 @@
+"""What can go wrong when a picture is to be made."""
+
+from __future__ import annotations
+
+from models.errors import HandSandboxError
+
+DEBIAN_PACKAGES = "libgl1 libegl1 libegl-mesa0 libgl1-mesa-dri libglx-mesa0"
+"""What Debian and Ubuntu need for pictures without a graphics card; libosmesa6 is the fallback."""
+
+
+class GraphicsError(HandSandboxError):
+    """There is no OpenGL, or no screen, to draw with. Everything but pictures goes on without."""
+
+
+class FilmError(HandSandboxError):
+    """A film or a picture could not be written."""

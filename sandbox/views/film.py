@@ -1,0 +1,252 @@
+"""Films and pictures of a session, drawn in a thread of their own without a screen."""
+
+from __future__ import annotations
+
+import queue
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from types import TracebackType
+
+from PIL import Image
+
+from models.errors import HandSandboxError, InputError
+from models.scene import Scene
+from models.surface import Surface
+from sandbox.messages import Snapshot
+from sandbox.views.errors import FilmError
+from sandbox.views.film_files import FilmFile, open_film
+from sandbox.views.graphics import GLContext, offscreen_context
+from sandbox.views.overlay import Words
+from sandbox.views.renderer import Renderer, check_size
+
+ANIMATION_SIZE, ANIMATION_FPS = (640, 360), 15.0
+VIDEO_SIZE, VIDEO_FPS = (960, 540), 30.0
+"""px and frames per second of WebP or GIF, and of MP4, unless chosen otherwise."""
+PICTURE_SIZE = (1280, 720)
+"""px, of single pictures."""
+MAX_FPS = 60.0
+
+WAITING = 4096
+"""Snapshots that may wait to be drawn, a few kB each: minutes of film. Beyond that a session waits
+for its film."""
+
+_Job = Callable[[Renderer], None]
+
+
+class FilmView:
+    """Films a session at the speed at which it was simulated, and takes pictures of it.
+
+    The film is complete only after `close`. What goes wrong in the drawing thread is raised there:
+    a trial does not fail because its film does.
+
+    Args:
+        path: Ends in .webp, .gif or .mp4 (with the package imageio-ffmpeg).
+        scene: What is drawn; it is copied, not used.
+        surface: Where the touches are.
+        fps: Frames per second of simulated time; None: 15, or 30 for MP4.
+        size: px; None: 640x360, or 960x540 for MP4.
+        caption: Who plays what. A film of a simulated user has to say so here.
+
+    Raises:
+        GraphicsError: There is no OpenGL on this machine.
+        InputError: The path, the size or the rate cannot be used.
+
+    Attributes:
+        frames: Frames so far.
+        dropped: Frames that found the film full.
+    """
+
+    def __init__(
+        self,
+        path: Path | str,
+        scene: Scene,
+        surface: Surface,
+        fps: float | None = None,
+        size: tuple[int, int] | None = None,
+        caption: str = "",
+    ) -> None:
+        self.path = Path(path)
+        video = self.path.suffix.lower() == ".mp4"
+        self.fps = fps if fps is not None else VIDEO_FPS if video else ANIMATION_FPS
+        self.size = size if size is not None else VIDEO_SIZE if video else ANIMATION_SIZE
+        check_size(self.size, even=video)
+        if not 1.0 <= self.fps <= MAX_FPS:
+            raise InputError(
+                "a film at this rate cannot be made",
+                where="fps",
+                got=self.fps,
+                expected=f"1 to {MAX_FPS:g} frames per second",
+            )
+        self.frames = self.dropped = 0
+        self._scene, self._surface, self._words = scene, surface, Words(caption)
+        self._begun: float | None = None
+        self._last = 0.0
+        self._error: BaseException | None = None
+        self._closed = False
+        self._jobs: queue.Queue[_Job | None] = queue.Queue(WAITING)
+        self._ready = threading.Event()
+        largest = (max(self.size[0], PICTURE_SIZE[0]), max(self.size[1], PICTURE_SIZE[1]))
+        context = offscreen_context(*largest)
+        try:
+            self._file = open_film(self.path, self.size, self.fps)
+        except BaseException:
+            context.free()
+            raise
+        self._thread = threading.Thread(
+            target=self._work, args=(context, self._file, largest), name="film", daemon=True
+        )
+        self._thread.start()
+        self._ready.wait()
+        if self._error is not None:
+            self.close()
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Takes note of a snapshot; those between two frames are passed over."""
+        if self._closed or self._error is not None:
+            return
+        if self._begun is None or snapshot.time < self._last:
+            # The first trial, or the next one: its film goes on where the last one's ended.
+            self._begun = snapshot.time - self.frames / self.fps
+        self._last = snapshot.time
+        # Half a microsecond is no delay: times are sums of steps.
+        due = int((snapshot.time - self._begun) * self.fps + 5e-7 * self.fps) + 1
+        missing = due - self.frames
+        if missing <= 0:
+            return
+        self.frames = due
+        self._jobs.put(lambda renderer: self._film(renderer, snapshot, missing))
+
+    def picture(
+        self, snapshot: Snapshot, path: Path | str, size: tuple[int, int] = PICTURE_SIZE
+    ) -> None:
+        """Writes a picture of a snapshot, as PNG, JPEG or WebP by the path's ending.
+
+        Args:
+            snapshot: What is to be seen.
+            path: Of the picture.
+            size: px, no larger than the film or 1280x720.
+
+        Raises:
+            InputError: The size or the path cannot be used.
+            FilmError: The film was closed, or its thread has failed.
+        """
+        target = Path(path)
+        if target.suffix.lower() not in (".png", ".jpg", ".jpeg", ".webp"):
+            raise InputError(
+                "a picture cannot be written in this format",
+                where=str(target),
+                got=target.suffix,
+                expected=".png, .jpg or .webp",
+            )
+        answer: queue.Queue[Image.Image | BaseException] = queue.Queue()
+
+        def draw(renderer: Renderer) -> None:
+            try:
+                answer.put(renderer.frame(snapshot, size))
+            except Exception as error:
+                answer.put(error)
+
+        if self._closed or self._error is not None:
+            raise FilmError("no more pictures: the film has ended", where=str(target))
+        self._jobs.put(draw)
+        while True:
+            try:
+                result = answer.get(timeout=0.2)
+                break
+            except queue.Empty:
+                if self._error is not None:
+                    raise FilmError(
+                        "no picture: the drawing thread has failed",
+                        where=str(target),
+                        got=self._error,
+                    ) from self._error
+        if isinstance(result, BaseException):
+            raise result
+        try:
+            result.save(target)
+        except OSError as error:
+            raise InputError(
+                "a picture cannot be written here", where=str(target), got=error
+            ) from error
+
+    def close(self) -> None:
+        """Draws what waits and completes the film; may be called twice.
+
+        Raises:
+            FilmError: The film could not be drawn or written; there is no file then.
+        """
+        if self._closed:
+            return
+        self._closed = True
+        self._jobs.put(None)
+        self._thread.join()
+        if isinstance(self._error, HandSandboxError):
+            raise self._error
+        if self._error is not None:
+            raise FilmError(
+                "the film could not be written", where=str(self.path), got=self._error
+            ) from self._error
+
+    def _film(self, renderer: Renderer, snapshot: Snapshot, times: int) -> None:
+        frame = renderer.frame(snapshot, self.size)
+        for _ in range(times):
+            if not self._file.add(frame):
+                self.dropped += 1
+
+    def _work(self, context: GLContext, file: FilmFile, largest: tuple[int, int]) -> None:
+        """The drawing thread."""
+        ended = False
+        try:
+            with Renderer(
+                self._scene, self._surface, largest, self._words, context=context
+            ) as renderer:
+                self._ready.set()
+                while (job := self._jobs.get()) is not None:
+                    job(renderer)
+            ended = True
+            file.close()
+        except BaseException as error:
+            self._error = error
+            self._ready.set()
+            self._discard(file)
+            # Whoever waits for room in the queue must not wait for ever.
+            while not ended:
+                ended = self._jobs.get() is None
+
+    def _discard(self, file: FilmFile) -> None:
+        try:
+            file.discard()
+        except Exception as error:
+            assert self._error is not None
+            self._error.add_note(f"and the unfinished film could not be removed: {error}")
+
+    def __enter__(self) -> FilmView:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+
+def save_picture(
+    path: Path | str,
+    scene: Scene,
+    surface: Surface,
+    snapshot: Snapshot,
+    caption: str = "",
+    size: tuple[int, int] = PICTURE_SIZE,
+) -> None:
+    """Writes one picture of a snapshot where there is no film.
+
+    Raises:
+        GraphicsError: There is no OpenGL on this machine.
+        InputError: The size cannot be drawn.
+        OSError: The path cannot be written.
+    """
+    with Renderer(scene, surface, size, Words(caption)) as renderer:
+        renderer.frame(snapshot).save(Path(path))

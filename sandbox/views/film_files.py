@@ -1,0 +1,224 @@
+"""Frames of a film into a file, with bounded memory.
+
+WebP and GIF are made by Pillow, which wants all frames at the end: until then they wait on the disk
+as reels, files of a few frames each that Pillow reads back one frame at a time. MP4 is made by
+ffmpeg from the optional package imageio-ffmpeg, and streamed.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterator
+from importlib.util import find_spec
+from itertools import islice, pairwise
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Protocol
+
+from PIL import Image
+
+from models.errors import InputError
+from sandbox.views.errors import FilmError
+
+REEL_BYTES = 96_000_000
+"""Frames held in memory before they go to the disk: 9 s of film at 640x360 and 15 per second."""
+REEL_COMPRESSION = "tiff_lzw"
+"""Loses nothing; 7 ms and 90 kB a frame at 640x360. Pillow reads TIFF one page at a time."""
+MAX_FRAMES = 9000
+"""Longest WebP or GIF, 10 minutes at 15 per second; each reel is an open file at the end."""
+MAX_GIF_FRAMES = 600
+"""More are thinned out evenly: Pillow holds all frames of a GIF in memory."""
+WEBP_QUALITY = 75
+GIF_COLOURS = 128
+
+
+class FilmFile(Protocol):
+    """A film that grows frame by frame."""
+
+    def add(self, frame: Image.Image) -> bool:
+        """Appends an RGB frame; False when the film is full and takes no more."""
+        ...
+
+    def close(self) -> None:
+        """Completes the file; without a frame there is none."""
+        ...
+
+    def discard(self) -> None:
+        """Leaves no file behind; may be called after anything."""
+        ...
+
+
+def open_film(path: Path, size: tuple[int, int], fps: float) -> FilmFile:
+    """A film of the kind that the path's ending names.
+
+    Raises:
+        InputError: No such kind, its package is missing, or the folder cannot be written to.
+    """
+    kind = path.suffix.lower()
+    if kind not in (".webp", ".gif", ".mp4"):
+        raise InputError(
+            "a film cannot be written in this format",
+            where=str(path),
+            got=kind,
+            expected=".webp, .gif or .mp4",
+        )
+    part = path.with_name(f".{path.name}.part")
+    try:
+        part.touch()
+    except OSError as error:
+        raise InputError("a film cannot be written here", where=str(path), got=error) from error
+    part.unlink()
+    if kind == ".mp4":
+        return _Mp4(path, part, size, fps)
+    return _Animation(path, part, kind, fps)
+
+
+class _Animation:
+    """An animated WebP or GIF."""
+
+    def __init__(self, path: Path, part: Path, kind: str, fps: float) -> None:
+        self._path, self._part, self._kind, self._fps = path, part, kind, fps
+        self._folder = TemporaryDirectory(prefix="hand-sandbox-film-")
+        self._waiting: list[Image.Image] = []
+        self._reels: list[Path] = []
+        self._count = 0
+
+    def add(self, frame: Image.Image) -> bool:
+        if self._count >= MAX_FRAMES:
+            return False
+        self._waiting.append(frame)
+        self._count += 1
+        if 3 * frame.width * frame.height * len(self._waiting) >= REEL_BYTES:
+            self._store()
+        return True
+
+    def close(self) -> None:
+        if self._count:
+            images: list[Image.Image] = [Image.open(reel) for reel in self._reels]
+            images += self._waiting
+            try:
+                if self._kind == ".gif":
+                    self._write_gif(images)
+                else:
+                    self._write_webp(images)
+            finally:
+                for image in images:
+                    image.close()
+            os.replace(self._part, self._path)
+        self.discard()
+
+    def discard(self) -> None:
+        self._waiting.clear()
+        self._folder.cleanup()
+        self._part.unlink(missing_ok=True)
+
+    def _store(self) -> None:
+        reel = Path(self._folder.name) / f"{len(self._reels)}.tiff"
+        first, *rest = self._waiting
+        first.save(reel, "TIFF", save_all=True, append_images=rest, compression=REEL_COMPRESSION)
+        self._reels.append(reel)
+        self._waiting.clear()
+
+    def _write_webp(self, images: list[Image.Image]) -> None:
+        images[0].save(
+            self._part,
+            "WEBP",
+            save_all=True,
+            append_images=images[1:],
+            duration=durations(self._count, self._fps, 1),
+            quality=WEBP_QUALITY,
+            # Whole frames are rare: a film is played from its beginning. Fast before small.
+            kmin=29,
+            kmax=30,
+            method=0,
+            loop=0,
+        )
+
+    def _write_gif(self, images: list[Image.Image]) -> None:
+        stride = math.ceil(self._count / MAX_GIF_FRAMES)
+        palette = _common_palette(images)
+        frames = (
+            frame.quantize(palette=palette, dither=Image.Dither.NONE)
+            for frame in islice(_frames(images), 0, None, stride)
+        )
+        first = next(frames)
+        first.save(
+            self._part,
+            "GIF",
+            save_all=True,
+            append_images=frames,
+            duration=durations(math.ceil(self._count / stride), self._fps / stride, 10),
+            loop=0,
+        )
+
+
+class _Mp4:
+    """H.264 by ffmpeg."""
+
+    def __init__(self, path: Path, part: Path, size: tuple[int, int], fps: float) -> None:
+        if find_spec("imageio_ffmpeg") is None:
+            raise InputError(
+                "an MP4 film needs the package imageio-ffmpeg",
+                where=str(path),
+                remedy="pip install 'hand-sandbox[film]', or choose .webp or .gif",
+            )
+        import imageio_ffmpeg
+
+        # ffmpeg goes by the ending, so the part has to have it.
+        self._path, self._part = path, part.with_name(part.name + ".mp4")
+        self._count = 0
+        self._pipe = imageio_ffmpeg.write_frames(
+            str(self._part),
+            size,
+            fps=fps,
+            codec="libx264",
+            quality=None,
+            macro_block_size=2,
+            ffmpeg_log_level="error",
+            output_params=["-preset", "veryfast", "-crf", "20", "-movflags", "+faststart"],
+        )
+        self._pipe.send(None)
+
+    def add(self, frame: Image.Image) -> bool:
+        self._pipe.send(frame.tobytes())
+        self._count += 1
+        return True
+
+    def close(self) -> None:
+        self._pipe.close()
+        if self._count:
+            if not self._part.exists() or self._part.stat().st_size == 0:
+                raise FilmError("ffmpeg wrote no film", where=str(self._path))
+            os.replace(self._part, self._path)
+        self.discard()
+
+    def discard(self) -> None:
+        self._pipe.close()
+        self._part.unlink(missing_ok=True)
+
+
+def durations(frames: int, fps: float, unit: int) -> list[int]:
+    """ms of every frame, whole units of the format, so that their sum does not drift."""
+    ends = [round(i * 1000.0 / fps / unit) * unit for i in range(frames + 1)]
+    return [b - a for a, b in pairwise(ends)]
+
+
+def _frames(images: list[Image.Image]) -> Iterator[Image.Image]:
+    for image in images:
+        for i in range(getattr(image, "n_frames", 1)):
+            image.seek(i)
+            yield image
+
+
+def _common_palette(images: list[Image.Image]) -> Image.Image:
+    """One palette for all frames, from the first, a middle and the last: colours must not jump."""
+    chosen = [images[0], images[len(images) // 2], images[-1]]
+    width, height = images[0].size
+    sheet = Image.new("RGB", (width, 3 * height))
+    for i, image in enumerate(chosen):
+        image.seek(getattr(image, "n_frames", 1) - 1 if i else 0)
+        sheet.paste(image, (0, i * height))
+    for image in images:
+        image.seek(0)
+    return sheet.quantize(GIF_COLOURS, method=Image.Quantize.MEDIANCUT)

@@ -1,0 +1,180 @@
+"""Finds an OpenGL that draws without a screen: a graphics card's or Mesa's EGL, else OSMesa.
+
+What is decided has to be decided before the first of them is loaded: PyOpenGL binds itself to one
+platform for the whole life of a process, and MuJoCo loads its drawing functions once. So libraries
+are asked with ctypes, which binds nothing, and only then the right one is imported.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import ctypes.util
+import importlib
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cache
+from typing import Protocol
+
+import mujoco
+
+from sandbox.views.errors import DEBIAN_PACKAGES, GraphicsError
+
+BACKENDS = ("egl", "osmesa", "glfw", "cgl")
+"""Ways to draw without a screen. glfw needs a display for its hidden window; cgl is for macOS."""
+
+_SWITCHED_OFF = ("disable", "disabled", "off", "false", "0")
+_EGL_DEVICES_WANTED = 16
+
+
+class GLContext(Protocol):
+    """An OpenGL context.
+
+    Attributes:
+        backend: One of `BACKENDS`; None for a window's.
+    """
+
+    backend: str | None
+
+    def make_current(self) -> None:
+        """Makes it the one that the calling thread draws with."""
+        ...
+
+    def free(self) -> None:
+        """Gives it back; may be called twice."""
+        ...
+
+
+@cache
+def choose_backend() -> str:
+    """The backend of this process, decided once; the environment variable MUJOCO_GL overrides it.
+
+    Raises:
+        GraphicsError: There is none, or it is switched off.
+    """
+    wish = os.environ.get("MUJOCO_GL", "").lower().strip()
+    if wish in _SWITCHED_OFF:
+        raise GraphicsError(
+            "pictures are switched off",
+            where="MUJOCO_GL",
+            got=wish,
+            expected=", ".join(BACKENDS),
+            remedy="Unset it, and one is found",
+        )
+    if wish in BACKENDS:
+        return wish
+    if sys.platform == "darwin":
+        return "cgl"
+    if sys.platform != "linux":
+        return "glfw"
+    reasons = []
+    for name, obstacle in (("egl", _egl_obstacle), ("osmesa", _osmesa_obstacle)):
+        reason = obstacle()
+        if reason is None:
+            return name
+        reasons.append(f"{name}: {reason}")
+    raise _no_graphics("; ".join(reasons))
+
+
+def offscreen_context(width: int, height: int) -> GLContext:
+    """A context that draws into memory; it is current in no thread yet.
+
+    Raises:
+        GraphicsError: There is none on this machine.
+    """
+    backend = choose_backend()
+    try:
+        # ImportError, AttributeError and errors of PyOpenGL alike mean: it cannot be had here.
+        module = importlib.import_module(f"mujoco.{backend}")
+        context: GLContext = module.GLContext(width, height)
+        context.backend = backend
+    except Exception as error:
+        raise _no_graphics(f"{backend}: {error}") from error
+    return context
+
+
+@contextmanager
+def render_context(
+    model: mujoco.MjModel, backend: str | None = None
+) -> Iterator[mujoco.MjrContext]:
+    """MuJoCo's side of the current OpenGL context, drawing into memory; freed at the end.
+
+    Args:
+        model: What will be drawn.
+        backend: Of the current context; None for a window's.
+
+    Raises:
+        GraphicsError: The context is too old or too small for MuJoCo.
+    """
+    before = os.environ.get("MUJOCO_GL")
+    if backend is not None:
+        # MuJoCo's library looks there when it first loads its drawing functions. Programs that we
+        # start must not inherit it.
+        os.environ["MUJOCO_GL"] = backend
+    try:
+        context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100.value)
+    except mujoco.FatalError as error:
+        raise _no_graphics(str(error)) from error
+    finally:
+        if backend is not None and before is None:
+            del os.environ["MUJOCO_GL"]
+        elif before is not None:
+            os.environ["MUJOCO_GL"] = before
+    try:
+        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, context)
+        yield context
+    finally:
+        context.free()
+
+
+def _no_graphics(reason: str) -> GraphicsError:
+    return GraphicsError(
+        "this machine has no OpenGL to draw pictures with",
+        got=reason,
+        expected="EGL or OSMesa",
+        remedy=f"On Debian or Ubuntu: apt-get install {DEBIAN_PACKAGES} (or libosmesa6)",
+    )
+
+
+def _egl_obstacle() -> str | None:
+    """Why EGL cannot draw on a device without a screen; None where it can."""
+    try:
+        egl = ctypes.CDLL("libEGL.so.1")
+    except OSError as error:
+        return str(error)
+    egl.eglGetProcAddress.restype = ctypes.c_void_p
+    egl.eglGetProcAddress.argtypes = [ctypes.c_char_p]
+    query_address = egl.eglGetProcAddress(b"eglQueryDevicesEXT")
+    display_address = egl.eglGetProcAddress(b"eglGetPlatformDisplayEXT")
+    if not query_address or not display_address:
+        return "libEGL has no devices extension"
+    devices = (ctypes.c_void_p * _EGL_DEVICES_WANTED)()
+    count = ctypes.c_int(0)
+    query = ctypes.CFUNCTYPE(
+        ctypes.c_uint, ctypes.c_int, ctypes.POINTER(ctypes.c_void_p), ctypes.POINTER(ctypes.c_int)
+    )(query_address)
+    if not query(_EGL_DEVICES_WANTED, devices, ctypes.byref(count)) or count.value == 0:
+        return "libEGL knows no device, so its driver (libegl-mesa0 or a vendor's) is missing"
+    display_of = ctypes.CFUNCTYPE(
+        ctypes.c_void_p, ctypes.c_uint, ctypes.c_void_p, ctypes.POINTER(ctypes.c_int)
+    )(display_address)
+    egl.eglInitialize.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]
+    platform_device = 0x313F  # EGL_PLATFORM_DEVICE_EXT
+    for device in devices[: count.value]:
+        display = display_of(platform_device, device, None)
+        if display and egl.eglInitialize(display, None, None):
+            return None
+    return f"none of the {count.value} devices of libEGL can be opened"
+
+
+def _osmesa_obstacle() -> str | None:
+    """Why OSMesa cannot draw; None where it can."""
+    name = ctypes.util.find_library("OSMesa")
+    if name is None:
+        return "there is no libOSMesa"
+    try:
+        ctypes.CDLL(name)
+    except OSError as error:
+        return str(error)
+    return None

@@ -1,0 +1,271 @@
+"""What is written over a picture: score and time, fingers' names, the caption, a notice.
+
+Everything is made of small translucent images, `Sticker`s, so that films and windows write alike.
+A sticker is drawn once and kept: most of them stay the same from frame to frame.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from PIL import Image, ImageDraw, ImageFont
+
+from models.surface import Surface
+from sandbox.messages import Snapshot
+from sandbox.views import palette
+from sandbox.views.lens import Lens
+from sandbox.views.palette import Colour
+from tasks.score import Score, Status
+
+REFERENCE_HEIGHT = 540
+"""px, height of a picture for which the sizes below hold; others are scaled by their height."""
+SMALLEST_SCALE = 0.85
+"""Text smaller than this times its size could not be read."""
+MARGIN = 14
+RING_CLEARANCE = 16
+SMALL, NORMAL, LARGE = 13, 15, 24
+"""px, of a picture of the reference height: the border, what stays free around a contact, and the
+sizes of text."""
+BAR_GROUND: Colour = (0.27, 0.31, 0.34)
+
+
+@dataclass(frozen=True)
+class Sticker:
+    """An image to be laid over a picture.
+
+    Attributes:
+        image: RGBA.
+        x: px from the picture's left edge to the image's.
+        y: px from the picture's top edge to the image's.
+    """
+
+    image: Image.Image
+    x: int
+    y: int
+
+
+@dataclass(frozen=True)
+class Words:
+    """What is written besides the snapshot's own content.
+
+    Attributes:
+        caption: Who plays what, at the bottom left; shown in the colour of a warning, because it is
+            there that a film says that its user is simulated.
+        help: Lines at the right, such as the keys of a window.
+        banner: Large, in the middle at the top, such as `paused`.
+    """
+
+    caption: str = ""
+    help: tuple[str, ...] = ()
+    banner: str = ""
+
+
+def stickers(
+    snapshot: Snapshot, lens: Lens, surface: Surface, drop: np.ndarray, words: Words
+) -> list[Sticker]:
+    """Everything that is to be written over a picture.
+
+    Args:
+        snapshot: What is seen.
+        lens: The camera of the picture.
+        surface: The touch surface, for whether its size is known.
+        drop: (3,) m from contacts to the marks that are drawn for them.
+        words: More to write.
+    """
+    width, height = lens.size
+    scale = max(height / REFERENCE_HEIGHT, SMALLEST_SCALE)
+    margin = round(MARGIN * scale)
+    placed = _names(snapshot, lens, drop, scale)
+    panel = _panel(*_status(snapshot), scale)
+    placed.append(Sticker(panel, margin, margin))
+    bottom = height - margin
+    notices = [snapshot.notice] if snapshot.notice else []
+    if not surface.calibrated:
+        notices.append("size of the touch surface guessed")
+    if words.caption:
+        image = _label(words.caption, palette.WARNING, palette.PANEL, NORMAL, scale, solid=True)
+        bottom -= image.height
+        placed.append(Sticker(image, margin, bottom))
+    for notice in notices:
+        image = _label(notice, palette.PANEL, palette.WARNING, NORMAL, scale)
+        bottom -= image.height + margin // 2
+        placed.append(Sticker(image, margin, bottom))
+    if words.help:
+        image = _lines(words.help, scale)
+        placed.append(Sticker(image, max(width - image.width - margin, 0), margin))
+    if words.banner:
+        image = _label(words.banner, palette.PANEL, palette.TEXT, LARGE, scale)
+        placed.append(Sticker(image, (width - image.width) // 2, margin))
+    return placed
+
+
+def paste(picture: Image.Image, placed: list[Sticker]) -> None:
+    """Lays stickers over an RGB picture, in place."""
+    for sticker in placed:
+        picture.paste(sticker.image, (sticker.x, sticker.y), sticker.image)
+
+
+def _status(snapshot: Snapshot) -> tuple[str, str, str, float, Colour]:
+    """Large line, sentence, hand's state, progress and colour of the panel."""
+    score = snapshot.score
+    headline, sentence, colour = _result(score, snapshot.time)
+    hands = [
+        f"hand {'solid' if hand.solid else 'ghost'}, {hand.phase}"
+        if hand.phase
+        else f"hand {'solid' if hand.solid else 'ghost'}"
+        for hand in snapshot.hands
+    ]
+    return headline, sentence, "; ".join(hands), score.progress, colour
+
+
+def _result(score: Score, time: float) -> tuple[str, str, Colour]:
+    if score.held:
+        return f"{score.time:.1f} s  success", "goal reached and held", palette.HELD
+    if score.status is Status.TIMEOUT:
+        return f"{time:.1f} s  time is up", score.reason, palette.WARNING
+    if score.status is not Status.RUNNING:
+        return f"{time:.1f} s  ended", score.reason, palette.WARNING
+    if score.final:
+        return f"{time:.1f} s", "there: hold it", palette.REACHED
+    return f"{time:.1f} s", score.reason, palette.GOAL
+
+
+def _names(snapshot: Snapshot, lens: Lens, drop: np.ndarray, scale: float) -> list[Sticker]:
+    """The finger's name at every contact, on the side that faces away from the other contacts.
+
+    What is held lies between the contacts, and so stays free of names.
+    """
+    placed: list[Sticker] = []
+    contacts = [c for hand in snapshot.hands for c in hand.contacts]
+    if not contacts:
+        return placed
+    pixels, ahead = lens.project(np.array([c.position + drop for c in contacts]))
+    shown = [i for i in range(len(contacts)) if ahead[i] and np.all(np.abs(pixels[i]) < 1e5)]
+    if not shown:
+        return placed
+    middle = pixels[shown].mean(axis=0)
+    for i in sorted(shown, key=lambda i: float(pixels[i, 1])):
+        contact = contacts[i]
+        colour = palette.finger_colour(contact.label, contact.state)
+        name = palette.finger_name(contact.label, contact.state)
+        image = _label(name, palette.PANEL, colour, SMALL, scale)
+        away = pixels[i] - middle
+        length = float(np.linalg.norm(away))
+        away = away / length if length > 1.0 else np.array([0.0, 1.0])
+        half = np.array([image.width / 2, image.height / 2])
+        # As far out as the name is wide in that direction, plus the ring.
+        reach = RING_CLEARANCE * scale + float(np.abs(away) @ half)
+        x, y = (round(v) for v in pixels[i] + away * reach - half)
+        step = 1 if away[1] >= 0 else -1
+        while clash := [s for s in placed if _overlap(s, image, x, y)]:
+            if step > 0:
+                y = max(s.y + s.image.height for s in clash) + 1
+            else:
+                y = min(s.y for s in clash) - image.height - 1
+        placed.append(Sticker(image, x, y))
+    return placed
+
+
+def _overlap(other: Sticker, image: Image.Image, x: int, y: int) -> bool:
+    return (
+        x < other.x + other.image.width
+        and other.x < x + image.width
+        and y < other.y + other.image.height
+        and other.y < y + image.height
+    )
+
+
+@lru_cache(maxsize=8)
+def _font(size: int, scale: float) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
+    # Whole sizes only: letters of any other stand unevenly.
+    return ImageFont.load_default(round(size * scale))
+
+
+def _text_size(text: str, font: ImageFont.FreeTypeFont | ImageFont.ImageFont) -> tuple[int, int]:
+    left, _, right, _ = font.getbbox(text)
+    _, top, _, bottom = font.getbbox("Ágj")
+    return int(np.ceil(right - min(left, 0))), int(np.ceil(bottom - min(top, 0)))
+
+
+@lru_cache(maxsize=128)
+def _label(
+    text: str, ground: Colour, ink: Colour, size: int, scale: float, solid: bool = False
+) -> Image.Image:
+    """A line of text on a rounded ground."""
+    font = _font(size, scale)
+    width, height = _text_size(text, font)
+    pad_x, pad_y = round(0.55 * size * scale), round(0.25 * size * scale)
+    image = Image.new("RGBA", (width + 2 * pad_x, height + 2 * pad_y))
+    draw = ImageDraw.Draw(image)
+    draw.rounded_rectangle(
+        (0, 0, image.width - 1, image.height - 1),
+        radius=round(0.45 * size * scale),
+        fill=palette.bytes_of(ground, 1.0 if solid else 0.78),
+    )
+    draw.text((pad_x, pad_y), text, font=font, fill=palette.bytes_of(ink))
+    return image
+
+
+@lru_cache(maxsize=16)
+def _lines(lines: tuple[str, ...], scale: float) -> Image.Image:
+    """Several lines of small text on one ground."""
+    font = _font(SMALL, scale)
+    sizes = [_text_size(line, font) for line in lines]
+    step = round(sizes[0][1] * 1.25)
+    pad = round(10 * scale)
+    image = Image.new("RGBA", (max(w for w, _ in sizes) + 2 * pad, step * len(lines) + 2 * pad))
+    draw = ImageDraw.Draw(image)
+    draw.rounded_rectangle(
+        (0, 0, image.width - 1, image.height - 1),
+        radius=pad,
+        fill=palette.bytes_of(palette.PANEL, 0.78),
+    )
+    for i, line in enumerate(lines):
+        draw.text((pad, pad + i * step), line, font=font, fill=palette.bytes_of(palette.TEXT))
+    return image
+
+
+@lru_cache(maxsize=4)
+def _panel(
+    headline: str, sentence: str, hand: str, progress: float, colour: Colour, scale: float
+) -> Image.Image:
+    """Time and result, a bar of progress, what is missing, and the hand's state."""
+    large, small = _font(LARGE, scale), _font(SMALL, scale)
+    pad, gap = round(12 * scale), round(7 * scale)
+    widths = [_text_size(headline, large)[0]] + [_text_size(t, small)[0] for t in (sentence, hand)]
+    tall, short = _text_size(headline, large)[1], _text_size("x", small)[1]
+    bar = max(round(6 * scale), 3)
+    width = max(*widths, round(240 * scale)) + 2 * pad
+    image = Image.new("RGBA", (width, 2 * pad + tall + bar + 2 * short + 3 * gap))
+    draw = ImageDraw.Draw(image)
+    draw.rounded_rectangle(
+        (0, 0, width - 1, image.height - 1),
+        radius=pad,
+        fill=palette.bytes_of(palette.PANEL, 0.78),
+        outline=palette.bytes_of(colour) if colour != palette.GOAL else None,
+        width=max(round(2 * scale), 1),
+    )
+    y = pad
+    ink = palette.TEXT if colour == palette.GOAL else colour
+    draw.text((pad, y), headline, font=large, fill=palette.bytes_of(ink))
+    percent = f"{100 * progress:.0f} %"
+    draw.text(
+        (width - pad - _text_size(percent, small)[0], y + tall - short),
+        percent,
+        font=small,
+        fill=palette.bytes_of(palette.FAINT),
+    )
+    y += tall + gap
+    inner = width - 2 * pad
+    draw.rectangle((pad, y, pad + inner, y + bar), fill=palette.bytes_of(BAR_GROUND))
+    if progress > 0:
+        draw.rectangle(
+            (pad, y, pad + round(inner * min(progress, 1.0)), y + bar),
+            fill=palette.bytes_of(colour),
+        )
+    y += bar + gap
+    draw.text((pad, y), sentence, font=small, fill=palette.bytes_of(palette.TEXT))
+    draw.text((pad, y + short + gap // 2), hand, font=small, fill=palette.bytes_of(palette.FAINT))
+    return image

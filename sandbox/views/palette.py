@@ -1,0 +1,60 @@
+"""Colours, the same in window, film and picture. Red, green, blue from 0 to 1, sRGB."""
+
+from __future__ import annotations
+
+from models.frames import FINGERS
+
+Colour = tuple[float, float, float]
+
+FINGER_COLOURS: tuple[Colour, ...] = (
+    (0.93, 0.45, 0.70),
+    (0.95, 0.60, 0.10),
+    (0.96, 0.86, 0.25),
+    (0.35, 0.72, 0.95),
+    (0.60, 0.50, 0.95),
+)
+"""One colour per label, thumb first: far apart in hue and lightness from one another, from the
+goal's green and from the dark table, also for the common kinds of colour blindness."""
+
+UNKNOWN: Colour = (0.62, 0.64, 0.66)
+"""A contact that is ignored, or that has no finger yet."""
+
+GOAL: Colour = (0.20, 0.80, 0.48)
+REACHED: Colour = (0.45, 0.98, 0.55)
+HELD: Colour = (1.00, 0.84, 0.30)
+"""The goal: to be reached, reached just now, and held: done."""
+
+OUTLINE: Colour = (0.62, 0.74, 0.80)
+"""The border of the touch surface."""
+
+NAIL: Colour = (0.93, 0.74, 0.68)
+
+PANEL: Colour = (0.09, 0.12, 0.15)
+TEXT: Colour = (0.95, 0.96, 0.97)
+FAINT: Colour = (0.68, 0.73, 0.77)
+WARNING: Colour = (0.98, 0.72, 0.25)
+
+
+def finger_colour(label: int | None, state: str = "active") -> Colour:
+    """The colour of a contact: its finger's, or grey while it has none or is ignored."""
+    if label is None or state == "ignored":
+        return UNKNOWN
+    return FINGER_COLOURS[label]
+
+
+def finger_name(label: int | None, state: str = "active") -> str:
+    """What is written beside a contact."""
+    if state == "ignored":
+        return "ignored"
+    return "?" if label is None else FINGERS[label]
+
+
+def rgba(colour: Colour, alpha: float = 1.0) -> tuple[float, float, float, float]:
+    """The colour with an opacity, 0 to 1."""
+    return (*colour, alpha)
+
+
+def bytes_of(colour: Colour, alpha: float = 1.0) -> tuple[int, int, int, int]:
+    """The colour as Pillow wants it, 0 to 255."""
+    r, g, b, a = (round(255 * c) for c in (*colour, alpha))
+    return r, g, b, a

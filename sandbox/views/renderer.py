@@ -1,0 +1,241 @@
+"""Pictures of snapshots without a screen."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from types import TracebackType
+
+import mujoco
+import numpy as np
+from PIL import Image
+
+from models.errors import InputError
+from models.scene import Scene
+from models.surface import Surface
+from sandbox.messages import Snapshot
+from sandbox.views.cameras import film_camera
+from sandbox.views.drawing import Drawing, Hidden
+from sandbox.views.graphics import GLContext, offscreen_context, render_context
+from sandbox.views.lens import Lens
+from sandbox.views.overlay import Words, paste, stickers
+
+GHOST_OPACITY = 0.5
+"""How much is seen of a hand that can touch nothing yet."""
+SEE_THROUGH_OPACITY, SEE_THROUGH_GHOST = 0.6, 0.3
+"""How much is seen of a solid hand and of a ghost where hands hide what they hold."""
+
+SHADOW_SIZE, SAMPLES = 1024, 4
+"""px of the shadow map, and samples per pixel. Software OpenGL, 640x360: 28 ms a picture; 2048 px
+take half as long again and look no better at this size, without samples edges are jagged."""
+SLICES, STACKS = 20, 10
+"""Facets around and along a capsule: the outline of the thickest is off by 0.2 px in a film, and
+the hand takes half the time that it takes with what the model asks for."""
+
+ELEVATIONS = (-89.0, -12.0)
+"""deg, between which a camera can be turned: from above the table only."""
+
+LARGEST = 4096
+"""px, of a picture's side."""
+
+
+class Renderer:
+    """Draws snapshots of a scene into pictures.
+
+    Belongs to the thread that makes it, or, with a context made elsewhere, to the first that draws.
+
+    Args:
+        scene: What is drawn; it is copied, not used.
+        surface: Where the touches are.
+        size: Width and height of its largest picture, px.
+        words: Written on every picture.
+        camera: None: the camera of films, placed by the first snapshot.
+        context: An OpenGL context from `offscreen_context`, or a window's; None makes one. It is
+            freed with the renderer.
+        rings_on_table: Where contacts are marked; see `Drawing`.
+        samples: Per pixel; 0 leaves edges jagged, in half the time.
+
+    Raises:
+        GraphicsError: There is no OpenGL on this machine.
+        InputError: The size cannot be drawn.
+
+    Attributes:
+        lens: The camera of the last picture.
+        shadows: Whether things cast any; without, a picture takes half the time.
+        see_through: Shows also what is behind solid hands, for cameras above them.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        surface: Surface,
+        size: tuple[int, int] = (960, 540),
+        words: Words | None = None,
+        camera: mujoco.MjvCamera | None = None,
+        context: GLContext | None = None,
+        rings_on_table: bool = True,
+        samples: int = SAMPLES,
+    ) -> None:
+        self.size, self.words, self.camera = size, words or Words(), camera
+        self.shadows, self.see_through = True, False
+        self.lens: Lens | None = None
+        self._surface = surface
+        self._kept: tuple[object, Image.Image] | None = None
+        self._closing = ExitStack()
+        with ExitStack() as opening:
+            if context is not None:
+                opening.callback(context.free)
+            check_size(size)
+            if context is None:
+                context = offscreen_context(*size)
+                opening.callback(context.free)
+            gl = context
+            gl.make_current()
+            self._gl = gl
+            self._drawing = Drawing(scene, surface, rings_on_table)
+            model = self._drawing.model
+            model.vis.global_.offwidth, model.vis.global_.offheight = size
+            model.vis.quality.shadowsize = SHADOW_SIZE
+            model.vis.quality.offsamples = samples
+            model.vis.quality.numslices, model.vis.quality.numstacks = SLICES, STACKS
+            self._context = opening.enter_context(render_context(model, gl.backend))
+            self._closing = opening.pop_all()
+
+    def frame(
+        self,
+        snapshot: Snapshot,
+        size: tuple[int, int] | None = None,
+        stretched: tuple[int, int] | None = None,
+    ) -> Image.Image:
+        """The picture of a snapshot, RGB.
+
+        Args:
+            snapshot: What is to be seen.
+            size: Width and height, px, at most the renderer's; None: the renderer's.
+            stretched: px to which the drawing is stretched before it is written on.
+        """
+        size = size or self.size
+        check_size(size, self.size)
+        if self.camera is None:
+            self.camera = film_camera(snapshot, self._surface)
+        self._gl.make_current()
+        picture = self._draw(snapshot, size, None)
+        solid = all(hand.solid for hand in snapshot.hands)
+        if self.see_through:
+            opacity = SEE_THROUGH_OPACITY if solid else SEE_THROUGH_GHOST
+            picture = Image.blend(self._behind(snapshot, size, "hands"), picture, opacity)
+        elif not solid:
+            picture = Image.blend(self._behind(snapshot, size, "ghosts"), picture, GHOST_OPACITY)
+        if stretched and stretched != size:
+            picture = picture.resize(stretched, Image.Resampling.BILINEAR)
+        self.lens = Lens.of(self._drawing.view, picture.size)
+        paste(picture, stickers(snapshot, self.lens, self._surface, self._drawing.drop, self.words))
+        return picture
+
+    def resize(self, size: tuple[int, int]) -> None:
+        """Makes room for pictures of another size."""
+        check_size(size)
+        if size != self.size:
+            self.size, self._kept = size, None
+            self._gl.make_current()
+            mujoco.mjr_resizeOffscreen(*size, self._context)
+
+    def put_on_screen(self, picture: Image.Image) -> None:
+        """Lays a picture, RGB and as large as the window, into the window whose context this is."""
+        flipped = picture.transpose(Image.Transpose.FLIP_TOP_BOTTOM)
+        pixels = np.frombuffer(flipped.tobytes(), np.uint8).reshape(-1, 1)
+        self._gl.make_current()
+        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_WINDOW.value, self._context)
+        mujoco.mjr_drawPixels(pixels, None, mujoco.MjrRect(0, 0, *picture.size), self._context)
+        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._context)
+
+    def turn(self, right: float, down: float) -> None:
+        """Turns the camera as if the scene were dragged by shares of the picture's height."""
+        if self.camera is not None and not self.camera.orthographic:
+            self.camera.azimuth -= 180.0 * right
+            self.camera.elevation = float(
+                np.clip(self.camera.elevation - 180.0 * down, *ELEVATIONS)
+            )
+            self._kept = None
+
+    def close(self) -> None:
+        """Gives the OpenGL context back; may be called twice."""
+        self._closing.close()
+
+    def _behind(self, snapshot: Snapshot, size: tuple[int, int], hidden: Hidden) -> Image.Image:
+        """The picture behind a hand, drawn anew only when something in it has moved.
+
+        Hands mostly are ghosts while nothing else moves, and a second picture takes as long as the
+        first.
+        """
+        seen = (size, self.shadows, hidden, _background(snapshot))
+        if self._kept is None or self._kept[0] != seen:
+            self._kept = seen, self._draw(snapshot, size, hidden)
+        return self._kept[1]
+
+    def _draw(
+        self, snapshot: Snapshot, size: tuple[int, int], hidden: Hidden | None
+    ) -> Image.Image:
+        assert self.camera is not None
+        drawing = self._drawing
+        drawing.update(snapshot, self.camera, hidden)
+        sky = drawing.sees_sky()
+        drawing.view.flags[mujoco.mjtRndFlag.mjRND_SKYBOX] = sky
+        drawing.view.flags[mujoco.mjtRndFlag.mjRND_HAZE] = sky
+        drawing.view.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = self.shadows
+        rect = mujoco.MjrRect(0, 0, *size)
+        pixels = np.empty((size[1], size[0], 3), np.uint8)
+        mujoco.mjr_render(rect, drawing.view, self._context)
+        mujoco.mjr_readPixels(pixels, None, rect, self._context)
+        # OpenGL counts rows from the bottom.
+        return Image.fromarray(pixels).transpose(Image.Transpose.FLIP_TOP_BOTTOM)
+
+    def __enter__(self) -> Renderer:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+
+def _background(snapshot: Snapshot) -> object:
+    """Equal for snapshots that look alike but for their ghosts.
+
+    Contacts count to the millimetre, about a pixel: those of a resting finger always tremble.
+    """
+    contacts = [
+        (*np.round(1000 * c.position).tolist(), c.label, c.state, c.label in hand.solid)
+        for hand in snapshot.hands
+        for c in hand.contacts
+    ]
+    solid = [h.target.tobytes() + h.tips.tobytes() if h.solid else b"" for h in snapshot.hands]
+    objects = [
+        (*np.round(1e4 * o.position).tolist(), *np.round(1e3 * o.rotation).ravel().tolist())
+        for o in snapshot.objects.values()
+    ]
+    return contacts, solid, objects, snapshot.goals, snapshot.score.final, snapshot.score.held
+
+
+def check_size(
+    size: tuple[int, int], largest: tuple[int, int] = (LARGEST, LARGEST), even: bool = False
+) -> None:
+    """Refuses a picture that cannot be drawn.
+
+    Raises:
+        InputError: A side is not a whole number of pixels within reason, or is odd where that
+            matters.
+    """
+    whole = len(size) == 2 and all(isinstance(n, int) for n in size)
+    if whole and all(16 <= n <= top for n, top in zip(size, largest, strict=True)):
+        if not even or not any(n % 2 for n in size):
+            return
+        raise InputError("a film of this kind has an even width and height", where="size", got=size)
+    raise InputError(
+        "a picture of this size cannot be drawn",
+        where="size",
+        got=size,
+        expected=f"16 to {largest[0]} by 16 to {largest[1]} pixels",
+    )
