@@ -59,7 +59,15 @@ def main(argv: list[str]) -> int:
         if str(options.json) == "-":
             print(text)
         else:
-            options.json.write_text(text + "\n")
+            try:
+                options.json.write_text(text + "\n")
+            except OSError as error:
+                # The trial is over and its score printed; only the file is missing.
+                raise InputError(
+                    "the result cannot be written",
+                    where=f"--json {options.json}",
+                    got=error.strerror,
+                ) from None
     return 0
 
 
