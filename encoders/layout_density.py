@@ -29,8 +29,8 @@ Layouts = NDArray[np.complex128]
 """(S, M, k): for each of the S sets of `finger_sets(k)` M layouts, x + i y of the touches in the
 order of the fingers, inches, with the middle at 0."""
 
-_LEAST_SIZE = 0.05
-"""inches. Size below which a layout counts as this large: contacts on one spot have no turn."""
+_LEAST_SIZE = 1e-3
+"""inches. Keeps contacts on one spot, which have no turn and no size, from dividing by nothing."""
 
 
 @dataclass(frozen=True)
@@ -120,7 +120,7 @@ class _Form:
 
     def __init__(self, p: Layouts, shape: KernelShape) -> None:
         self._sets, number, count = p.shape
-        r2 = np.maximum(np.sum(np.abs(p) ** 2, axis=2), _LEAST_SIZE**2)
+        r2 = np.sum(np.abs(p) ** 2, axis=2)
         narrow = shape.width**2
         along_size = narrow + shape.size**2 * r2
         along_turn = narrow + shape.turn**2 * r2
@@ -130,27 +130,29 @@ class _Form:
             + np.log(2 * np.pi * along_size)
             + np.log(2 * np.pi * along_turn)
         )
-        # Kernels down, labellings across; real and imaginary parts apart, since half of a complex
-        # array is not contiguous, and products of real arrays are the faster ones.
-        flat = p.reshape(-1, count)
-        self._along = np.hstack([flat.real, flat.imag]).astype(np.float32)
-        self._across = np.hstack([-flat.imag, flat.real]).astype(np.float32)
+        # Labellings down, the many kernels across, so that rows are long; real and imaginary parts
+        # apart, since half of a complex array is not contiguous.
+        flat = p.reshape(-1, count).T
+        self._along = np.vstack([flat.real, flat.imag]).astype(np.float32)
+        self._across = np.vstack([-flat.imag, flat.real]).astype(np.float32)
+        # Both differences vanish with the size, faster than the divisor.
+        divisor = np.maximum(r2, _LEAST_SIZE**2)
         columns = (
-            0.5 * (1.0 / narrow - 1.0 / along_size) / r2,
+            0.5 * (1.0 / narrow - 1.0 / along_size) / divisor,
             1.0 / along_size,
-            0.5 * (1.0 / narrow - 1.0 / along_turn) / r2,
+            0.5 * (1.0 / narrow - 1.0 / along_turn) / divisor,
             constant,
         )
         self._size2, self._size1, self._turn2, self._constant = (
-            np.ascontiguousarray(c.reshape(-1, 1), np.float32) for c in columns
+            np.ascontiguousarray(c.ravel(), np.float32) for c in columns
         )
         self._narrow = narrow
         self._orders, self._place = _arrangement(count)
 
     def log_density(self, z: NDArray[np.complex128]) -> Array:
-        arranged = z[self._orders].T
-        x = np.vstack([arranged.real, arranged.imag]).astype(np.float32)
-        along, across = self._along @ x, self._across @ x
+        arranged = z[self._orders]
+        x = np.hstack([arranged.real, arranged.imag]).astype(np.float32)
+        along, across = x @ self._along, x @ self._across
         exponent = self._size2 * along
         exponent += self._size1
         exponent *= along
@@ -158,11 +160,11 @@ class _Form:
         across *= self._turn2
         exponent += across
         exponent += self._constant
-        table = exponent.reshape(self._sets, -1, len(self._orders))
-        highest = table.max(axis=1)
-        table -= highest[:, None, :]
-        total = np.exp(table, out=table).sum(axis=1)
-        density = (highest + np.log(total)).astype(float).ravel()[self._place]
+        table = exponent.reshape(len(self._orders), self._sets, -1)
+        highest = table.max(axis=2)
+        table -= highest[:, :, None]
+        total = np.exp(table, out=table).sum(axis=2)
+        density = (highest + np.log(total)).T.astype(float).ravel()[self._place]
         result: Array = density - 0.5 * float(np.sum(np.abs(z) ** 2)) / self._narrow
         return result
 
