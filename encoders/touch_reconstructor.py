@@ -258,9 +258,7 @@ class TouchReconstructor:
         }
         return contact_vector(inches)
 
-    def _reconstruct(
-        self, named: dict[int, Array], u: Array, carried: Array, dt: float
-    ) -> Array:
+    def _reconstruct(self, named: dict[int, Array], u: Array, carried: Array, dt: float) -> Array:
         """The pose (48,) in the 3-D surface frame, at height 0."""
         ids = sorted(named)
         labels = np.array([self._labels[i] for i in ids])
