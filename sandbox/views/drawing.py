@@ -53,6 +53,9 @@ ORTHOGRAPHIC_HEIGHT = 1.6
 SHADOW_REACH = 0.25
 """m around the middle of the table in which shadows are drawn: the narrower, the sharper."""
 
+CASTER_WIDTH = 0.75
+"""Width of what casts a hand's shadow, to that of what is seen of the hand."""
+
 SKIN_SPECULAR, SKIN_SHININESS = 0.12, 0.3
 """Skin has a dull gloss; MuJoCo's default would make it plastic."""
 
@@ -91,7 +94,7 @@ class Drawing:
         self.view = mujoco.MjvScene(self.model, MAX_GEOMS)
         self._data = mujoco.MjData(self.model)
         self._option = mujoco.MjvOption()
-        self._hand_geoms = self._group_hands(scene)
+        self._hand_geoms, self._casters = self._group_hands(scene)
         self._last_bones = [
             {
                 bone.finger: (self.model.body(hand.element_name(bone.name)).id, bone)
@@ -138,6 +141,7 @@ class Drawing:
             self._draw_goal(goal, snapshot, colour)
         for i, hand in enumerate(snapshot.hands):
             if drawn[i]:
+                self._draw_casters(self._casters[i])
                 self._draw_nails(i, hand)
                 self._draw_threads(hand)
             for contact in hand.contacts:
@@ -152,17 +156,24 @@ class Drawing:
         highest = camera.forward + camera.up * (camera.frustum_top / camera.frustum_near)
         return bool(highest[2] > 0.0)
 
-    def _group_hands(self, scene: Scene) -> set[int]:
-        """Puts what is seen of each hand into a group of its own; gives all those geoms."""
-        model, found = self.model, set()
+    def _group_hands(self, scene: Scene) -> tuple[set[int], list[list[int]]]:
+        """Puts what is seen of each hand into a group of its own.
+
+        Returns:
+            All those geoms, and for each hand the geoms in whose place its shadow is cast.
+        """
+        model, found, casters = self.model, set(), []
         for i, hand in enumerate(scene.spec.hands):
             root = int(model.body(hand.element_name("palm")).rootid[0])
-            mine = (model.body_rootid[model.geom_bodyid] == root) & (
-                model.geom_group < FIRST_HIDDEN_GROUP
-            )
-            model.geom_group[mine] = HAND_GROUPS[i]
-            found |= set(np.flatnonzero(mine).tolist())
-        return found
+            mine = model.body_rootid[model.geom_bodyid] == root
+            seen = mine & (model.geom_group < FIRST_HIDDEN_GROUP)
+            # The simulation's own capsules, which have mass, and the sleeve, which has none.
+            named = np.array([bool(model.geom(g).name) for g in range(model.ngeom)])
+            sleeve = seen & (model.geom_type == mujoco.mjtGeom.mjGEOM_CYLINDER)
+            casters.append(np.flatnonzero((mine & named) | sleeve).tolist())
+            model.geom_group[seen] = HAND_GROUPS[i]
+            found |= set(np.flatnonzero(seen).tolist())
+        return found, casters
 
     def _parts_of(self, body: int) -> list[_Part]:
         model = self.model
@@ -190,6 +201,22 @@ class Drawing:
                 geom.category = mujoco.mjtCatBit.mjCAT_DECOR
             if geom.objtype == mujoco.mjtObj.mjOBJ_GEOM and geom.objid in self._hand_geoms:
                 geom.specular, geom.shininess = SKIN_SPECULAR, SKIN_SHININESS
+                geom.category = mujoco.mjtCatBit.mjCAT_DECOR
+
+    def _draw_casters(self, casters: list[int]) -> None:
+        """What casts a hand's shadow: thin capsules inside of what is seen of it.
+
+        Where a curved surface casts a shadow on itself, a coarse shadow map puts dark specks all
+        over it.
+        """
+        if not self.view.flags[mujoco.mjtRndFlag.mjRND_SHADOW]:
+            return
+        for g in casters:
+            size = self.model.geom_size[g] * np.array([CASTER_WIDTH, 1.0, 1.0])
+            place, turn = self._data.geom_xpos[g], self._data.geom_xmat[g]
+            caster = self._add(self.model.geom_type[g], size, place, turn, palette.NAIL, 1.0)
+            if caster is not None:
+                caster.category = mujoco.mjtCatBit.mjCAT_DYNAMIC
 
     def _draw_outline(self) -> None:
         width, height = self.surface.size
