@@ -220,15 +220,9 @@ class TouchReconstructor:
         present = frozenset(tracks)
         if present - self._known:
             self._changed_at = time
-            fresh = True
-        else:
-            fresh = False
         self._known = present
         settle = self.settings.arrival.settle if self.settings.arrival.hover > 0 else 0.0
-        waiting = len(self._labels) < len(tracks)
-        if not waiting and not fresh:
-            return
-        if time - self._changed_at < settle - 1e-9:
+        if len(self._labels) == len(tracks) or time - self._changed_at < settle - 1e-9:
             return
         low = self._arrival.phase in (Phase.COMING_DOWN, Phase.DOWN)
         fixed = dict(self._labels) if low and settle > 0 else {}
