@@ -18,7 +18,7 @@ from sandbox.cli.scene_options import SceneOptions, plan
 from sandbox.headless import play, run_trial
 from sandbox.recording import load_recording
 from sandbox.replay import replay
-from sandbox.session import STATE
+from sandbox.session import STATE, Rig, Session
 from sandbox.settings import RunSettings
 
 
@@ -265,3 +265,23 @@ def test_bad_input_is_one_clear_line_and_exit_status_2(arguments, tmp_path):
     done = command(*arguments, cwd=tmp_path)
     assert done.returncode == 2
     assert len(done.stderr.splitlines()) == 1 and "Traceback" not in done.stderr
+
+
+def test_a_scene_holds_two_rigs_that_do_not_disturb_each_other():
+    settings = RunSettings(seed=1)
+    lone = build(settings, lambda task, surface: Script(lambda now: []))
+    one = build(settings, lambda task, surface: Script(lambda now: [Contact(1, 0.05, 0.10)]))
+    two = build(settings, lambda task, surface: Script(lambda now: []))
+    second = replace(two.rigs[0].hand, name="second")
+    both = Session(
+        two.task, [one.rigs[0], Rig(two.rigs[0].device, two.rigs[0].reconstructor, second)]
+    )
+    for _ in range(60):
+        snapshot = both.advance()
+        alone = lone.advance()
+    touching, resting = snapshot.hands
+    assert touching.contacts and not resting.contacts
+    assert touching.phase != "away" and resting.phase == "away"
+    # The hand without touches rests as it does in a scene of its own.
+    np.testing.assert_allclose(resting.tips, alone.hands[0].tips, atol=1e-6)
+    assert both.scene.model.nu == 2 * 48
