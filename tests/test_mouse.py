@@ -163,7 +163,7 @@ def test_dragging_beside_a_hand_moves_all_of_it_and_dragging_a_finger_only_that_
     mouse.hand(3, MIDDLE)
     before = places(last(mouse))
     mouse.press(MIDDLE)
-    mouse.move(MIDDLE + [0.01, -0.005])
+    mouse.move(MIDDLE + np.array([0.01, -0.005]))
     mouse.release()
     moved = places(last(mouse))
     assert np.allclose(moved - before, [0.01, -0.005])

@@ -60,6 +60,7 @@ def viewed() -> Viewed:
     session, mouse, surface = mouse_session()
     advance(session, 0.1)
     mouse.hand(2, surface.to_surface(session.task.objects[0].position))
+    mouse.wheel(4)
     ghost = advance(session, 0.4)
     solid = advance(session, 1.5)
     assert not ghost.hands[0].solid and solid.hands[0].solid
