@@ -31,6 +31,8 @@ ROWS: dict[str, dict[str, Any]] = {
     "without ghost until clear": {"without": ("ghost",)},
     "all links solid": {"without": ("distal",)},
     "without stitching": {"without": ("stitch",)},
+    "a screen that loses touches": {"drop_outs": 0.3},
+    "the same, without stitching": {"drop_outs": 0.3, "without": ("stitch",)},
     "paper's labels": {"without": ("history",)},
     "without encoder (mean pose)": {"without": ("encoder",)},
     "without smoothing": {"without": ("smoothing",)},

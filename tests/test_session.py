@@ -15,6 +15,7 @@ import pytest
 from models.frames import Contact, TouchFrame
 from sandbox.assembly import build
 from sandbox.cli.scene_options import SceneOptions, plan
+from sandbox.devices.drop_outs import DropOuts
 from sandbox.headless import play, run_trial
 from sandbox.recording import load_recording
 from sandbox.replay import replay
@@ -285,3 +286,25 @@ def test_a_scene_holds_two_rigs_that_do_not_disturb_each_other():
     # The hand without touches rests as it does in a scene of its own.
     np.testing.assert_allclose(resting.tips, alone.hands[0].tips, atol=1e-6)
     assert both.scene.model.nu == 2 * 48
+
+
+def test_a_screen_that_loses_touches_changes_ids_only_and_costs_no_success():
+    lossy = trial(seed=5, fingers=3, drop_outs=1.0)
+    assert lossy["success"], lossy["reason"]
+    assert lossy["state_hash"] != trial(seed=5, fingers=3)["state_hash"]
+
+
+def test_lost_touches_come_back_after_a_moment_under_an_id_of_their_own():
+    screen = DropOuts(2.0, seed=0)
+    own = {1: Contact(1, 0.05, 0.06), 2: Contact(2, 0.07, 0.08)}
+    seen: dict[int, set[int]] = {1: set(), 2: set()}
+    gone = 0
+    for i in range(1000):
+        frame = screen.spoil(TouchFrame(0.016 * i, tuple(own.values())))
+        gone += 2 - len(frame.contacts)
+        for contact in frame.contacts:
+            whose = screen.own_id(contact.id)
+            assert (contact.x, contact.y) == (own[whose].x, own[whose].y)
+            seen[whose].add(contact.id)
+    assert gone > 50 and all(len(ids) > 5 for ids in seen.values())
+    assert not seen[1] & seen[2]

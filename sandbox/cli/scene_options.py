@@ -83,6 +83,10 @@ class SceneOptions:
     tell_labels: tyro.conf.FlagCreatePairsOff[bool] = False
     """The simulated user says which finger touches: an upper bound for labelling."""
 
+    drop_outs: float = 0.0
+    """Times per second that the simulated user's screen loses each touch, for 0.1 s; it comes back
+    under another id."""
+
     port: int = DEFAULT_PORT
     """UDP port for TUIO; 0 takes a free one."""
 
@@ -127,10 +131,12 @@ def plan(options: SceneOptions) -> Plan:
     if options.device == "simulated":
         user = _user(options)
         about["user"] = user.as_json()
-        seed, tell = settings.seed, options.tell_labels
+        about["drop_outs"] = options.drop_outs
 
         def simulated(task: Task, surface: Surface) -> Device:
-            return SimulatedDevice(task, user, surface, seed, tell)
+            return SimulatedDevice(
+                task, user, surface, settings.seed, options.tell_labels, options.drop_outs
+            )
 
         return _keeping(settings, about, False, simulated)
     if options.device == "tuio":
@@ -236,5 +242,10 @@ def _user(options: SceneOptions) -> UserConfiguration:
         raise InputError(
             "the simulated user cannot do this", where="--fingers", got=options.fingers,
             expected="2 to 5",
+        )  # fmt: skip
+    if not 0.0 <= options.drop_outs <= 10.0:
+        raise InputError(
+            "no screen loses touches like this", where="--drop-outs", got=options.drop_outs,
+            expected="0 to 10 times per second",
         )  # fmt: skip
     return UserConfiguration(kind=options.user, fingers=options.fingers)

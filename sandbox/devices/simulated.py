@@ -8,6 +8,7 @@ from typing import Protocol
 
 from models.frames import TouchFrame
 from models.surface import Surface
+from sandbox.devices.drop_outs import DropOuts
 from sandbox.messages import Snapshot
 from tasks.simulated_user.configuration import UserConfiguration
 from tasks.simulated_user.control_arms import IdleUser, RandomUser
@@ -42,6 +43,7 @@ class SimulatedDevice:
         surface: The tablet.
         seed: Of the person's chance.
         tell_labels: Tells which finger touches (an upper bound for labelling; never the default).
+        drop_outs: Times per second that the screen loses each touch for a moment.
     """
 
     name = "simulated"
@@ -54,15 +56,21 @@ class SimulatedDevice:
         surface: Surface,
         seed: int,
         tell_labels: bool = False,
+        drop_outs: float = 0.0,
     ) -> None:
         self._shapes = {thing.name: thing for thing in task.objects}
         self._tell_labels = tell_labels
+        self._screen = DropOuts(drop_outs, seed)
         self.user: User = _USERS[configuration.kind](configuration, surface, seed)
 
     def show(self, snapshot: Snapshot) -> None:
         """Lets the user look at the screen."""
         hand = snapshot.hands[0]
-        tips = {c.id: hand.tips[c.label] for c in hand.contacts if c.label is not None}
+        tips = {
+            self._screen.own_id(c.id): hand.tips[c.label]
+            for c in hand.contacts
+            if c.label is not None
+        }
         objects = {
             name: SeenObject(self._shapes[name], o.position, o.rotation)
             for name, o in snapshot.objects.items()
@@ -86,7 +94,7 @@ class SimulatedDevice:
             order = {i: finger for finger, i in enumerate(self.user.finger_ids())}
             contacts = tuple(replace(c, label=order[c.id]) for c in frame.contacts)
             frame = replace(frame, contacts=contacts)
-        return [frame]
+        return [self._screen.spoil(frame)]
 
     def close(self) -> None:
         """Nothing to give back."""

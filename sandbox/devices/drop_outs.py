@@ -1,0 +1,54 @@
+"""Touches that a bad screen loses for a moment and finds again under another id."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from models.frames import TouchFrame
+
+LENGTH = 0.1
+"""s for which a touch is lost."""
+
+_FIRST_ID = 1_000_000
+"""Ids from here on are given to touches that come back, and are nobody else's."""
+
+
+class DropOuts:
+    """Loses touches at random.
+
+    Args:
+        rate: Losses per second of every touch.
+        seed: Of the losses.
+    """
+
+    def __init__(self, rate: float, seed: int) -> None:
+        self._rate = rate
+        self._rng = np.random.default_rng([seed, 7_003])
+        self._alias: dict[int, int] = {}
+        self._back_at: dict[int, float] = {}
+        self._next = _FIRST_ID
+        self._time = 0.0
+
+    def spoil(self, frame: TouchFrame) -> TouchFrame:
+        """The frame as the bad screen reports it."""
+        dt, self._time = frame.time - self._time, frame.time
+        contacts = []
+        for contact in frame.contacts:
+            own = contact.id
+            if own in self._back_at:
+                if frame.time < self._back_at[own]:
+                    continue
+                del self._back_at[own]
+                self._alias[own] = self._next
+                self._next += 1
+            elif self._rng.random() < self._rate * dt:
+                self._back_at[own] = frame.time + LENGTH
+                continue
+            contacts.append(replace(contact, id=self._alias.get(own, own)))
+        return replace(frame, contacts=tuple(contacts))
+
+    def own_id(self, reported: int) -> int:
+        """Whose touch a reported id is."""
+        return next((own for own, new in self._alias.items() if new == reported), reported)
