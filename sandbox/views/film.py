@@ -25,6 +25,7 @@ VIDEO_SIZE, VIDEO_FPS = (960, 540), 30.0
 """px and frames per second of WebP or GIF, and of MP4, unless chosen otherwise."""
 PICTURE_SIZE = (1280, 720)
 """px, of single pictures."""
+PICTURE_KINDS = (".png", ".jpg", ".jpeg", ".webp")
 MAX_FPS = 60.0
 
 WAITING = 4096
@@ -118,32 +119,25 @@ class FilmView:
         self._jobs.put(lambda renderer: self._film(renderer, snapshot, missing))
 
     def picture(
-        self, snapshot: Snapshot, path: Path | str, size: tuple[int, int] = PICTURE_SIZE
+        self, snapshot: Snapshot, path: Path | str, size: tuple[int, int] | None = None
     ) -> None:
         """Writes a picture of a snapshot, as PNG, JPEG or WebP by the path's ending.
 
         Args:
             snapshot: What is to be seen.
             path: Of the picture.
-            size: px, no larger than the film or 1280x720.
+            size: px, no larger than the film or 1280x720; None: 1280x720.
 
         Raises:
             InputError: The size or the path cannot be used.
             FilmError: The film was closed, or its thread has failed.
         """
-        target = Path(path)
-        if target.suffix.lower() not in (".png", ".jpg", ".jpeg", ".webp"):
-            raise InputError(
-                "a picture cannot be written in this format",
-                where=str(target),
-                got=target.suffix,
-                expected=".png, .jpg or .webp",
-            )
+        target = _picture_path(path)
         answer: queue.Queue[Image.Image | BaseException] = queue.Queue()
 
         def draw(renderer: Renderer) -> None:
             try:
-                answer.put(renderer.frame(snapshot, size))
+                answer.put(renderer.frame(snapshot, size or PICTURE_SIZE))
             except Exception as error:
                 answer.put(error)
 
@@ -163,12 +157,7 @@ class FilmView:
                     ) from self._error
         if isinstance(result, BaseException):
             raise result
-        try:
-            result.save(target)
-        except OSError as error:
-            raise InputError(
-                "a picture cannot be written here", where=str(target), got=error
-            ) from error
+        _write_picture(result, target)
 
     def close(self) -> None:
         """Draws what waits and completes the film; may be called twice.
@@ -245,8 +234,29 @@ def save_picture(
 
     Raises:
         GraphicsError: There is no OpenGL on this machine.
-        InputError: The size cannot be drawn.
-        OSError: The path cannot be written.
+        InputError: The size cannot be drawn, or the path cannot be written.
     """
+    target = _picture_path(path)
     with Renderer(scene, surface, size, Words(caption)) as renderer:
-        renderer.frame(snapshot).save(Path(path))
+        _write_picture(renderer.frame(snapshot), target)
+
+
+def _picture_path(path: Path | str) -> Path:
+    target = Path(path)
+    if target.suffix.lower() not in PICTURE_KINDS:
+        raise InputError(
+            "a picture cannot be written in this format",
+            where=str(target),
+            got=target.suffix,
+            expected=", ".join(PICTURE_KINDS),
+        )
+    return target
+
+
+def _write_picture(picture: Image.Image, target: Path) -> None:
+    try:
+        picture.save(target)
+    except OSError as error:
+        raise InputError(
+            "a picture cannot be written here", where=str(target), got=error
+        ) from error

@@ -11,7 +11,7 @@ import math
 import os
 from collections.abc import Iterator
 from importlib.util import find_spec
-from itertools import islice, pairwise
+from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Protocol
@@ -136,19 +136,17 @@ class _Animation:
         )
 
     def _write_gif(self, images: list[Image.Image]) -> None:
-        stride = math.ceil(self._count / MAX_GIF_FRAMES)
-        palette = _common_palette(images)
-        frames = (
-            frame.quantize(palette=palette, dither=Image.Dither.NONE)
-            for frame in islice(_frames(images), 0, None, stride)
-        )
-        first = next(frames)
+        frames = _frames(images)
+        stride = math.ceil(len(frames) / MAX_GIF_FRAMES)
+        palette = _common_palette(frames)
+        pictures = _quantized(frames[::stride], palette)
+        first = next(pictures)
         first.save(
             self._part,
             "GIF",
             save_all=True,
-            append_images=frames,
-            duration=durations(math.ceil(self._count / stride), self._fps / stride, 10),
+            append_images=pictures,
+            duration=durations(len(frames), self._fps, 10, stride),
             loop=0,
         )
 
@@ -198,27 +196,38 @@ class _Mp4:
         self._part.unlink(missing_ok=True)
 
 
-def durations(frames: int, fps: float, unit: int) -> list[int]:
-    """ms of every frame, whole units of the format, so that their sum does not drift."""
-    ends = [round(i * 1000.0 / fps / unit) * unit for i in range(frames + 1)]
+def durations(frames: int, fps: float, unit: int, stride: int = 1) -> list[int]:
+    """ms of every frame, whole units of the format, so that their sum does not drift.
+
+    Args:
+        frames: Of the film.
+        fps: Of the film.
+        unit: ms.
+        stride: Only every so manieth frame is kept, and stands for those after it.
+    """
+    starts = [*range(0, frames, stride), frames]
+    ends = [round(i * 1000.0 / fps / unit) * unit for i in starts]
     return [b - a for a, b in pairwise(ends)]
 
 
-def _frames(images: list[Image.Image]) -> Iterator[Image.Image]:
-    for image in images:
-        for i in range(getattr(image, "n_frames", 1)):
-            image.seek(i)
-            yield image
+def _quantized(
+    frames: list[tuple[Image.Image, int]], palette: Image.Image
+) -> Iterator[Image.Image]:
+    for image, i in frames:
+        image.seek(i)
+        yield image.quantize(palette=palette, dither=Image.Dither.NONE)
 
 
-def _common_palette(images: list[Image.Image]) -> Image.Image:
+def _frames(images: list[Image.Image]) -> list[tuple[Image.Image, int]]:
+    """Every frame as an image of several and its number in there."""
+    return [(image, i) for image in images for i in range(getattr(image, "n_frames", 1))]
+
+
+def _common_palette(frames: list[tuple[Image.Image, int]]) -> Image.Image:
     """One palette for all frames, from the first, a middle and the last: colours must not jump."""
-    chosen = [images[0], images[len(images) // 2], images[-1]]
-    width, height = images[0].size
+    width, height = frames[0][0].size
     sheet = Image.new("RGB", (width, 3 * height))
-    for i, image in enumerate(chosen):
-        image.seek(getattr(image, "n_frames", 1) - 1 if i else 0)
-        sheet.paste(image, (0, i * height))
-    for image in images:
-        image.seek(0)
+    for row, (image, i) in enumerate((frames[0], frames[len(frames) // 2], frames[-1])):
+        image.seek(i)
+        sheet.paste(image, (0, row * height))
     return sheet.quantize(GIF_COLOURS, method=Image.Quantize.MEDIANCUT)

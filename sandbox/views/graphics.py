@@ -13,7 +13,7 @@ import importlib
 import os
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from functools import cache
 from typing import Protocol
 
@@ -37,8 +37,12 @@ class GLContext(Protocol):
 
     backend: str | None
 
-    def make_current(self) -> None:
-        """Makes it the one that the calling thread draws with."""
+    def as_current(self) -> AbstractContextManager[None]:
+        """Draws with it in the calling thread for a while.
+
+        It is not kept longer: a thread has one context at a time, and those of a window and of EGL
+        are no kin.
+        """
         ...
 
     def free(self) -> None:
@@ -95,37 +99,45 @@ def offscreen_context(width: int, height: int) -> GLContext:
 
 
 @contextmanager
-def render_context(
-    model: mujoco.MjModel, backend: str | None = None
-) -> Iterator[mujoco.MjrContext]:
-    """MuJoCo's side of the current OpenGL context, drawing into memory; freed at the end.
+def render_context(model: mujoco.MjModel, gl: GLContext) -> Iterator[mujoco.MjrContext]:
+    """MuJoCo's side of an OpenGL context, drawing into memory; freed at the end.
 
     Args:
         model: What will be drawn.
-        backend: Of the current context; None for a window's.
+        gl: Current in this thread only while something is drawn.
 
     Raises:
         GraphicsError: The context is too old or too small for MuJoCo.
     """
-    before = os.environ.get("MUJOCO_GL")
-    if backend is not None:
-        # MuJoCo's library looks there when it first loads its drawing functions. Programs that we
-        # start must not inherit it.
-        os.environ["MUJOCO_GL"] = backend
-    try:
-        context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100.value)
-    except mujoco.FatalError as error:
-        raise _no_graphics(str(error)) from error
-    finally:
-        if backend is not None and before is None:
-            del os.environ["MUJOCO_GL"]
-        elif before is not None:
-            os.environ["MUJOCO_GL"] = before
-    try:
+    with gl.as_current(), _told_to_mujoco(gl.backend):
+        try:
+            context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100.value)
+        except mujoco.FatalError as error:
+            raise _no_graphics(str(error)) from error
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, context)
+    try:
         yield context
     finally:
-        context.free()
+        with gl.as_current():
+            context.free()
+
+
+@contextmanager
+def _told_to_mujoco(backend: str | None) -> Iterator[None]:
+    """MuJoCo's library reads MUJOCO_GL when it first loads its drawing functions.
+
+    Set for that moment only: programs that we start must not inherit it.
+    """
+    before = os.environ.get("MUJOCO_GL")
+    if backend is not None:
+        os.environ["MUJOCO_GL"] = backend
+    try:
+        yield
+    finally:
+        if before is not None:
+            os.environ["MUJOCO_GL"] = before
+        elif backend is not None:
+            del os.environ["MUJOCO_GL"]
 
 
 def _no_graphics(reason: str) -> GraphicsError:

@@ -89,7 +89,6 @@ class Renderer:
                 context = offscreen_context(*size)
                 opening.callback(context.free)
             gl = context
-            gl.make_current()
             self._gl = gl
             self._drawing = Drawing(scene, surface, rings_on_table)
             model = self._drawing.model
@@ -97,7 +96,7 @@ class Renderer:
             model.vis.quality.shadowsize = SHADOW_SIZE
             model.vis.quality.offsamples = samples
             model.vis.quality.numslices, model.vis.quality.numstacks = SLICES, STACKS
-            self._context = opening.enter_context(render_context(model, gl.backend))
+            self._context = opening.enter_context(render_context(model, gl))
             self._closing = opening.pop_all()
 
     def frame(
@@ -117,18 +116,23 @@ class Renderer:
         check_size(size, self.size)
         if self.camera is None:
             self.camera = film_camera(snapshot, self._surface)
-        self._gl.make_current()
-        picture = self._draw(snapshot, size, None)
-        solid = all(hand.solid for hand in snapshot.hands)
-        if self.see_through:
-            opacity = SEE_THROUGH_OPACITY if solid else SEE_THROUGH_GHOST
-            picture = Image.blend(self._behind(snapshot, size, "hands"), picture, opacity)
-        elif not solid:
-            picture = Image.blend(self._behind(snapshot, size, "ghosts"), picture, GHOST_OPACITY)
+        with self._gl.as_current():
+            picture = self._mixed(snapshot, size)
         if stretched and stretched != size:
             picture = picture.resize(stretched, Image.Resampling.BILINEAR)
         self.lens = Lens.of(self._drawing.view, picture.size)
         paste(picture, stickers(snapshot, self.lens, self._surface, self._drawing.drop, self.words))
+        return picture
+
+    def _mixed(self, snapshot: Snapshot, size: tuple[int, int]) -> Image.Image:
+        """The drawing, with ghosts as ghosts."""
+        picture = self._draw(snapshot, size, None)
+        solid = all(hand.solid for hand in snapshot.hands)
+        if self.see_through:
+            opacity = SEE_THROUGH_OPACITY if solid else SEE_THROUGH_GHOST
+            return Image.blend(self._behind(snapshot, size, "hands"), picture, opacity)
+        if not solid:
+            return Image.blend(self._behind(snapshot, size, "ghosts"), picture, GHOST_OPACITY)
         return picture
 
     def resize(self, size: tuple[int, int]) -> None:
@@ -136,17 +140,18 @@ class Renderer:
         check_size(size)
         if size != self.size:
             self.size, self._kept = size, None
-            self._gl.make_current()
-            mujoco.mjr_resizeOffscreen(*size, self._context)
+            with self._gl.as_current():
+                mujoco.mjr_resizeOffscreen(*size, self._context)
 
     def put_on_screen(self, picture: Image.Image) -> None:
         """Lays a picture, RGB and as large as the window, into the window whose context this is."""
         flipped = picture.transpose(Image.Transpose.FLIP_TOP_BOTTOM)
         pixels = np.frombuffer(flipped.tobytes(), np.uint8).reshape(-1, 1)
-        self._gl.make_current()
-        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_WINDOW.value, self._context)
-        mujoco.mjr_drawPixels(pixels, None, mujoco.MjrRect(0, 0, *picture.size), self._context)
-        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._context)
+        rect = mujoco.MjrRect(0, 0, *picture.size)
+        with self._gl.as_current():
+            mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_WINDOW.value, self._context)
+            mujoco.mjr_drawPixels(pixels, None, rect, self._context)
+            mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._context)
 
     def turn(self, right: float, down: float) -> None:
         """Turns the camera as if the scene were dragged by shares of the picture's height."""

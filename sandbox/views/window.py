@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import atexit
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import partial
 from types import TracebackType
-from typing import Any
+from typing import Any, cast
 
 import glfw
 import numpy as np
@@ -195,7 +196,7 @@ class Window:
             renderer.see_through = self._above
             self._picture = renderer.frame(self._snapshot, stretched=window)
         renderer.put_on_screen(self._picture)
-        glfw.swap_buffers(self._context.handle)
+        self._context.swap()
         self._slow = self._slow + 1 if time.monotonic() - begun > SLOW else 0
         if self._slow >= PATIENCE:
             self._draw_more_plainly()
@@ -356,12 +357,22 @@ class _WindowContext:
         glfw.set_window_size_limits(handle, *SMALLEST, glfw.DONT_CARE, glfw.DONT_CARE)
         glfw.set_cursor(handle, glfw.create_standard_cursor(glfw.CROSSHAIR_CURSOR))
         self.handle: Any = handle
-        self.make_current()
-        # The loop is paced by its own clock: waiting for the screen as well would only add delay.
-        glfw.swap_interval(0)
+        with self.as_current():
+            # The loop is paced by its own clock: waiting for the screen as well only adds delay.
+            glfw.swap_interval(0)
 
-    def make_current(self) -> None:
+    @contextmanager
+    def as_current(self) -> Iterator[None]:
         glfw.make_context_current(self.handle)
+        try:
+            yield
+        finally:
+            glfw.make_context_current(cast(Any, None))
+
+    def swap(self) -> None:
+        """Shows what was drawn."""
+        with self.as_current():
+            glfw.swap_buffers(self.handle)
 
     def free(self) -> None:
         if self.handle is not None:
