@@ -167,7 +167,7 @@ class Drawing:
             root = int(model.body(hand.element_name("palm")).rootid[0])
             mine = model.body_rootid[model.geom_bodyid] == root
             seen = mine & (model.geom_group < FIRST_HIDDEN_GROUP)
-            # The simulation's own capsules, which have mass, and the sleeve, which has none.
+            # The simulation's own capsules have names; of the rest, cuff and sleeve count.
             named = np.array([bool(model.geom(g).name) for g in range(model.ngeom)])
             sleeve = seen & (model.geom_type == mujoco.mjtGeom.mjGEOM_CYLINDER)
             casters.append(np.flatnonzero((mine & named) | sleeve).tolist())

@@ -87,15 +87,14 @@ class FilmView:
         self._closed = False
         self._jobs: queue.Queue[_Job | None] = queue.Queue(WAITING)
         self._ready = threading.Event()
-        largest = (max(self.size[0], PICTURE_SIZE[0]), max(self.size[1], PICTURE_SIZE[1]))
-        context = offscreen_context(*largest)
+        context = offscreen_context(*self.size)
         try:
             self._file = open_film(self.path, self.size, self.fps)
         except BaseException:
             context.free()
             raise
         self._thread = threading.Thread(
-            target=self._work, args=(context, self._file, largest), name="film", daemon=True
+            target=self._work, args=(context, self._file), name="film", daemon=True
         )
         self._thread.start()
         self._ready.wait()
@@ -126,7 +125,7 @@ class FilmView:
         Args:
             snapshot: What is to be seen.
             path: Of the picture.
-            size: px, no larger than the film or 1280x720; None: 1280x720.
+            size: px; None: 1280x720.
 
         Raises:
             InputError: The size or the path cannot be used.
@@ -137,7 +136,8 @@ class FilmView:
 
         def draw(renderer: Renderer) -> None:
             try:
-                answer.put(renderer.frame(snapshot, size or PICTURE_SIZE))
+                renderer.resize(size or PICTURE_SIZE)
+                answer.put(renderer.frame(snapshot))
             except Exception as error:
                 answer.put(error)
 
@@ -178,17 +178,18 @@ class FilmView:
             ) from self._error
 
     def _film(self, renderer: Renderer, snapshot: Snapshot, times: int) -> None:
-        frame = renderer.frame(snapshot, self.size)
+        renderer.resize(self.size)
+        frame = renderer.frame(snapshot)
         for _ in range(times):
             if not self._file.add(frame):
                 self.dropped += 1
 
-    def _work(self, context: GLContext, file: FilmFile, largest: tuple[int, int]) -> None:
+    def _work(self, context: GLContext, file: FilmFile) -> None:
         """The drawing thread."""
         ended = False
         try:
             with Renderer(
-                self._scene, self._surface, largest, self._words, context=context
+                self._scene, self._surface, self.size, self._words, context=context
             ) as renderer:
                 self._ready.set()
                 while (job := self._jobs.get()) is not None:

@@ -34,7 +34,7 @@ Twice as many take 1.5 times as long."""
 ELEVATIONS = (-89.0, -12.0)
 """deg, between which a camera can be turned: from above the table only."""
 
-LARGEST = 4096
+SMALLEST, LARGEST = 16, 4096
 """px, of a picture's side."""
 
 
@@ -46,7 +46,7 @@ class Renderer:
     Args:
         scene: What is drawn; it is copied, not used.
         surface: Where the touches are.
-        size: Width and height of its largest picture, px.
+        size: Width and height of its pictures, px.
         words: Written on every picture.
         camera: None: the camera of films, placed by the first snapshot.
         context: An OpenGL context from `offscreen_context`, or a window's; None makes one. It is
@@ -99,40 +99,32 @@ class Renderer:
             self._context = opening.enter_context(render_context(model, gl))
             self._closing = opening.pop_all()
 
-    def frame(
-        self,
-        snapshot: Snapshot,
-        size: tuple[int, int] | None = None,
-        stretched: tuple[int, int] | None = None,
-    ) -> Image.Image:
+    def frame(self, snapshot: Snapshot, stretched: tuple[int, int] | None = None) -> Image.Image:
         """The picture of a snapshot, RGB.
 
         Args:
             snapshot: What is to be seen.
-            size: Width and height, px, at most the renderer's; None: the renderer's.
             stretched: px to which the drawing is stretched before it is written on.
         """
-        size = size or self.size
-        check_size(size, self.size)
         if self.camera is None:
             self.camera = film_camera(snapshot, self._surface)
         with self._gl.as_current():
-            picture = self._mixed(snapshot, size)
-        if stretched and stretched != size:
+            picture = self._mixed(snapshot)
+        if stretched and stretched != self.size:
             picture = picture.resize(stretched, Image.Resampling.BILINEAR)
         self.lens = Lens.of(self._drawing.view, picture.size)
         paste(picture, stickers(snapshot, self.lens, self._surface, self._drawing.drop, self.words))
         return picture
 
-    def _mixed(self, snapshot: Snapshot, size: tuple[int, int]) -> Image.Image:
+    def _mixed(self, snapshot: Snapshot) -> Image.Image:
         """The drawing, with ghosts as ghosts."""
-        picture = self._draw(snapshot, size, None)
+        picture = self._draw(snapshot, None)
         solid = all(hand.solid for hand in snapshot.hands)
         if self.see_through:
             opacity = SEE_THROUGH_OPACITY if solid else SEE_THROUGH_GHOST
-            return Image.blend(self._behind(snapshot, size, "hands"), picture, opacity)
+            return Image.blend(self._behind(snapshot, "hands"), picture, opacity)
         if not solid:
-            return Image.blend(self._behind(snapshot, size, "ghosts"), picture, GHOST_OPACITY)
+            return Image.blend(self._behind(snapshot, "ghosts"), picture, GHOST_OPACITY)
         return picture
 
     def resize(self, size: tuple[int, int]) -> None:
@@ -166,20 +158,18 @@ class Renderer:
         """Gives the OpenGL context back; may be called twice."""
         self._closing.close()
 
-    def _behind(self, snapshot: Snapshot, size: tuple[int, int], hidden: Hidden) -> Image.Image:
+    def _behind(self, snapshot: Snapshot, hidden: Hidden) -> Image.Image:
         """The picture behind a hand, drawn anew only when something in it has moved.
 
         Hands mostly are ghosts while nothing else moves, and a second picture takes as long as the
         first.
         """
-        seen = (size, self.shadows, hidden, _background(snapshot))
+        seen = (self.shadows, hidden, _background(snapshot))
         if self._kept is None or self._kept[0] != seen:
-            self._kept = seen, self._draw(snapshot, size, hidden)
+            self._kept = seen, self._draw(snapshot, hidden)
         return self._kept[1]
 
-    def _draw(
-        self, snapshot: Snapshot, size: tuple[int, int], hidden: Hidden | None
-    ) -> Image.Image:
+    def _draw(self, snapshot: Snapshot, hidden: Hidden | None) -> Image.Image:
         assert self.camera is not None
         drawing = self._drawing
         drawing.view.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = self.shadows
@@ -187,8 +177,9 @@ class Renderer:
         sky = drawing.sees_sky()
         drawing.view.flags[mujoco.mjtRndFlag.mjRND_SKYBOX] = sky
         drawing.view.flags[mujoco.mjtRndFlag.mjRND_HAZE] = sky
-        rect = mujoco.MjrRect(0, 0, *size)
-        pixels = np.empty((size[1], size[0], 3), np.uint8)
+        width, height = self.size
+        rect = mujoco.MjrRect(0, 0, width, height)
+        pixels = np.empty((height, width, 3), np.uint8)
         mujoco.mjr_render(rect, drawing.view, self._context)
         mujoco.mjr_readPixels(pixels, None, rect, self._context)
         # OpenGL counts rows from the bottom.
@@ -224,9 +215,7 @@ def _background(snapshot: Snapshot) -> object:
     return contacts, solid, objects, snapshot.goals, snapshot.score.final, snapshot.score.held
 
 
-def check_size(
-    size: tuple[int, int], largest: tuple[int, int] = (LARGEST, LARGEST), even: bool = False
-) -> None:
+def check_size(size: tuple[int, int], even: bool = False) -> None:
     """Refuses a picture that cannot be drawn.
 
     Raises:
@@ -234,7 +223,7 @@ def check_size(
             matters.
     """
     whole = len(size) == 2 and all(isinstance(n, int) for n in size)
-    if whole and all(16 <= n <= top for n, top in zip(size, largest, strict=True)):
+    if whole and all(SMALLEST <= n <= LARGEST for n in size):
         if not even or not any(n % 2 for n in size):
             return
         raise InputError("a film of this kind has an even width and height", where="size", got=size)
@@ -242,5 +231,5 @@ def check_size(
         "a picture of this size cannot be drawn",
         where="size",
         got=size,
-        expected=f"16 to {largest[0]} by 16 to {largest[1]} pixels",
+        expected=f"width and height, {SMALLEST} to {LARGEST} pixels",
     )
