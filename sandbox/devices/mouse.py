@@ -107,7 +107,9 @@ class MouseDevice:
         """
         place = np.asarray(xy, float)
         with self._lock:
-            self._release()
+            if self._release():
+                # The button's release was never heard of.
+                self._emit()
             self._last = place
             pins = [i for i, f in self._fingers.items() if f.pinned]
             near = self._nearest(pins, place)
