@@ -13,8 +13,6 @@ from models.hand import CONTACT_OBJECT, CONTACT_TABLE
 Array = NDArray[np.float64]
 
 RED = (0.86, 0.30, 0.24)
-BLUE = (0.22, 0.45, 0.75)
-YELLOW = (0.95, 0.72, 0.22)
 
 
 @dataclass(frozen=True)

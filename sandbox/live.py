@@ -4,20 +4,11 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from typing import Protocol
 
 from models.errors import DivergenceError, HandSandboxError
 from sandbox.messages import Snapshot
 from sandbox.pacing import RealTime
 from sandbox.session import Session
-
-
-class LiveView(Protocol):
-    """A window."""
-
-    def pump(self, snapshot: Snapshot | None) -> bool:
-        """Draws the newest snapshot and takes in clicks; False when the person closed it."""
-        ...
 
 
 class LiveSession:

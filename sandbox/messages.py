@@ -1,14 +1,13 @@
-"""What a session tells its views.
+"""What a session tells its views: snapshots, of which the latest wins and any may be dropped.
 
-Snapshots: the latest wins, any may be dropped. Events: ordered, never lost.
-A snapshot is all that a window, a film, a page or a simulated user gets to see.
+A snapshot is all that a window, a film or a simulated user gets to see. Events, which are ordered
+and never lost, are in `sandbox.events`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,12 +85,3 @@ class Snapshot:
     goals: tuple[Goal, ...]
     score: Score
     notice: str = ""
-
-
-@dataclass(frozen=True)
-class Event:
-    """Something that happened once: `listening`, `trial_start`, `trial_end` or `warning`."""
-
-    kind: str
-    time: float
-    data: Mapping[str, Any]

@@ -49,11 +49,6 @@ def finger_name(label: int | None, state: str = "active") -> str:
     return "?" if label is None else FINGERS[label]
 
 
-def rgba(colour: Colour, alpha: float = 1.0) -> tuple[float, float, float, float]:
-    """The colour with an opacity, 0 to 1."""
-    return (*colour, alpha)
-
-
 def bytes_of(colour: Colour, alpha: float = 1.0) -> tuple[int, int, int, int]:
     """The colour as Pillow wants it, 0 to 255."""
     r, g, b, a = (round(255 * c) for c in (*colour, alpha))

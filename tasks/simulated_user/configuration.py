@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from models.errors import InputError
+
 KINDS = ("skilled", "idle", "random")
 """`skilled` plays the task; the control arms do nothing, or touch at random."""
 
@@ -57,6 +59,14 @@ class UserConfiguration:
     natural_axis: float = float(np.deg2rad(55.0))
     longest_span: float = 0.13
     attempts: int = 8
+
+    def __post_init__(self) -> None:
+        if self.kind not in KINDS or not 2 <= self.fingers <= 5:
+            raise InputError(
+                "no such simulated user",
+                got=f"{self.kind}, {self.fingers} fingers",
+                expected=f"{', '.join(KINDS)}; 2 to 5 fingers",
+            )
 
     def as_json(self) -> dict[str, Any]:
         """For results and recordings."""

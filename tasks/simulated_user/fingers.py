@@ -75,10 +75,6 @@ class Fingers:
         """(n, 2) m, where the fingers are meant to be."""
         return self._movement.at(now)
 
-    def arrived(self, now: float) -> bool:
-        """Whether the last movement is over."""
-        return now >= self._movement.begin + self._movement.duration - 1e-9
-
     def land(self, places: Array, now: float) -> None:
         """Puts the fingers down, one shortly after another."""
         n = self._c.fingers

@@ -34,9 +34,11 @@ class Grasp:
         """(n, 2) m, fingertips, thumb first, at `gap` outside the faces (inside if negative)."""
         along = np.array([np.cos(self.axis), np.sin(self.axis)])
         across = np.array([along[1], -along[0]])
-        reach = self.width / 2 + _TIP_RADIUS + gap
         others = c.fingers - 1
         pitch = min(c.pitch, (self.face - 0.004) / max(others - 1, 1))
+        # No wider than a real hand opens: the outermost finger is the farthest from the thumb.
+        widest = 0.5 * np.sqrt(c.longest_span**2 - (0.5 * (others - 1) * pitch) ** 2)
+        reach = min(self.width / 2 + _TIP_RADIUS + gap, widest)
         # Index first: with the thumb to the lower left, the index is the leftmost finger.
         offsets = (np.arange(others) - (others - 1) / 2) * pitch
         fingers = centre + reach * along + offsets[:, None] * across
