@@ -58,6 +58,10 @@ class CaptureError(InputError):
     """A capture file or its arrays break the contract of a capture."""
 
 
+class MotionError(InputError):
+    """A file of motion capture (BVH, ASF/AMC, markers, a table of poses) cannot be understood."""
+
+
 class EncoderError(InputError):
     """An encoder cannot be fitted, loaded or asked for what it was asked for."""
 

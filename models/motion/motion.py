@@ -1,0 +1,104 @@
+"""A skeleton of any kind in motion: what BVH and ASF/AMC have in common."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.errors import MotionError
+
+Array = NDArray[np.float64]
+
+
+class PlacedJoints(NamedTuple):
+    """Where the joints are, in the recording's own frame."""
+
+    positions: Array
+    """(T, J, 3) m."""
+    rotations: Array
+    """(T, J, 3, 3), the frame that a joint carries."""
+    ends: Array
+    """(T, J, 3) m, ends of the bones that have one; NaN elsewhere."""
+
+
+@dataclass(frozen=True)
+class Motion:
+    """T frames of J joints, parents before children.
+
+    Attributes:
+        names: Of the joints, unique.
+        parents: (J,) index of each joint's parent, -1 for a root.
+        shifts: (T, J, 3) m, place of every joint in its parent's frame.
+        rotations: (T, J, 3, 3) parent from joint.
+        ends: (J, 3) m, end of a joint's bone in the joint's frame; NaN where there is none.
+        frame_time: s.
+    """
+
+    names: tuple[str, ...]
+    parents: tuple[int, ...]
+    shifts: Array
+    rotations: Array
+    ends: Array
+    frame_time: float
+
+    def __len__(self) -> int:
+        return len(self.shifts)
+
+    @property
+    def time(self) -> Array:
+        """(T,) s from the first frame."""
+        return np.arange(len(self), dtype=np.float64) * self.frame_time
+
+    def index(self, name: str) -> int:
+        """Index of a joint.
+
+        Raises:
+            MotionError: There is no such joint.
+        """
+        if name not in self.names:
+            raise MotionError("no such joint", got=name, expected=", ".join(self.names))
+        return self.names.index(name)
+
+    def place(self) -> PlacedJoints:
+        """Forward kinematics of all frames."""
+        positions = np.empty(self.shifts.shape)
+        rotations = np.empty(self.rotations.shape)
+        for j, parent in enumerate(self.parents):
+            if parent < 0:
+                positions[:, j], rotations[:, j] = self.shifts[:, j], self.rotations[:, j]
+                continue
+            above = rotations[:, parent]
+            moved = (above @ self.shifts[:, j, :, None])[..., 0]
+            positions[:, j] = positions[:, parent] + moved
+            rotations[:, j] = above @ self.rotations[:, j]
+        ends = positions + (rotations @ self.ends[:, :, None])[..., 0]
+        return PlacedJoints(positions, rotations, ends)
+
+
+def turned_in_turn(angles: Array, axes: str, *, fixed: bool) -> Array:
+    """Rotations (..., 3, 3) by angles (..., n) rad about n axes, one after the other.
+
+    Args:
+        angles: In the order of the axes.
+        axes: Letters x, y and z.
+        fixed: True turns about axes that stand still (ASF), False about axes that turn along (BVH).
+    """
+    out = np.broadcast_to(np.eye(3), (*angles.shape[:-1], 3, 3))
+    for i, axis in enumerate(axes):
+        turn = _about("xyz".index(axis), angles[..., i])
+        out = turn @ out if fixed else out @ turn
+    return np.array(out)
+
+
+def _about(axis: int, angle: Array) -> Array:
+    """(..., 3, 3) turns about one coordinate axis."""
+    c, s = np.cos(angle), np.sin(angle)
+    out = np.zeros((*angle.shape, 3, 3))
+    b, d = (axis + 1) % 3, (axis + 2) % 3
+    out[..., axis, axis] = 1.0
+    out[..., b, b] = out[..., d, d] = c
+    out[..., b, d], out[..., d, b] = -s, s
+    return out

@@ -1,0 +1,72 @@
+"""Text files from outside: read whole, or refused with one clear error."""
+
+from __future__ import annotations
+
+import gzip
+import math
+import zlib
+from collections.abc import Sequence
+from pathlib import Path
+
+from models.errors import MotionError
+
+LARGEST = 512 * 2**20
+"""Bytes of text that are read at most: a day of motion capture is smaller, a bomb is not."""
+
+
+def read_lines(path: Path, what: str) -> list[str]:
+    """The lines of a text file, or of one packed with gzip (recognised by content).
+
+    Args:
+        path: The file.
+        what: What it should be, for messages: "a BVH file".
+
+    Raises:
+        MotionError: It is missing, damaged, too large, or not text.
+    """
+    where = str(path)
+    try:
+        with path.open("rb") as file:
+            packed = file.read(2) == b"\x1f\x8b"
+        with gzip.open(path, "rb") if packed else path.open("rb") as file:
+            data = file.read(LARGEST + 1)
+    except FileNotFoundError:
+        raise MotionError("there is no such file", where=where) from None
+    except (EOFError, zlib.error, gzip.BadGzipFile) as error:
+        raise MotionError("the packed file is damaged", where=where, got=str(error)) from None
+    except OSError as error:
+        raise MotionError("it cannot be read", where=where, got=error.strerror) from None
+    if len(data) > LARGEST:
+        raise MotionError("the file is too large", where=where, expected=f"{LARGEST:,} bytes")
+    if not data.strip():
+        raise MotionError("the file is empty", where=where, expected=what)
+    try:
+        if b"\0" in data:
+            raise ValueError
+        return data.decode("utf-8-sig").splitlines()
+    except ValueError:
+        raise MotionError("this is not text", where=where, expected=what) from None
+
+
+def numbers(tokens: Sequence[str], count: int, where: str) -> list[float]:
+    """The finite numbers that some words say.
+
+    Raises:
+        MotionError: There are more or fewer of them than `count`, or one is no finite number.
+    """
+    if len(tokens) != count:
+        raise MotionError(
+            "wrong number of values", where=where, got=len(tokens), expected=str(count)
+        )
+    values = []
+    for token in tokens:
+        try:
+            value = float(token)
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value):
+            raise MotionError(
+                "this is no finite number", where=where, got=token[:40], expected="a number"
+            )
+        values.append(value)
+    return values
