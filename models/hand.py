@@ -50,7 +50,7 @@ class Hand:
 
     Attributes:
         name: Prefix of its bodies, joints and actuators.
-        skeleton: Bones; the side is always right, a left hand works between two mirrors.
+        skeleton: Bones, of either side and any size.
         servo: One of `SERVOS`.
         impulse: Impulse limit of every servo, N s (or N m s) per 1/60 s.
         stiffness: Factor on the servo stiffnesses of the skeleton and the root.
@@ -234,7 +234,7 @@ def _palm_look(palm: Element, knuckles: list[NDArray[np.float64]], radius: float
     middle = (knuckles[1] + little) / 2
     SubElement(palm, "geom", {
         "type": "ellipsoid", "pos": _text(*(middle * [1.1, 0.46, 0.0])),
-        "size": _text(0.5 * (little[0] - knuckles[1][0]), 0.62 * middle[1], 1.20 * radius),
+        "size": _text(0.5 * abs(little[0] - knuckles[1][0]), 0.62 * middle[1], 1.20 * radius),
         "mass": "0", "group": "1",
     })  # fmt: skip
     # Wrist, cuff and sleeve. Three of each side by side make them wider than thick; the ends

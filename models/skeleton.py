@@ -23,6 +23,8 @@ from models.rotations import exp
 
 Array = NDArray[np.float64]
 
+_MIRROR = np.diag([-1.0, 1.0, 1.0])
+
 
 @dataclass(frozen=True)
 class Bone:
@@ -55,17 +57,19 @@ class Bone:
 
 @dataclass(frozen=True)
 class Skeleton:
-    """A right hand; a left hand is this one between two mirrors.
+    """A right hand, or the left one that `mirrored` makes of it.
 
     Attributes:
         name: Written into captures.
         bones: 14 bones, finger by finger, from the palm outwards; the order of the pose `q`.
         palm_radius: m, thickness of the palm's capsules.
+        side: `right` or `left`.
     """
 
     name: str
     bones: tuple[Bone, ...]
     palm_radius: float
+    side: str = "right"
 
     @cached_property
     def first_bone(self) -> Array:
@@ -104,7 +108,27 @@ class Skeleton:
             )
             for b in self.bones
         )
-        return Skeleton(f"{self.name} x{factor:g}", bones, self.palm_radius * factor)
+        name = f"{self.name} x{factor:g}"
+        return Skeleton(name, bones, self.palm_radius * factor, self.side)
+
+    def mirrored(self) -> Skeleton:
+        """The other hand: this one seen in a mirror across x = 0; its own inverse.
+
+        `models.pose.mirrored` of a pose puts it behind the mirror, bone by bone.
+        """
+        bones = tuple(
+            replace(
+                b,
+                anchor=(-b.anchor[0], b.anchor[1], b.anchor[2]),
+                rest=_MIRROR @ b.rest @ _MIRROR,
+                # Turns about x look alike in the mirror, those about y and z the other way round.
+                lower=np.array([b.lower[0], -b.upper[1], -b.upper[2]]),
+                upper=np.array([b.upper[0], -b.lower[1], -b.lower[2]]),
+            )
+            for b in self.bones
+        )
+        side = "left" if self.side == "right" else "right"
+        return Skeleton(self.name, bones, self.palm_radius, side)
 
 
 def _degrees(*values: float) -> Array:

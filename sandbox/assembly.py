@@ -11,10 +11,12 @@ from encoders.belief import builtin_belief
 from encoders.contact_tracker import TrackerSettings
 from encoders.correction import CorrectionSettings
 from encoders.labelling import Labeller, PaperLabels
+from encoders.personal import personal
 from encoders.touch_reconstructor import ReconstructorSettings, TouchReconstructor
 from encoders.trained import BUILTIN, TrainedModel, builtin, load_model
 from models.errors import InputError
 from models.hand import Hand
+from models.skeleton import ADULT
 from models.surface import Surface
 from sandbox.devices.device import Device
 from sandbox.session import Recorder, Rig, Session
@@ -77,19 +79,24 @@ def make_labeller(settings: RunSettings, model: TrainedModel) -> Labeller:
 def build(
     settings: RunSettings, make_device: DeviceMaker, recorder: Recorder | None = None
 ) -> Session:
-    """A session with one right hand, ready for its first step."""
+    """A session with one hand, ready for its first step."""
     task_type = find_task(settings.task)
     surface = settings.surface.centred_at((0.0, 0.0, task_type.touch_height))
     task = task_type.draw(settings.seed, surface)
-    hand = Hand(servo=settings.servo, impulse=settings.impulse)
+    person = settings.person
+    hand = Hand(person.hand, person.skeleton(ADULT), servo=settings.servo, impulse=settings.impulse)
     model = load_encoder(settings.encoder)
-    reconstructor = TouchReconstructor(
-        model,
-        make_labeller(settings, model),
-        hand.skeleton,
-        surface,
-        reconstructor_settings(settings),
-    )
+
+    def trained_hand(surface: Surface) -> TouchReconstructor:
+        return TouchReconstructor(
+            model,
+            make_labeller(settings, model),
+            ADULT,
+            surface,
+            reconstructor_settings(settings),
+        )
+
+    reconstructor = personal(person, surface, trained_hand)
     rules = SolidityRules(settings.ghost_until_clear, settings.distal_only)
     rig = Rig(make_device(task, surface), reconstructor, hand)
     return Session(task, [rig], rules, settings.timestep, recorder)

@@ -16,7 +16,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.touch_reconstructor import Reconstruction, TouchReconstructor
+from encoders.personal import Reconstructor
+from encoders.touch_reconstructor import Reconstruction
 from models.errors import DivergenceError
 from models.frames import TouchFrame
 from models.hand import Hand
@@ -51,7 +52,7 @@ class Rig:
     """A device, the reconstructor of its frames, and the hand they drive."""
 
     device: Device
-    reconstructor: TouchReconstructor
+    reconstructor: Reconstructor
     hand: Hand
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 from models.errors import InputError
 from models.hand import IMPULSE_PROFILES, SERVOS
+from models.person import HANDS, Person
 from models.surface import PRESETS, Surface
 
 LABELS = ("history", "paper", "device")
@@ -35,6 +36,9 @@ class RunSettings:
         surface_in: Width and height of the touch surface, inches.
         surface_calibrated: False where its size is a guess.
         timestep: s of physics.
+        hand: `right` or `left`.
+        hand_size: Length of the person's hand against the trained one.
+        turn: degrees, where the person sits (see `models.person.Person`).
     """
 
     task: str = "box-to-goal"
@@ -53,12 +57,21 @@ class RunSettings:
     surface_in: tuple[float, float] = PRESETS["ipad2"]
     surface_calibrated: bool = True
     timestep: float = 0.002
+    hand: str = HANDS[0]
+    hand_size: float = 1.0
+    turn: int = 0
 
     def __post_init__(self) -> None:
         if self.labels not in LABELS:
             raise InputError(
                 "no such labels", where="labels", got=self.labels, expected=", ".join(LABELS)
             )
+        _ = self.person
+
+    @property
+    def person(self) -> Person:
+        """Whose hand it is, checked."""
+        return Person(self.hand, self.hand_size, self.turn)
 
     @property
     def surface(self) -> Surface:
@@ -76,6 +89,8 @@ class RunSettings:
         Raises:
             InputError: A setting is missing or unknown: another version wrote it.
         """
+        # What older recordings do not tell was so before it could be chosen.
+        values = {**asdict(Person()), **values}
         names = {f.name for f in fields(cls)}
         if set(values) != names:
             raise InputError(

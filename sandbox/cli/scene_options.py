@@ -71,6 +71,16 @@ class SceneOptions:
     servo: Literal["orientation", "position"] = "orientation"
     """One servo on the rotation of each ball joint, or three on its components."""
 
+    hand: Literal["right", "left"] | None = None
+    """Which hand touches; the right one unless a recording or profile says otherwise."""
+
+    hand_size: Annotated[float | None, tyro.conf.arg(metavar="RATIO")] = None
+    """Length of the hand against the trained one, 0.6 to 1.6; `sandbox calibrate` measures it."""
+
+    turn: Literal[0, 90, 180, 270] | None = None
+    """Where the person sits: 0 at the screen's lower edge, 90 at its right one, 180 at its upper
+    one, 270 at its left one."""
+
     surface: Annotated[str | None, tyro.conf.arg(metavar="SIZE")] = None
     """Size of the touch surface: 7.76x5.82in, 197x148mm or a preset such as ipad2."""
 
@@ -135,7 +145,13 @@ def plan(options: SceneOptions) -> Plan:
 
         def simulated(task: Task, surface: Surface) -> Device:
             return SimulatedDevice(
-                task, user, surface, settings.seed, options.tell_labels, options.drop_outs
+                task,
+                user,
+                surface,
+                settings.seed,
+                options.tell_labels,
+                options.drop_outs,
+                settings.person,
             )
 
         return _keeping(settings, about, False, simulated)
@@ -149,7 +165,9 @@ def plan(options: SceneOptions) -> Plan:
     if options.device == "mouse":
         from sandbox.devices.mouse import MouseDevice
 
-        return _keeping(settings, about, True, lambda task, surface: MouseDevice(surface))
+        return _keeping(
+            settings, about, True, lambda task, surface: MouseDevice(surface, settings.person)
+        )
     if recording is not None:
         played = recording
         about["user"] = recording.header.get("user")
@@ -204,6 +222,8 @@ def _settings(options: SceneOptions, recording: Recording | None) -> RunSettings
         values |= _PARTS[part]
     if options.tell_labels:
         values["labels"] = "device"
+    asked = {"hand": options.hand, "hand_size": options.hand_size, "turn": options.turn}
+    values |= {name: value for name, value in asked.items() if value is not None}
     if options.surface:
         surface = parse_surface(options.surface)
         values["surface_in"] = (surface.width_in, surface.height_in)
@@ -216,8 +236,9 @@ def _settings(options: SceneOptions, recording: Recording | None) -> RunSettings
 def _defaults_apart_from_input(options: SceneOptions) -> bool:
     """Whether a recording is to be run just as it was."""
     plain = SceneOptions()
-    keys = ("encoder", "bare", "without", "impulse", "servo", "surface", "tell_labels")
-    return all(getattr(options, k) == getattr(plain, k) for k in keys)
+    pipeline = ("encoder", "bare", "without", "impulse", "servo", "surface", "tell_labels")
+    person = ("hand", "hand_size", "turn")
+    return all(getattr(options, k) == getattr(plain, k) for k in (*pipeline, *person))
 
 
 def _impulse(text: str) -> float:

@@ -11,7 +11,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclass, replacees import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from models.errors import InputError
 from models.frames import FINGERS, Contact, TouchFrame
 from models.kinematics import Kinematics
+from models.person import Person, PersonFrame
 from models.pose import POSE_SIZE
 from models.skeleton import ADULT
 from models.surface import Surface
@@ -59,12 +60,14 @@ class MouseDevice:
 
     Args:
         surface: The touch surface.
+        person: Which hand the keys put down, and from where; its size is that of the object.
     """
 
     name = "mouse"
 
-    def __init__(self, surface: Surface) -> None:
+    def __init__(self, surface: Surface, person: Person | None = None) -> None:
         self._size = surface.size
+        self._person = PersonFrame(replace(person or Person(), hand_size=1.0), surface)
         self._lock = threading.Lock()
         self._frames: deque[TouchFrame] = deque(maxlen=PENDING)
         self._fingers: dict[int, _Finger] = {}
@@ -203,7 +206,8 @@ class MouseDevice:
             self._is_hand = False
             if not there:
                 layout = default_hand(fingers)
-                places = np.asarray(xy, float) + np.array(list(layout.values()))
+                steps = self._person.outward_steps(list(layout.values()))
+                places = np.asarray(xy, float) + steps
                 places += np.maximum(-places.min(axis=0), 0.0)
                 places -= np.maximum(places.max(axis=0) - self._size, 0.0)
                 for label, place in zip(layout, places, strict=True):

@@ -4,28 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Protocol
 
 from models.frames import TouchFrame
+from models.person import Person
 from models.surface import Surface
 from sandbox.devices.drop_outs import DropOuts
 from sandbox.messages import Snapshot
 from tasks.simulated_user.configuration import UserConfiguration
 from tasks.simulated_user.control_arms import IdleUser, RandomUser
+from tasks.simulated_user.seated import Seat, SeatedUser, User
 from tasks.simulated_user.sight import SeenObject, Sight
 from tasks.simulated_user.user import SkilledUser
 from tasks.task import Task
-
-
-class User(Protocol):
-    """A simulated person."""
-
-    configuration: UserConfiguration
-
-    def look(self, sight: Sight) -> None: ...
-
-    def touch(self, now: float) -> TouchFrame: ...
-
 
 _USERS: dict[str, type[SkilledUser] | type[IdleUser] | type[RandomUser]] = {
     "skilled": SkilledUser,
@@ -44,6 +34,7 @@ class SimulatedDevice:
         seed: Of the person's chance.
         tell_labels: Tells which finger touches (an upper bound for labelling; never the default).
         drop_outs: Times per second that the screen loses each touch for a moment.
+        person: Which hand they use and where they sit.
     """
 
     name = "simulated"
@@ -57,11 +48,18 @@ class SimulatedDevice:
         seed: int,
         tell_labels: bool = False,
         drop_outs: float = 0.0,
+        person: Person | None = None,
     ) -> None:
         self._shapes = {thing.name: thing for thing in task.objects}
         self._tell_labels = tell_labels
         self._screen = DropOuts(drop_outs, seed)
-        self.user: User = _USERS[configuration.kind](configuration, surface, seed)
+        person = person or Person()
+        seat = Seat(person, surface)
+        plain = Person(hand_size=person.hand_size) == person
+        make = _USERS[configuration.kind]
+        self.user: User = make(configuration, surface if plain else seat.surface, seed)
+        # Who looks and touches: the user where they are, or from another seat.
+        self._seated: User = self.user if plain else SeatedUser(self.user, seat)
 
     def show(self, snapshot: Snapshot) -> None:
         """Lets the user look at the screen."""
@@ -75,7 +73,7 @@ class SimulatedDevice:
             name: SeenObject(self._shapes[name], o.position, o.rotation)
             for name, o in snapshot.objects.items()
         }
-        self.user.look(
+        self._seated.look(
             Sight(
                 snapshot.time,
                 tips,
@@ -88,7 +86,7 @@ class SimulatedDevice:
 
     def poll(self, now: float) -> Sequence[TouchFrame]:
         """What the user touches now."""
-        frame = self.user.touch(now)
+        frame = self._seated.touch(now)
         if self._tell_labels and isinstance(self.user, SkilledUser):
             # The user puts down thumb, index, ... in this order.
             order = {i: finger for finger, i in enumerate(self.user.finger_ids())}

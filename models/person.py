@@ -1,0 +1,143 @@
+"""Who touches: which hand, how large it is, and on which side of the screen its owner sits.
+
+All that is learned is learned from one right hand of one size at the lower edge of a screen. A
+person who is not like that is reached through `PersonFrame`: touches are turned, mirrored and
+scaled into what the trained hand would have touched, and its pose goes the same way back.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from models.errors import InputError
+from models.pose import ROOT_POSITION, ROOT_ROTATION, mirrored
+from models.rotations import exp, log
+from models.skeleton import Skeleton
+from models.surface import Surface
+
+Array = NDArray[np.float64]
+
+HANDS = ("right", "left")
+TURNS = (0, 90, 180, 270)
+SIZES = (0.6, 1.6)
+"""Least and greatest length of a hand against the trained one: from a small child's to beyond any
+adult's. What is outside is a typing error."""
+
+
+@dataclass(frozen=True)
+class Person:
+    """What is known of the person whose hand it is; plain values.
+
+    Attributes:
+        hand: One of `HANDS`.
+        hand_size: Length of the hand against that of the hand which encoders were trained on.
+        turn: Where the person sits: 0 at the screen's lower edge, 90 at its right one, 180 at its
+            upper one, 270 at its left one; that is, degrees counterclockwise round the screen.
+    """
+
+    hand: str = HANDS[0]
+    hand_size: float = 1.0
+    turn: int = 0
+
+    def __post_init__(self) -> None:
+        if self.hand not in HANDS:
+            raise InputError(
+                "no such hand", where="--hand", got=self.hand, expected=" or ".join(HANDS)
+            )
+        if not (np.isfinite(self.hand_size) and SIZES[0] <= self.hand_size <= SIZES[1]):
+            raise InputError(
+                "no hand is of this size", where="--hand-size", got=self.hand_size,
+                expected=f"{SIZES[0]:g} to {SIZES[1]:g} times the trained hand's",
+                remedy="`sandbox calibrate` measures it",
+            )  # fmt: skip
+        if self.turn not in TURNS:
+            raise InputError(
+                "nobody can sit there", where="--turn", got=self.turn,
+                expected=", ".join(map(str, TURNS)),
+            )  # fmt: skip
+
+    @property
+    def left(self) -> bool:
+        """Whether it is a left hand."""
+        return self.hand == "left"
+
+    def skeleton(self, trained: Skeleton) -> Skeleton:
+        """This person's hand, made of the trained one; an equal hand is the very same object."""
+        sized = trained if self.hand_size == 1.0 else trained.scaled(self.hand_size)
+        return sized.mirrored() if self.left else sized
+
+
+class PersonFrame:
+    """Between a screen and the frame in which every hand is the trained right hand.
+
+    Inwards: turned by where the person sits, mirrored if the hand is a left one, shrunk to the
+    trained hand's size. Both frames are surface frames: origin top left, x right, y down, m.
+
+    Args:
+        person: Whose touches.
+        surface: The screen, wherever it is in the world.
+
+    Attributes:
+        person: The same.
+        surface: The screen as the trained hand would find it: turned and shrunk with the touches,
+            at the world's origin, so that poses there are poses in its 3-D surface frame.
+        matrix: (2, 2) orthogonal; times a step on the screen, the same step inside, but for size.
+    """
+
+    def __init__(self, person: Person, surface: Surface) -> None:
+        self.person = person
+        size = surface.size
+        quarter = person.turn // 90
+        step = np.linalg.matrix_power(np.array([[0.0, -1.0], [1.0, 0.0]]), quarter)
+        if person.left:
+            step = np.diag([-1.0, 1.0]) @ step
+        corner = step @ size
+        self.matrix: Array = step
+        self._shift = np.maximum(-corner, 0.0)
+        width, height = (surface.width_in, surface.height_in)[:: -1 if quarter % 2 else 1]
+        scale = person.hand_size
+        self.surface = Surface(width / scale, height / scale, calibrated=surface.calibrated)
+
+    @property
+    def trivial(self) -> bool:
+        """Whether nothing changes on the way."""
+        return self.person == Person()
+
+    def inwards(self, xy: ArrayLike) -> Array:
+        """Points (..., 2) of the screen in the trained hand's frame."""
+        return (np.asarray(xy, float) @ self.matrix.T + self._shift) / self.person.hand_size
+
+    def outwards(self, xy: ArrayLike) -> Array:
+        """Inverse of `inwards`."""
+        return (np.asarray(xy, float) * self.person.hand_size - self._shift) @ self.matrix
+
+    def outward_steps(self, steps: ArrayLike) -> Array:
+        """Differences (..., 2) between points, outwards: without the frames' origins."""
+        return np.asarray(steps, float) * self.person.hand_size @ self.matrix
+
+    def outward_pose(self, q: ArrayLike) -> Array:
+        """The person's pose (..., 48) in the screen's 3-D surface frame.
+
+        Args:
+            q: (..., 48) pose of the trained right hand in its 3-D surface frame.
+        """
+        q = np.array(q, float)
+        q[..., ROOT_POSITION] *= self.person.hand_size
+        if self.person.left:
+            q = mirrored(q)
+        # The touch frame has y down, the 3-D frame y up.
+        flip = np.diag([1.0, -1.0])
+        shift = np.array([1.0, -1.0]) * (self._shift @ self.matrix)
+        if self.person.turn == 0:
+            q[..., :2] -= shift
+            return q
+        unmirrored = np.diag([-1.0, 1.0]) @ self.matrix if self.person.left else self.matrix
+        rotation = np.eye(3)
+        rotation[:2, :2] = flip @ unmirrored.T @ flip
+        q[..., ROOT_POSITION] = q[..., ROOT_POSITION] @ rotation.T
+        q[..., :2] -= shift
+        q[..., ROOT_ROTATION] = log(rotation @ exp(q[..., ROOT_ROTATION]))
+        return q

@@ -1,0 +1,113 @@
+"""A simulated user who is left-handed, or sits at another side of the screen.
+
+Such a person is the right-handed one at the lower edge who sees the world mirrored or turned, and
+whose touches go the same way back. What is seen is the same, and no less late.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.frames import TouchFrame
+from models.person import Person, PersonFrame
+from models.surface import Surface
+from tasks.simulated_user.configuration import UserConfiguration
+from tasks.simulated_user.sight import Sight
+
+Array = NDArray[np.float64]
+
+
+class User(Protocol):
+    """A simulated person."""
+
+    configuration: UserConfiguration
+
+    def look(self, sight: Sight) -> None: ...
+
+    def touch(self, now: float) -> TouchFrame: ...
+
+
+class Seat:
+    """Between the world and the one that a right-handed user at the lower edge would see.
+
+    Args:
+        person: Hand and seat; their hand's size makes no difference to what they see.
+        surface: The screen.
+
+    Attributes:
+        surface: The screen as that user finds it: turned about its own middle.
+    """
+
+    def __init__(self, person: Person, surface: Surface) -> None:
+        self._frame = PersonFrame(replace(person, hand_size=1.0), surface)
+        self._real = surface
+        middle = surface.to_world(surface.size / 2)
+        turned = replace(self._frame.surface, rotation=surface.rotation)
+        self.surface = turned.centred_at(middle)
+        flip = np.diag([1.0, -1.0])
+        matrix = np.eye(3)
+        matrix[:2, :2] = flip @ self._frame.matrix @ flip
+        self._matrix: Array = surface.rotation @ matrix @ surface.rotation.T
+        # Mirrored things are drawn mirrored: their own x axis turns round, and all stay solids.
+        self._own = np.diag([-1.0 if person.left else 1.0, 1.0, 1.0])
+
+    def point(self, world: Array) -> Array:
+        """A place (3,) m as that user sees it."""
+        height = float((world - np.asarray(self._real.origin)) @ self._real.rotation[:, 2])
+        return self.surface.to_world(self._frame.inwards(self._real.to_surface(world)), height)
+
+    def rotation(self, world: Array) -> Array:
+        """A rotation (3, 3) as that user sees it."""
+        return self._matrix @ world @ self._own
+
+    def yaw(self, yaw: float) -> float:
+        """rad about the vertical, as that user sees it."""
+        c, s = np.cos(yaw), np.sin(yaw)
+        seen = self.rotation(np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]))
+        return float(np.arctan2(seen[1, 0], seen[0, 0]))
+
+    def sight(self, sight: Sight) -> Sight:
+        """All that is on the screen."""
+        objects = {
+            name: replace(o, position=self.point(o.position), rotation=self.rotation(o.rotation))
+            for name, o in sight.objects.items()
+        }
+        goals = []
+        for goal in sight.goals:
+            x, y, z = self.point(np.asarray(goal.position)).tolist()
+            goals.append(replace(goal, position=(x, y, z), yaw=self.yaw(goal.yaw)))
+        tips = {i: self.point(tip) for i, tip in sight.tips.items()}
+        return replace(sight, tips=tips, objects=objects, goals=tuple(goals))
+
+    def frame(self, frame: TouchFrame) -> TouchFrame:
+        """That user's touches as the real screen feels them."""
+        contacts = []
+        for contact in frame.contacts:
+            x, y = self._frame.outwards((contact.x, contact.y)).tolist()
+            contacts.append(replace(contact, x=x, y=y))
+        return replace(frame, contacts=tuple(contacts))
+
+
+class SeatedUser:
+    """Any simulated user, on another seat or with the other hand.
+
+    Args:
+        user: Who was made for `seat.surface`.
+        seat: From where they look.
+    """
+
+    def __init__(self, user: User, seat: Seat) -> None:
+        self.user, self._seat = user, seat
+        self.configuration = user.configuration
+
+    def look(self, sight: Sight) -> None:
+        """Takes in what is on the screen now."""
+        self.user.look(self._seat.sight(sight))
+
+    def touch(self, now: float) -> TouchFrame:
+        """What the fingers do on the real screen now."""
+        return self._seat.frame(self.user.touch(now))
