@@ -1,0 +1,120 @@
+"""Everything about the second simulated subject that somebody chose, with units.
+
+Frame counts are the paper's (Chung, Kim, Han, Pollard 2015, section 4; its split between two and
+five fingers is ours). All else is a guess at how a hand is moved and measured. Amplitudes were set
+while looking at seeds 0 to 2, after the bands in docs/second-subject.md had been fixed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+SEED = 0
+"""Of the subject that examples and tests speak of."""
+
+
+@dataclass(frozen=True)
+class SecondConfiguration:
+    """How second subjects move, how they are measured, and what they are asked to do.
+
+    A spread is the half width of a uniform habit, or the scale of a heavy-tailed variation.
+
+    Attributes:
+        training_frames: Frames of day 0 with 2, 3, 4 and 5 fingers.
+        test_frames: The same of every later day.
+        training_rate: Hz of day 0.
+        test_rate: Hz of later days.
+        five_finger_repeats: Clips of each gesture with all fingers.
+        stay: s, least and greatest time between two changes of the touching fingers.
+        take_length: s, after which a take of a later day ends at the next change.
+        landing: s, in which a finger comes down before it touches, and rises afterwards.
+
+        pace: s, least and greatest time from one keyframe to the next.
+        strength: Least and greatest share of a grip against the relaxed hand.
+        calm: Factor on strength, turns and ways in free play.
+        way: m, half width and half height of the field in which the fingers' middle moves.
+        turn: rad, least and greatest yaw of turning, 0 straight away from the person.
+        bias: rad, half range of the yaw that a take with another gesture keeps to.
+        forearm: Share of the direction from elbow to fingers in the yaw.
+        elbow: m, from the near edge of the screen to the elbow.
+
+        habit: Spread of the manner that a take keeps to, in the order of `manners.MANNERS`
+            (rad, but for the last, m).
+        variety: Scale of the manner's change from keyframe to keyframe, likewise.
+        drift: Greatest step of a habit from take to take, as a share of its spread.
+        tail: Degrees of freedom of the Student distribution of the variety.
+
+        tip_width: m, distance that fingertips keep.
+        tip_height: m, middle of a touching fingertip above the screen.
+        clearance: m, least height of a lifted fingertip's middle above a touching one's.
+        raise_: rad, least and greatest angle by which a finger is lifted.
+        curl: Share of takes in which fingers are lifted by curling.
+        coupling: Least and greatest share of its neighbours' bending that a lifted finger follows.
+
+        pad: m, from fingertip's middle to the touch's with the finger flat on the screen.
+        jitter: m, of touches.
+        jitter_memory: Correlation of that from frame to frame at 30 Hz.
+        grid: m, in which the screen reports touches.
+        marker: m, constant error of each marker's place on the skin, drawn anew every day.
+        palm_marker: m, the same of the wrist's and the palm's markers.
+        tremble: m, fast error of markers.
+
+        day_manner: Shift of all habits on another day, as a share of their spread.
+        day_elbow: m, by which the subject sits elsewhere.
+        taste: Scale of a subject's preference for some sets of fingers over others.
+    """
+
+    training_frames: tuple[int, int, int, int] = (2500, 2020, 874, 1689)
+    test_frames: tuple[int, int, int, int] = (640, 720, 430, 748)
+    training_rate: float = 12.0
+    test_rate: float = 30.0
+    five_finger_repeats: int = 6
+    stay: tuple[float, float] = (0.7, 2.2)
+    take_length: float = 5.0
+    landing: float = 0.18
+
+    pace: tuple[float, float] = (0.45, 1.0)
+    strength: tuple[float, float] = (0.5, 1.1)
+    calm: float = 0.85
+    way: tuple[float, float] = (0.055, 0.035)
+    turn: tuple[float, float] = (-1.15, 1.30)
+    bias: float = 0.55
+    forearm: float = 0.5
+    elbow: float = 0.28
+
+    habit: tuple[float, ...] = (
+        0.12, 0.20, 0.05, 0.06, 0.12, 0.08, 0.10, 0.10, 0.10, 0.12, 0.14, 0.14, 0.010,
+    )  # fmt: skip
+    variety: tuple[float, ...] = (
+        0.05, 0.08, 0.03, 0.04, 0.05, 0.04, 0.05, 0.05, 0.05, 0.05, 0.05, 0.05, 0.004,
+    )  # fmt: skip
+    drift: float = 0.8
+    tail: float = 4.0
+
+    tip_width: float = 0.015
+    tip_height: float = 0.0055
+    clearance: float = 0.008
+    raise_: tuple[float, float] = (0.10, 0.50)
+    curl: float = 0.3
+    coupling: tuple[float, float] = (0.3, 0.7)
+
+    pad: float = 0.0045
+    jitter: float = 0.00025
+    jitter_memory: float = 0.6
+    grid: float = 0.00025
+    marker: float = 0.0007
+    palm_marker: float = 0.003
+    tremble: float = 0.0002
+
+    day_manner: float = 0.35
+    day_elbow: float = 0.025
+    taste: float = 0.5
+
+    def as_json(self) -> dict[str, Any]:
+        """The configuration as JSON values, for a capture's `meta`."""
+        return {k: list(v) if isinstance(v, tuple) else v for k, v in asdict(self).items()}
+
+
+FROZEN = SecondConfiguration()
+"""The configuration of all captures that are reported on."""

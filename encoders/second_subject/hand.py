@@ -1,0 +1,249 @@
+"""The second subject's hand: its bones, its joints, and where they put the fingertips.
+
+Everything here is written anew and shares no code with `models.kinematics` or with the first
+subject. Only the meaning of the 48 numbers is common: frames, order of joints and the flexions at
+which a joint counts as zero are those of `models.skeleton`, so that angles can be compared.
+
+A finger is a planar chain on a saddle: the knuckle swings sideways by one angle, and all three
+joints then bend in the plane to which it swung. The thumb is the same with two bones, and rolls
+about the line from its saddle to its tip, which leaves the tip where it is. So a fingertip has a
+closed form, and so has a finger that is to reach a point (`reach.py`).
+
+Proportions: fingers 7 to 10 % longer than those of the first subject, on a palm 3 % shorter and
+11 % narrower, with the thumb's base nearer to the wrist and turned further outwards. Finger lengths
+of adults scatter by 6 to 9 % about their mean (Chatzioglou, Pinar, Govsa 2024, Anat Cell Biol 57,
+172-182: thumb 49.5 +- 5.5, middle finger 70.7 +- 5.2 mm and so on), so this is another person, not
+another species. Index, ring and little finger measure 0.92, 0.94 and 0.77 of the middle finger;
+there 0.90, 0.93 and 0.75.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.frames import FINGERS
+from models.pose import BALL_JOINTS, JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION
+
+Array = NDArray[np.float64]
+
+ANGLES = ("swing", "first", "second", "roll", "last")
+"""Of a finger, rad: sideways at the knuckle (towards the thumb positive); flexion of the knuckle,
+of the middle joint; roll about the line from knuckle to tip (the thumb's alone); flexion of the
+last joint beyond what the middle joint's brings with it. Flexions count from the straight finger,
+the thumb's first from its resting direction."""
+SWING, FIRST, SECOND, ROLL, LAST = range(5)
+
+TENDON = np.array([0.0, 0.62, 0.62, 0.60, 0.55])
+"""Flexion of the last joint per flexion of the middle one, which share a tendon."""
+
+
+def _radians(*rows: tuple[float, ...]) -> Array:
+    return np.deg2rad(np.array(rows))
+
+
+@dataclass(frozen=True)
+class Hand:
+    """A right hand. Arrays have one row per finger, the thumb first; lengths are m, angles rad.
+
+    Attributes:
+        name: Written into captures.
+        knuckle: (5, 3) in the hand frame: origin at the wrist, y along the fingers, z out of the
+            back of the hand, x towards the little finger.
+        saddle: (5, 3, 3) hand from the knuckle's frame, in which a zero joint's bone lies along y.
+        bones: (5, 3) lengths, the last one to the middle of the fingertip; the thumb's third is 0.
+        zero: (5, 3) flexion at which each joint counts as zero.
+        tip_radius: (5,) of the fingertips' flesh.
+        reach_limits: (2, 5, 5) least and greatest of `ANGLES`, as a person moves them.
+    """
+
+    name: str
+    knuckle: Array
+    saddle: Array
+    bones: Array
+    zero: Array
+    tip_radius: Array
+    reach_limits: Array
+
+    def joint_limits(self) -> tuple[Array, Array]:
+        """(42,) least and (42,) greatest rotation-vector components of legal poses, rad.
+
+        Clinical ranges (knuckle -20 to 85 degrees of flexion, middle joint 0 to 105, last joint
+        -10 to 75), less their zeros, with a few degrees of play at joints that are nearly hinges.
+        """
+        saddle = ((-55.0, -10.0, -24.0), (50.0, 10.0, 24.0))
+        middle, last = (
+            ((-60.0, -4.0, -5.0), (45.0, 4.0, 5.0)),
+            ((-45.0, -4.0, -5.0), (40.0, 4.0, 5.0)),
+        )
+        thumb = (
+            ((-38.0, -24.0, -38.0), (38.0, 24.0, 38.0)),
+            ((-52.0, -8.0, -10.0), (32.0, 8.0, 10.0)),
+        )
+        rows = [*thumb, *([saddle, middle, last] * 4)]
+        lower, upper = np.deg2rad(np.array(rows)).reshape(BALL_JOINTS, 2, 3).swapaxes(0, 1)
+        return lower.ravel(), upper.ravel()
+
+    @property
+    def last_bone(self) -> NDArray[np.int64]:
+        """(5,) index of each finger's outermost bone."""
+        return _FIRST_BONE + np.array(_BONES) - 1
+
+    def rests(self) -> Array:
+        """(14, 3, 3) parent from bone at a zero joint."""
+        out = np.empty((BALL_JOINTS, 3, 3))
+        for finger, (first, count) in enumerate(zip(_FIRST_BONE, _BONES, strict=True)):
+            out[first] = self.saddle[finger]
+            for k in range(1, count):
+                out[first + k] = _about_x(-self.zero[finger, k])
+        return out
+
+    def bent(self, angles: Array) -> Array:
+        """(..., 5, 3) flexions of the three joints, from straight, of `ANGLES` (..., 5, 5)."""
+        last = TENDON * angles[..., SECOND] + angles[..., LAST]
+        return np.stack([angles[..., FIRST], angles[..., SECOND], last], axis=-1)
+
+    def tips_in_palm(self, angles: Array) -> Array:
+        """(..., 5, 3) m, fingertips in the hand frame, of `ANGLES` (..., 5, 5)."""
+        slope = np.cumsum(self.bent(angles), axis=-1) - self.zero[:, :1]
+        forward = (self.bones * np.cos(slope)).sum(axis=-1)
+        down = (self.bones * np.sin(slope)).sum(axis=-1)
+        swing = angles[..., SWING]
+        local = np.stack([-forward * np.sin(swing), forward * np.cos(swing), -down], axis=-1)
+        return (self.saddle @ local[..., None])[..., 0] + self.knuckle
+
+    def pose(self, root: Array, turn: Array, angles: Array) -> Array:
+        """(n, 48) pose.
+
+        Args:
+            root: (n, 3) m, place of the wrist.
+            turn: (n, 3, 3) its rotation.
+            angles: (n, 5, 5) `ANGLES`.
+        """
+        from scipy.spatial.transform import Rotation
+
+        n = len(root)
+        bent = self.bent(angles) - self.zero
+        base = _about_z(angles[..., SWING]) @ _about_x(-bent[..., 0])
+        # The roll goes about the line to the tip, seen from the knuckle.
+        local = self.tips_in_palm(angles) - self.knuckle
+        line = np.einsum("fji,nfj->nfi", self.saddle, local)
+        line /= np.linalg.norm(line, axis=-1, keepdims=True)
+        roll = Rotation.from_rotvec((angles[..., ROLL, None] * line).reshape(-1, 3)).as_matrix()
+        base = roll.reshape(n, 5, 3, 3) @ base
+        knuckles = Rotation.from_matrix(base.reshape(-1, 3, 3)).as_rotvec().reshape(n, 5, 3)
+        joints = np.zeros((n, BALL_JOINTS, 3))
+        joints[:, _FIRST_BONE] = knuckles
+        joints[:, _FIRST_BONE + 1, 0] = -bent[..., 1]
+        joints[:, _FIRST_BONE[1:] + 2, 0] = -bent[:, 1:, 2]
+        q = np.empty((n, POSE_SIZE))
+        q[:, ROOT_POSITION] = root
+        q[:, ROOT_ROTATION] = Rotation.from_matrix(turn).as_rotvec()
+        q[:, JOINTS] = joints.reshape(n, -1)
+        return q
+
+    def chain(self, q: Array) -> tuple[Array, Array, Array]:
+        """Forward kinematics of poses (n, 48).
+
+        Returns:
+            Places of the joints (n, 14, 3), rotations of the bones (n, 14, 3, 3) and fingertips
+            (n, 5, 3), m, in the frame of the poses' roots.
+        """
+        from scipy.spatial.transform import Rotation
+
+        n = len(q)
+        turns = Rotation.from_rotvec(q[:, 3:].reshape(-1, 3)).as_matrix().reshape(n, 15, 3, 3)
+        places, rotations = np.empty((n, BALL_JOINTS, 3)), np.empty((n, BALL_JOINTS, 3, 3))
+        tips = np.empty((n, len(FINGERS), 3))
+        for finger, (first, count) in enumerate(zip(_FIRST_BONE, _BONES, strict=True)):
+            place = q[:, ROOT_POSITION] + turns[:, 0] @ self.knuckle[finger]
+            rotation = turns[:, 0] @ self.saddle[finger]
+            for k in range(count):
+                if k:
+                    rotation = rotation @ _about_x(-self.zero[finger, k])
+                rotation = rotation @ turns[:, 1 + first + k]
+                places[:, first + k], rotations[:, first + k] = place, rotation
+                place = place + self.bones[finger, k] * rotation[..., 1]
+            tips[:, finger] = place
+        return places, rotations, tips
+
+    def tips(self, q: Array) -> Array:
+        """(n, 5, 3) m, middles of the fingertips of poses (n, 48)."""
+        return self.chain(q)[2]
+
+
+_BONES = (2, 3, 3, 3, 3)
+_FIRST_BONE = np.array([0, 2, 5, 8, 11])
+
+
+def _about_x(angle: Array | float) -> Array:
+    """(..., 3, 3) rotation about x, rad."""
+    return _turn(np.asarray(angle, float), 1, 2)
+
+
+def _about_y(angle: Array | float) -> Array:
+    """(..., 3, 3) rotation about y, rad."""
+    return _turn(np.asarray(angle, float), 2, 0)
+
+
+def _about_z(angle: Array | float) -> Array:
+    """(..., 3, 3) rotation about z, rad."""
+    return _turn(np.asarray(angle, float), 0, 1)
+
+
+def _turn(angle: Array, i: int, j: int) -> Array:
+    """(..., 3, 3) rotation that takes axis i towards axis j."""
+    out = np.zeros((*angle.shape, 3, 3))
+    out[..., 3 - i - j, 3 - i - j] = 1.0
+    out[..., i, i] = out[..., j, j] = np.cos(angle)
+    out[..., j, i] = np.sin(angle)
+    out[..., i, j] = -np.sin(angle)
+    return out
+
+
+def attitude(yaw: Array, pitch: Array, roll: Array) -> Array:
+    """(n, 3, 3) rotation of a hand, rad: yaw counterclockwise seen from above, fingers up, and
+    the little finger's side down."""
+    return _about_z(yaw) @ _about_x(pitch) @ _about_y(roll)
+
+
+def _thumb_saddle() -> Array:
+    """(3, 3) resting thumb: forwards, outwards and down, its pad towards the other fingers."""
+    along = np.array([-0.46, 0.64, -0.44])
+    along /= np.linalg.norm(along)
+    pad = np.array([0.66, 0.72, -0.15])
+    pad -= (pad @ along) * along
+    dorsal = -pad / np.linalg.norm(pad)
+    return np.stack([np.cross(along, dorsal), along, dorsal], axis=1)
+
+
+def _slender() -> Hand:
+    zero = _radians((0, 20, 0), *[(30, 45, 30)] * 4)
+    splay = np.deg2rad([5.0, 0.5, -4.5, -11.0])
+    saddle = np.concatenate([_thumb_saddle()[None], _about_z(splay) @ _about_x(-zero[1:, 0])])
+    return Hand(
+        name="slender",
+        knuckle=1e-3
+        * np.array(
+            [[-19, 18, -11], [-23, 85.5, 0], [-3.5, 88, 2], [15, 83.5, 0.5], [32, 75, -4]], float
+        ),
+        saddle=saddle,
+        bones=1e-3
+        * np.array(
+            [[48, 56, 0], [50, 28.5, 22.5], [54.5, 32, 23.5], [50.5, 30, 23], [39.5, 24, 21]]
+        ),
+        zero=zero,
+        tip_radius=1e-3 * np.array([8.0, 6.8, 7.0, 6.7, 6.0]),
+        reach_limits=np.stack(
+            [
+                _radians((-30, -30, -10, -18, 0), *[(-18, -12, 6, 0, -12)] * 4),
+                _radians((30, 30, 68, 18, 0), *[(18, 75, 95, 0, 10)] * 4),
+            ]
+        ),
+    )
+
+
+SLENDER = _slender()
+"""The hand of every second subject."""
