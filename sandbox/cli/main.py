@@ -14,6 +14,7 @@ COMMANDS: dict[str, str] = {
     "replay": "play a recording again and check every state",
     "subject": "make a capture of a simulated subject: touches and poses at the same time",
     "train": "train an encoder on a capture, or the built-in ones anew",
+    "evaluate": "measure how well methods reconstruct hands and name fingers: the paper's tables",
     "touches": "show, send and describe touches: the first thing to try with a new tablet",
 }
 """Command -> one line of help. Each lives in sandbox/cli/COMMAND.py as `main(argv) -> int`."""

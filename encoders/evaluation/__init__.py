@@ -1,0 +1,9 @@
+"""How well a method reconstructs hands: the paper's tables, and what they leave out.
+
+Numbers only; `sandbox evaluate` shows them, and `docs/evaluation.md` says how each is defined.
+"""
+
+from encoders.evaluation.measure import MethodResult, evaluate_method
+from encoders.evaluation.methods import EncoderMethod, Method
+
+__all__ = ["EncoderMethod", "Method", "MethodResult", "evaluate_method"]

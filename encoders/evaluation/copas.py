@@ -1,0 +1,158 @@
+"""The Copas test: are an encoder's predictions too extreme on frames that it has not seen?
+
+Captured values are regressed on out-of-sample predictions, y = b0 + b1 yhat. An encoder that fits
+no more than there is has b0 = 0 and b1 = 1; where it has fitted noise, b1 < 1 (Copas 1983, Journal
+of the Royal Statistical Society B 45, 311-354). The paper counts overfitted joints over ten folds
+and says no more, so several rules are reported here; a degree of freedom counts as overfitted if
+b1 < 1 and
+
+- `f_test`: b0 = 0 and b1 = 1 together are rejected at 5 % (F test with 2 and n - 2 degrees of
+  freedom); this one is the headline;
+- `t_test`: b1 = 1 is rejected at 5 %, one-sided;
+- `clustered`: the same with a standard error that lets frames of one take depend on each other,
+  which they do.
+
+Folds of random frames are the paper's, as far as one can tell. They leak, as neighbours in time are
+nearly equal: folds that never split a take tell more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.trained import trial_folds
+from models.errors import EncoderError
+
+Array = NDArray[np.float64]
+
+FOLDS = 10
+LEVEL = 0.05
+RULES = ("f_test", "t_test", "clustered")
+
+_STILL = 1e-9
+"""rad or m, spread of predictions below which there is no slope to speak of."""
+
+
+class Encoder(Protocol):
+    """What can be fitted and asked."""
+
+    def fit(self, U: Array, Q: Array) -> Any:
+        """Learns from inputs (T, width) and outputs (T, n)."""
+
+    def predict(self, U: Array) -> Array:
+        """Outputs (T, n) of inputs (T, width)."""
+
+
+@dataclass(frozen=True)
+class CopasFold:
+    """One fold's verdicts about n outputs.
+
+    Attributes:
+        slope: (n,) b1; NaN where the predictions do not vary.
+        overfitted: Rule -> (n,) bool.
+    """
+
+    slope: Array
+    overfitted: dict[str, NDArray[np.bool_]]
+
+
+@dataclass(frozen=True)
+class Copas:
+    """All folds' verdicts."""
+
+    folds: tuple[CopasFold, ...]
+
+    def count(self, rule: str) -> float:
+        """Overfitted outputs, mean over the folds."""
+        return float(np.mean([fold.overfitted[rule].sum() for fold in self.folds]))
+
+    @property
+    def median_slope(self) -> float:
+        """Over outputs and folds; NaN where no prediction varies."""
+        slopes = np.concatenate([fold.slope for fold in self.folds])
+        slopes = slopes[np.isfinite(slopes)]
+        return float(np.median(slopes)) if len(slopes) else float("nan")
+
+
+def random_folds(frames: int, folds: int = FOLDS, seed: int = 0) -> NDArray[np.int64]:
+    """(frames,) fold of every frame, drawn at random, equally large."""
+    return np.random.default_rng(seed).permutation(np.arange(frames) % folds)
+
+
+def copas(
+    fresh: Callable[[], Encoder],
+    U: Array,
+    Q: Array,
+    trial: NDArray[np.int64],
+    blocked: bool,
+    folds: int = FOLDS,
+    progress: Callable[[float], None] | None = None,
+) -> Copas:
+    """The test by cross-validation.
+
+    Args:
+        fresh: Makes an encoder that has learned nothing yet.
+        U: (T, width) inputs.
+        Q: (T, n) outputs.
+        trial: (T,) take of every frame.
+        blocked: Folds never split a take; otherwise frames are drawn at random.
+        folds: How many.
+        progress: Called with the share done.
+
+    Raises:
+        EncoderError: There are fewer takes (or frames) than two folds need.
+    """
+    fold = trial_folds(trial, folds) if blocked else random_folds(len(U), folds)
+    names = np.unique(fold)
+    if len(names) < 2:
+        raise EncoderError("the Copas test needs two folds", expected="2 takes or more")
+    verdicts = []
+    for done, k in enumerate(names):
+        out = fold == k
+        encoder = fresh()
+        encoder.fit(U[~out], Q[~out])
+        verdicts.append(verdict(Q[out], encoder.predict(U[out]), trial[out]))
+        if progress:
+            progress((done + 1) / len(names))
+    return Copas(tuple(verdicts))
+
+
+def verdict(y: Array, predicted: Array, trial: NDArray[np.int64]) -> CopasFold:
+    """Slopes and tests of captured values (n, d) on predictions (n, d) that are out of sample."""
+    from scipy.stats import f, t
+
+    n = len(y)
+    centre = predicted.mean(axis=0)
+    x = predicted - centre
+    sxx = np.sum(x * x, axis=0)
+    varies = (np.sqrt(sxx / n) > _STILL) & (n > 2)
+    sxx = np.where(varies, sxx, 1.0)
+    slope = np.sum(x * (y - y.mean(axis=0)), axis=0) / sxx
+    residual = y - y.mean(axis=0) - slope * x
+    rest = np.maximum(np.sum(residual**2, axis=0), np.finfo(float).tiny)
+    free = max(n - 2, 1)
+    ratio = ((np.sum((y - predicted) ** 2, axis=0) - rest) / 2.0) / (rest / free)
+    error = np.sqrt(rest / free / sxx)
+    low = varies & (slope < 1.0)
+    overfitted = {
+        "f_test": low & (f.sf(ratio, 2, free) < LEVEL),
+        "t_test": low & (t.cdf((slope - 1.0) / error, free) < LEVEL),
+    }
+    # Scores of one take add up before they are squared: what they share is no independent evidence.
+    _, cluster = np.unique(trial, return_inverse=True)
+    clusters = int(cluster.max()) + 1
+    scores = np.zeros((clusters, y.shape[1]))
+    np.add.at(scores, cluster, x * residual)
+    if clusters > 1:
+        spread = np.sqrt(np.sum(scores**2, axis=0) * clusters / (clusters - 1)) / sxx
+        spread = np.maximum(spread, np.finfo(float).tiny)
+        robust = t.cdf((slope - 1.0) / spread, clusters - 1) < LEVEL
+    else:
+        robust = np.zeros(len(slope), bool)
+    overfitted["clustered"] = low & robust
+    return CopasFold(np.where(varies, slope, np.nan), overfitted)

@@ -1,0 +1,159 @@
+"""How often a method names the fingers right: Table 2, and a lone contact.
+
+A labeller is told of contacts in a random order and under ids drawn anew, so that neither the order
+in which a capture stores fingers nor the order of their ids can tell it anything. It is asked at
+every frame. One without history is reset before each; one with history carries what it knows
+through a take, and is reset at the next. A frame counts as right if all its contacts are.
+
+A lone contact, which the captures of the simulated subjects and of the paper do not hold:
+
+- `stayed`: just before the set of contacts changes, and at the end of a take, all fingers but one
+  leave. A method with history keeps that contact's label, as the program does while a contact
+  lives; one without is asked about the contact alone. Frames with one contact count here, too.
+- `first`: at the beginning of a take one finger lands before the others. Nothing is known of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.capture import Capture
+from encoders.labelling import Labeller
+
+Array = NDArray[np.float64]
+Contacts = dict[int, tuple[float, float]]
+
+COUNTS = (1, 2, 3, 4, 5)
+SEVERAL = COUNTS[1:]
+"""What `all` means in Table 2."""
+
+
+@dataclass(frozen=True)
+class Verdicts:
+    """Right or wrong, and the take in which.
+
+    Attributes:
+        right: (n,) bool.
+        trial: (n,) int.
+    """
+
+    right: NDArray[np.bool_]
+    trial: NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class OwnLabels:
+    """A capture as a labeller saw it.
+
+    Attributes:
+        xy: (T, 5, 2) m, contacts by the labels that the labeller gave them, NaN where it gave none.
+        right: (T,) all contacts of the frame have their own label.
+        stayed: About lone contacts that stayed.
+        first: About lone contacts that came first.
+    """
+
+    xy: Array
+    right: NDArray[np.bool_]
+    stayed: Verdicts
+    first: Verdicts
+
+
+def own_labels(
+    capture: Capture,
+    make: Callable[[], Labeller],
+    history: bool,
+    seed: int = 0,
+    progress: Callable[[float], None] | None = None,
+) -> OwnLabels:
+    """Labels a capture.
+
+    Args:
+        capture: Its labels are used to judge only.
+        make: Makes a labeller with no contact yet.
+        history: Whether it may remember earlier frames of a take.
+        seed: Of the shuffling.
+        progress: Called with the share done.
+    """
+    rng = np.random.default_rng(seed)
+    labeller, alone = make(), make()
+    xy = np.full_like(capture.xy, np.nan)
+    right = np.zeros(len(capture), bool)
+    stayed: list[tuple[bool, int]] = []
+    first: list[tuple[bool, int]] = []
+    for trial, frames in takes(capture):
+        labeller.reset()
+        ids = _drawn_ids(rng, capture.ids[frames])
+        truth: dict[int, int] = {}
+        labels: dict[int, int] = {}
+        places: Contacts = {}
+        for row, frame in enumerate(frames):
+            fingers = np.flatnonzero(capture.down[frame])
+            now = {ids[int(capture.ids[frame, f])]: int(f) for f in fingers}
+            if now.keys() != truth.keys():
+                known = labels if history else None
+                stayed += [(good, trial) for good in _left_alone(alone, truth, places, known)]
+            truth = now
+            places = _shuffled(rng, truth, capture.xy[frame])
+            if row == 0:
+                for contact, finger in truth.items():
+                    found = _ask(alone, {contact: places[contact]})
+                    first.append((found[contact] == finger, trial))
+            if not history:
+                labeller.reset()
+            labels = labeller.assign(places, {}).labels
+            right[frame] = labels == truth
+            if len(truth) == 1:
+                stayed.append((bool(right[frame]), trial))
+            for contact, label in labels.items():
+                xy[frame, label] = places[contact]
+        known = labels if history else None
+        stayed += [(good, trial) for good in _left_alone(alone, truth, places, known)]
+        if progress:
+            progress((int(frames[-1]) + 1) / len(capture))
+    return OwnLabels(xy, right, _verdicts(stayed), _verdicts(first))
+
+
+def takes(capture: Capture) -> Iterator[tuple[int, NDArray[np.intp]]]:
+    """Number and frames of every take, in the order of the capture."""
+    starts = np.flatnonzero(np.diff(capture.trial, prepend=capture.trial[0] - 1))
+    for frames in np.split(np.arange(len(capture)), starts[1:]):
+        yield int(capture.trial[frames[0]]), frames
+
+
+def _left_alone(
+    labeller: Labeller, truth: dict[int, int], places: Contacts, known: dict[int, int] | None
+) -> Iterator[bool]:
+    """Whether each contact, if all others left, has its own label: a known one, or asked anew."""
+    if len(truth) < 2:
+        return
+    for contact, finger in truth.items():
+        found = _ask(labeller, {contact: places[contact]}) if known is None else known
+        yield found[contact] == finger
+
+
+def _ask(labeller: Labeller, contacts: Contacts) -> dict[int, int]:
+    labeller.reset()
+    return labeller.assign(contacts, {}).labels
+
+
+def _drawn_ids(rng: np.random.Generator, ids: NDArray[np.int64]) -> dict[int, int]:
+    """Other numbers for the ids of a take, drawn at random."""
+    known = np.unique(ids[ids >= 0])
+    return dict(zip(known.tolist(), rng.permutation(len(known)).tolist(), strict=True))
+
+
+def _shuffled(rng: np.random.Generator, truth: dict[int, int], xy: Array) -> Contacts:
+    """Contacts of a frame in a random order."""
+    order = rng.permutation(np.array(list(truth)))
+    return {int(i): (float(xy[truth[i], 0]), float(xy[truth[i], 1])) for i in order.tolist()}
+
+
+def _verdicts(pairs: list[tuple[bool, int]]) -> Verdicts:
+    return Verdicts(
+        np.array([right for right, _ in pairs], bool),
+        np.array([trial for _, trial in pairs], np.int64),
+    )

@@ -1,0 +1,197 @@
+"""Measures one method on test captures: everything that tables and plots are made of."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.capture import Capture
+from encoders.evaluation.copas import FOLDS, Copas, copas
+from encoders.evaluation.errors import PoseErrors, limit_share, pose_errors, tip_errors
+from encoders.evaluation.labels import COUNTS, OwnLabels, Verdicts, own_labels, takes
+from encoders.evaluation.methods import Method
+from encoders.evaluation.smoothness import Smoothness, joined, smoothness
+from encoders.evaluation.timing import us_in_batch, us_per_call
+from models.errors import EncoderError
+
+Array = NDArray[np.float64]
+Progress = Callable[[float], None]
+
+TRUE, OWN = "true_labels", "own_labels"
+LABELS = (TRUE, OWN)
+
+_LEFT, _TIMED_FRAMES = 0.5, 200
+
+
+class Tests:
+    """Test captures, one after the other; takes of different captures have different numbers."""
+
+    __test__ = False  # pytest would take the name for a test's
+
+    def __init__(self, captures: Sequence[Capture]) -> None:
+        if not captures:
+            raise EncoderError("there is nothing to test on", expected="one capture or more")
+        self.captures = tuple(captures)
+
+    @cached_property
+    def source(self) -> NDArray[np.int64]:
+        """(T,) which capture a frame is of."""
+        return np.repeat(np.arange(len(self.captures)), [len(c) for c in self.captures])
+
+    @cached_property
+    def block(self) -> NDArray[np.int64]:
+        """(T,) take of every frame, numbered through."""
+        blocks = [self.take_of(i, c.trial) for i, c in enumerate(self.captures)]
+        return np.concatenate(blocks)
+
+    def take_of(self, source: int, trial: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Numbers, through all captures, of takes (n,) of one capture."""
+        before = sum(len(np.unique(c.trial)) for c in self.captures[:source])
+        return before + np.searchsorted(np.unique(self.captures[source].trial), trial)
+
+    @cached_property
+    def fingers(self) -> NDArray[np.int64]:
+        """(T,) how many fingers touch."""
+        return np.concatenate([c.down.sum(axis=1) for c in self.captures])
+
+    @cached_property
+    def q(self) -> Array:
+        """(T, 48) captured poses."""
+        return np.concatenate([c.q for c in self.captures])
+
+    @cached_property
+    def xy(self) -> Array:
+        """(T, 5, 2) m, touches."""
+        return np.concatenate([c.xy for c in self.captures])
+
+    def smoothness(self, q: Array) -> Smoothness:
+        """Of poses (T, 48)."""
+        parts = np.split(q, np.cumsum([len(c) for c in self.captures])[:-1])
+        return joined([smoothness(p, c) for p, c in zip(parts, self.captures, strict=True)])
+
+
+@dataclass(frozen=True)
+class MethodResult:
+    """What one method did on T test frames; keys `true_labels` and `own_labels`.
+
+    Attributes:
+        name: Of the method.
+        q: (T, 48) estimated poses.
+        errors: Of these.
+        smoothness: Of these.
+        right: (T,) labels of the whole frame are right.
+        stayed: Verdicts about lone contacts that stayed; takes numbered through.
+        first: About lone contacts that came first.
+        tips: (contacts,) cm from touch to our fingertip, with true labels.
+        limits: Share of joint components outside our hand's ranges, with true labels.
+        us_per_pose: One call of one pose.
+        us_in_batch: One pose of 120; None where there is no such call.
+        timed: What was timed.
+        copas: `random` and `blocked`; empty where the test does not apply.
+    """
+
+    name: str
+    q: dict[str, Array]
+    errors: dict[str, PoseErrors]
+    smoothness: dict[str, Smoothness]
+    right: NDArray[np.bool_]
+    stayed: Verdicts
+    first: Verdicts
+    tips: Array
+    limits: float
+    us_per_pose: float
+    us_in_batch: float | None
+    timed: str
+    copas: dict[str, Copas]
+
+
+def evaluate_method(
+    method: Method,
+    tests: Tests,
+    training: Capture | None = None,
+    progress: Progress | None = None,
+    folds: int = FOLDS,
+) -> MethodResult:
+    """Runs a method over test captures.
+
+    Args:
+        method: Trained.
+        tests: Captures that it has not seen.
+        training: For the Copas test, which is left out without it.
+        progress: Called with the share done.
+        folds: Of the Copas test.
+    """
+    tested = training if method.fresh is not None else None
+    share = _LEFT if tested is not None else 1.0
+    own: list[OwnLabels] = []
+    q: dict[str, list[Array]] = {TRUE: [], OWN: []}
+    done = 0
+    for i, capture in enumerate(tests.captures):
+        q[TRUE].append(method.estimate(capture.time, capture.trial, capture.xy))
+
+        def part(x: float, before: int = done, size: int = len(capture)) -> None:
+            if progress:
+                progress(share * (before + x * size) / len(tests.q))
+
+        own.append(own_labels(capture, method.labeller, method.history, i, part))
+        q[OWN].append(method.estimate(capture.time, capture.trial, own[-1].xy))
+        done += len(capture)
+    poses = {labels: np.concatenate(parts) for labels, parts in q.items()}
+    single, batch, timed = _timed(method, tests)
+    found: dict[str, Copas] = {}
+    if tested is not None and method.fresh is not None:
+        U, Q, trial = tested.u, tested.relative, tested.trial
+        for k, (name, blocked) in enumerate((("random", False), ("blocked", True))):
+
+            def fold(x: float, half: int = k) -> None:
+                if progress:
+                    progress(share + (1.0 - share) * (half + x) / 2)
+
+            found[name] = copas(method.fresh, U, Q, trial, blocked, folds, fold)
+    return MethodResult(
+        method.name,
+        poses,
+        {labels: pose_errors(p, tests.q) for labels, p in poses.items()},
+        {labels: tests.smoothness(p) for labels, p in poses.items()},
+        np.concatenate([o.right for o in own]),
+        _together(tests, [o.stayed for o in own]),
+        _together(tests, [o.first for o in own]),
+        tip_errors(poses[TRUE], tests.xy),
+        limit_share(poses[TRUE]),
+        single,
+        batch,
+        timed,
+        found,
+    )
+
+
+def _together(tests: Tests, parts: list[Verdicts]) -> Verdicts:
+    return Verdicts(
+        np.concatenate([p.right for p in parts]),
+        np.concatenate([tests.take_of(i, p.trial) for i, p in enumerate(parts)]),
+    )
+
+
+def _timed(method: Method, tests: Tests) -> tuple[float, float | None, str]:
+    """Microseconds of one pose called singly and in a batch, and what was called."""
+    capture = tests.captures[0]
+    if method.encoder is not None:
+        predict = method.encoder.predict
+        return us_per_call(predict, capture.u), us_in_batch(predict, capture.u), "predict"
+    # One that remembers is timed over the beginning of a take, as it is used.
+    frames = next(frames for _, frames in takes(capture))[:_TIMED_FRAMES]
+    some = capture.select(frames)
+
+    def whole(_: Array) -> Array:
+        return method.estimate(some.time, some.trial, some.xy)
+
+    return us_per_call(whole, np.zeros((1, 1))) / len(some), None, "estimate, frame after frame"
+
+
+def counts_of(tests: Tests) -> dict[int, int]:
+    """Frames by number of fingers."""
+    return {k: int((tests.fingers == k).sum()) for k in COUNTS}

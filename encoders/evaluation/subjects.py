@@ -1,0 +1,97 @@
+"""The simulated subjects as `sandbox evaluate` meets them: by name, with judged days.
+
+Judged days are numbers that follow from the subject's configuration and a day seed by SHA-256, so
+that nobody chose them, and so that they change as soon as the subject does.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from hashlib import sha256
+from importlib import import_module
+from typing import Any
+
+from encoders.capture import Capture
+from models.errors import EncoderError
+
+Progress = Callable[[float], None]
+
+SUBJECTS: dict[str, str] = {
+    "first": "encoders.subject",
+    "second": "encoders.second_subject",
+}
+"""Name -> package with `simulate`, `FROZEN` and `SEED`; loaded only when asked for."""
+
+TRAINING_DAY = 0
+
+
+@dataclass(frozen=True)
+class Subject:
+    """A simulated subject whose configuration is frozen.
+
+    Attributes:
+        name: A key of `SUBJECTS`.
+        seed: Which person its built-in captures are of.
+        configuration: As JSON values.
+        day: Day number and progress callback -> capture.
+    """
+
+    name: str
+    seed: int
+    configuration: dict[str, Any]
+    day: Callable[[int, Progress | None], Capture]
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 over configuration and seed, hexadecimal."""
+        text = json.dumps([self.name, self.seed, self.configuration], sort_keys=True)
+        return sha256(text.encode()).hexdigest()
+
+    def judged_days(self, count: int, day_seed: int) -> list[int]:
+        """Numbers of the first `count` days of a day seed; none is the training day."""
+        days = []
+        for i in range(count):
+            drawn = sha256(f"{self.digest} {day_seed} {i}".encode()).digest()
+            days.append(TRAINING_DAY + 1 + int.from_bytes(drawn[:3], "big"))
+        return days
+
+    def plays(self, capture: Capture) -> bool:
+        """Whether a capture was made by this subject as it is now."""
+        meta = capture.meta
+        return bool(
+            meta.get("seed") == self.seed
+            and meta.get("day") == TRAINING_DAY
+            and _plain(meta.get("configuration")) == self.configuration
+        )
+
+
+@cache
+def subject(name: str) -> Subject:
+    """A subject by name.
+
+    Raises:
+        EncoderError: There is no such subject.
+    """
+    if name not in SUBJECTS:
+        raise EncoderError("no such subject", got=name, expected=", ".join(SUBJECTS))
+    try:
+        package = import_module(SUBJECTS[name])
+    except ModuleNotFoundError as error:
+        if error.name != SUBJECTS[name]:
+            raise
+        raise EncoderError("this installation has no such subject", got=name) from None
+    frozen, seed = package.FROZEN, int(package.SEED)
+
+    def day(number: int, progress: Progress | None = None) -> Capture:
+        capture: Capture = package.simulate(frozen, seed, number, progress)
+        return capture
+
+    return Subject(name, seed, _plain(frozen.as_json()), day)
+
+
+def _plain(values: Any) -> Any:
+    """Values as JSON gives them back: tuples become lists."""
+    return json.loads(json.dumps(values))

@@ -1,0 +1,164 @@
+"""Methods by name, trained on a capture."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from encoders.assignment import AssignmentLabels
+from encoders.belief import BeliefLabels, builtin_belief
+from encoders.capture import Capture
+from encoders.evaluation.copas import Encoder
+from encoders.evaluation.methods import EncoderMethod, MeanEncoder, Method
+from encoders.labelling import PaperLabels
+from encoders.polynomial import CubicEncoder, LinearEncoder, PolynomialEncoder, QuadraticEncoder
+from encoders.trained import TrainedModel, builtin, load_model, train
+from models.errors import EncoderError
+from models.pose import POSE_SIZE
+
+Progress = Callable[[float], None]
+
+LEAST_SQUARES: dict[str, Callable[[], PolynomialEncoder]] = {
+    "linear": LinearEncoder,
+    "quadratic": QuadraticEncoder,
+    "cubic": CubicEncoder,
+    "paper": QuadraticEncoder,
+}
+"""The paper's encoders, by plain least squares as there. `paper` is its method: the quadratic."""
+
+INVERSE_KINEMATICS: dict[str, tuple[str, str]] = {
+    "pca-ik": ("encoders.pca_ik", "PcaIkEncoder"),
+    "pca-ik-null": ("encoders.regularised_ik", "NullSpaceIkEncoder"),
+    "map-ik": ("encoders.regularised_ik", "MapIkEncoder"),
+}
+"""Name -> module and class: the paper's rival, that with the rest of the pose projected into the
+null space, and one with the training poses' mean and full covariance as its prior."""
+
+NAMES = (*LEAST_SQUARES, *INVERSE_KINEMATICS, "mean", "best")
+"""Methods that can be trained by name."""
+
+
+@dataclass(frozen=True)
+class Training:
+    """What methods learn from.
+
+    Attributes:
+        capture: Labelled contacts and poses.
+        shipped: It is the capture that the shipped models were trained on, so that what takes long
+            to train need not be trained again.
+    """
+
+    capture: Capture
+    shipped: bool = False
+
+    def method(self, name: str, progress: Progress | None = None) -> Method:
+        """A method of `NAMES`, or a model's file, ready for use.
+
+        Raises:
+            EncoderError: There is no such method or file, or it cannot learn from this capture.
+        """
+        if name in LEAST_SQUARES:
+            return self._fitted(name, LEAST_SQUARES[name])
+        if name in INVERSE_KINEMATICS:
+            return self._fitted(name, _inverse_kinematics(name), metric="touches")
+        if name == "mean":
+            model = self._model(MeanEncoder())
+            return EncoderMethod(
+                name, model.encoder, lambda: AssignmentLabels(model), fresh=MeanEncoder
+            )
+        if name == "best":
+            return self._best(progress)
+        if Path(name).suffix == ".npz":
+            model = load_model(Path(name))
+            paper = PaperLabels(model)
+            return EncoderMethod(Path(name).stem, model.encoder, lambda: paper)
+        raise EncoderError(
+            "no such encoder",
+            where="--encoders",
+            got=name,
+            expected=", ".join(NAMES) + " or a FILE.npz made by `sandbox train`",
+        )
+
+    def _fitted(self, name: str, fresh: Callable[[], Any], metric: str = "joints") -> EncoderMethod:
+        """An encoder with the paper's rule for labels; it has no history, so one will do."""
+        model = self._model(fresh())
+        paper = PaperLabels(model, metric)
+        return EncoderMethod(name, model.encoder, lambda: paper, fresh=fresh)
+
+    def _model(self, encoder: Any) -> TrainedModel:
+        U, Q = self._inputs
+        encoder.fit(U, Q)
+        return TrainedModel("", encoder, np.eye(POSE_SIZE), U, Q)
+
+    @cached_property
+    def _inputs(self) -> tuple[np.ndarray, np.ndarray]:
+        return self.capture.u, self.capture.relative
+
+    def _best(self, progress: Progress | None) -> Method:
+        if find_spec("encoders.best") is not None:
+            package = import_module("encoders.best")
+            return BestMethod(package.train_best(self.capture, progress))
+        model = builtin("best") if self.shipped else train(self.capture, "best", 2, None)
+        belief = builtin_belief() if self.shipped else BeliefLabels.train(self.capture)
+        degree, ridge = model.encoder.degree, model.encoder.ridge
+        return EncoderMethod(
+            "best",
+            model.encoder,
+            lambda: BeliefLabels(belief.trained),
+            history=True,
+            fresh=lambda: PolynomialEncoder(degree, ridge),
+        )
+
+
+class BestMethod:
+    """`best` as a method: with memory, hence neither an encoder alone nor tested as one."""
+
+    def __init__(self, best: Any, name: str = "best") -> None:
+        self.name, self.history = name, True
+        self.encoder: Encoder | None = None
+        self.fresh: Callable[[], Encoder] | None = None
+        self._best = best
+        self.estimate = best.estimate
+        self.labeller = best.labeller
+
+
+def _inverse_kinematics(name: str) -> Callable[[], Any]:
+    module, kind = INVERSE_KINEMATICS[name]
+    if find_spec(module) is None:
+        raise EncoderError("this installation has no such inverse kinematics", got=name)
+    made: Callable[[], Any] = getattr(import_module(module), kind)
+    return made
+
+
+def check_names(names: tuple[str, ...]) -> None:
+    """Refuses a list of methods before anything is computed.
+
+    Raises:
+        EncoderError: One is unknown, or occurs twice.
+    """
+    for name in names:
+        path = Path(name)
+        if name not in NAMES and path.suffix != ".npz":
+            raise EncoderError(
+                "no such encoder",
+                where="--encoders",
+                got=name,
+                expected=", ".join(NAMES) + " or a FILE.npz made by `sandbox train`",
+            )
+        if name not in NAMES and not path.is_file():
+            raise EncoderError("there is no such file", where="--encoders", got=name)
+    shown = [name if name in NAMES else Path(name).stem for name in names]
+    twice = sorted({n for n in shown if shown.count(n) > 1})
+    if twice or not names:
+        raise EncoderError(
+            "every encoder is evaluated once" if twice else "no encoder to evaluate",
+            where="--encoders",
+            got=", ".join(twice) or None,
+        )
