@@ -1,0 +1,127 @@
+"""The training frame whose touches lie most like the ones at hand.
+
+The rule of the paper of 2015 for its inverse kinematics (section 3): frames are compared by where
+the fingertips touch, not by poses. Only frames with the same fingers down can be compared; where
+there is none, this implementation looks at frames in which other fingers touch as well.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from encoders.contact_vector import CONTACT_VECTOR_SIZE, contact_vectors
+from models.errors import EncoderError
+from models.frames import FINGERS
+from models.pose import relative_pose
+from models.surface import METRES_PER_INCH
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+_PLACES = 2 * len(FINGERS)
+
+
+def touches_of(U: ArrayLike) -> tuple[Mask, Array]:
+    """Which fingers touch (T, 5), and where (T, 5, 2), of contact vectors (T, 15).
+
+    Places are in metres relative to the leftmost contact, x right and y down, NaN where a finger is
+    lifted. They are taken relative anew, so that moving all touches of a row alike changes nothing.
+
+    Raises:
+        EncoderError: Wrong width, a value that is not finite, a flag that is neither 0 nor 1, or a
+            row without any contact.
+    """
+    U = np.asarray(U, float)
+    if U.ndim != 2 or U.shape[1] != CONTACT_VECTOR_SIZE:
+        raise EncoderError(
+            "wrong number of inputs", got=U.shape, expected=f"contact vectors {CONTACT_VECTOR_SIZE}"
+        )
+    if not np.isfinite(U).all():
+        raise EncoderError("contact vectors must be finite", where=_first_row(~np.isfinite(U)))
+    flags = U[:, _PLACES:]
+    odd = (flags != 0.0) & (flags != 1.0)
+    if odd.any():
+        raise EncoderError(
+            "a contact flag is neither 0 nor 1", where=_first_row(odd), got=float(flags[odd][0])
+        )
+    down = flags == 1.0
+    if not down.any(axis=1).all():
+        raise EncoderError(
+            "a contact vector without any contact",
+            where=_first_row(~down.any(axis=1, keepdims=True)),
+            expected="1 to 5 fingers down",
+        )
+    places = U[:, :_PLACES].reshape(-1, len(FINGERS), 2) * METRES_PER_INCH
+    places = np.where(down[..., None], places, np.nan)
+    if not len(places):
+        return down, places
+    return down, places - contact_vectors(places)[1][:, None, :]
+
+
+def finger_names(fingers: Mask) -> str:
+    """'thumb, index' for a mask (5,)."""
+    return ", ".join(name for name, down in zip(FINGERS, fingers, strict=True) if down)
+
+
+class TouchNeighbours:
+    """Training frames by the set of their touching fingers.
+
+    Frames for a set are those with exactly these fingers down; failing that, all those in which at
+    least these touch, with touches and pose taken relative to the leftmost of these.
+
+    Args:
+        down: (T, 5) which fingers touch.
+        places: (T, 5, 2) m relative to the leftmost contact, as `touches_of` gives them.
+        Q: (T, 48) relative poses.
+    """
+
+    def __init__(self, down: Mask, places: Array, Q: Array) -> None:
+        self._down, self._places, self._poses = down, places, Q
+        self._frames: dict[bytes, tuple[Array, Array]] = {}
+
+    def nearest(self, fingers: Mask, places: Array) -> Array:
+        """Poses (n, 48) of the frames whose touches are nearest to given ones.
+
+        Nearest is the least sum of squared distances over the touching fingers, the first of
+        equals. A lone touch has no layout and is equally near to every frame: the answer is then
+        the mean pose of all frames that could be compared.
+
+        Args:
+            fingers: (5,) which fingers touch.
+            places: (n, 5, 2) m relative to the leftmost contact.
+
+        Raises:
+            EncoderError: In no training frame do these fingers touch together; names them.
+        """
+        layouts, poses = self._comparable(fingers)
+        if fingers.sum() == 1:
+            return np.tile(poses.mean(axis=0), (len(places), 1))
+        wanted = places[:, fingers].reshape(len(places), -1)
+        # |a - b|^2 less |a|^2, which is the same for all frames.
+        distance = np.sum(layouts**2, axis=1) - 2.0 * (wanted @ layouts.T)
+        nearest: Array = poses[np.argmin(distance, axis=1)]
+        return nearest
+
+    def _comparable(self, fingers: Mask) -> tuple[Array, Array]:
+        """Layouts (F, 2 k) m and relative poses (F, 48) of the frames for a set of fingers."""
+        key = fingers.tobytes()
+        if key not in self._frames:
+            rows = np.flatnonzero((self._down == fingers).all(axis=1))
+            if not len(rows):
+                rows = np.flatnonzero(self._down[:, fingers].all(axis=1))
+            if not len(rows):
+                raise EncoderError(
+                    "no training frame has these fingers down together",
+                    where=finger_names(fingers),
+                    remedy="Add a take with these fingers to the capture",
+                )
+            kept = np.where(fingers[:, None], self._places[rows], np.nan)
+            _, origin = contact_vectors(kept)
+            layouts = (kept - origin[:, None, :])[:, fingers].reshape(len(rows), -1)
+            self._frames[key] = layouts, relative_pose(self._poses[rows], origin)
+        return self._frames[key]
+
+
+def _first_row(wrong: Mask) -> str:
+    return f"row {int(np.flatnonzero(wrong.any(axis=1))[0])}"
