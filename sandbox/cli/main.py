@@ -13,8 +13,10 @@ COMMANDS: dict[str, str] = {
     "run": "do a task without a window, as fast as it goes",
     "replay": "play a recording again and check every state",
     "subject": "make a capture of a simulated subject: touches and poses at the same time",
+    "capture": "make a capture of your own recordings of touches and hands",
     "train": "train an encoder on a capture, or the built-in ones anew",
     "evaluate": "measure how well methods reconstruct hands and name fingers: the paper's tables",
+    "calibrate": "measure a hand against the trained one, so that it fits any person's",
     "touches": "show, send and describe touches: the first thing to try with a new tablet",
 }
 """Command -> one line of help. Each lives in sandbox/cli/COMMAND.py as `main(argv) -> int`."""

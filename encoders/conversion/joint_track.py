@@ -1,0 +1,87 @@
+"""Poses of a hand over time, to be asked for the pose at any moment."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.errors import CaptureError
+from models.kinematics import Kinematics
+from models.pose import POSE_SIZE, ROOT_ROTATION
+from models.rotations import unwrap_near
+from models.skeleton import Skeleton
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class JointTrack:
+    """J poses of a right hand (a left one is mirrored first).
+
+    Attributes:
+        time: (J,) s on the recorder's clock, increasing.
+        q: (J, 48) in the 3-D surface frame.
+        skeleton: Whose poses they are.
+    """
+
+    time: Array
+    q: Array
+    skeleton: Skeleton
+
+    def __post_init__(self) -> None:
+        if self.time.ndim != 1 or self.q.shape != (len(self.time), POSE_SIZE):
+            raise CaptureError(
+                "times and poses disagree",
+                where="joints",
+                got=(self.time.shape, self.q.shape),
+                expected=f"(J,) and (J, {POSE_SIZE})",
+            )
+        if len(self.time) < 2:
+            raise CaptureError("too few poses", where="joints", expected="at least two")
+        if not (np.isfinite(self.time).all() and np.isfinite(self.q).all()):
+            raise CaptureError("times and poses must be finite", where="joints")
+        if (np.diff(self.time) <= 0).any():
+            raise CaptureError("the time runs backwards or stands still", where="joints")
+
+    @cached_property
+    def kinematics(self) -> Kinematics:
+        """Of the skeleton."""
+        return Kinematics(self.skeleton)
+
+    @cached_property
+    def period(self) -> float:
+        """s, median time between two poses."""
+        return float(np.median(np.diff(self.time)))
+
+    @cached_property
+    def tips(self) -> Array:
+        """(J, 5, 3) m, centres of the fingertips."""
+        return self.kinematics.tips(self.q)
+
+    def at(self, times: Array, gap: float) -> tuple[Array, NDArray[np.bool_]]:
+        """Poses (m, 48) at times, and where there is one: not across gaps longer than `gap`."""
+        before, share, known = self._between(times, gap)
+        a, b = self.q[before], self.q[before + 1].copy()
+        # Neighbours in time, written as rotation vectors, may differ by a whole turn.
+        b[:, ROOT_ROTATION] = unwrap_near(b[:, ROOT_ROTATION], a[:, ROOT_ROTATION])
+        return a + share[:, None] * (b - a), known
+
+    def tips_at(self, times: Array, gap: float) -> tuple[Array, NDArray[np.bool_]]:
+        """Fingertips (m, 5, 3) at times, and where they are known."""
+        before, share, known = self._between(times, gap)
+        a, b = self.tips[before], self.tips[before + 1]
+        return a + share[:, None, None] * (b - a), known
+
+    def _between(
+        self, times: Array, gap: float
+    ) -> tuple[NDArray[np.int64], Array, NDArray[np.bool_]]:
+        after = np.searchsorted(self.time, times, side="right")
+        before = np.clip(after - 1, 0, len(self.time) - 2)
+        span = self.time[before + 1] - self.time[before]
+        share = (times - self.time[before]) / span
+        slack = 1e-6 / span  # clocks round
+        known = (share >= -slack) & (share <= 1 + slack) & (span <= max(gap, 1.5 * self.period))
+        return before.astype(np.int64), np.clip(share, 0, 1), known

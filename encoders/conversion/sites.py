@@ -1,0 +1,198 @@
+"""Points on the hand that recordings name: joints, fingertips, markers on the skin."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.errors import CaptureError
+from models.frames import FINGERS
+from models.skeleton import Skeleton
+
+Array = NDArray[np.float64]
+
+PALM = -1
+"""Number of the bone that is none of the 14: the palm with the wrist."""
+
+_JOINT, _TIP, _SKIN, _BACK = 0.006, 0.008, 0.008, 0.025
+"""m, to which we know where on the hand a point of each kind is."""
+
+_MARKER = 0.006
+"""m, from the skin to the middle of a marker."""
+
+_BACK_OF_HAND = {
+    "back_front": (0.0, 0.078, 0.016),
+    "back_left": (-0.015, 0.035, 0.018),
+    "back_right": (0.015, 0.035, 0.018),
+}
+"""m in the hand frame: a plate of three markers on the back of a hand. Left and right are a right
+hand's, seen from its own wrist."""
+
+
+@dataclass(frozen=True)
+class Site:
+    """A point that moves with one bone.
+
+    Attributes:
+        name: Its own.
+        bone: Index of the bone, or `PALM`.
+        at: (3,) m in the bone's frame, for a hand of the skeleton's size.
+        spread: m, standard deviation with which that is known.
+    """
+
+    name: str
+    bone: int
+    at: Array
+    spread: float
+
+
+def sites_of(skeleton: Skeleton) -> dict[str, Site]:
+    """Every site that has a name.
+
+    `wrist`; every joint by its bone's name; `thumb_ip`; `FINGER_tip`; for each of these except the
+    wrist `..._skin`, a marker on the skin above it; and a plate on the back of the hand.
+    """
+    sites = [Site("wrist", PALM, np.zeros(3), _JOINT)]
+    for finger, name in enumerate(FINGERS):
+        chain = [i for i, bone in enumerate(skeleton.bones) if bone.finger == finger]
+        for parent, i in zip([PALM, *chain[:-1]], chain, strict=True):
+            bone = skeleton.bones[i]
+            sites.append(Site(bone.name, parent, np.array(bone.anchor), _JOINT))
+        last = skeleton.bones[chain[-1]]
+        if finger == 0:
+            # The bone holds both phalanges of the thumb, their joint a little past its middle.
+            sites.append(Site("thumb_ip", chain[-1], np.array([0, 0.55 * last.length, 0]), _JOINT))
+        sites.append(Site(f"{name}_tip", chain[-1], np.array([0, last.length, 0]), _TIP))
+    for site in sites[1:]:
+        radius = skeleton.palm_radius if site.bone == PALM else skeleton.bones[site.bone].radius
+        above = site.at + np.array([0, 0, radius + _MARKER])
+        sites.append(Site(f"{site.name}_skin", site.bone, above, _SKIN))
+    for name, at in _BACK_OF_HAND.items():
+        sites.append(Site(name, PALM, np.array(at), _BACK))
+    return {site.name: site for site in sites}
+
+
+def _qualisys() -> dict[str, str]:
+    names = {"hand_top": "back_front", "hand_left": "back_left", "hand_right": "back_right"}
+    for finger in FINGERS:
+        names[f"{finger}_tip"] = f"{finger}_tip_skin"
+        names[f"{finger}_middle"] = f"{finger}_pip_skin" if finger != "thumb" else "thumb_ip_skin"
+    return names
+
+
+def _mixamo(side: str) -> dict[str, str]:
+    hand = f"{side.capitalize()}Hand"
+    names = {hand: "wrist"}
+    levels = {"thumb": ("cmc", "mcp", "ip")}
+    for finger in FINGERS:
+        stem = hand + ("Pinky" if finger == "little" else finger.capitalize())
+        for i, level in enumerate(levels.get(finger, ("mcp", "pip", "dip")), start=1):
+            names[f"{stem}{i}"] = f"{finger}_{level}"
+        names[f"{stem}3 end"] = f"{finger}_tip"
+    return names
+
+
+def recognised(names: Sequence[str], side: str, skeleton: Skeleton) -> dict[str, str]:
+    """Recording's name -> site, for the names that we know without being told.
+
+    Known are our own names, those of Qualisys glove recordings (`index_middle`, `hand_top`, ..) and
+    those of Mixamo rigs (`RightHandIndex1`, ..), each with or without a prefix before a colon. The
+    end of a joint's bone is named after the joint: `RightHandIndex3 end`.
+
+    Raises:
+        CaptureError: None of the three fits.
+    """
+    own = {name: name for name in sites_of(skeleton)}
+    own |= {f"{f}_dip end": f"{f}_tip" for f in FINGERS} | {"thumb_mcp end": "thumb_tip"}
+    bare = {name: name.rpartition(":")[2] for name in names}
+    best: dict[str, str] = {}
+    for known in (_qualisys(), own, _mixamo(side)):
+        found = {name: known[short] for name, short in bare.items() if short in known}
+        if len(found) > len(best):
+            best = found
+    if _unseen(best, skeleton):
+        raise CaptureError(
+            "the names of markers or joints are not recognised",
+            got=", ".join(names)[:200],
+            expected="three points on the palm and one on every finger",
+            remedy='Give a --mapping: lines like index_tip_marker = "index_tip_skin"; '
+            "`sandbox capture --help` tells the names",
+        )
+    return best
+
+
+def mapped(mapping: Mapping[str, Any], names: Sequence[str], skeleton: Skeleton) -> dict[str, Site]:
+    """Recording's name -> site, as a mapping file tells.
+
+    Args:
+        mapping: Name -> name of a site, or a table with `bone` (a joint's name or "palm"), `at`
+            (three numbers, m in that bone's frame) and `spread` (m, optional).
+        names: What the recording has.
+        skeleton: Of the hand.
+
+    Raises:
+        CaptureError: A name or site is unknown, a table is wrong, or a finger has no point.
+    """
+    known = sites_of(skeleton)
+    out = {}
+    for name, value in mapping.items():
+        if name not in names:
+            raise CaptureError(
+                "the recording has no such point", where="mapping", got=name, expected=_few(names)
+            )
+        if isinstance(value, dict):
+            out[name] = _site(name, value, skeleton)
+        elif value in known:
+            out[name] = known[value]
+        else:
+            raise CaptureError(
+                "no such place on the hand",
+                where=f"mapping, {name}",
+                got=str(value)[:40],
+                expected=", ".join(known),
+            )
+    if missing := _unseen({name: site.name for name, site in out.items()}, skeleton, out):
+        raise CaptureError("too few points on the hand", where="mapping", expected=missing)
+    return out
+
+
+def _site(name: str, table: dict[str, Any], skeleton: Skeleton) -> Site:
+    bones = {"palm": PALM} | {bone.name: i for i, bone in enumerate(skeleton.bones)}
+    try:
+        at = np.array(table["at"], float)
+        spread = float(table.get("spread", _SKIN))
+        bone = bones[table["bone"]]
+    except (KeyError, TypeError, ValueError):
+        at, spread, bone = np.zeros(0), 0.0, PALM
+    if at.shape != (3,) or not (np.isfinite(at).all() and 0 < spread < 1):
+        raise CaptureError(
+            "this is no place on the hand",
+            where=f"mapping, {name}",
+            got=str(table)[:80],
+            expected="bone (palm, " + ", ".join(list(bones)[1:]) + "), at = [x, y, z] in m",
+        )
+    return Site(name, bone, at, spread)
+
+
+def _unseen(
+    names: Mapping[str, str], skeleton: Skeleton, sites: Mapping[str, Site] | None = None
+) -> str:
+    """What is lacking to see the whole hand; empty if nothing is."""
+    known = sites_of(skeleton)
+    chosen = list(sites.values()) if sites is not None else [known[n] for n in names.values()]
+    lacking = [
+        f"a point on the {finger}"
+        for label, finger in enumerate(FINGERS)
+        if not any(s.bone != PALM and skeleton.bones[s.bone].finger == label for s in chosen)
+    ]
+    if sum(site.bone == PALM for site in chosen) < 3:
+        lacking.append("three points on the palm")
+    return ", ".join(lacking)
+
+
+def _few(names: Sequence[str]) -> str:
+    return ", ".join(names)[:200]

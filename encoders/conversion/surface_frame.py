@@ -1,0 +1,126 @@
+"""Where the touch surface lies in a recorder's frame: told by its corners, or found from tips.
+
+A surface cannot be entered. So if fingertips kept coming to rest on one, it is a plane that many of
+their places lie on and hardly any lie beyond.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from models.errors import CaptureError
+
+Array = NDArray[np.float64]
+
+ON_PLANE = 0.005
+"""m from a plane within which a fingertip lies on it; a soft surface needs more."""
+
+BEYOND = 0.02
+"""Share of fingertips' places that may lie farther than that beyond the plane: noise."""
+
+TOUCHING = 0.15
+"""Share of fingertips' places that must lie on the plane, or there is none."""
+
+EXTENT = 0.01
+"""m, standard deviation of those places along the plane's narrower side that makes it one."""
+
+_TRIALS = 400
+_MOST_PLACES = 4000
+
+
+@dataclass(frozen=True)
+class SurfaceFrame:
+    """The 3-D surface frame in a recorder's frame.
+
+    Attributes:
+        origin: (3,) m, the top left corner, or the middle of the touches where it is unknown.
+        rotation: (3, 3), its columns the directions right, up the surface, and out of it.
+    """
+
+    origin: Array
+    rotation: Array
+
+    def points(self, recorded: Array) -> Array:
+        """(..., 3) m in the surface frame, of points in the recorder's."""
+        return (recorded - self.origin) @ self.rotation
+
+
+def frame_from_corners(
+    top_left: ArrayLike, top_right: ArrayLike, bottom_left: ArrayLike
+) -> SurfaceFrame:
+    """The frame of a surface whose corners (3,) m are known, seen by the person at it.
+
+    Raises:
+        CaptureError: The corners are not finite, or lie on one line.
+    """
+    corners = np.array([top_left, top_right, bottom_left], float)
+    if corners.shape != (3, 3) or not np.isfinite(corners).all():
+        raise CaptureError(
+            "these are no corners", where="surface", expected="three times three finite numbers"
+        )
+    right, up = corners[1] - corners[0], corners[0] - corners[2]
+    out = np.cross(right, up)
+    if np.linalg.norm(out) < 1e-3 * max(float(np.linalg.norm(right) * np.linalg.norm(up)), 1e-9):
+        raise CaptureError("the corners lie on one line", where="surface", got=corners.tolist())
+    x, z = right / np.linalg.norm(right), out / np.linalg.norm(out)
+    return SurfaceFrame(corners[0], np.stack([x, np.cross(z, x), z], axis=1))
+
+
+def frame_from_fingertips(tips: Array, palm: Array, tolerance: float = ON_PLANE) -> SurfaceFrame:
+    """The frame of the plane that fingertips rest on; up the surface is where the hand points.
+
+    Args:
+        tips: (T, 5, 3) m, NaN where not seen.
+        palm: (T, 3) m, the middle of the palm; the person's side of the surface.
+        tolerance: m from the plane within which a fingertip lies on it.
+
+    Raises:
+        CaptureError: There is no such plane.
+    """
+    places = tips[~np.isnan(tips).any(axis=2)]
+    if len(places) > _MOST_PLACES:
+        places = places[np.linspace(0, len(places) - 1, _MOST_PLACES).astype(int)]
+    middle = np.nanmean(palm, axis=0)
+    rng = np.random.default_rng(0)
+    best, most = None, 0
+    for _ in range(_TRIALS if len(places) >= 3 else 0):
+        three = places[rng.choice(len(places), 3, replace=False)]
+        plane = _plane(three, middle)
+        height = (places - plane[0]) @ plane[1]
+        on = np.abs(height) < tolerance
+        if on.sum() > most and (height < -tolerance).mean() <= BEYOND:
+            best, most = on, int(on.sum())
+    for _ in range(5 if best is not None else 0):
+        plane = _plane(places[best], middle)
+        best = np.abs((places - plane[0]) @ plane[1]) < tolerance
+    sizes = np.linalg.svd(places[best] - plane[0], compute_uv=False) if best is not None else [0, 0]
+    extent = sizes[1] / np.sqrt(max(1, 0 if best is None else best.sum()))
+    if best is None or best.mean() < TOUCHING or extent < EXTENT:
+        share = 0.0 if best is None else 100 * best.mean()
+        raise CaptureError(
+            "no plane is found that fingertips rest on",
+            where="surface",
+            got=f"{share:.0f} % of their places on the best one",
+            expected=f"{100 * TOUCHING:g} %, spread out, and hardly any beyond it",
+            remedy="Give the surface's corners in the --mapping file",
+        )
+    z = plane[1]
+    y = np.nanmean(np.nanmean(tips, axis=1) - palm, axis=0)
+    y -= (y @ z) * z
+    y /= np.linalg.norm(y)
+    return SurfaceFrame(plane[0], np.stack([np.cross(y, z), y, z], axis=1))
+
+
+def _plane(places: Array, above: Array) -> tuple[Array, Array]:
+    """A point of the plane nearest to places, and its normal towards a point."""
+    middle = places.mean(axis=0)
+    normal = np.linalg.svd(places - middle)[2][2] if len(places) < 50 else _least(places - middle)
+    return middle, normal * (1.0 if (above - middle) @ normal >= 0 else -1.0)
+
+
+def _least(offsets: Array) -> Array:
+    """(3,) the direction in which offsets (n, 3) spread least."""
+    return np.asarray(np.linalg.eigh(offsets.T @ offsets)[1][:, 0])

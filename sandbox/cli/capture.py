@@ -1,0 +1,226 @@
+"""`sandbox capture`: recordings of touches and hands become a capture to train on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+import tyro
+from rich.console import Console
+from rich.progress import Progress
+from rich.table import Table
+
+from encoders.capture import Capture
+from encoders.conversion import (
+    ConversionReport,
+    ConversionRules,
+    JointTrack,
+    capture_from_poses,
+    capture_from_touches,
+)
+from encoders.store import save_capture
+from models.errors import InputError
+from models.surface import Surface, parse_surface
+from sandbox.cli.hand_files import read_hand, read_mapping
+from sandbox.cli.parse import parse
+from sandbox.cli.touch_files import read_touch_log
+
+
+@dataclass(frozen=True)
+class CaptureOptions:
+    """Makes a capture of your own recordings: what fingers touched, and how the hand was posed.
+
+    Give --touches and --joints, recorded at the same time; or --markers (or --joints) alone, and
+    touches are where fingertips come near the surface.
+
+    Touches: a recording of this program, a capture of TUIO packets (with --surface), or the output
+    of `sandbox touches show --json`. Joints: BVH, whose joints our skeleton is fitted to, or CSV
+    with `time`, `root_x` .. `root_rz`, `index_mcp_rx` .. in m and rad. Markers: a Qualisys TSV
+    file, plain or packed. Joints and markers that are named as in Mixamo rigs or Qualisys glove
+    recordings are recognised; others need a --mapping file:
+
+        [points]
+        RIDX3 = "index_tip_skin"
+        RWRB = { bone = "palm", at = [0.02, 0.0, 0.01] }
+        [surface]
+        top_left = [0, 0, 0]
+        top_right = [197, 0, 0]
+        bottom_left = [0, -148, 0]
+
+    Points are wrist, FINGER_mcp, FINGER_pip, FINGER_dip, FINGER_tip, thumb_cmc, thumb_mcp,
+    thumb_ip, thumb_tip, each but the wrist also with _skin for a marker on the skin above it, and
+    back_front, back_left, back_right on the back of the hand. The corners of the surface are in
+    the recording's own units, or names of markers that lie on them.
+
+    Each touch gets the finger whose tip is nearest. Dropped and counted are: frames with one
+    finger, frames without a pose, contacts shorter than 50 ms, places that jump faster than 3 m/s,
+    the ends of touches that never end, frames whose time runs backwards, contacts with no
+    fingertip within 25 mm, and contacts that are nearer to another finger for a fifth of their
+    time. docs/captures.md tells how to record.
+
+    Try: sandbox capture --touches t.jsonl --joints hand.bvh --mapping m.toml --sync tap --out c.npz
+    then: sandbox train --capture c.npz --out mine.npz
+    """
+
+    out: Annotated[Path, tyro.conf.arg(metavar="FILE")]
+    """Where the capture goes; a file that is there is replaced."""
+
+    touches: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """The touches."""
+
+    joints: Annotated[Path | None, tyro.conf.arg(metavar="FILE.bvh|FILE.csv")] = None
+    """The hand's joints."""
+
+    markers: Annotated[Path | None, tyro.conf.arg(metavar="FILE.tsv")] = None
+    """Markers on the hand, instead of joints."""
+
+    sync: Literal["clock", "tap"] = "clock"
+    """clock: both clocks differ by --offset. tap: taps tell by how much; refused if they do not."""
+
+    offset: Annotated[float, tyro.conf.arg(metavar="S")] = 0.0
+    """Seconds that the joints' clock is ahead of the touches' (with --sync clock)."""
+
+    side: Literal["right", "left"] = "right"
+    """Of the hand. A left hand is mirrored: encoders learn right hands only."""
+
+    surface: Annotated[str | None, tyro.conf.arg(metavar="SIZE")] = None
+    """Size of the touch area: 7.76x5.82in, 197x148mm, or a preset (ipad2, ..)."""
+
+    mapping: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """TOML or JSON: what the recording's names mean, and where the surface is."""
+
+    unit: Annotated[float | None, tyro.conf.arg(metavar="M")] = None
+    """Metres in the recording's unit of length; otherwise 0.01 for BVH, 0.001 for markers."""
+
+    threshold: Annotated[float, tyro.conf.arg(metavar="MM")] = 5.0
+    """Millimetres above the surface within which a fingertip touches, where no touches are given;
+    also how flat a surface must be to be found. Soft ones need more."""
+
+    rate: Annotated[float, tyro.conf.arg(metavar="HZ")] = 30.0
+    """Frames a second of the capture."""
+
+    subject: str = "unnamed"
+    """Who it was; a pseudonym."""
+
+    simulated: bool = False
+    """Marks the capture as simulated, so that nobody takes it for a person's."""
+
+
+def main(argv: list[str]) -> int:
+    """Runs `sandbox capture ...`."""
+    options = parse(CaptureOptions, "sandbox capture", argv)
+    hand_file = _checked(options)
+    mapping = read_mapping(options.mapping)
+    surface = parse_surface(options.surface) if options.surface else None
+    report, left = ConversionReport(), options.side == "left"
+    rules = ConversionRules(rate=options.rate)
+    console, errors = Console(), Console(stderr=True)
+    with Progress(console=errors, transient=True) as progress:
+        bar = progress.add_task("fitting the skeleton", total=1.0)
+        log, damage = read_touch_log(options.touches, surface) if options.touches else (None, "")
+        joints = read_hand(
+            hand_file,
+            mapping,
+            report,
+            left=left,
+            unit=options.unit,
+            find_surface=log is None,
+            tolerance=options.threshold / 1000,
+            progress=lambda share: progress.update(bar, completed=share),
+        )
+        progress.update(bar, description="touches and fingers", completed=1.0)
+        meta = _meta(options, hand_file, joints, surface)
+        if log is None:
+            threshold = options.threshold / 1000
+            capture = capture_from_poses(joints, threshold, rules, report, meta)
+        else:
+            if left:
+                log = replace(log, xy=log.xy * [-1.0, 1.0])
+            capture = capture_from_touches(
+                log, joints, options.sync, options.offset, rules, report, meta
+            )
+    try:
+        save_capture(capture, options.out)
+    except OSError as error:
+        raise InputError(
+            "the capture cannot be written", where=f"--out {options.out}", got=str(error)
+        ) from error
+    if damage:
+        errors.print(f"{options.touches}: {damage}", soft_wrap=True, markup=False)
+    _print(console, options, capture, report)
+    return 0
+
+
+def _checked(options: CaptureOptions) -> Path:
+    """The file that holds the hand."""
+    hands = [path for path in (options.joints, options.markers) if path is not None]
+    if len(hands) != 1:
+        raise InputError(
+            "a capture needs one recording of the hand",
+            where="sandbox capture",
+            expected="--joints FILE or --markers FILE",
+            remedy="`sandbox capture --help` shows how",
+        )
+    if options.sync == "tap" and options.touches is None:
+        raise InputError("there are no touches to synchronise with", where="--sync tap")
+    if not options.out.absolute().parent.is_dir():
+        raise InputError("there is no such folder", where=f"--out {options.out}")
+    for name, value, greatest in (
+        ("--rate", options.rate, 1000.0),
+        ("--unit", 1.0 if options.unit is None else options.unit, 1000.0),
+        ("--threshold", options.threshold, 50.0),
+    ):
+        if not 0 < value < greatest:
+            raise InputError(
+                "out of range", where=name, got=value, expected=f"above 0, below {greatest:g}"
+            )
+    if not np.isfinite(options.offset):
+        raise InputError("this is no time", where="--offset", got=options.offset)
+    return hands[0]
+
+
+def _meta(
+    options: CaptureOptions, hand_file: Path, joints: JointTrack, surface: Surface | None
+) -> dict[str, Any]:
+    meta: dict[str, Any] = {
+        "simulated": options.simulated,
+        "subject": options.subject,
+        # What the poses are; a left hand's were mirrored into a right hand's.
+        "side": "right",
+        "recorded_side": options.side,
+        "skeleton": joints.skeleton.name,
+        "hand_file": hand_file.name,
+        "touch_file": options.touches.name if options.touches else "none",
+    }
+    if surface is not None:
+        meta["surface_in"] = [surface.width_in, surface.height_in]
+    return meta
+
+
+def _print(
+    console: Console, options: CaptureOptions, capture: Capture, report: ConversionReport
+) -> None:
+    fingers = capture.down.sum(axis=1)
+    split = ", ".join(f"{(fingers == n).sum():,} with {n}" for n in range(2, 6))
+    console.print(
+        f"{options.out}: {len(capture):,} frames at {options.rate:g} Hz in "
+        f"{len(np.unique(capture.trial))} takes ({split} fingers), "
+        f"{len(np.unique(capture.down, axis=0))} of 26 sets of fingers",
+        soft_wrap=True,
+    )
+    table = Table("dropped", "what", "why", title_justify="left")
+    for kind, counts in (
+        ("contacts", report.contacts),
+        ("frames", report.frames),
+        ("pieces", report.parts),
+    ):
+        for reason, count in counts.items():
+            table.add_row(f"{count:,}", kind, reason)
+    if table.row_count:
+        console.print(table)
+    else:
+        console.print("nothing was dropped")
+    for name, value in report.notes.items():
+        console.print(f"{name.replace('_', ' ')}: {value}", soft_wrap=True, markup=False)
