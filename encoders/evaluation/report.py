@@ -170,7 +170,7 @@ def _labels(result: MethodResult, tests: Tests) -> dict[str, Any]:
     verdicts = {"1": result.stayed} | verdicts
     verdicts[ALL] = Verdicts(result.right[several], tests.block[several])
     verdicts["1_first"] = result.first
-    shares = {name: 100.0 * v.right for name, v in verdicts.items()}
+    shares = {name: 100.0 * v.right.astype(np.float64) for name, v in verdicts.items()}
     return {
         "labels_percent": {name: _mean(v) for name, v in shares.items()},
         "labels_percent_interval": {

@@ -6,12 +6,13 @@ import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import tyro
 from rich.console import Console
-from rich.progress import Progress
+from rich.progress import Progress, TaskID
 
 from models.errors import InputError
 from sandbox.cli.parse import parse
@@ -103,16 +104,11 @@ def main(argv: list[str]) -> int:
         results: dict[str, MethodResult] = {}
         for name in options.encoders:
             bar = progress.add_task(f"{name}: training", total=1.0)
-            method = data.training.method(
-                name, lambda share, bar=bar: progress.update(bar, completed=share)
-            )
+            shown = partial(_show, progress, bar)
+            method = data.training.method(name, shown)
             progress.update(bar, description=method.name, completed=0.0)
-            results[method.name] = evaluate_method(
-                method,
-                tests,
-                data.training.capture if options.copas else None,
-                lambda share, bar=bar: progress.update(bar, completed=share),
-            )
+            learned = data.training.capture if options.copas else None
+            results[method.name] = evaluate_method(method, tests, learned, shown)
             progress.update(bar, completed=1.0)
         found = report(
             results,
@@ -154,6 +150,10 @@ def _check(options: EvaluateOptions) -> None:
         need_matplotlib()
         with _writing(f"--plots {options.plots}"):
             options.plots.mkdir(parents=True, exist_ok=True)
+
+
+def _show(progress: Progress, bar: TaskID, share: float) -> None:
+    progress.update(bar, completed=share)
 
 
 @contextmanager

@@ -1,0 +1,52 @@
+"""Pictures of an evaluation: bar charts of the tables, and hands beside the captured ones.
+
+matplotlib is an extra (`plots`) and is imported only when something is drawn.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from sandbox.figures.canvas import need_matplotlib as need_matplotlib
+from sandbox.figures.canvas import save
+
+if TYPE_CHECKING:
+    from encoders.evaluation.measure import MethodResult, Tests
+
+
+def draw_all(
+    folder: Path,
+    report: dict[str, Any],
+    results: Mapping[str, MethodResult],
+    tests: Tests,
+) -> list[Path]:
+    """Draws everything into a folder, each picture as PNG and SVG.
+
+    Args:
+        folder: It exists.
+        report: Of `encoders.evaluation.report`.
+        results: Of the same methods; the hands are drawn from their poses.
+        tests: What they were measured on.
+
+    Returns:
+        The files.
+
+    Raises:
+        InputError: matplotlib is not installed.
+        OSError: A file cannot be written.
+    """
+    from sandbox.figures import charts, hands
+
+    drawn: dict[str, Callable[[], Any]] = {
+        "table-1": lambda: charts.errors(report),
+        "table-2": lambda: charts.labels(report),
+        "by-fingers": lambda: charts.by_fingers(report),
+        "pca-variance": lambda: charts.variance(report),
+        "figure-2": lambda: hands.side_by_side(report, results, tests),
+    }
+    paths = []
+    for name, draw in drawn.items():
+        paths += save(draw(), folder / name)
+    return paths
