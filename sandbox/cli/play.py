@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 from rich.console import Console
@@ -15,6 +16,7 @@ from sandbox.cli.scene_options import Plan, SceneOptions, plan
 from sandbox.events import EventLog
 from sandbox.headless import trial_header
 from sandbox.live import LiveSession
+from sandbox.profiles import DEFAULT, default_path, find_profile
 from sandbox.recording import RecordingWriter
 from sandbox.session import describe
 from sandbox.views.window import Window
@@ -31,16 +33,25 @@ class PlayOptions(SceneOptions):
     device: str = "mouse"
     """mouse, tuio, simulated, or a file: a recording of ours, or a capture of TUIO packets."""
 
+    def with_own_profile(self) -> PlayOptions:
+        """The same, with this user's own profile where their own fingers touch."""
+        other = self.profile is not None or self.device in ("mouse", "simulated")
+        if other or Path(self.device).exists() or not default_path().exists():
+            return self
+        return replace(self, profile=DEFAULT)
+
 
 def main(argv: list[str]) -> int:
     """Runs `sandbox play ...`."""
-    options = parse(PlayOptions, "sandbox play", argv)
+    options = parse(PlayOptions, "sandbox play", argv).with_own_profile()
     console = Console()
     if not has_display():
         raise InputError(
             "there is no display to open a window on",
             remedy="`sandbox run` does a task without one; on a remote machine try `xvfb-run`",
         )
+    if options.profile not in (None, "none"):
+        console.print(f"profile: {find_profile(str(options.profile)).line}")
     events = EventLog(options.events)
     window: Window | None = None
     again, trial = True, 0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -17,6 +17,7 @@ from sandbox.devices.recorded import RecordedDevice
 from sandbox.devices.simulated import SimulatedDevice
 from sandbox.devices.touch_capture import CaptureDevice, read_capture
 from sandbox.devices.tuio import DEFAULT_PORT, LOOPBACK, TuioDevice
+from sandbox.profiles import find_profile
 from sandbox.recording import Recording, is_recording, load_recording
 from sandbox.settings import RunSettings, bare
 from tasks.simulated_user.configuration import UserConfiguration
@@ -72,7 +73,7 @@ class SceneOptions:
     """One servo on the rotation of each ball joint, or three on its components."""
 
     hand: Literal["right", "left"] | None = None
-    """Which hand touches; the right one unless a recording or profile says otherwise."""
+    """Which hand touches; the right one unless a recording or a profile says otherwise."""
 
     hand_size: Annotated[float | None, tyro.conf.arg(metavar="RATIO")] = None
     """Length of the hand against the trained one, 0.6 to 1.6; `sandbox calibrate` measures it."""
@@ -80,6 +81,10 @@ class SceneOptions:
     turn: Literal[0, 90, 180, 270] | None = None
     """Where the person sits: 0 at the screen's lower edge, 90 at its right one, 180 at its upper
     one, 270 at its left one."""
+
+    profile: Annotated[str | None, tyro.conf.arg(metavar="{default,none,FILE}")] = None
+    """Hand, size and seat as `sandbox calibrate` found them: default is this user's own profile.
+    Without it, none is used, save by `sandbox play` with a touch device."""
 
     surface: Annotated[str | None, tyro.conf.arg(metavar="SIZE")] = None
     """Size of the touch surface: 7.76x5.82in, 197x148mm or a preset such as ipad2."""
@@ -222,6 +227,8 @@ def _settings(options: SceneOptions, recording: Recording | None) -> RunSettings
         values |= _PARTS[part]
     if options.tell_labels:
         values["labels"] = "device"
+    if options.profile not in (None, "none"):
+        values |= asdict(find_profile(str(options.profile)).person)
     asked = {"hand": options.hand, "hand_size": options.hand_size, "turn": options.turn}
     values |= {name: value for name, value in asked.items() if value is not None}
     if options.surface:
@@ -237,7 +244,7 @@ def _defaults_apart_from_input(options: SceneOptions) -> bool:
     """Whether a recording is to be run just as it was."""
     plain = SceneOptions()
     pipeline = ("encoder", "bare", "without", "impulse", "servo", "surface", "tell_labels")
-    person = ("hand", "hand_size", "turn")
+    person = ("hand", "hand_size", "turn", "profile")
     return all(getattr(options, k) == getattr(plain, k) for k in (*pipeline, *person))
 
 

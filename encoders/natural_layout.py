@@ -1,0 +1,117 @@
+"""The natural layout of five fingertips, and how any touches lie on it: which finger, how turned.
+
+The five fingertips of a hand form an arc with the thumb aside. Laid over that arc, turned and
+scaled as it fits best, four or five touches tell which finger is which and how the hand is turned
+without any prior knowledge of either, for a hand of any size that comes from any side. (Labellers,
+which also name two or three fingers, can do so only because they know how hands usually lie.)
+
+Layouts are complex numbers here, x + iy with y up the screen: a product then turns and scales.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from encoders.capture import Capture
+from encoders.labelling import hypotheses
+from encoders.trained import builtin_capture
+from models.errors import CaptureError
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+LEAST = 4
+"""Touches from which on a layout tells fingers and turn by itself; three fit in several ways."""
+
+_ROUNDS = 20
+"""Of turning layouts onto their mean; it has settled long before."""
+
+
+class Match(NamedTuple):
+    """How touches lie on the natural layout."""
+
+    labels: NDArray[np.int64]
+    """(k,) finger of every touch."""
+    turn: float
+    """rad, counterclockwise from the natural layout of a hand straight before its owner."""
+    likeness: float
+    """0 to 1: the correlation of the two layouts' coordinates; 1 is the same shape."""
+
+
+class NaturalLayout:
+    """The mean shape of five touching fingertips.
+
+    Args:
+        layouts: (n, 5, 2) m, touches by label on the surface, x right and y down.
+
+    Attributes:
+        places: (5,) complex, m, about their middle.
+        turns: (n,) rad, of every given layout.
+
+    Raises:
+        CaptureError: There is no layout at all.
+    """
+
+    def __init__(self, layouts: ArrayLike) -> None:
+        z = _complex(layouts)
+        if not len(z):
+            raise CaptureError("no frame in it has five fingers down", expected="some")
+        z = z - z.mean(axis=1, keepdims=True)
+        mean = z.mean(axis=0)
+        for _ in range(_ROUNDS):
+            way = z @ mean.conj()
+            mean = (z * np.exp(-1j * np.angle(way))[:, None]).mean(axis=0)
+        # Which way is straight ahead no shape tells: it is how the hands lay on average.
+        ahead = np.angle(np.mean(np.exp(1j * np.angle(z @ mean.conj()))))
+        self.places: Complex = mean * np.exp(1j * ahead)
+        self.turns: Array = np.angle(z @ self.places.conj())
+
+    def match(self, xy: ArrayLike) -> Match:
+        """Which fingers touches are, for a right hand of any size and turn.
+
+        Args:
+            xy: (k, 2) m, 2 to 5 touches; below `LEAST` the answer is a guess.
+        """
+        z = _complex(xy)
+        labels = hypotheses(len(z))
+        way, likeness = self._laid(z, labels)
+        best = int(np.argmax(likeness))
+        return Match(labels[best].copy(), float(np.angle(way[best])), float(likeness[best]))
+
+    def turn(self, xy: ArrayLike, labels: ArrayLike) -> float:
+        """rad, turn of touches (k, 2), k from 2, whose fingers (k,) are known."""
+        way, _ = self._laid(_complex(xy), np.asarray(labels, int)[None])
+        return float(np.angle(way[0]))
+
+    def _laid(self, z: Complex, labels: NDArray[np.int64]) -> tuple[Complex, Array]:
+        """Covariances (P,) of touches (k,) with the places of labels (P, k), and correlations."""
+        z = z - z.mean()
+        there = self.places[labels]
+        there = there - there.mean(axis=1, keepdims=True)
+        way = there.conj() @ z
+        lengths = np.linalg.norm(there, axis=1) * np.linalg.norm(z)
+        return way, np.abs(way) / np.maximum(lengths, 1e-12)
+
+
+def of_capture(capture: Capture) -> NaturalLayout:
+    """The natural layout of a capture's subject.
+
+    Raises:
+        CaptureError: No frame has all five fingers down.
+    """
+    return NaturalLayout(capture.xy[capture.down.all(axis=1)])
+
+
+@cache
+def builtin_layout() -> NaturalLayout:
+    """The natural layout of the built-in capture."""
+    return of_capture(builtin_capture())
+
+
+def _complex(xy: ArrayLike) -> Complex:
+    xy = np.asarray(xy, float)
+    return np.asarray(xy[..., 0] - 1j * xy[..., 1])

@@ -1,0 +1,59 @@
+"""Finds the moments at which five fingers rest on a screen: one layout for each time they do."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.frames import FINGERS, TouchFrame
+
+Array = NDArray[np.float64]
+
+REST = 0.5
+"""s for which all five fingers must rest."""
+STILL = 0.004
+"""m, farthest that a resting finger goes from where it came to rest."""
+
+
+class SpreadCollector:
+    """Takes touch frames in, and keeps the layout of every rest of five fingers.
+
+    Between two rests the hand leaves the screen, or at least one finger does: a hand that slides
+    from one spread into the next is not asked for, since nobody knows when it has arrived.
+
+    Attributes:
+        layouts: (5, 2) m each, mean places of a rest, in order of contact id.
+        down: Contacts on the screen now.
+    """
+
+    def __init__(self) -> None:
+        self.layouts: list[Array] = []
+        self.down = 0
+        self._begin([], 0.0)
+
+    def step(self, frame: TouchFrame) -> bool:
+        """Takes in a frame; true if it completes a layout."""
+        contacts = sorted(frame.contacts, key=lambda c: c.id)
+        self.down = len(contacts)
+        ids = [c.id for c in contacts]
+        if len(contacts) != len(FINGERS):
+            self._begin([], frame.time)
+            return False
+        xy = np.array([(c.x, c.y) for c in contacts])
+        if ids != self._ids:
+            self._begin(ids, frame.time)
+        elif float(np.abs(xy - self._seen[0]).max()) > STILL:
+            taken = self._taken
+            self._begin(ids, frame.time)
+            self._taken = taken
+        self._seen.append(xy)
+        if self._taken or frame.time - self._since < REST - 1e-9:
+            return False
+        self.layouts.append(np.mean(self._seen, axis=0))
+        self._taken = True
+        return True
+
+    def _begin(self, ids: list[int], time: float) -> None:
+        self._ids, self._since = ids, time
+        self._seen: list[Array] = []
+        self._taken: bool = False

@@ -1,0 +1,204 @@
+"""`sandbox calibrate`: how large a person's hand is against the trained one."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+import tyro
+from numpy.typing import NDArray
+from rich.console import Console
+
+from encoders.hand_size import SPREADS, HandSize, builtin_sizes
+from encoders.spreads import SpreadCollector
+from models.errors import InputError
+from models.person import Person, PersonFrame
+from models.scene import CONTROL_PERIOD
+from models.surface import Surface
+from sandbox.cli.parse import parse
+from sandbox.cli.scene_options import Plan, SceneOptions, plan
+from sandbox.devices.device import Device
+from sandbox.devices.simulated_spreads import SimulatedSpreads
+from sandbox.devices.tuio import DEFAULT_PORT, LOOPBACK
+from sandbox.profiles import Profile, default_path, save_profile
+from sandbox.recording import is_recording
+from sandbox.settings import RunSettings
+from tasks.registry import find_task
+
+Array = NDArray[np.float64]
+
+_ASKED = {
+    "natural": "put down all five fingertips, relaxed, and hold still",
+    "closed": "lift, then put them down as close together as is comfortable",
+    "wide": "lift, then put them down as wide apart as is comfortable",
+}
+
+
+@dataclass(frozen=True)
+class CalibrateOptions:
+    """Measures a hand from five fingers put down three times: relaxed, close together, wide apart.
+
+    What is stored is the hand's length against that of the trained hand, so that touches can be
+    scaled to it. `sandbox play` with a touch device then uses it, everything else only with
+    --profile.
+
+    Try: sandbox calibrate --device simulated --hand-size 0.9 --out profile.json
+    """
+
+    device: Annotated[str, tyro.conf.arg(metavar="{tuio,simulated,FILE}")] = "tuio"
+    """Where touches come from: a TUIO sender, a simulated person (for a try), or a file: a
+    recording of ours, or a capture of TUIO packets."""
+
+    hand: Literal["right", "left"] | None = None
+    """Which hand; the right one unless a recording says otherwise."""
+
+    turn: Literal[0, 90, 180, 270] | None = None
+    """Where the person sits: 0 at the screen's lower edge, 90 at its right one, and so on."""
+
+    surface: Annotated[str | None, tyro.conf.arg(metavar="SIZE")] = None
+    """Size of the touch surface: 7.76x5.82in, 197x148mm or a preset such as ipad2. Needed where the
+    device does not tell it: a guess here would be an error of the hand's size."""
+
+    out: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Where the profile goes; this user's own profile unless given."""
+
+    hand_size: Annotated[float, tyro.conf.arg(metavar="RATIO")] = 1.0
+    """True size of the simulated person's hand."""
+
+    seed: int = 0
+    """Of the simulated person."""
+
+    seconds: float = 120.0
+    """How long a live device is waited for."""
+
+    port: int = DEFAULT_PORT
+    """UDP port for TUIO; 0 takes a free one."""
+
+    bind: Annotated[str, tyro.conf.arg(metavar="ADDRESS")] = LOOPBACK
+    """Address for TUIO; 127.0.0.1 is reached from this machine only, 0.0.0.0 from the network."""
+
+
+def main(argv: list[str]) -> int:
+    """Runs `sandbox calibrate ...`."""
+    options = parse(CalibrateOptions, "sandbox calibrate", argv)
+    if options.device == "mouse":
+        raise InputError(
+            "a mouse has no hand to measure", where="--device mouse", expected="a touch device"
+        )
+    if not options.seconds > 0.0:
+        raise InputError("no time to wait", where="--seconds", got=options.seconds)
+    console = Console()
+    simulated = options.device == "simulated"
+    chosen = plan(
+        SceneOptions(
+            device=options.device,
+            hand=options.hand,
+            turn=options.turn,
+            surface=options.surface,
+            port=options.port,
+            bind=options.bind,
+        )
+    )
+    settings = chosen.settings
+    _check_surface(options, settings)
+    surface = settings.surface
+    asked = replace(settings.person, hand_size=1.0)
+    if simulated:
+        person = replace(asked, hand_size=options.hand_size)
+        device: Device = SimulatedSpreads(person, surface, options.seed)
+    else:
+        device = _opened(chosen, surface)
+    try:
+        layouts = _collect(device, chosen.live, options.seconds, console)
+    finally:
+        device.close()
+    frame = PersonFrame(asked, surface)
+    size = builtin_sizes().estimate([frame.inwards(xy) for xy in layouts])
+    _report(size, console)
+    found = replace(asked, hand_size=round(size.ratio, 4))
+    played = simulated or chosen.about.get("user") is not None
+    profile = Profile(found, _rounded(size, found), options.device, simulated=played)
+    path = options.out or default_path()
+    save_profile(profile, path)
+    console.print(f"{profile.line}; written to {path}", soft_wrap=True)
+    return 0
+
+
+def _opened(chosen: Plan, surface: Surface) -> Device:
+    # A device is opened for a task, since simulated users need one; others only take the surface.
+    task = find_task(chosen.settings.task).draw(chosen.settings.seed, surface)
+    return chosen.make_device(task, surface)
+
+
+def _check_surface(options: CalibrateOptions, settings: RunSettings) -> None:
+    """A surface whose size is a guess cannot measure anything."""
+    file = Path(options.device)
+    recorded = file.is_file() and is_recording(file)
+    # A recording holds metres already; a size given now would come too late.
+    told = settings.surface_calibrated and (recorded or not file.is_file())
+    if not told and (recorded or options.surface is None):
+        raise InputError(
+            "the size of the touch surface is not known", where=f"--device {options.device}",
+            remedy="Record anew with --surface" if recorded
+            else "Measure the touch area with a ruler, for example --surface 197x148mm",
+        )  # fmt: skip
+
+
+def _collect(device: Device, live: bool, seconds: float, console: Console) -> list[Array]:
+    """Layouts of the first three rests of five fingers, m on the screen."""
+    collector = SpreadCollector()
+    address = getattr(device, "address", None)
+    if address:
+        console.print(f"listening for TUIO on [bold]{address}[/] (UDP)")
+    if live:
+        _ask(console, 0)
+    begin, now, most = time.monotonic(), 0.0, 0
+    while len(collector.layouts) < len(SPREADS):
+        for frame in device.poll(now):
+            most = max(most, len(frame.contacts))
+            if collector.step(frame):
+                done = len(collector.layouts)
+                console.print(f"  {done} of {len(SPREADS)} spreads seen")
+                if live and done < len(SPREADS):
+                    _ask(console, done)
+                if done == len(SPREADS):
+                    break
+        if device.finished or now > (seconds if live else math.inf):
+            break
+        if live:
+            time.sleep(0.004)
+            now = time.monotonic() - begin
+        else:
+            now += CONTROL_PERIOD
+    if len(collector.layouts) < len(SPREADS):
+        raise InputError(
+            "five fingers did not rest three times", where=f"--device {device.name}",
+            got=f"{len(collector.layouts)} times, and at most {most} fingers at once",
+            expected="three spreads of five fingers, each held still for half a second",
+            remedy="Lift the hand between two spreads",
+        )  # fmt: skip
+    return list(collector.layouts)
+
+
+def _ask(console: Console, number: int) -> None:
+    name = SPREADS[number]
+    console.print(f"[bold]{number + 1} of {len(SPREADS)}, {name}[/]: {_ASKED[name]}")
+
+
+def _report(size: HandSize, console: Console) -> None:
+    alone = ", ".join(f"{n} {r:.2f}" for n, r in zip(SPREADS, size.alone, strict=True))
+    console.print(
+        f"size [bold]{size.ratio:.3f}[/] (95 %: {size.low:.2f} to {size.high:.2f}); each spread "
+        f"alone: {alone}",
+        soft_wrap=True,
+    )
+
+
+def _rounded(size: HandSize, person: Person) -> tuple[float, float]:
+    """The interval in as many digits as the size, which stays within it."""
+    low, high = round(size.low, 4), round(size.high, 4)
+    return min(low, person.hand_size), max(high, person.hand_size)
