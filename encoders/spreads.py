@@ -43,9 +43,7 @@ class SpreadCollector:
         if ids != self._ids:
             self._begin(ids, frame.time)
         elif float(np.abs(xy - self._seen[0]).max()) > STILL:
-            taken = self._taken
-            self._begin(ids, frame.time)
-            self._taken = taken
+            self._begin(ids, frame.time, self._taken)
         self._seen.append(xy)
         if self._taken or frame.time - self._since < REST - 1e-9:
             return False
@@ -53,7 +51,7 @@ class SpreadCollector:
         self._taken = True
         return True
 
-    def _begin(self, ids: list[int], time: float) -> None:
+    def _begin(self, ids: list[int], time: float, taken: bool = False) -> None:
         self._ids, self._since = ids, time
+        self._taken: bool = taken
         self._seen: list[Array] = []
-        self._taken: bool = False
