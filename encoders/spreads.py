@@ -29,7 +29,10 @@ class SpreadCollector:
     def __init__(self) -> None:
         self.layouts: list[Array] = []
         self.down = 0
-        self._begin([], 0.0)
+        self._ids: list[int] = []
+        self._since = 0.0
+        self._seen: list[Array] = []
+        self._taken = False
 
     def step(self, frame: TouchFrame) -> bool:
         """Takes in a frame; true if it completes a layout."""
@@ -52,6 +55,4 @@ class SpreadCollector:
         return True
 
     def _begin(self, ids: list[int], time: float, taken: bool = False) -> None:
-        self._ids, self._since = ids, time
-        self._taken: bool = taken
-        self._seen: list[Array] = []
+        self._ids, self._since, self._seen, self._taken = ids, time, [], taken
