@@ -158,7 +158,9 @@ def _show(progress: Progress, bar: TaskID, share: float) -> None:
 
 @contextmanager
 def _bars() -> Iterator[Progress]:
-    with Progress(console=Console(stderr=True), transient=True) as progress:
+    console = Console(stderr=True)
+    # Where nobody watches, even bars that are never drawn would leave an empty line.
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
         yield progress
 
 

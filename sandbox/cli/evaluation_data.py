@@ -70,6 +70,8 @@ def gather(
         configuration["test_takes"] = sorted({int(t) for t in whole.trial[out]})
         return Data(Training(whole.select(~out)), [whole.select(out)], configuration)
 
+    loaded = [_loaded(file) for file in files]
+    learned = _loaded(Path(train)) if train != BUILTIN else None
     tests: list[Capture] = []
     person = None
     if BUILTIN in places or train == BUILTIN:
@@ -83,21 +85,21 @@ def gather(
         numbers = person.judged_days(days, day_seed)
         configuration |= {"days": numbers, "day_seed": day_seed}
         tests += [_simulated(person, day, progress) for day in numbers]
-    tests += [_loaded(file) for file in files]
-    if train == BUILTIN:
+    tests += loaded
+    if learned is not None:
+        training = Training(learned)
+    else:
         assert person is not None
         training = _day_0(person, progress)
-    else:
-        training = Training(_loaded(Path(train)))
-    learned = capture_digest(training.capture)
+    digest = capture_digest(training.capture)
     for test in tests:
-        if capture_digest(test) == learned:
+        if capture_digest(test) == digest:
             raise CaptureError(
                 "methods would be tested on the frames they learned from",
                 where=str(test.meta.get("file", "--capture")),
                 remedy="--train split trains on some of its takes and tests on the others",
             )
-    configuration["training_digest"] = learned
+    configuration["training_digest"] = digest
     return Data(training, tests, configuration)
 
 

@@ -137,12 +137,16 @@ def _rendered(moments: Sequence[Moment], poses: Sequence[Array]) -> list[list[An
     from sandbox.messages import ContactView, HandView, Snapshot
     from sandbox.views.drawing import Drawing
     from sandbox.views.graphics import offscreen_context, render_context
+    from sandbox.views.renderer import SAMPLES, SHADOW_SIZE, SLICES, STACKS
     from tasks.score import Score
 
     surface = Surface().centred_at((0.0, 0.0, 0.0))
     scene = Scene(SceneSpec((Hand(),)))
     drawing = Drawing(scene, surface)
-    drawing.model.vis.global_.offwidth, drawing.model.vis.global_.offheight = SIZE
+    look = drawing.model.vis
+    look.global_.offwidth, look.global_.offheight = SIZE
+    look.quality.shadowsize, look.quality.offsamples = SHADOW_SIZE, SAMPLES
+    look.quality.numslices, look.quality.numstacks = SLICES, STACKS
     camera = mujoco.MjvCamera()
     camera.type = mujoco.mjtCamera.mjCAMERA_FREE
     camera.elevation, camera.distance = ELEVATION, DISTANCE
