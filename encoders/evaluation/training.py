@@ -104,6 +104,8 @@ class Training:
     def _best(self, progress: Progress | None) -> Method:
         if find_spec("encoders.best") is not None:
             package = import_module("encoders.best")
+            if self.shipped and hasattr(package, "builtin_best"):
+                return BestMethod(package.builtin_best())
             return BestMethod(package.train_best(self.capture, progress))
         model = builtin("best") if self.shipped else train(self.capture, "best", 2, None)
         belief = builtin_belief() if self.shipped else BeliefLabels.train(self.capture)
