@@ -26,6 +26,9 @@ ON_SURFACE = 0.006
 POOR_FIT = 0.010
 """m, root mean square distance between points seen and placed, beyond which a frame is dropped."""
 
+SURPRISE = 3.0
+"""Standard deviations from its expected place on the hand, beyond which a point is none of it."""
+
 LETS_GO = 1.5
 """A touch ends at this many times the height at which it begins, so that none flickers."""
 
@@ -62,14 +65,21 @@ def joints_from_points(
     recorded = np.stack([points[name] for name in names], axis=1)
     chosen = [sites[name] for name in names]
     palm = np.array([site.bone == PALM for site in chosen])
-    found = frame is None
+    outermost = [] if frame is not None else _tip_points(chosen, skeleton)
     if frame is None:
-        tips = recorded[:, _tip_points(chosen, skeleton)]
-        frame = frame_from_fingertips(tips, recorded[:, palm].mean(axis=1), tolerance)
+        middle = recorded[:, palm].mean(axis=1)
+        frame = frame_from_fingertips(recorded[:, outermost], middle, tolerance)
     placed = frame.points(recorded)
     if left:
         placed = placed * [-1.0, 1.0, 1.0]
     hand = fit_skeleton(placed, chosen, skeleton, progress)
+    odd = int(hand.surprise.argmax())
+    if hand.surprise[odd] > SURPRISE:
+        raise CaptureError(
+            "a point is not where it ought to be on the hand",
+            got=f"{names[odd]} as {chosen[odd].name}",
+            remedy="Check the mapping for swapped names, and the side (--side)",
+        )
     with np.errstate(invalid="ignore"):
         seen = ~np.isnan(hand.residual)
         squares = np.where(seen, hand.residual, 0.0) ** 2
@@ -93,7 +103,10 @@ def joints_from_points(
     report.notes["worst_point"] = names[int(worst.argmax())]
     report.notes["worst_point_mm"] = round(1000 * float(worst.max()), 2)
     joints = JointTrack(time[fits], hand.q[fits], hand.skeleton)
-    return _on_the_surface(joints, tolerance) if found else joints
+    if not outermost:
+        return joints
+    with np.errstate(invalid="ignore"):
+        return _on_the_surface(joints, np.abs(placed[fits][:, outermost, 2]) < tolerance)
 
 
 def _tip_points(sites: list[Site], skeleton: Skeleton) -> list[int]:
@@ -112,16 +125,10 @@ def _tip_points(sites: list[Site], skeleton: Skeleton) -> list[int]:
     return out
 
 
-def _on_the_surface(joints: JointTrack, tolerance: float) -> JointTrack:
-    """The poses at a height at which resting fingertips touch: the plane was that of markers."""
-    # The fingertips that rest are the lowest; markers lie higher than tips, all alike.
-    height = joints.tips[..., 2]
-    low = np.sort(height.ravel())
-    edges = np.searchsorted(low, low + tolerance, side="right") - np.arange(len(low))
-    first = int(edges.argmax())
-    resting = float(np.median(low[first : first + edges[first]]))
+def _on_the_surface(joints: JointTrack, resting: NDArray[np.bool_]) -> JointTrack:
+    """The poses at a height at which resting tips (J, 5) touch: the plane was that of markers."""
     q = joints.q.copy()
-    q[:, 2] += ON_SURFACE - resting
+    q[:, 2] += ON_SURFACE - np.median(joints.tips[..., 2][resting])
     return JointTrack(joints.time, q, joints.skeleton)
 
 

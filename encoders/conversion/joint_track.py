@@ -83,5 +83,7 @@ class JointTrack:
         span = self.time[before + 1] - self.time[before]
         share = (times - self.time[before]) / span
         slack = 1e-6 / span  # clocks round
-        known = (share >= -slack) & (share <= 1 + slack) & (span <= max(gap, 1.5 * self.period))
+        met = (np.abs(share) <= slack) | (np.abs(share - 1) <= slack)
+        bridged = (share > 0) & (share < 1) & (span <= max(gap, 1.5 * self.period))
+        known = met | bridged
         return before.astype(np.int64), np.clip(share, 0, 1), known

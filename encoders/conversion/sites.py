@@ -146,7 +146,7 @@ def mapped(mapping: Mapping[str, Any], names: Sequence[str], skeleton: Skeleton)
             )
         if isinstance(value, dict):
             out[name] = _site(name, value, skeleton)
-        elif value in known:
+        elif isinstance(value, str) and value in known:
             out[name] = known[value]
         else:
             raise CaptureError(

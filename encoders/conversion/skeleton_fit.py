@@ -56,14 +56,15 @@ class FittedHand:
     Attributes:
         skeleton: Scaled to the person's hand.
         scale: Its size against the one that was given.
-        places: (M, 3) m, the points in the frames of their bones.
+        surprise: (M,) how far the points are on their bones from where they ought to be, in
+            standard deviations.
         q: (T, 48) poses in the frame of the points; NaN where the hand could not be seen.
         residual: (T, M) m, distance between points seen and placed; NaN where not seen.
     """
 
     skeleton: Skeleton
     scale: float
-    places: Array
+    surprise: Array
     q: Array
     residual: Array
 
@@ -123,7 +124,7 @@ def fit_skeleton(
         residual[chunk] = np.linalg.norm(seen - model.place(poses), axis=2)
         if progress:
             progress(0.4 + 0.6 * min(1.0, (a + _CHUNK) / len(frames)))
-    return FittedHand(model.kinematics.skeleton, model.scale, model.places, out, residual)
+    return FittedHand(model.kinematics.skeleton, model.scale, model.surprise, out, residual)
 
 
 def _whole_enough(points: Array, sites: Sequence[Site], skeleton: Skeleton) -> NDArray[np.bool_]:
@@ -143,8 +144,8 @@ class _Model:
         self._adult = skeleton
         self._bone = np.array([site.bone for site in sites])
         self._guess = np.array([site.at for site in sites])
-        spread = np.array([site.spread for site in sites])
-        self._shrink = spread**2 / (spread**2 + _TRUST**2)
+        self._spread = np.array([site.spread for site in sites])
+        self._shrink = self._spread**2 / (self._spread**2 + _TRUST**2)
         self._moved = np.zeros((len(sites), 3))
         self.scale = 1.0
         self.kinematics = Kinematics(skeleton)
@@ -162,6 +163,11 @@ class _Model:
     def places(self) -> Array:
         """(M, 3) m, the points in the frames of their bones."""
         return self.scale * self._guess + self._moved
+
+    @property
+    def surprise(self) -> Array:
+        """(M,) distance of the points from where they ought to be, in standard deviations."""
+        return np.asarray(np.linalg.norm(self._moved, axis=1) / self._spread)
 
     def place(self, q: Array) -> Array:
         """(n, M, 3) m, the points at poses (n, 48)."""
