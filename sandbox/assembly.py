@@ -14,7 +14,8 @@ from encoders.labelling import Labeller, PaperLabels
 from encoders.personal import personal
 from encoders.touch_reconstructor import ReconstructorSettings, TouchReconstructor
 from encoders.trained import BUILTIN, TrainedModel, builtin, load_model
-from models.errors import InputError
+from encoders.yaw_range import YawRange, YawWatch
+from models.errors import CaptureError, InputError
 from models.hand import Hand
 from models.skeleton import ADULT
 from models.surface import Surface
@@ -98,5 +99,13 @@ def build(
 
     reconstructor = personal(person, surface, trained_hand)
     rules = SolidityRules(settings.ghost_until_clear, settings.distal_only)
-    rig = Rig(make_device(task, surface), reconstructor, hand)
+    rig = Rig(make_device(task, surface), reconstructor, hand, _yaw_watch(model))
     return Session(task, [rig], rules, settings.timestep, recorder)
+
+
+def _yaw_watch(model: TrainedModel) -> YawWatch | None:
+    """Who notices hands turned further than the model's training; None where it does not tell."""
+    try:
+        return YawWatch(YawRange.of(model.training_u))
+    except CaptureError:
+        return None

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from models.errors import InputError
+from sandbox.messages import Snapshot
 
 
 class EventLog:
@@ -36,3 +38,23 @@ class EventLog:
         """Closes the file."""
         if self._file:
             self._file.close()
+
+
+class NoticeEvents:
+    """Tells every new notice of a session as one `warning`.
+
+    Args:
+        events: Where it is told.
+        say: Says it to the person, too.
+    """
+
+    def __init__(self, events: EventLog, say: Callable[[str], object]) -> None:
+        self._events, self._say = events, say
+        self._last = ""
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Looks at a snapshot; all of them, or a short notice would be missed."""
+        if snapshot.notice and snapshot.notice != self._last:
+            self._events.tell("warning", what=snapshot.notice, time_s=round(snapshot.time, 3))
+            self._say(snapshot.notice)
+        self._last = snapshot.notice

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from encoders.personal import Reconstructor
 from encoders.touch_reconstructor import Reconstruction
+from encoders.yaw_range import YawWatch
 from models.errors import DivergenceError
 from models.frames import TouchFrame
 from models.hand import Hand
@@ -49,11 +50,19 @@ _FATAL = (
 
 @dataclass
 class Rig:
-    """A device, the reconstructor of its frames, and the hand they drive."""
+    """A device, the reconstructor of its frames, and the hand they drive.
+
+    Attributes:
+        device: Where touches come from.
+        reconstructor: Makes poses of them.
+        hand: Is driven by the poses.
+        yaw: Notices hands that are turned too far; None notices nothing. It changes no pose.
+    """
 
     device: Device
     reconstructor: Reconstructor
     hand: Hand
+    yaw: YawWatch | None = None
 
 
 class Recorder(Protocol):
@@ -154,6 +163,7 @@ class Session:
             objects,
             self.task.goals,
             self.scorer.score,
+            "; ".join(rig.yaw.notice for rig in self.rigs if rig.yaw and rig.yaw.notice),
         )
 
     def close(self) -> None:
@@ -164,6 +174,8 @@ class Session:
     def _begin(self) -> None:
         for i, rig in enumerate(self.rigs):
             rig.reconstructor.reset()
+            if rig.yaw:
+                rig.yaw.reset()
             pose = rig.reconstructor.commanded
             self.data.qpos[self.scene.qpos_slice(i)] = self.scene.pose_to_qpos(i, pose)
             self.data.ctrl[self.scene.control_slice(i)] = pose
@@ -175,6 +187,8 @@ class Session:
         rig = self.rigs[i]
         frame = self._latest(i)
         reconstruction = rig.reconstructor.step(frame)
+        if rig.yaw:
+            rig.yaw.step(self.time, reconstruction.u)
         self.data.ctrl[self.scene.control_slice(i)] = reconstruction.q
         target = self._kinematics[i].tips(reconstruction.q)
         self._solidity[i].update(self.data, reconstruction, target)

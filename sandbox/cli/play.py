@@ -13,9 +13,10 @@ from sandbox.assembly import build
 from sandbox.cli.demo import has_display
 from sandbox.cli.parse import parse
 from sandbox.cli.scene_options import Plan, SceneOptions, plan
-from sandbox.events import EventLog
+from sandbox.events import EventLog, NoticeEvents
 from sandbox.headless import trial_header
 from sandbox.live import LiveSession
+from sandbox.messages import Snapshot
 from sandbox.profiles import DEFAULT, default_path, find_profile
 from sandbox.recording import RecordingWriter
 from sandbox.session import describe
@@ -106,7 +107,15 @@ def _trial(
         console.print(f"listening for TUIO on [bold]{address}[/] (UDP)")
         events.tell("listening", address=address)
     events.tell("trial_start", task=session.task.name, seed=session.task.seed)
-    live = LiveSession(session, getattr(device, "show", None))
+    notices = NoticeEvents(events, lambda notice: console.print(f"[yellow]{notice}[/]"))
+    looking = getattr(device, "show", None)
+
+    def on_step(snapshot: Snapshot) -> None:
+        notices.show(snapshot)
+        if looking:
+            looking(snapshot)
+
+    live = LiveSession(session, on_step)
     live.start()
     again = False
     try:

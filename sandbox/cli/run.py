@@ -15,7 +15,7 @@ from models.errors import InputError
 from sandbox.cli.films import open_film
 from sandbox.cli.parse import parse
 from sandbox.cli.scene_options import Plan, SceneOptions, plan
-from sandbox.events import EventLog
+from sandbox.events import EventLog, NoticeEvents
 from sandbox.headless import View, run_trial
 from sandbox.messages import Snapshot
 from sandbox.pacing import RealTime
@@ -79,6 +79,9 @@ def _run(options: RunOptions, chosen: Plan, events: EventLog, console: Console) 
             clock.append(RealTime())
         clock[0].wait(snapshot.time)
 
+    def say(notice: str) -> None:
+        console.print(f"[yellow]{notice}[/]", soft_wrap=True)
+
     def make_device(task: Any, surface: Any) -> Any:
         device = chosen.make_device(task, surface)
         address = getattr(device, "address", None)
@@ -95,7 +98,9 @@ def _run(options: RunOptions, chosen: Plan, events: EventLog, console: Console) 
     with ExitStack() as closing:
 
         def make_views(session: Session) -> list[View]:
-            views: list[View] = [pace] if chosen.live else []
+            views: list[View] = [NoticeEvents(events, say).show]
+            if chosen.live:
+                views.append(pace)
             if options.film:
                 views.append(closing.enter_context(open_film(options.film, session, caption)).show)
             return views
