@@ -94,6 +94,9 @@ class CaptureOptions:
     unit: Annotated[float | None, tyro.conf.arg(metavar="M")] = None
     """Metres in the recording's unit of length; otherwise 0.01 for BVH, 0.001 for markers."""
 
+    scale: float = 1.0
+    """Size of the hand of a CSV file against the adult's that the program has; others are fitted."""
+
     threshold: Annotated[float, tyro.conf.arg(metavar="MM")] = 5.0
     """Millimetres above the surface within which a fingertip touches, where no touches are given;
     also how flat a surface must be to be found. Soft ones need more."""
@@ -126,6 +129,7 @@ def main(argv: list[str]) -> int:
             report,
             left=left,
             unit=options.unit,
+            scale=options.scale,
             find_surface=log is None,
             tolerance=options.threshold / 1000,
             progress=lambda share: progress.update(bar, completed=share),
@@ -171,6 +175,7 @@ def _checked(options: CaptureOptions) -> Path:
         ("--rate", options.rate, 1000.0),
         ("--unit", 1.0 if options.unit is None else options.unit, 1000.0),
         ("--threshold", options.threshold, 50.0),
+        ("--scale", options.scale, 2.0),
     ):
         if not 0 < value < greatest:
             raise InputError(

@@ -87,6 +87,7 @@ def read_hand(
     *,
     left: bool,
     unit: float | None,
+    scale: float,
     find_surface: bool,
     tolerance: float,
     progress: Callable[[float], None],
@@ -99,6 +100,7 @@ def read_hand(
         report: Takes residuals and counts.
         left: Whether it is a left hand; it is mirrored into a right one.
         unit: m, the file's unit of length; None is the usual one of its kind.
+        scale: Size of a table's hand against the adult's; the size of others is fitted.
         find_surface: Whether the surface may be found from fingertips where it is not told.
         tolerance: m from it within which a fingertip then rests on it.
         progress: Called with the share done, 0 to 1.
@@ -109,7 +111,8 @@ def read_hand(
     suffix = path.name.lower().removesuffix(".gz").rpartition(".")[2]
     if suffix == "csv":
         time, q = read_pose_table(path)
-        return JointTrack(time, mirrored(q) if left else q, ADULT)
+        skeleton = ADULT.scaled(scale) if scale != 1.0 else ADULT
+        return JointTrack(time, mirrored(q) if left else q, skeleton)
     if suffix == "bvh":
         unit = unit or CENTIMETRE
         motion = read_bvh(path, unit)
