@@ -32,6 +32,8 @@ class SecondConfiguration:
 
         pace: s, least and greatest time from one keyframe to the next.
         strength: Least and greatest share of a grip against the relaxed hand.
+        bold: Share of keyframes that do their grip to the utmost.
+        whim: Share of keyframes that take another grip than the take's.
         calm: Factor on strength, turns and ways in free play.
         way: m, half width and half height of the field in which the fingers' middle moves.
         turn: rad, least and greatest yaw of turning, 0 straight away from the person.
@@ -47,9 +49,12 @@ class SecondConfiguration:
 
         tip_width: m, distance that fingertips keep.
         tip_height: m, middle of a touching fingertip above the screen.
+        wrist: m, least height of the wrist, where the heel of the hand rests on the table.
+        level: Share of the palm's tilt that would make touching fingertips level, which is done.
         clearance: m, least height of a lifted fingertip's middle above a touching one's.
-        raise_: rad, least and greatest angle by which a finger is lifted.
-        curl: Share of takes in which fingers are lifted by curling.
+        raise_: rad, least and greatest angle by which a subject lifts one of its fingers.
+        lift_variety: Least and greatest factor on that from take to take.
+        curl: Share of fingers that are lifted by curling.
         coupling: Least and greatest share of its neighbours' bending that a lifted finger follows.
 
         pad: m, from fingertip's middle to the touch's with the finger flat on the screen.
@@ -67,35 +72,40 @@ class SecondConfiguration:
 
     training_frames: tuple[int, int, int, int] = (2500, 2020, 874, 1689)
     test_frames: tuple[int, int, int, int] = (640, 720, 430, 748)
-    training_rate: float = 12.0
+    training_rate: float = 10.0
     test_rate: float = 30.0
     five_finger_repeats: int = 6
-    stay: tuple[float, float] = (0.7, 2.2)
+    stay: tuple[float, float] = (0.5, 1.6)
     take_length: float = 5.0
     landing: float = 0.18
 
     pace: tuple[float, float] = (0.45, 1.0)
-    strength: tuple[float, float] = (0.5, 1.1)
-    calm: float = 0.85
+    strength: tuple[float, float] = (0.30, 0.75)
+    bold: float = 0.05
+    whim: float = 0.7
+    calm: float = 0.75
     way: tuple[float, float] = (0.055, 0.035)
-    turn: tuple[float, float] = (-1.15, 1.30)
-    bias: float = 0.55
+    turn: tuple[float, float] = (-0.85, 1.0)
+    bias: float = 0.22
     forearm: float = 0.5
     elbow: float = 0.28
 
     habit: tuple[float, ...] = (
-        0.12, 0.20, 0.05, 0.06, 0.12, 0.08, 0.10, 0.10, 0.10, 0.12, 0.14, 0.14, 0.010,
+        0.05, 0.08, 0.02, 0.024, 0.055, 0.03, 0.04, 0.04, 0.04, 0.05, 0.17, 0.06, 0.006,
     )  # fmt: skip
     variety: tuple[float, ...] = (
-        0.05, 0.08, 0.03, 0.04, 0.05, 0.04, 0.05, 0.05, 0.05, 0.05, 0.05, 0.05, 0.004,
+        0.035, 0.055, 0.02, 0.03, 0.035, 0.03, 0.035, 0.035, 0.035, 0.035, 0.05, 0.035, 0.0035,
     )  # fmt: skip
     drift: float = 0.8
     tail: float = 4.0
 
     tip_width: float = 0.015
     tip_height: float = 0.0055
+    wrist: float = 0.035
+    level: float = 0.6
     clearance: float = 0.008
-    raise_: tuple[float, float] = (0.10, 0.50)
+    raise_: tuple[float, float] = (0.10, 0.35)
+    lift_variety: tuple[float, float] = (0.9, 1.1)
     curl: float = 0.3
     coupling: tuple[float, float] = (0.3, 0.7)
 
@@ -103,13 +113,13 @@ class SecondConfiguration:
     jitter: float = 0.00025
     jitter_memory: float = 0.6
     grid: float = 0.00025
-    marker: float = 0.0007
-    palm_marker: float = 0.003
+    marker: float = 0.0004
+    palm_marker: float = 0.0012
     tremble: float = 0.0002
 
-    day_manner: float = 0.35
+    day_manner: float = 0.3
     day_elbow: float = 0.025
-    taste: float = 0.5
+    taste: float = 0.35
 
     def as_json(self) -> dict[str, Any]:
         """The configuration as JSON values, for a capture's `meta`."""

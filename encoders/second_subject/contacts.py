@@ -52,15 +52,13 @@ def script(c: SecondConfiguration) -> list[Take]:
 def tastes(rng: np.random.Generator, scale: float) -> Array:
     """(26,) how much a subject likes each set of fingers.
 
-    Anybody likes thumb and index, and fingers side by side; beyond that everybody has habits, some
-    of them strong: they are Laplace distributed in the logarithm.
+    Anybody likes the thumb, and fingers in a row from the index. Beyond that everybody has habits,
+    some of them strong: they are Laplace distributed in the logarithm.
     """
     others = SETS[:, 1:]
-    first = others.argmax(axis=1)
-    last = 3 - others[:, ::-1].argmax(axis=1)
-    gaps = last - first + 1 - others.sum(axis=1)
-    alone = others[:, 3] & ~others[:, 2]
-    liking = np.log(3.0) * SETS[:, 0] + np.log(2.0) * SETS[:, 1] - 0.7 * gaps - 0.5 * alone
+    # Fingers passed over between the index and the outermost finger in use.
+    skipped = (4 - others[:, ::-1].argmax(axis=1)) - others.sum(axis=1)
+    liking = np.log(2.0) * SETS[:, 0] - 0.9 * skipped
     return np.exp(liking + rng.laplace(0, scale, len(SETS)))
 
 

@@ -83,7 +83,8 @@ def keyframes(
 ) -> tuple[Array, Array]:
     """Grips of a take.
 
-    A take keeps to one grip at each end of its gesture; each keyframe does it more or less.
+    A take has one grip for each end of its gesture, from which a keyframe departs on a whim; each
+    keyframe does its grip more or less.
 
     Returns:
         (k, 5, 5) angles and (k,) tilt of the palm, rad.
@@ -93,8 +94,10 @@ def keyframes(
     relaxed = grip("relaxed")
     angles, tilt = np.empty((len(moments), 5, 5)), np.empty(len(moments))
     for k in range(len(moments)):
-        name = ends[(k + phase) % 2]
-        share = calm * rng.uniform(*c.strength)
+        end = (k + phase) % 2
+        name = str(rng.choice(_BETWEEN[gesture][end])) if rng.random() < c.whim else ends[end]
+        bold = rng.random() < c.bold
+        share = 1.15 if bold else calm * rng.uniform(*c.strength)
         angles[k] = relaxed + share * (grip(name) - relaxed)
         tilt[k] = share * np.deg2rad(TILT.get(name, 0.0))
     return angles, tilt

@@ -28,6 +28,9 @@ _ROUNDS = 6
 _SETTLINGS = 3
 """Of raising or lowering the wrist to where its fingers reach the screen."""
 
+_STEADY = 0.015
+"""m, spread of fingertips at which the palm follows half of their plane's slope."""
+
 _MARGIN = 0.007
 """m between fingertips and the screen's edge: a pad is seen beside its tip."""
 
@@ -57,7 +60,7 @@ class Wish:
         used: (n, 5) which fingers touch at some time of the take.
         close: (n, 5) 1 while a finger touches, 0 while it is fully lifted.
         lift: (n, 5) rad, by which a lifted finger is raised.
-        curl: (n,) whether it is raised by curling.
+        curl: (n, 5) whether it is raised by curling.
         coupling: (n, 5) share of its neighbours' bending that a lifted finger follows.
     """
 
@@ -83,11 +86,16 @@ def place(
     wish: Wish, hand: Hand, surface: Surface, c: SecondConfiguration
 ) -> tuple[Array, Array, Array]:
     """Places (n, 3) m and rotations (n, 3, 3) of the wrist, and angles (n, 5, 5) of the fingers."""
-    turn = attitude(wish.yaw, wish.pitch, wish.roll)
-    tips = (turn[:, None] @ hand.tips_in_palm(wish.angles)[..., None])[..., 0]
-    root = np.empty((len(tips), 3))
+    in_palm = hand.tips_in_palm(wish.angles)
+    down, up = _levelling(in_palm, wish.close)
+    pitch, roll = wish.pitch + c.level * up, wish.roll + c.level * down
+    root = np.empty((len(pitch), 3))
+    for _ in range(_SETTLINGS):
+        turn = attitude(wish.yaw, pitch, roll)
+        tips = (turn[:, None] @ in_palm[..., None])[..., 0]
+        root[:, 2] = c.tip_height + wish.height - _mean(tips, wish.close)[:, 2]
+        pitch = pitch - np.maximum(c.wrist - root[:, 2], 0.0) / _mean(in_palm, wish.close)[:, 1]
     root[:, :2] = _middle(tips, wish, surface) - _mean(tips[..., :2], wish.used)
-    root[:, 2] = c.tip_height + wish.height - _mean(tips, wish.close)[:, 2]
     goals = tips + root[:, None]
     for _ in range(_SETTLINGS):
         touching, off = _touching(goals, root, turn, wish, hand, surface, c)
@@ -96,6 +104,21 @@ def place(
     lifted = _lifted(touching, root, turn, wish, hand, c)
     share = wish.close[..., None]
     return root, turn, share * touching + (1 - share) * lifted
+
+
+def _levelling(tips: Array, close: Array) -> tuple[Array, Array]:
+    """Turns (n,) rad, little finger down and fingers up, that would make touching tips level.
+
+    The plane through the fingertips (n, 5, 3) m in the hand frame, by least squares with a penalty
+    on its slope: two fingers side by side are no reason to turn the palm on edge.
+    """
+    flat = tips - _mean(tips, close)[:, None]
+    weighted = flat * close[..., None]
+    spread = np.swapaxes(weighted[..., :2], 1, 2) @ flat[..., :2]
+    spread += close.sum(axis=1)[:, None, None] * _STEADY**2 * np.eye(2)
+    rise = np.swapaxes(weighted[..., :2], 1, 2) @ flat[..., 2:]
+    slope = np.linalg.solve(spread, rise)[..., 0]
+    return np.arctan(slope[:, 0]), -np.arctan(slope[:, 1])
 
 
 def _mean(values: Array, weights: NDArray[np.generic]) -> Array:
@@ -141,8 +164,8 @@ def _touching(
 def _apart(spots: Array, turn: Array, width: float) -> Array:
     """Spots (n, 5, 3) in which no finger is in another's way.
 
-    Fingers give way to the side, across the hand, in the order in which they grow; the thumb gives
-    way backwards, from whichever finger it is too near to.
+    Fingers give way to the side, across the hand, in the order in which they grow; the thumb stays
+    behind a parabola about each fingertip, so that it never jumps from one side of it to the other.
     """
     out = spots.copy()
     across, back = turn[:, :2, 0], -turn[:, :2, 1]
@@ -158,10 +181,8 @@ def _apart(spots: Array, turn: Array, width: float) -> Array:
         between = out[:, 0, :2] - out[:, finger, :2]
         side = (between * across).sum(axis=1)
         ahead = (between * back).sum(axis=1)
-        short = np.sqrt(np.maximum(width**2 - side**2, 0.0)) - ahead
-        # Only where the thumb is really too near, not where it is merely further ahead.
-        near = np.hypot(side, ahead) < width
-        out[:, 0, :2] += np.where(near, short, 0.0)[:, None] * back
+        short = width - side**2 / width - ahead
+        out[:, 0, :2] += np.maximum(short, 0.0)[:, None] * back
     return out
 
 
@@ -181,12 +202,11 @@ def _lifted(
     out[..., SWING] += 0.5 * drawn[..., SWING]
     out[..., FIRST] += drawn[..., FIRST]
     out[..., SECOND] += drawn[..., SECOND]
-    curl = wish.curl[:, None]
-    out[..., FIRST] -= np.where(curl, 0.3, 1.0) * wish.lift
-    out[..., SECOND] += np.where(curl, 1.2, -0.4) * wish.lift
+    out[..., FIRST] -= np.where(wish.curl, 0.3, 1.0) * wish.lift
+    out[..., SECOND] += np.where(wish.curl, 0.8, -0.4) * wish.lift
     out = np.clip(out, low, high)
     up = np.zeros((5, 5))
-    up[:, FIRST], up[0, SWING] = -1.0, -0.6
+    up[:, FIRST], up[1:, SECOND], up[0, SWING] = -1.0, -0.6, -0.6
     least, most = np.zeros(out.shape[:2]), np.full(out.shape[:2], np.deg2rad(70))
     enough = _height(out, root, turn, hand) >= c.tip_height + c.clearance
     for _ in range(9):

@@ -48,6 +48,8 @@ class _Person:
 
     taste: Array
     coupling: Array
+    lift: Array
+    curl: NDArray[np.bool_]
     lean: Array
     elbow: Array
 
@@ -80,7 +82,7 @@ def simulate(
     person = _person(seed, day, c, surface)
     play = np.random.default_rng([_PLAY, seed, day])
     takes = free_play(play, person.taste, c) if day else script(c)
-    # On day 0, too, in any order: else habits, which drift, would hang together with finger sets.
+    # Day 0, too, in any order: habits drift, and would otherwise go along with the script.
     takes = [takes[i] for i in play.permutation(len(takes))]
     habits = _drift(play, len(takes), c)
     wishes = []
@@ -129,13 +131,15 @@ def _person(seed: int, day: int, c: SecondConfiguration, surface: Surface) -> _P
     always = np.random.default_rng([_PERSON, seed])
     taste = tastes(always, c.taste)
     coupling = always.uniform(*c.coupling, len(FINGERS))
+    lift = always.uniform(*c.raise_, len(FINGERS))
+    curl = always.random(len(FINGERS)) < c.curl
     elbow = np.array([surface.size[0] / 2 + 0.06, -surface.size[1] - c.elbow])
     lean = np.zeros(len(MANNERS))
     if day:
         today = np.random.default_rng([_DAY, seed, day])
         lean = c.day_manner * today.uniform(-1, 1, len(MANNERS))
         elbow = elbow + c.day_elbow * today.uniform(-1.7, 1.7, 2)
-    return _Person(taste, coupling, lean, elbow)
+    return _Person(taste, coupling, lift, curl, lean, elbow)
 
 
 def _drift(rng: np.random.Generator, count: int, c: SecondConfiguration) -> Array:
@@ -182,8 +186,8 @@ def _wish(
         middle=middle,
         used=np.broadcast_to(down.any(axis=0), down.shape),
         close=closeness(down, take.rate, c.landing),
-        lift=np.broadcast_to(rng.uniform(*c.raise_, len(FINGERS)), down.shape),
-        curl=np.full(len(down), rng.random() < c.curl),
+        lift=np.broadcast_to(person.lift * rng.uniform(*c.lift_variety, len(FINGERS)), down.shape),
+        curl=np.broadcast_to(person.curl, down.shape),
         coupling=np.broadcast_to(person.coupling, down.shape),
     )
 
@@ -217,5 +221,5 @@ def _yaw(
         sides = (-1.0) ** (np.arange(len(moments)) + rng.integers(2))
         values = middle + half * sides * rng.uniform(0.3, 1.0, len(moments))
     else:
-        values = c.bias * rng.uniform(-1, 1) + 0.12 * rng.laplace(0, 1, len(moments))
+        values = calm * c.bias * rng.uniform(-1, 1) + 0.12 * calm * rng.laplace(0, 1, len(moments))
     return path(times, moments, values)
