@@ -95,7 +95,7 @@ class CaptureOptions:
     """Metres in the recording's unit of length; otherwise 0.01 for BVH, 0.001 for markers."""
 
     scale: float = 1.0
-    """Size of the hand of a CSV file against the adult's that the program has; others are fitted."""
+    """Size of a CSV file's hand against the program's own adult; the size of others is fitted."""
 
     threshold: Annotated[float, tyro.conf.arg(metavar="MM")] = 5.0
     """Millimetres above the surface within which a fingertip touches, where no touches are given;
