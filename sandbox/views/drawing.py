@@ -212,7 +212,8 @@ class Drawing:
         if not self.view.flags[mujoco.mjtRndFlag.mjRND_SHADOW]:
             return
         for g in casters:
-            size = self.model.geom_size[g] * np.array([CASTER_WIDTH, 1.0, 1.0])
+            # A little shorter as well: the sleeve's end would show through in its own caster's.
+            size = self.model.geom_size[g] * np.array([CASTER_WIDTH, 0.98, 1.0])
             place, turn = self._data.geom_xpos[g], self._data.geom_xmat[g]
             caster = self._add(self.model.geom_type[g], size, place, turn, palette.NAIL, 1.0)
             if caster is not None:
