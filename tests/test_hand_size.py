@@ -11,14 +11,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from encoders.capture import Capture
+from encoders.contact_vector import contact_vectors
 from encoders.hand_size import SPREADS, HandSizes, builtin_sizes
 from encoders.natural_layout import builtin_layout
-from encoders.trained import builtin_capture
+from encoders.subject import FROZEN, SEED, simulate
+from encoders.trained import builtin, builtin_capture
 from models.errors import CaptureError, InputError
 from models.frames import Contact, TouchFrame
 from models.hand import Hand
 from models.kinematics import Kinematics
 from models.person import Person
+from models.pose import absolute_pose
 from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT
 from models.surface import Surface
@@ -223,6 +226,43 @@ def test_most_frames_of_the_trained_subject_are_told_apart_whatever_their_turn()
             right += builtin_layout().match(xy).labels.tolist() == fingers.tolist()
             total += 1
         assert right / total > least
+
+
+QUICK = replace(FROZEN, test_frames=(60, 60, 60, 60))
+
+
+def small_hand(size: float) -> Capture:
+    return simulate(QUICK, SEED, 4, skeleton=ADULT.scaled(size))
+
+
+def test_a_subject_with_a_smaller_hand_touches_closer_together_and_with_its_own_fingertips():
+    plain, small = simulate(QUICK, SEED, 4), small_hand(0.85)
+    assert small.meta["skeleton"] == ADULT.scaled(0.85).name != plain.meta["skeleton"]
+
+    def spread(capture: Capture) -> float:
+        xy = capture.xy[capture.down.all(axis=1)]
+        return float(np.linalg.norm(xy - xy.mean(axis=1, keepdims=True), axis=(1, 2)).mean())
+
+    assert spread(small) / spread(plain) == pytest.approx(0.85, abs=0.05)
+
+    def off(skeleton) -> float:
+        """m, mean distance seen from above between fingertips and touches."""
+        tips = Kinematics(skeleton).tips(small.q)[..., :2] * [1.0, -1.0]
+        return float(np.linalg.norm(tips - small.xy, axis=2)[small.down].mean())
+
+    assert off(ADULT.scaled(0.85)) < 0.006 < off(ADULT)
+
+
+@pytest.mark.parametrize("size", [0.85, 1.15])
+def test_touches_scaled_to_the_trained_hand_bring_the_wrist_nearer(size):
+    capture, encoder = small_hand(size), builtin("best").encoder
+
+    def error(used: float) -> float:
+        u, leftmost = contact_vectors(capture.xy / used)
+        q = absolute_pose(encoder.predict(u), leftmost)
+        return float(np.linalg.norm(used * q[:, :3] - capture.q[:, :3], axis=1).mean())
+
+    assert error(size) < 0.95 * error(1.0)
 
 
 def test_a_surface_of_another_size_changes_nothing_but_its_middle():

@@ -19,7 +19,7 @@ from models.frames import FINGERS
 from models.kinematics import Kinematics
 from models.pose import POSE_SIZE, ROOT_POSITION, ROOT_ROTATION
 from models.rotations import exp, log
-from models.skeleton import ADULT
+from models.skeleton import ADULT, Skeleton
 from models.surface import Surface
 
 Array = NDArray[np.float64]
@@ -41,6 +41,7 @@ def simulate(
     seed: int,
     day: int,
     progress: Progress | None = None,
+    skeleton: Skeleton = ADULT,
 ) -> Capture:
     """Captures a simulated subject.
 
@@ -49,6 +50,7 @@ def simulate(
         seed: Which subject: its hinges, and everything it does.
         day: 0 plays the training script, every later day is free play, sensors placed anew.
         progress: Called with the share done, 0 to 1.
+        skeleton: The subject's hand; another size makes the same habits another hand's.
 
     Returns:
         The capture; equal arguments give equal captures. `meta["simulated"]` is True.
@@ -59,7 +61,7 @@ def simulate(
     for name, value in (("seed", seed), ("day", day)):
         if value < 0:
             raise InputError(f"there is no such {name}", got=value, expected="0 or more")
-    person = _Person(configuration, seed)
+    person = _Person(configuration, seed, skeleton)
     session = _Session(person, day)
     takes = takes_of(day, np.random.default_rng([seed, DAY, day, 1]), configuration)
     parts = []
@@ -81,7 +83,7 @@ def simulate(
         "seed": seed,
         "day": day,
         "side": "right",
-        "skeleton": ADULT.name,
+        "skeleton": skeleton.name,
         "surface_in": [person.surface.width_in, person.surface.height_in],
         "rate_hz": takes[0].rate,
         "configuration": configuration.as_json(),
@@ -93,12 +95,14 @@ def simulate(
 class _Person:
     """What is the same on all days: the hand and its posture at rest."""
 
-    def __init__(self, configuration: SubjectConfiguration, seed: int) -> None:
+    def __init__(
+        self, configuration: SubjectConfiguration, seed: int, skeleton: Skeleton = ADULT
+    ) -> None:
         self.configuration, self.seed = configuration, seed
         self.surface = Surface()
-        self.kinematics = Kinematics(ADULT)
+        self.kinematics = Kinematics(skeleton)
         rng = np.random.default_rng([seed, SUBJECT])
-        self.anatomy = anatomy(rng, ADULT, configuration)
+        self.anatomy = anatomy(rng, skeleton, configuration)
         self.solver = PostureSolver(self.kinematics, self.anatomy)
         # Factor that turns independent unit variables into deviations of posture.
         self.habit = np.linalg.cholesky(self.anatomy.covariance).T
@@ -161,7 +165,7 @@ class _Session:
         q[:, ROOT_ROTATION] = log(turned @ exp(q[:, ROOT_ROTATION]))
         q[:, ROOT_POSITION] = (turned @ q[:, ROOT_POSITION, None])[..., 0]
         q[:, :2] += way.place
-        xy = touches(rng, person.kinematics.place(q), ADULT, c)
+        xy = touches(rng, person.kinematics.place(q), person.kinematics.skeleton, c)
         return xy, measured_pose(rng, times, q, self.error, person.kinematics, c)
 
     def _forearm(self, place: Array) -> Array:
