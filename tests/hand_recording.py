@@ -14,7 +14,15 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from encoders.conversion import TouchLog
+from encoders.capture import Capture
+from encoders.conversion import (
+    ConversionReport,
+    ConversionRules,
+    JointTrack,
+    TouchLog,
+    capture_from_touches,
+)
+from encoders.conversion.convert import Sync
 from encoders.conversion.sites import PALM, sites_of
 from encoders.correction import CorrectionSettings, FingertipCorrection
 from models.kinematics import Kinematics
@@ -24,6 +32,10 @@ from models.skeleton import ADULT, Skeleton
 from models.surface import METRES_PER_INCH
 
 RATE = 60.0
+AHEAD = 3.217
+"""s that the hand's clock is ahead of the tablet's, where nothing else is said."""
+
+RULES = ConversionRules(rate=RATE)
 ON_SURFACE = 0.006
 SCALE = 0.95
 
@@ -192,3 +204,20 @@ def write_tsv(path: Path, points: dict[str, np.ndarray]) -> None:
         cells = [f"{1000 * v:.4f}" if np.isfinite(v) else "" for p in points.values() for v in p[t]]
         lines.append("\t".join(cells))
     path.write_text("\n".join(lines) + "\n")
+
+
+def converted(
+    log: TouchLog,
+    joints: JointTrack,
+    sync: Sync = "clock",
+    offset: float = AHEAD,
+    rules: ConversionRules = RULES,
+) -> tuple[Capture, ConversionReport]:
+    """The capture of touches and poses, and what was dropped."""
+    report = ConversionReport()
+    return capture_from_touches(log, joints, sync, offset, rules, report, {}), report
+
+
+def rows_of(truth: Truth, capture: Capture, ahead: float = AHEAD) -> np.ndarray:
+    """Frames of the truth at which the frames of a capture were taken."""
+    return np.round((capture.time + ahead) * RATE).astype(int)

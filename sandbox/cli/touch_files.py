@@ -93,7 +93,7 @@ def _shown(path: Path) -> tuple[TouchLog, str]:
                     raise ValueError("a value is not finite")
                 if len({c[0] for c in contacts}) != len(contacts):
                     raise ValueError("two contacts share an id")
-            except (ValueError, KeyError, TypeError, RecursionError) as error:
+            except (ValueError, KeyError, TypeError, OverflowError, RecursionError) as error:
                 damage = f"line {number} is damaged ({error}); everything before it is used"
                 break
             inch = METRES_PER_INCH
