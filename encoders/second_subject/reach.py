@@ -2,8 +2,9 @@
 
 The sideways swing puts the finger's plane through the target. In that plane the chain's length
 depends on the middle joint alone, because the last joint follows it, and grows as it stretches; so
-the middle joint is found by halving an interval, and the knuckle takes up what is left. The joints
-are then clamped to their ranges: an unreachable target is reached for, not reached.
+the middle joint is found by halving an interval, and the knuckle takes up what is left. (With its
+last joint bent backwards, a finger is longest just before it is straight: half a millimetre.) The
+joints are then clamped to their ranges: an unreachable target is reached for, not reached.
 """
 
 from __future__ import annotations
