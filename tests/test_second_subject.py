@@ -16,7 +16,7 @@ from encoders.polynomial import CubicEncoder
 from encoders.second_subject import FROZEN, SEED, SLENDER, simulate
 from encoders.second_subject.contacts import SETS, closeness, contact_ids, free_play, tastes
 from encoders.second_subject.grips import knots, path
-from encoders.second_subject.hand import LAST, ROLL, SECOND, attitude
+from encoders.second_subject.hand import LAST, ROLL, attitude
 from encoders.second_subject.measurement import Markers
 from encoders.second_subject.reach import reach
 from models.errors import InputError
@@ -236,7 +236,6 @@ def test_bones_keep_their_lengths_and_join(training):
 def test_a_finger_finds_every_point_that_it_can_touch(seed):
     angles = some_angles(20, seed, share=0.95)
     # A joint bent backwards reaches what it reaches bent forwards, and only the latter is found.
-    angles[:, 0, SECOND] = np.abs(angles[:, 0, SECOND])
     angles[..., LAST] = np.abs(angles[..., LAST])
     goal = SLENDER.tips_in_palm(angles)
     local = np.einsum("fji,nfj->nfi", SLENDER.saddle, goal - SLENDER.knuckle)
