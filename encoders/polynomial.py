@@ -3,34 +3,35 @@
 Equations 1 (quadratic), 2 (linear) and 3 (cubic) of Chung, Kim, Han and Pollard (2015). For 15
 inputs they have K = 136, 16 and 816 terms. Because s_i is 0 or 1 and a lifted finger stands at
 (-1, -1), some terms repeat others (s^2 = s, x s = x + 1 - s): of the 136 quadratic terms only 121
-are independent. The fit therefore goes through a singular value decomposition of scaled columns,
-which takes the shortest of all equal solutions; predictions do not depend on the choice.
+are independent. The fit (`encoders.least_squares`) therefore takes the shortest of all equal
+solutions; predictions do not depend on the choice.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from itertools import combinations_with_replacement
+from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.linalg import lstsq
 
+from encoders.collapsed import SETS, ContactPoses, monomials, set_code, set_codes, set_name
+from encoders.contact_vector import CONTACT_VECTOR_SIZE
+from encoders.least_squares import LeastSquares, ridge_path
 from models.errors import EncoderError
+
+__all__ = [
+    "CubicEncoder",
+    "LinearEncoder",
+    "PolynomialEncoder",
+    "QuadraticEncoder",
+    "monomials",
+    "ridge_path",
+]
 
 Array = NDArray[np.float64]
 
-_RCOND = 1e-10
-"""Singular values below this share of the largest count as zero: far below those of independent
-terms (measured on captures of the simulated subject: above 1e-6), far above rounding (1e-15)."""
-
-
-def monomials(width: int, degree: int) -> list[tuple[int, ...]]:
-    """Input indices of every term, the constant first, then by degree."""
-    terms: list[tuple[int, ...]] = []
-    for d in range(degree + 1):
-        terms += combinations_with_replacement(range(width), d)
-    return terms
+_LEAST_FINGERS = 2
+"""A set that a training can be missed in: one finger has no layout, and captures drop it."""
 
 
 class PolynomialEncoder:
@@ -45,6 +46,9 @@ class PolynomialEncoder:
         coef_: (K, n_outputs) coefficients of the terms of `monomials`.
         rank_: Number of independent terms found by the fit (plain least squares only).
         n_inputs_, n_outputs_: Widths seen by the fit.
+        constant_inputs_: Places of inputs that were the same in all frames.
+        missing_sets_: Names (`thumb+ring`) of the sets of two to five fingers that no frame had:
+            what is predicted for those is extrapolated. Empty if the inputs are no contact vectors.
     """
 
     def __init__(self, degree: int = 2, ridge: float = 0.0) -> None:
@@ -58,25 +62,100 @@ class PolynomialEncoder:
             EncoderError: Shapes disagree, a value is not finite, or the degree or ridge is not
                 one that this encoder has.
         """
-        U, Q = np.asarray(U, float), np.asarray(Q, float)
-        self._check(U, Q)
-        self.n_inputs_, self.n_outputs_ = U.shape[1], Q.shape[1]
-        self._plan(self.n_inputs_)
-        X = self.terms(U)
+        return self.fit_blocks([(U, Q)])
+
+    def fit_blocks(self, blocks: Iterable[tuple[ArrayLike, ArrayLike]]) -> PolynomialEncoder:
+        """Learns from any number of pairs (U, Q), as from all their frames together.
+
+        Only one block is held at a time; some ten thousand frames make a good block.
+
+        Raises:
+            EncoderError: As `fit`, or the blocks' widths differ, or there is none.
+        """
+        if self.degree not in (1, 2, 3):
+            raise EncoderError("no such degree", got=self.degree, expected="1, 2 or 3")
+        if not 0 <= self.ridge < np.inf:
+            raise EncoderError("no such ridge", got=self.ridge, expected="0 or more, finite")
+        sums = LeastSquares(self.degree, self.terms)
+        for given in blocks:
+            U, Q = (np.asarray(array, float) for array in given)
+            _check(U, Q)
+            if not sums.frames:
+                self.n_inputs_, self.n_outputs_ = U.shape[1], Q.shape[1]
+                self._plan(self.n_inputs_)
+            elif (U.shape[1], Q.shape[1]) != (self.n_inputs_, self.n_outputs_):
+                raise EncoderError(
+                    "the blocks' widths differ",
+                    got=(U.shape[1], Q.shape[1]),
+                    expected=str((self.n_inputs_, self.n_outputs_)),
+                )
+            sums.add(U, Q)
+        if not sums.frames:
+            raise EncoderError("there is nothing to learn from", expected="one frame or more")
         if self.ridge > 0:
-            self.coef_ = ridge_path(X, Q, [self.ridge])[0]
-            self.rank_ = X.shape[1]
-            return self
-        scale = np.sqrt(np.mean(X * X, axis=0))
-        scale[scale == 0] = 1.0
-        solution, _, self.rank_, _ = lstsq(X / scale, Q, cond=_RCOND, lapack_driver="gelsd")
-        self.coef_ = solution / scale[:, None]
+            self.coef_, self.rank_ = sums.ridge([self.ridge])[0], self._terms
+        else:
+            self.coef_, self.rank_ = sums.solve()
+        self.constant_inputs_ = tuple(np.flatnonzero(sums.least == sums.greatest).tolist())
+        self._codes = None if sums.others else sums.codes
         return self
+
+    @property
+    def missing_sets_(self) -> tuple[str, ...]:
+        learned = getattr(self, "_codes", None)
+        if learned is None:
+            return ()
+        return tuple(
+            set_name(s) for s in SETS if len(s) >= _LEAST_FINGERS and set_code(s) not in learned
+        )
+
+    def knows(self, U: ArrayLike) -> NDArray[np.bool_]:
+        """(T,) whether the training had the fingers of contact vectors (T, 15), or of one (15,).
+
+        Raises:
+            EncoderError: It is not known what the encoder was trained on, or that was no contact
+                vectors.
+        """
+        learned = getattr(self, "_codes", None)
+        if learned is None:
+            raise EncoderError(
+                "it is not known which fingers the encoder was trained on",
+                remedy="Fit it to contact vectors, or give `load` the inputs it was trained on",
+            )
+        U = np.asarray(U, float)
+        known = np.isin(set_codes(np.atleast_2d(U)), sorted(learned))
+        return known if U.ndim > 1 else known[0]
+
+    def for_contacts(self, fast: bool = False) -> ContactPoses:
+        """The encoder prepared for contact vectors, one at a time or many.
+
+        `pose = encoder.for_contacts()` once, then `pose(u)` for one contact vector (15,) and
+        `pose.predict(U)` for many, give what `predict` gives, several times as fast.
+
+        Args:
+            fast: Whether to compile it (extra `fast`: numba), now and not at the first pose. Poses
+                agree within 1e-9.
+
+        Raises:
+            EncoderError: The encoder has learned nothing, or from other inputs than contact
+                vectors; or numba is lacking.
+        """
+        self._check_learned()
+        if self.n_inputs_ != CONTACT_VECTOR_SIZE:
+            raise EncoderError(
+                "this encoder does not take contact vectors",
+                got=f"{self.n_inputs_} inputs",
+                expected=str(CONTACT_VECTOR_SIZE),
+            )
+        if fast:
+            from encoders.fast import FastContactPoses
+
+            return FastContactPoses(self.coef_, self.degree)
+        return ContactPoses(self.coef_, self.degree)
 
     def predict(self, U: ArrayLike) -> Array:
         """Outputs (T, n_outputs) of inputs (T, width), or (n_outputs,) of one input (width,)."""
-        if not hasattr(self, "coef_"):
-            raise EncoderError("the encoder has learned nothing yet", remedy="Call fit first")
+        self._check_learned()
         U = np.asarray(U, float)
         if U.shape[-1] != self.n_inputs_:
             raise EncoderError(
@@ -95,8 +174,14 @@ class PolynomialEncoder:
             X[..., start:stop] = X[..., shorter] * U[..., last]
         return X
 
-    def load(self, coef: ArrayLike, n_inputs: int) -> PolynomialEncoder:
-        """Takes over coefficients (K, n_outputs) learned earlier."""
+    def load(self, coef: ArrayLike, n_inputs: int, U: Array | None = None) -> PolynomialEncoder:
+        """Takes over coefficients (K, n_outputs) learned earlier.
+
+        Args:
+            coef: The coefficients.
+            n_inputs: Width of the inputs.
+            U: (T, n_inputs) that they were learned from, for `knows` and `missing_sets_`.
+        """
         self.coef_ = np.asarray(coef, float)
         self.n_inputs_, self.n_outputs_ = n_inputs, self.coef_.shape[1]
         self._plan(n_inputs)
@@ -107,6 +192,8 @@ class PolynomialEncoder:
                 expected=f"{self._terms} terms",
             )
         self.rank_ = self._terms
+        codes = frozenset() if U is None else frozenset(np.unique(set_codes(U)).tolist())
+        self._codes = None if U is None or 0 in codes else codes
         return self
 
     def _plan(self, width: int) -> None:
@@ -122,39 +209,20 @@ class PolynomialEncoder:
             last = np.array([t[-1] for t in chosen])
             self._products.append((start, start + len(chosen), shorter, last))
 
-    def _check(self, U: Array, Q: Array) -> None:
-        if self.degree not in (1, 2, 3):
-            raise EncoderError("no such degree", got=self.degree, expected="1, 2 or 3")
-        if not 0 <= self.ridge < np.inf:
-            raise EncoderError("no such ridge", got=self.ridge, expected="0 or more, finite")
-        if U.ndim != 2 or Q.ndim != 2 or len(U) != len(Q) or not len(U):
-            raise EncoderError(
-                "inputs and outputs do not belong together",
-                got=(U.shape, Q.shape),
-                expected="(T, width) and (T, n_outputs)",
-            )
-        if not (np.isfinite(U).all() and np.isfinite(Q).all()):
-            raise EncoderError("inputs and outputs must be finite")
+    def _check_learned(self) -> None:
+        if not hasattr(self, "coef_"):
+            raise EncoderError("the encoder has learned nothing yet", remedy="Call fit first")
 
 
-def ridge_path(X: Array, Q: Array, ridges: Sequence[float]) -> Array:
-    """(len(ridges), K, n_outputs) coefficients of terms X (T, K), one set for every penalty.
-
-    Penalties are on standardised terms, the constant is not penalised; the costly part, the terms'
-    products, is done once for all of them.
-    """
-    mean, std = X.mean(axis=0), X.std(axis=0)
-    # A term that never varies carries nothing; without this it would be divided by nothing.
-    std[std < 1e-12 * np.maximum(1.0, np.abs(mean))] = np.inf
-    Z = (X - mean) / std
-    centre = Q.mean(axis=0)
-    gram, right = Z.T @ Z, Z.T @ (Q - centre)
-    weights = np.empty((len(ridges), X.shape[1], Q.shape[1]))
-    for i, ridge in enumerate(ridges):
-        penalised = gram + ridge * len(X) * np.eye(len(gram))
-        weights[i] = np.linalg.solve(penalised, right) / std[:, None]
-        weights[i, 0] = centre - mean @ weights[i]
-    return weights
+def _check(U: Array, Q: Array) -> None:
+    if U.ndim != 2 or Q.ndim != 2 or len(U) != len(Q) or not len(U):
+        raise EncoderError(
+            "inputs and outputs do not belong together",
+            got=(U.shape, Q.shape),
+            expected="(T, width) and (T, n_outputs)",
+        )
+    if not (np.isfinite(U).all() and np.isfinite(Q).all()):
+        raise EncoderError("inputs and outputs must be finite")
 
 
 class LinearEncoder(PolynomialEncoder):

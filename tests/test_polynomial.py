@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.linalg import lstsq
 
 from encoders.contact_vector import contact_vectors
 from encoders.polynomial import (
@@ -152,7 +153,84 @@ def test_a_path_of_ridges_is_one_fit_after_another():
     ridges = (1e-3, 1.0)
     path = ridge_path(QuadraticEncoder(1.0).fit(U, Q).terms(U), Q, ridges)
     for ridge, coef in zip(ridges, path, strict=True):
-        np.testing.assert_allclose(coef, QuadraticEncoder(ridge).fit(U, Q).coef_, rtol=1e-9)
+        np.testing.assert_allclose(coef, QuadraticEncoder(ridge).fit(U, Q).coef_, atol=1e-9)
+
+
+@pytest.mark.parametrize("degree", (1, 2, 3))
+@pytest.mark.parametrize("kind", ("contacts", "any", "both"))
+def test_frames_in_blocks_give_what_all_frames_at_once_give(degree, kind):
+    """Against the singular values of the whole matrix, which no product has squared."""
+    U = layouts(60, seed=degree)
+    if kind != "contacts":
+        moved = slice(None) if kind == "any" else slice(0, None, 3)
+        U[moved] += 0.25 * np.random.default_rng(8).normal(size=U[moved].shape)
+    Q = np.random.default_rng(9).normal(size=(len(U), 5)) + U[:, :5] ** 2
+    encoder = PolynomialEncoder(degree)
+    encoder.fit_blocks((U[i : i + 100], Q[i : i + 100]) for i in range(0, len(U), 100))
+    X = encoder.terms(U)
+    scale = np.sqrt(np.mean(X * X, axis=0))
+    direct, _, rank, _ = lstsq(X / scale, Q, cond=1e-10, lapack_driver="gelsd")
+    assert encoder.rank_ == rank
+    np.testing.assert_allclose(encoder.predict(U), X / scale @ direct, rtol=0, atol=1e-8)
+
+
+@pytest.mark.parametrize("ridge", (0.0, 1e-2))
+@given(seed=st.integers(0, 2**16), size=st.integers(1, 300))
+@settings(max_examples=20)
+def test_how_frames_are_cut_into_blocks_changes_nothing(ridge, seed, size):
+    rng = np.random.default_rng(seed)
+    U = layouts(8, seed)[rng.permutation(8 * len(SETS))]
+    Q = rng.normal(size=(len(U), 3))
+    whole = QuadraticEncoder(ridge).fit(U, Q)
+    cut = QuadraticEncoder(ridge).fit_blocks(
+        (U[i : i + size], Q[i : i + size]) for i in range(0, len(U), size)
+    )
+    assert cut.rank_ == whole.rank_
+    np.testing.assert_allclose(cut.predict(U), whole.predict(U), rtol=0, atol=1e-9)
+
+
+def test_sets_of_fingers_that_the_training_lacks_are_named():
+    U = layouts(20)
+    lacking = (U[:, 10:] == [1, 0, 0, 1, 0]).all(axis=1) | (U[:, 10:] == [0, 1, 1, 1, 1]).all(
+        axis=1
+    )
+    encoder = QuadraticEncoder().fit(U[~lacking], U[~lacking, :4])
+    assert encoder.missing_sets_ == ("thumb+ring", "index+middle+ring+little")
+    np.testing.assert_array_equal(encoder.knows(U), ~lacking)
+    assert not encoder.knows(U[lacking][0]) and encoder.knows(U[~lacking][0])
+    assert QuadraticEncoder().fit(U, U[:, :1]).missing_sets_ == ()
+    loaded = QuadraticEncoder().load(encoder.coef_, 15, U[~lacking])
+    assert loaded.missing_sets_ == encoder.missing_sets_
+
+
+def test_an_encoder_that_cannot_tell_what_it_knows_says_so():
+    fitted = LinearEncoder().fit(np.random.default_rng(0).normal(size=(30, 15)), np.zeros((30, 1)))
+    for encoder in (fitted, LinearEncoder().load(np.zeros((16, 1)), 15), LinearEncoder()):
+        assert encoder.missing_sets_ == ()
+        with pytest.raises(EncoderError, match="not known"):
+            encoder.knows(np.zeros(15))
+
+
+@pytest.mark.parametrize("encoder", ENCODERS)
+@pytest.mark.parametrize("value", (0.0, 3.0))
+def test_inputs_that_never_vary_are_found_and_do_no_harm(encoder, value):
+    rng = np.random.default_rng(10)
+    U = rng.normal(size=(400, 4))
+    Q = U[:, [0]] - 2 * U[:, [3]]
+    fitted = encoder().fit(np.insert(U, 2, value, axis=1), Q)
+    assert fitted.constant_inputs_ == (2,)
+    assert fitted.rank_ == comb(4 + fitted.degree, fitted.degree)
+    np.testing.assert_allclose(fitted.predict(np.insert(U, 2, value, axis=1)), Q, atol=1e-9)
+    ridged = encoder(1e-6).fit(np.insert(U, 2, value, axis=1), Q)
+    assert np.isfinite(ridged.coef_).all()
+
+
+def test_blocks_that_do_not_fit_together_are_refused():
+    one, other = np.zeros((3, 4)), np.zeros((3, 5))
+    with pytest.raises(EncoderError, match="widths differ"):
+        LinearEncoder().fit_blocks([(one, one), (other, one)])
+    with pytest.raises(EncoderError, match="nothing to learn"):
+        LinearEncoder().fit_blocks([])
 
 
 def test_coefficients_taken_over_predict_alike():

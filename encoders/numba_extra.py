@@ -1,0 +1,17 @@
+"""numba, the extra `fast`, or an error that says how to get it."""
+
+from __future__ import annotations
+
+from models.errors import EncoderError
+
+__all__ = ["ANY_ORDER", "njit"]
+
+try:
+    from numba import njit
+except ImportError as error:
+    raise EncoderError(
+        "compiled encoders need numba", remedy="pip install 'hand-sandbox[fast]', or leave out fast"
+    ) from error
+
+ANY_ORDER = {"reassoc", "contract", "nsz", "arcp"}
+"""Sums may be taken in any order, which lets them run in parallel lanes; NaN stays NaN."""
