@@ -9,9 +9,9 @@ joints then bend in the plane to which it swung. The thumb is the same with two 
 about the line from its saddle to its tip, which leaves the tip where it is. So a fingertip has a
 closed form, and so has a finger that is to reach a point (`reach.py`).
 
-Proportions: fingers 7 to 10 % longer than those of the first subject, on a palm 3 % shorter and
+Proportions: fingers 8 to 10 % longer than those of the first subject, on a palm 3 % shorter and
 11 % narrower, with the thumb's base nearer to the wrist and turned further outwards. Finger lengths
-of adults scatter by 6 to 9 % about their mean (Chatzioglou, Pinar, Govsa 2024, Anat Cell Biol 57,
+of adults scatter by 6 to 11 % about their mean (Chatzioglou, Pinar, Govsa 2024, Anat Cell Biol 57,
 172-182: thumb 49.5 +- 5.5, middle finger 70.7 +- 5.2 mm and so on), so this is another person, not
 another species. Index, ring and little finger measure 0.92, 0.94 and 0.77 of the middle finger;
 there 0.90, 0.93 and 0.75.
