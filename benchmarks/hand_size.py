@@ -133,7 +133,8 @@ def main() -> None:
     method = Training(builtin_capture(), shipped=True).method("best")
     console.print(describe_machine())
     console.print(
-        f"SIMULATED subject {SEED}, calibrated on day {calibrated_on}, tested on days {tested}; "
+        f"SIMULATED subject {SEED} of configuration {subject('first').digest[:12]}, "
+        f"calibrated on day {calibrated_on}, tested on days {tested}; "
         "means and 95 % intervals over takes"
     )
     head = ["hand", "touches", "wrist cm", "joints deg", "wrist cm, own labels"]
