@@ -2,8 +2,9 @@
 
 Two kinds of numbers stand here. Sizes of sets and of the screen are the paper's (Chung, Kim, Han,
 Pollard 2015, sections 3 and 4). Everything else is a guess at how a hand moves, of a plausible
-order of magnitude; amplitudes and spreads among them were tuned on seeds 0 to 2 until the principal
-components and the paper's own method came near the paper's numbers, and were then frozen.
+order of magnitude. Amplitudes and spreads among them were tuned until principal components and the
+paper's own method came near the paper's numbers (docs/encoding.md tells on which seeds), and were
+then frozen.
 """
 
 from __future__ import annotations
@@ -34,8 +35,13 @@ class SubjectConfiguration:
         move: m, amplitude of the hand's way over the surface.
         turn: rad, amplitude of the hand's turn about the surface's normal.
         grasp: Amplitude of opening and closing, as a share of the natural span.
+        grasp_closed: How far that is more closing than opening: 0 as much as, 1 nothing else.
+        widest: Greatest span, as a share of the natural one.
         pinch: Amplitude of thumb and fingers nearing each other, as a share of their distance.
-        wobble: m, each fingertip's own way about the layout.
+        pinch_closed: As `grasp_closed`; at 1 a pinch never opens beyond the natural distance.
+        pinch_least: Widest pinch: a share of the distance that is added, thus negative.
+        placing: m, by which each fingertip is put down elsewhere from take to take.
+        wobble: m, each fingertip's own way about the layout within a take.
         tip_width: m, least distance between two fingertips' middles: fingers do not overlap.
         aside: Share of the other gestures in a clip of one gesture.
         swing: s, least and greatest duration of one stroke of a gesture.
@@ -97,16 +103,21 @@ class SubjectConfiguration:
     transition: float = 0.20
 
     move: float = 0.032
-    turn: float = 1.5
+    turn: float = 1.05
     grasp: float = 0.60
+    grasp_closed: float = 0.2
+    widest: float = 1.4
     pinch: float = 0.70
-    wobble: float = 0.004
+    pinch_closed: float = 0.5
+    pinch_least: float = -0.35
+    placing: float = 0.0045
+    wobble: float = 0.0025
     tip_width: float = 0.014
-    aside: float = 0.2
+    aside: float = 0.15
     swing: tuple[float, float] = (0.5, 1.0)
     variety: tuple[float, float] = (0.6, 1.3)
     greatest_turn: float = 2.5
-    free_amplitude: float = 1.4
+    free_amplitude: float = 1.6
 
     root_position_spread: tuple[float, float, float] = (0.030, 0.040, 0.014)
     root_rotation_spread: tuple[float, float, float] = (0.22, 0.20, 0.28)
@@ -122,9 +133,9 @@ class SubjectConfiguration:
     thumb_spread: tuple[float, float, float, float, float] = (0.087, 0.087, 0.070, 0.087, 0.035)
     neighbour: float = 0.5
     hinge_tilt: float = 0.035
-    style: float = 0.46
+    style: float = 0.26
     sway: float = 0.45
-    root_variety: float = 1.6
+    root_variety: float = 1.9
     sway_time: float = 0.4
     arm_turn: float = 0.95
     elbow: float = 0.05
@@ -147,13 +158,13 @@ class SubjectConfiguration:
 
     tip_marker: float = 0.003
 
-    day_joint: float = 0.038
-    day_root: tuple[float, float] = (0.005, 0.026)
+    day_joint: float = 0.0345
+    day_root: tuple[float, float] = (0.007, 0.026)
     day_style: float = 0.35
     day_elbow: float = 0.03
     day_yaw: float = 0.087
     free_style: float = 0.8
-    natural: float = 1.4
+    natural: float = 2.0
 
     def as_json(self) -> dict[str, Any]:
         """The configuration as JSON values, for a capture's `meta`."""

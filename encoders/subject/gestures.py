@@ -109,10 +109,11 @@ def path(
     move, grasp, pinch, rotate = amplitudes
     turn = np.clip(rotate * c.turn * to_and_fro(), -c.greatest_turn, c.greatest_turn)
     way = move * c.move * np.stack([to_and_fro(), to_and_fro()], axis=-1)
-    span = np.clip(1 + grasp * c.grasp * to_and_fro() - 0.4 * grasp * c.grasp, 0.45, 1.4)
-    closing = np.clip(0.5 * pinch * c.pinch * (1 + to_and_fro()), 0.0, 0.8)
+    span = np.clip(1 + grasp * c.grasp * (to_and_fro() - c.grasp_closed), 0.45, c.widest)
+    closing = np.clip(0.5 * pinch * c.pinch * (c.pinch_closed + to_and_fro()), c.pinch_least, 0.8)
 
     tips = span[:, None, None] * layout
+    tips = tips + c.placing * rng.normal(size=(len(FINGERS), 2))
     tips = tips + c.wobble * smooth_noise(rng, times, 0.4, (len(FINGERS), 2))
     tips = _apart(_pinched(tips, closing, fingers), c.tip_width)
     cos, sin = np.cos(turn), np.sin(turn)

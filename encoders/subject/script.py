@@ -120,10 +120,14 @@ def _next_set(
 
 
 def _naturalness(fingers: tuple[int, ...]) -> float:
-    """How readily a hand takes a set: with thumb and index, and without gaps between fingers."""
+    """How readily a hand takes a set: with the index finger, and without gaps between fingers.
+
+    Two or three touch with the thumb, because they pinch; four rather swipe without it.
+    """
     others = [f for f in fingers if f > 0]
     gaps = others[-1] - others[0] + 1 - len(others)
-    return (2.0 if 0 in fingers else 1.0) * (2.0 if 1 in fingers else 1.0) / (1 + gaps)
+    with_thumb = 2.0 if len(fingers) <= 3 else 1.0
+    return (with_thumb if 0 in fingers else 1.0) * (2.0 if 1 in fingers else 1.0) / (1 + gaps)
 
 
 def _free_take(
