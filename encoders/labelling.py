@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.contact_vector import CONTACT_VECTOR_SIZE, LIFTED, leftmost
-from encoders.nearest_neighbour import NearestNeighbour
+from encoders.nearest_neighbour import nearest_neighbour
 from encoders.trained import TrainedModel
 from models.errors import EncoderError
 from models.frames import FINGERS
@@ -165,23 +165,24 @@ class PaperLabels:
             `mahalanobis`: all 48, by the covariance of the training poses. `touches`: no pose at
             all, but the contact vectors themselves, in inches, compared with training frames of
             the same fingers; the paper's rule for inverse kinematics (its section 3).
+        fast: Whether poses and search are compiled (extra `fast`: numba). Labels are the same.
 
     Raises:
-        EncoderError: There is no such metric.
+        EncoderError: There is no such metric, or numba is lacking.
     """
 
-    def __init__(self, model: TrainedModel, metric: str = "joints") -> None:
+    def __init__(self, model: TrainedModel, metric: str = "joints", fast: bool = False) -> None:
         if metric not in METRICS:
             raise EncoderError("no such metric", got=metric, expected=", ".join(METRICS))
         self.metric = metric
-        self._encoder = model.encoder
+        self._poses = model.encoder.for_contacts(fast)
         if metric == "touches":
             self._map = np.diag(np.repeat([1.0, _FLAG_SCALE], [2 * len(FINGERS), len(FINGERS)]))
             frames = np.asarray(model.training_u, float)
         else:
             frames = np.asarray(model.training_pose, float)
             self._map = _pose_map(metric, frames)
-        self._search = NearestNeighbour(frames @ self._map)
+        self._search = nearest_neighbour(frames @ self._map, fast)
 
     def assign(
         self, contacts: Mapping[int, tuple[float, float]], fixed: Mapping[int, int]
@@ -201,7 +202,7 @@ class PaperLabels:
 
     def _closest(self, xy: Array, labels: Labels) -> int:
         U = labelled_contact_vectors(xy, labels)
-        guesses = U if self.metric == "touches" else self._encoder.predict(U)
+        guesses = U if self.metric == "touches" else self._poses.predict(U)
         return self._search.closest(guesses @ self._map).query
 
 

@@ -13,7 +13,7 @@ the radius exceeds the bound is never opened. Pairs that pass both are compared 
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -188,6 +188,26 @@ class NearestNeighbour:
         apart *= apart
         limits = (limit**2 * (1.0 + TIES)).astype(np.float32)
         return np.flatnonzero(apart @ _ONES <= np.nextafter(limits, np.float32(np.inf)).take(query))
+
+
+class Search(Protocol):
+    """What finds the closest pair."""
+
+    def closest(self, queries: Array) -> Closest:
+        """See `NearestNeighbour.closest`."""
+
+
+def nearest_neighbour(points: Array, fast: bool = False) -> Search:
+    """A search among points (T, d), compiled if it is to be fast (extra `fast`: numba).
+
+    Raises:
+        EncoderError: There is no point, one is not finite, or numba is lacking.
+    """
+    if fast:
+        from encoders.fast_search import FastNearestNeighbour
+
+        return FastNearestNeighbour(points)
+    return NearestNeighbour(points)
 
 
 def checked_points(points: Array) -> Array:
