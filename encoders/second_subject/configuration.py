@@ -85,8 +85,8 @@ class SecondConfiguration:
     whim: float = 0.7
     calm: float = 0.75
     way: tuple[float, float] = (0.055, 0.035)
-    turn: tuple[float, float] = (-0.85, 1.0)
-    bias: float = 0.22
+    turn: tuple[float, float] = (-0.75, 0.9)
+    bias: float = 0.15
     forearm: float = 0.5
     elbow: float = 0.28
 
@@ -119,7 +119,7 @@ class SecondConfiguration:
 
     day_manner: float = 0.3
     day_elbow: float = 0.025
-    taste: float = 0.35
+    taste: float = 0.25
 
     def as_json(self) -> dict[str, Any]:
         """The configuration as JSON values, for a capture's `meta`."""
