@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import combinations, combinations_with_replacement
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -31,6 +32,9 @@ SETS: tuple[tuple[int, ...], ...] = tuple(
     fingers for k in range(1, len(FINGERS) + 1) for fingers in combinations(range(len(FINGERS)), k)
 )
 """All 31 sets of touching fingers, the small ones first."""
+
+_FLAG_BYTES = FLAGS * np.dtype(float).itemsize
+"""Where the flags begin in a contact vector's bytes."""
 
 WEIGHTS = 1 << np.arange(len(FINGERS))
 """A set's code is the sum of its fingers' weights, 1 to 31."""
@@ -147,14 +151,26 @@ class ContactPoses:
         self._coef: dict[int, Array] = {
             c: found.coefficients(coef) for c, found in self._collapses.items()
         }
-        self._prepared = {}
-        for fingers in SETS:
-            code = set_code(fingers)
-            factors = self._collapses[code].factors
-            values = np.empty(factors.shape)
-            flags = np.isin(range(len(FINGERS)), fingers).astype(float).tobytes()
-            rest = tuple(values[1:])
-            self._prepared[flags] = (factors, values, values[0], rest, self._coef[code])
+        self._squares = {} if degree > 2 else dict(map(self._square, SETS))
+
+    def _square(self, fingers: tuple[int, ...]) -> tuple[bytes, tuple[Any, ...]]:
+        """A set's flags as they stand in memory, and what a single pose needs.
+
+        With v the flag and the free coordinates, every output is a sum of products v_i v_j. Two
+        products of a vector and a matrix, v' (A v'), cost fewer calls of NumPy than gathering all
+        monomials, and calls are what a single pose costs.
+        """
+        code = set_code(fingers)
+        factors = self._collapses[code].factors
+        # A linear term is a product with the flag, which is 1.
+        pair = np.vstack([factors, np.broadcast_to(factors[:1, :1], factors.shape)])[:2]
+        places = np.unique(pair)
+        row, column = np.searchsorted(places, pair)
+        matrix = np.zeros((len(places), len(places), self.n_outputs_))
+        matrix[row, column] = self._coef[code]
+        v, half = np.empty(len(places)), np.empty((len(places), self.n_outputs_))
+        flags = np.isin(range(len(FINGERS)), fingers).astype(float).tobytes()
+        return flags, (places, v, v.dot, matrix.reshape(len(v), -1), half.reshape(-1), half)
 
     def __call__(self, u: Array) -> Array:
         """(n_outputs,) outputs of one contact vector (15,).
@@ -163,13 +179,14 @@ class ContactPoses:
             EncoderError: It is no contact vector.
         """
         try:
-            factors, values, product, rest, coef = self._prepared[u[FLAGS:].tobytes()]
-            u.take(factors, None, values, "clip")
-        except (KeyError, AttributeError, TypeError, IndexError):
+            places, v, dot, matrix, half, square = self._squares[u.tobytes()[_FLAG_BYTES:]]
+            u.take(places, 0, v, "clip")
+        except (KeyError, AttributeError, TypeError, ValueError):
+            # Not as quickly recognised; the checked way takes it, or says what it is.
             return self.predict(np.asarray(u, float)[None])[0]
-        for more in rest:
-            np.multiply(product, more, product)
-        return product.dot(coef)
+        dot(matrix, half)
+        found: Array = dot(square)
+        return found
 
     def predict(self, U: ArrayLike) -> Array:
         """(T, n_outputs) outputs of contact vectors (T, 15).

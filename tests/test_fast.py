@@ -120,6 +120,9 @@ def test_contacts_whose_common_origin_lies_elsewhere_are_no_less_right(fast: boo
         np.zeros(14),
         np.r_[np.zeros(10), np.ones(6)],
         np.zeros((2, 15)),
+        np.r_[np.zeros(10), np.ones(5)].reshape(1, 15),
+        np.r_[np.zeros(10), np.ones(5)].reshape(15, 1),
+        np.r_[np.zeros(10), np.ones(5)].reshape(3, 5),
         1.0,
     ),
 )
