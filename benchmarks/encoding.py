@@ -95,6 +95,8 @@ def pose_rows(console: Console) -> None:
         for U in rows:
             for other in (prepared, compiled):
                 assert np.abs(other.predict(U) - encoder.predict(U)).max() < CLOSE
+        u = singles[0]
+        assert np.abs(plain_pose(u, encoder.coef_) - encoder.predict(u)).max() < CLOSE
         plain = Call("term by term", lambda u: plain_pose(u, encoder.coef_), singles)
         table.row(
             Call(f"one, {fingers} fingers: `for_contacts(fast=True)`", compiled, singles),
