@@ -4,13 +4,17 @@ A single look at two or three touches often fits several labellings. But fingers
 two at a time, and what was learned while four were down still holds when two of them have left. So
 a probability is kept for every labelling of the living contacts.
 
-- The same contacts later: the belief stays, as frames of one grasp say the same over and over.
-- Contacts leave: the belief is summed over their labels.
+- The same contacts later: frames of one grasp say the same over and over, so the belief stays until
+  their layout has changed. A hand that turns, opens or pinches shows layouts that a wrong labelling
+  explains badly; such a look counts with a share, as its layouts still depend on each other.
+- Contacts leave: the belief is summed over their labels, once they are forgotten; for a while they
+  are remembered where they were (see `encoders.lifted`).
 - Contacts come: the labels of the old ones are believed as before, and the new ones are judged
-  given those, by p(all | layout) / p(old | layout). Where the old ones have moved since they were
-  last looked at, they are judged again.
+  given those, by p(all, layout) / p(old, layout). Contacts that are remembered count as old ones
+  with other fingers than the new, or else one of them has come back. Where the old ones have moved
+  since they were last looked at, they are judged again.
 
-Early mistakes are thus kept as doubts, not as decisions, and a third finger can still undo them.
+Early mistakes are thus kept as doubts, not as decisions, and later looks can still undo them.
 """
 
 from __future__ import annotations
@@ -25,7 +29,9 @@ from numpy.typing import NDArray
 
 from encoders.capture import Capture
 from encoders.label_evidence import normalised
+from encoders.label_sums import bounded, rows_of, summed
 from encoders.labelling import Labelling, allowed, arranged, hypotheses
+from encoders.lifted import AT_ONCE, LATER, Lifted, that_fit
 from encoders.trained_belief import TrainedBelief, load_belief
 from models.errors import EncoderError
 from models.frames import FINGERS
@@ -33,22 +39,15 @@ from models.surface import METRES_PER_INCH
 
 Array = NDArray[np.float64]
 
-_LEAST = 1e-12
-"""Probability below which no labelling falls, so that no mistake is ever final."""
-
-
-@cache
-def _rows(count: int, places: tuple[int, ...]) -> NDArray[np.intp]:
-    """(P,) for labellings of `count` contacts: the row in `hypotheses(len(places))` that gives the
-    contacts at these places the same labels."""
-    weights = len(FINGERS) ** np.arange(len(places))
-    row_of = np.full(int(weights[-1]) * len(FINGERS), -1, np.intp)
-    row_of[hypotheses(len(places)) @ weights] = np.arange(len(hypotheses(len(places))))
-    return row_of[hypotheses(count)[:, list(places)] @ weights]
+_LOOK_AGAIN = 0.5
+"""How much of a layout must be new before contacts that stay are looked at again."""
 
 
 class BeliefLabels:
-    """Labels contacts by a belief that is carried from one set of contacts to the next.
+    """Labels contacts by a belief that is carried from one moment to the next.
+
+    It may be asked at every frame, or only when contacts come and go; asked more often, it sees
+    more of what a moving hand shows.
 
     Args:
         trained: What it has learned; may be shared, the belief itself is this object's own.
@@ -69,8 +68,12 @@ class BeliefLabels:
     def reset(self) -> None:
         """Forgets all contacts."""
         self._ids: tuple[int, ...] = ()
+        self._lifted: tuple[Lifted, ...] = ()
+        # Over labellings of the ids, then of what has lifted.
+        self._joint: Array = np.zeros(1)
         self._belief: Array = np.zeros(1)
-        self._seen: dict[int, Array] = {}
+        self._places: dict[int, Array] = {}
+        self._looked: dict[int, Array] = {}
 
     def assign(
         self, contacts: Mapping[int, tuple[float, float]], fixed: Mapping[int, int]
@@ -81,8 +84,7 @@ class BeliefLabels:
         even where it may not be followed at the moment. The probability is the belief's own.
         """
         ids, xy = arranged(contacts, fixed)
-        self._belief = self._updated(ids, xy)
-        self._ids = ids
+        self._take_in(ids, dict(zip(ids, xy, strict=True)))
         candidates = self._belief
         if fixed:
             candidates = np.where(allowed(ids, fixed), self._belief, -np.inf)
@@ -116,42 +118,106 @@ class BeliefLabels:
             )
         return float(self._belief[rows[0]])
 
-    def _updated(self, ids: tuple[int, ...], xy: Array) -> Array:
-        kept = [place for place, contact in enumerate(ids) if contact in self._ids]
-        before = self._summed(tuple(ids[place] for place in kept)) if kept else None
-        if before is not None and len(kept) == len(ids):
-            return before
-        look = self.evidence.log_posterior(xy)
-        if before is not None:
-            again = self._freshness([ids[place] for place in kept], xy[kept])
-            carried = before - (1.0 - again) * self.evidence.log_posterior(xy[kept])
-            look = look + carried[_rows(len(ids), tuple(kept))]
-        self._seen = dict(zip(ids, xy, strict=True))
-        return _bounded(look)
+    def _take_in(self, ids: tuple[int, ...], now: dict[int, Array]) -> None:
+        stayed = tuple(i for i in ids if i in self._places)
+        came = tuple(i for i in ids if i not in self._places)
+        lifted = self._lifted_now(stayed, now) if stayed else {}
+        self._places = now
+        if came:
+            self._judge_new(ids, stayed, came, lifted)
+        else:
+            self._carry_on(ids, lifted)
+        self._belief = summed(self._joint, len(ids) + len(self._lifted), range(len(ids)))
 
-    def _freshness(self, ids: list[int], xy: Array) -> float:
-        """Share with which a look at contacts counts that were looked at before.
+    def _lifted_now(self, stayed: tuple[int, ...], now: dict[int, Array]) -> dict[int, Lifted]:
+        """What has left and is remembered, by its place in the belief so far."""
+        before = self._places
+        shift = np.mean([now[i] - before[i] for i in stayed], axis=0)
+        since = {i: before[i] for i in stayed}
+        found = {
+            at: Lifted(before[i] + shift, self._looked[i], since)
+            for at, i in enumerate(self._ids)
+            if i not in now
+        }
+        for at, contact in enumerate(self._lifted, len(self._ids)):
+            found[at] = contact.carried(shift)
+        return {at: contact for at, contact in found.items() if contact.remembered(now)}
+
+    def _believed(self, stayed: tuple[int, ...], lifted: Mapping[int, Lifted]) -> Array:
+        """The belief so far about contacts that stayed, then about some that have lifted."""
+        places = (*(self._ids.index(i) for i in stayed), *lifted)
+        return summed(self._joint, len(self._ids) + len(self._lifted), places)
+
+    def _carry_on(self, ids: tuple[int, ...], lifted: Mapping[int, Lifted]) -> None:
+        joint = bounded(self._believed(ids, lifted)) if self._changed(ids, lifted) else self._joint
+        self._ids, self._lifted = ids, tuple(lifted.values())
+        if len(ids) < 2 or not self.trained.stay:
+            self._joint = joint
+            return
+        xy = np.array([self._places[i] for i in ids])
+        new = self._freshness(xy, np.array([self._looked[i] for i in ids]))
+        if new > _LOOK_AGAIN:
+            look = self.trained.stay * new * self.evidence.log_posterior(xy)
+            rows = rows_of(len(ids) + len(lifted), tuple(range(len(ids))))
+            joint = bounded(joint + look[rows])
+            self._looked = self._places
+            self._lifted = tuple(contact.seen() for contact in self._lifted)
+        self._joint = joint
+
+    def _changed(self, ids: tuple[int, ...], lifted: Mapping[int, Lifted]) -> bool:
+        return ids != self._ids or len(lifted) != len(self._lifted)
+
+    def _judge_new(
+        self,
+        ids: tuple[int, ...],
+        stayed: tuple[int, ...],
+        came: tuple[int, ...],
+        lifted: Mapping[int, Lifted],
+    ) -> None:
+        others = that_fit(lifted, len(FINGERS) - len(ids))
+        count = len(ids) + len(others)
+        joint = self._grown(stayed, {}, came)
+        if others:
+            apart = self._grown(stayed, others, came)
+            touching = [*range(len(stayed)), *range(len(stayed) + len(others), count)]
+            apart = summed(apart, count, touching)
+            back = AT_ONCE if any(contact.just for contact in others.values()) else LATER
+            joint = np.logaddexp(np.log(1.0 - back) + apart, np.log(back) + joint)
+        here = (*stayed, *came)
+        self._joint = bounded(summed(joint, len(ids), [here.index(i) for i in ids]))
+        self._ids, self._lifted, self._looked = ids, (), self._places
+
+    def _grown(
+        self, stayed: tuple[int, ...], lifted: Mapping[int, Lifted], came: tuple[int, ...]
+    ) -> Array:
+        """Log weights of labellings of contacts that stayed, that lifted, and that came.
+
+        What is believed of the old, times the density of the new ones' labels and places given the
+        old ones'.
+        """
+        old = [self._places[i] for i in stayed] + [contact.place for contact in lifted.values()]
+        xy = np.array(old + [self._places[i] for i in came])
+        joint = self.evidence.log_joint(xy)
+        if not old:
+            return joint
+        at_first = self.evidence.log_joint(xy[: len(old)])
+        carried = self._believed(stayed, lifted) - at_first
+        if self.trained.eta and len(old) > 1:
+            looked = [self._looked[i] for i in stayed] + [c.looked for c in lifted.values()]
+            again = self.trained.eta * self._freshness(xy[: len(old)], np.array(looked))
+            carried = carried + again * normalised(at_first)
+        return joint + carried[rows_of(len(xy), tuple(range(len(old))))]
+
+    def _freshness(self, xy: Array, looked: Array) -> float:
+        """How much of a layout (k, 2) is new since contacts were looked at, 0 to 1.
 
         What has hardly moved says nothing new: fingers that land shortly one after the other must
         not make the first ones count twice.
         """
-        moved = xy - np.array([self._seen[i] for i in ids])
+        moved = xy - looked
         moved = (moved - moved.mean(axis=0)) / METRES_PER_INCH
         squared = float(np.mean(np.sum(moved**2, axis=1))) / self.evidence.shape.width**2
-        return self.trained.eta * -float(np.expm1(-0.5 * squared))
-
-    def _summed(self, ids: tuple[int, ...]) -> Array:
-        """The belief about some of the known contacts, summed over the labels of the others."""
-        if ids == self._ids:
-            return self._belief
-        rows = _rows(len(self._ids), tuple(self._ids.index(i) for i in ids))
-        summed = np.bincount(rows, np.exp(self._belief), len(hypotheses(len(ids))))
-        return _bounded(np.log(np.maximum(summed, _LEAST)))
-
-
-def _bounded(log_weights: Array) -> Array:
-    """Log probabilities of which none is below the least."""
-    return normalised(np.maximum(normalised(log_weights), np.log(_LEAST)))
+        return -float(np.expm1(-0.5 * squared))
 
 
 @cache

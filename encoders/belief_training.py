@@ -3,8 +3,9 @@
 Held-out trials judge by the mean log probability of the true labelling, which punishes false
 certainty as accuracy does not. Random frames would leak: neighbours in time are nearly equal.
 A capture with one finger set a trial holds no fingers that come and go, so histories are made from
-held-out trials by telling the labeller only of some of the fingers for a while. A script gives
-every finger set equal time, so validation takes them for equally likely; in use they are not.
+held-out trials by telling the labeller only of some of the fingers for a while. Between two changes
+it is shown every frame, for a hand that moves says more. A script gives every finger set equal
+time, so validation takes them for equally likely; in use they are not.
 """
 
 from __future__ import annotations
@@ -41,7 +42,8 @@ SHAPES: dict[str, tuple[float, ...]] = {
     "size": (0.0, 0.035, 0.05, 0.07, 0.1, 0.2, 0.3),
 }
 """Kernel shapes that validation chooses from; see `KernelShape` for the units."""
-ETAS = (0.0, 0.1, 0.25, 0.5, 0.75, 1.0)
+ETAS = (0.0, 0.25, 0.5, 1.0)
+STAYS = (0.0, 0.1, 0.2, 0.3, 0.4, 0.6, 0.8, 1.0)
 
 MOST_LAYOUTS = 500
 """A finger set: bounds the time of one look at the touches. Twice as many gained nothing on
@@ -55,16 +57,19 @@ class Report:
     Attributes:
         shape: Of the kernels.
         eta: See `TrainedBelief`.
+        stay: See `TrainedBelief`.
         log_probability: Mean log probability of the true labelling at one look.
         accuracy: Share of frames labelled right at one look, by number of fingers.
-        history: Mean log probability of the true labelling as fingers come and go, by eta.
+        history: Mean log probability of the true labelling as fingers come, move and go, by eta
+            and stay.
     """
 
     shape: KernelShape
     eta: float
+    stay: float
     log_probability: float
     accuracy: dict[int, float]
-    history: dict[float, float]
+    history: dict[tuple[float, float], float]
 
 
 def train_belief(
@@ -82,18 +87,19 @@ def train_belief(
     folds = _Folds(capture)
     shape = _choose_shape(folds, say)
     held_out = folds.evidence(shape)
-    in_play = {eta: _history_score(folds, held_out, eta) for eta in ETAS}
-    for eta, found in in_play.items():
-        say(f"eta {eta:g}: log probability in play {found:.4f}")
-    eta = max(in_play, key=lambda e: in_play[e])
+    play = _Play(folds, held_out)
+    eta, stay = 1.0, 0.0
+    stay = max(STAYS, key=lambda share: play.score(eta, share, say))
+    eta = max(ETAS, key=lambda share: play.score(share, stay, say))
     scores = folds.scores([e.log_posterior for e in held_out])
     evidence = LabelEvidence(folds.all_layouts, shape, folds.order, natural_prior())
-    return TrainedBelief(evidence, eta, capture_digest(capture)), Report(
+    return TrainedBelief(evidence, eta, stay, capture_digest(capture)), Report(
         shape,
         eta,
+        stay,
         folds.judge(scores),
         folds.accuracy(scores),
-        in_play,
+        play.scores,
     )
 
 
@@ -163,40 +169,65 @@ def _choose_shape(folds: _Folds, say: Callable[[str], None]) -> KernelShape:
     return best
 
 
-def _history_score(folds: _Folds, held_out: list[LabelEvidence], eta: float) -> float:
-    """Mean log probability of the truth after each change of fingers in held-out trials."""
-    beliefs = [BeliefLabels(TrainedBelief(evidence, eta, "")) for evidence in held_out]
-    found = []
-    for trial in np.unique(folds.capture.trial):
-        frames = np.flatnonzero(folds.capture.trial == trial)
-        belief = beliefs[folds.fold[frames[0]]]
-        belief.reset()
-        for event in histories(folds.capture.select(frames), int(trial)):
-            belief.assign(event, {})
-            found.append(belief.log_probability({i: i % len(FINGERS) for i in event}))
-    return float(np.mean(found))
+class _Play:
+    """Held-out trials in which fingers come and go."""
+
+    def __init__(self, folds: _Folds, held_out: list[LabelEvidence]) -> None:
+        capture = folds.capture
+        evidence = [_Remembered(e) for e in held_out]
+        self._takes: list[tuple[_Remembered, list[Event]]] = []
+        for trial in np.unique(capture.trial):
+            frames = np.flatnonzero(capture.trial == trial)
+            events = list(histories(capture.select(frames), int(trial)))
+            self._takes.append((evidence[folds.fold[frames[0]]], events))
+        self.scores: dict[tuple[float, float], float] = {}
+
+    def score(self, eta: float, stay: float, say: Callable[[str], None]) -> float:
+        """Mean log probability of the truth at every frame."""
+        if (eta, stay) not in self.scores:
+            found = []
+            for evidence, events in self._takes:
+                belief = BeliefLabels(TrainedBelief(evidence, eta, stay, ""))
+                for event in events:
+                    belief.assign(event, {})
+                    found.append(belief.log_probability({i: i % len(FINGERS) for i in event}))
+            self.scores[eta, stay] = float(np.mean(found))
+            say(f"eta {eta:g}, stay {stay:g}: log probability {self.scores[eta, stay]:.4f}")
+        return self.scores[eta, stay]
+
+
+class _Remembered(LabelEvidence):
+    """Evidence that is asked the same again and again, under one setting after another."""
+
+    def __init__(self, evidence: LabelEvidence) -> None:
+        self.__dict__.update(evidence.__dict__)
+        self._answers: dict[bytes, Array] = {}
+
+    def log_joint(self, xy: Array) -> Array:
+        """See `LabelEvidence.log_joint`."""
+        asked = xy.tobytes()
+        if asked not in self._answers:
+            self._answers[asked] = super().log_joint(xy)
+        return self._answers[asked]
 
 
 def histories(trial: Capture, seed: int) -> Iterator[Event]:
-    """Contacts after each change of fingers in one trial; an id's finger is its rest modulo 5.
+    """Contacts in every frame of one trial; an id's finger is its rest modulo 5.
 
-    The trial's own changes where it has some; else fingers of its set that come and go, up to two
-    at a time, at eight moments spread over it.
+    The trial's own fingers where they come and go; else fingers of its set that do so, up to two at
+    a time, at eight moments spread over it.
     """
-    if (trial.down != trial.down[0]).any():
-        changed = np.flatnonzero((trial.ids[1:] != trial.ids[:-1]).any(axis=1)) + 1
-        moments = np.concatenate([[0], changed])
-        shown = trial.down[moments]
-        ids = trial.ids[moments] * len(FINGERS) + np.arange(len(FINGERS))
-    else:
+    shown, ids = trial.down, trial.ids * len(FINGERS) + np.arange(len(FINGERS))
+    if (shown == shown[0]).all():
         moments = _evenly(len(trial), 8)
-        shown = _coming_and_going(trial.down[0], len(moments), np.random.default_rng(seed))
+        stretches = _coming_and_going(shown[0], len(moments), np.random.default_rng(seed))
+        shown = stretches[np.searchsorted(moments, np.arange(len(trial)), side="right") - 1]
         born = np.cumsum(np.diff(shown.astype(int), axis=0, prepend=0) > 0, axis=0)
         ids = born * len(FINGERS) + np.arange(len(FINGERS))
-    for row, moment in enumerate(moments):
+    for t in range(len(trial)):
         yield {
-            int(ids[row, f]): (float(trial.xy[moment, f, 0]), float(trial.xy[moment, f, 1]))
-            for f in np.flatnonzero(shown[row])
+            int(ids[t, f]): (float(trial.xy[t, f, 0]), float(trial.xy[t, f, 1]))
+            for f in np.flatnonzero(shown[t])
         }
 
 

@@ -95,6 +95,14 @@ class LabelEvidence:
 
     def log_posterior(self, xy: Array) -> Array:
         """(P,) log probability of every labelling of `hypotheses(k)` given contacts (k, 2) in m."""
+        return normalised(self.log_joint(xy))
+
+    def log_joint(self, xy: Array) -> Array:
+        """(P,) log of prior times density, of every labelling and contacts (k, 2) in m together.
+
+        The density is that of the layout, per square inch to the k - 1, so that of the joints of
+        all contacts and of some, the quotient is the density of the others.
+        """
         prior = self._log_prior[len(xy)]
         if len(xy) == 1:
             return prior
@@ -103,7 +111,7 @@ class LabelEvidence:
         if len(xy) in self.order:
             share = self.order[len(xy)]
             stranger = stranger + np.where(in_order(xy), np.log(share), np.log(1.0 - share))
-        return normalised(prior + np.logaddexp(captured, stranger))
+        return np.asarray(prior + np.logaddexp(captured, stranger))
 
 
 def _check(order: Mapping[int, float], prior: Mapping[int, Array]) -> None:

@@ -21,7 +21,7 @@ from encoders.npz import read_npz, write_npz
 from models.errors import EncoderError
 from models.frames import FINGERS
 
-SCHEMA = 1
+SCHEMA = 2
 """Version of the arrays' layout."""
 
 _COUNTS = range(2, len(FINGERS) + 1)
@@ -35,19 +35,22 @@ class TrainedBelief:
         evidence: What one look at the touches says.
         eta: Share with which a new look at contacts that were there before, and have moved since,
             counts when others join them; 0 to 1.
+        stay: Share with which a new look at contacts that stay, and have moved, counts; 0 to 1.
         capture_digest: Of the capture it was trained on.
 
     Raises:
-        EncoderError: eta is not a share.
+        EncoderError: eta or stay is not a share.
     """
 
     evidence: LabelEvidence
     eta: float
+    stay: float
     capture_digest: str
 
     def __post_init__(self) -> None:
-        if not 0.0 <= self.eta <= 1.0:
-            raise EncoderError("eta is a share", got=self.eta, expected="0 to 1")
+        for name, share in (("eta", self.eta), ("stay", self.stay)):
+            if not 0.0 <= share <= 1.0:
+                raise EncoderError(f"{name} is a share", got=share, expected="0 to 1")
 
     @cached_property
     def digest(self) -> str:
@@ -65,6 +68,7 @@ class TrainedBelief:
             "shape": asdict(self.evidence.shape),
             "order": {str(k): share for k, share in self.evidence.order.items()},
             "eta": self.eta,
+            "stay": self.stay,
             "capture_digest": self.capture_digest,
         }
 
@@ -94,7 +98,8 @@ class TrainedBelief:
         try:
             schema = header["schema"]
             shape = KernelShape(**{k: float(v) for k, v in header["shape"].items()})
-            eta, digest = float(header["eta"]), str(header["capture_digest"])
+            eta, stay = float(header["eta"]), float(header["stay"])
+            digest = str(header["capture_digest"])
             layouts = {k: _layouts(arrays, k, where) for k in _COUNTS}
             order = {int(k): float(v) for k, v in header["order"].items()}
             prior = {k: np.asarray(arrays[f"prior_{k}"], float) for k in (1, *_COUNTS)}
@@ -110,7 +115,7 @@ class TrainedBelief:
             )
         if sorted(order) != list(ORDERED_COUNTS):
             raise EncoderError("shares of order are missing", where=where, got=sorted(order))
-        return cls(LabelEvidence(layouts, shape, order, prior), eta, digest)
+        return cls(LabelEvidence(layouts, shape, order, prior), eta, stay, digest)
 
     def save(self, path: Path) -> None:
         """Writes the belief as npz."""
