@@ -24,7 +24,8 @@ from encoders.finger_order import order_shares
 from encoders.label_evidence import LabelEvidence, even_prior, natural_prior, normalised
 from encoders.labelling import true_row
 from encoders.layout_density import KernelShape, LayoutDensity, layouts_of
-from encoders.trained import builtin_capture, trial_folds
+from encoders.trained import builtin_capture
+from encoders.validation import trial_folds
 from encoders.trained_belief import TrainedBelief, capture_digest
 from models.errors import EncoderError
 from models.frames import FINGERS

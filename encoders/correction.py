@@ -20,6 +20,10 @@ from models.pose import JOINTS
 
 Array = NDArray[np.float64]
 
+PAD_HEIGHT = 0.006
+"""m, centre of a touching fingertip's end sphere above the surface: its radius less the flesh that
+the surface flattens, as in the captures."""
+
 _JOINT_OFFSET = JOINTS.start
 
 _ACTIVE_SET_ROUNDS = 10

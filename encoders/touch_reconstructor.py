@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from encoders.arrival import Arrival, ArrivalSettings, Phase
 from encoders.contact_tracker import ContactTracker, TrackerSettings
 from encoders.contact_vector import contact_vector, leftmost
-from encoders.correction import CorrectionSettings, FingertipCorrection
+from encoders.correction import PAD_HEIGHT, CorrectionSettings, FingertipCorrection
 from encoders.labelling import Labeller
-from encoders.smoothing import PoseFilter
+from encoders.smoothing import Motion, PoseFilter, rigid_motion
 from encoders.trained import TrainedModel
 from models.frames import TouchFrame
 from models.kinematics import Kinematics
@@ -26,10 +26,6 @@ from models.skeleton import Skeleton
 from models.surface import METRES_PER_INCH, Surface
 
 Array = NDArray[np.float64]
-
-PAD_HEIGHT = 0.006
-"""m, centre of a touching fingertip's end sphere above the surface: its radius less the flesh that
-the surface flattens, as in the captures."""
 
 TURN_LENGTH = 0.08
 """m, from wrist to knuckles: an error of the hand's turn times this is an error of place."""
@@ -180,14 +176,14 @@ class TouchReconstructor:
         self._labels = {i: f for i, f in self._labels.items() if i in tracks}
         self._name(frame.time)
 
-        carried, speed = self._motion(dt)
+        motion, speed = self._motion(dt)
         self._same_grasp = self._labels == self._previous_labels
         self._previous_labels = dict(self._labels)
         named = {i: tracks[i].xy for i in self._labels}
         u = None
         if named:
             u = self._contact_vector(named)
-            self._place = self._reconstruct(named, u, carried, dt)
+            self._place = self._reconstruct(named, u, motion, dt)
         goal = self._raised(self._place)
         self._commanded = self.settings.rate(self._commanded, goal, dt)
         self._arrival.step(
@@ -235,15 +231,17 @@ class TouchReconstructor:
         labelling = self.labeller.assign(xy, fixed)
         self._labels, self._probability = dict(labelling.labels), labelling.probability
 
-    def _motion(self, dt: float) -> tuple[Array, float]:
-        """Common motion of the touches since the last step (2,), and the fastest one's speed."""
+    def _motion(self, dt: float) -> tuple[Motion, float]:
+        """Common motion of the touches since the last step, and the fastest one's speed."""
         tracks = self._tracker.tracks
-        moves = [t.xy - self._last_xy[i] for i, t in tracks.items() if i in self._last_xy]
+        known = [i for i in tracks if i in self._last_xy]
+        before = np.array([self._last_xy[i] for i in known]).reshape(-1, 2)
+        after = np.array([tracks[i].xy for i in known]).reshape(-1, 2)
         self._last_xy = {i: t.xy for i, t in tracks.items()}
-        if not moves:
-            return np.zeros(2), 0.0
-        fastest = max(float(np.linalg.norm(m)) for m in moves)
-        return np.mean(moves, axis=0), fastest / dt if dt > 0 else 0.0
+        motion = rigid_motion(before, after)
+        if not known or dt <= 0:
+            return motion, 0.0
+        return motion, float(np.linalg.norm(after - before, axis=1).max()) / dt
 
     def _contact_vector(self, named: dict[int, Array]) -> Array:
         inches = {
@@ -252,13 +250,13 @@ class TouchReconstructor:
         }
         return contact_vector(inches)
 
-    def _reconstruct(self, named: dict[int, Array], u: Array, carried: Array, dt: float) -> Array:
+    def _reconstruct(self, named: dict[int, Array], u: Array, motion: Motion, dt: float) -> Array:
         """The pose (48,) in the 3-D surface frame, at height 0."""
         ids = sorted(named)
         labels = np.array([self._labels[i] for i in ids])
         xy = np.array([named[i] for i in ids])
         targets = np.column_stack([xy[:, 0], -xy[:, 1], np.full(len(xy), PAD_HEIGHT)])
-        origin = xy[leftmost(xy, ids)]
+        origin, carried = xy[leftmost(xy, ids)], motion.carried
         if len(ids) == 1:
             # No layout, no information: the posture stays, and the hand goes where the finger is.
             guess = self._filter.step(self._held(carried), np.zeros(2), dt)
@@ -268,7 +266,7 @@ class TouchReconstructor:
             guess = absolute_pose(relative, origin)
             if not self.settings.encode:
                 guess = self._shifted(guess, labels, targets)
-            guess = self._filter.step(guess, carried, dt)
+            guess = self._filter.step(guess, carried, dt, motion.turn, motion.about)
         if self._correction is None:
             self._tip_error = float("nan")
             return within_limits(guess, self._kinematics.skeleton)

@@ -7,7 +7,7 @@ person.
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from hashlib import blake2b
@@ -22,33 +22,33 @@ from numpy.typing import NDArray
 from encoders.capture import Capture
 from encoders.contact_vector import CONTACT_VECTOR_SIZE
 from encoders.npz import read_npz, write_npz
+from encoders.person_correction import PersonCorrection
 from encoders.polynomial import PolynomialEncoder, ridge_path
 from encoders.store import load_capture
+from encoders.turned import SPREADS, TurnedEncoder
+from encoders.validation import badness, robust_covariance, trial_folds
 from models.errors import EncoderError
-from models.pose import POSE_SIZE, ROOT_POSITION, joint_vectors
+from models.pose import BALL_JOINTS, POSE_SIZE
+from models.skeleton import ADULT, Skeleton
 
 Array = NDArray[np.float64]
 
-SCHEMA = 1
+SCHEMA = 2
 """Version of the file's layout."""
-
-FOLDS = 10
-"""Of the cross-validation blocked by trial; the paper validates tenfold, too."""
 
 RIDGES = (1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 1e-1, 3e-1, 1.0, 3.0)
 """Penalties that validation chooses from."""
 
-BUILTIN: dict[str, tuple[int, float | None]] = {
+POLYNOMIALS: dict[str, tuple[int, float | None]] = {
     "paper": (2, 0.0),
     "linear": (1, None),
     "quadratic": (2, None),
     "cubic": (3, None),
-    "best": (2, None),
 }
-"""Name -> degree and ridge (None: chosen by validation) of the built-in models."""
+"""Name -> degree and ridge (None: chosen by validation) of the built-in polynomials."""
 
-_LARGEST_LENGTH = 4.0
-"""Robust standard deviations that one frame's error may count in the covariance."""
+BUILTIN = (*POLYNOMIALS, "best")
+"""Names of the built-in models; `encoders.best` trains the last one."""
 
 
 @dataclass(frozen=True)
@@ -57,20 +57,23 @@ class TrainedModel:
 
     Attributes:
         name: `paper`, `best`, ... or what its maker called it.
-        encoder: The fitted polynomial.
+        encoder: The fitted encoder.
         residual_covariance: (48, 48) of the relative pose's error, m and rad, on trials that the
             encoder had not seen.
         training_u: (T, 15) contact vectors it was trained on.
         training_pose: (T, 48) relative poses it was trained on.
         meta: Where the capture came from, whether it was simulated, degree and ridge; JSON values.
+        correction: By the touches, of the estimate of the captured person's pose. It says nothing
+            about our hand, and no session uses it.
     """
 
     name: str
-    encoder: PolynomialEncoder
+    encoder: PolynomialEncoder | TurnedEncoder
     residual_covariance: Array
     training_u: Array
     training_pose: Array
     meta: dict[str, Any] = field(default_factory=dict)
+    correction: PersonCorrection | None = None
 
     @cached_property
     def digest(self) -> str:
@@ -84,7 +87,7 @@ class TrainedModel:
         ):
             hash_.update(np.ascontiguousarray(array, np.float32).tobytes())
         hash_.update(json.dumps(self.meta, sort_keys=True).encode())
-        hash_.update(str(self.encoder.degree).encode())
+        hash_.update(json.dumps(_kind(self.encoder), sort_keys=True).encode())
         return hash_.hexdigest()
 
 
@@ -104,30 +107,18 @@ def train(capture: Capture, name: str, degree: int, ridge: float | None) -> Trai
     U, Q = capture.u, capture.relative
     if ridge is None:
         candidates = _blocked_residuals(capture, degree, RIDGES)
-        best = int(np.argmin([_badness(e) for e in candidates]))
+        best = int(np.argmin([badness(Q - e, Q) for e in candidates]))
         ridge, residuals = RIDGES[best], candidates[best]
     else:
         residuals = _blocked_residuals(capture, degree, [ridge])[0]
-    meta = {
-        "simulated": bool(capture.meta.get("simulated", False)),
-        "capture": capture.meta,
-        "degree": degree,
-        "ridge": ridge,
-    }
+    meta = origin(capture) | {"degree": degree, "ridge": ridge}
     encoder = PolynomialEncoder(degree, ridge).fit(U, Q)
-    return _rounded(TrainedModel(name, encoder, _robust_covariance(residuals), U, Q, meta))
+    return rounded(TrainedModel(name, encoder, robust_covariance(residuals), U, Q, meta))
 
 
-def trial_folds(trial: NDArray[np.int64], folds: int = FOLDS) -> NDArray[np.int64]:
-    """(T,) fold of every frame; frames of one trial share a fold, folds are about equally large."""
-    trials, counts = np.unique(trial, return_counts=True)
-    loads = np.zeros(folds, int)
-    fold_of = {}
-    for i in np.argsort(-counts, kind="stable"):
-        fold = int(np.argmin(loads))
-        fold_of[int(trials[i])] = fold
-        loads[fold] += counts[i]
-    return np.array([fold_of[int(t)] for t in trial])
+def origin(capture: Capture) -> dict[str, Any]:
+    """What a model's `meta` says about the capture it was trained on."""
+    return {"simulated": bool(capture.meta.get("simulated", False)), "capture": capture.meta}
 
 
 def _blocked_residuals(capture: Capture, degree: int, ridges: Sequence[float]) -> Array:
@@ -137,8 +128,6 @@ def _blocked_residuals(capture: Capture, degree: int, ridges: Sequence[float]) -
     residuals = np.empty((len(ridges), *Q.shape))
     for k in np.unique(fold):
         out = fold == k
-        if out.all():
-            raise EncoderError("one trial alone cannot be validated", expected="2 trials or more")
         encoder = PolynomialEncoder(degree, ridges[0]).fit(U[~out], Q[~out])
         coefs = [encoder.coef_]
         if len(ridges) > 1:
@@ -149,47 +138,64 @@ def _blocked_residuals(capture: Capture, degree: int, ridges: Sequence[float]) -
     return residuals
 
 
-def _badness(residuals: Array) -> float:
-    """Mean distance of the wrist times mean angle of the joints, the paper's two measures.
-
-    A product needs no rate of exchange between metres and radians. (Standardised squares of all 48
-    numbers would: most of them cannot be told from touches, and they would drown the wrist.)
-    """
-    wrist = np.linalg.norm(residuals[:, ROOT_POSITION], axis=1).mean()
-    joints = np.linalg.norm(joint_vectors(residuals), axis=2).mean()
-    return float(wrist * joints)
-
-
-def _robust_covariance(residuals: Array) -> Array:
-    """Second moments of errors, each frame's length bounded.
-
-    A few frames on which plain least squares explodes would otherwise make it seem that nothing is
-    known about the pose anywhere.
-    """
-    spread = np.median(np.abs(residuals), axis=0) * 1.4826 + 1e-9
-    length = np.sqrt(np.mean((residuals / spread) ** 2, axis=1))
-    bound = np.minimum(1.0, _LARGEST_LENGTH / np.maximum(length, 1e-9))
-    bounded = residuals * bound[:, None]
-    return bounded.T @ bounded / len(bounded)
-
-
-def _single(array: Array) -> Array:
+def single(array: Array) -> Array:
     """The values as single precision keeps them."""
     return np.asarray(array, np.float32).astype(float)
 
 
-def _rounded(model: TrainedModel) -> TrainedModel:
+def rounded(model: TrainedModel) -> TrainedModel:
     """The model as it comes back from a file, so that a saved one predicts alike to the bit."""
-    encoder = PolynomialEncoder(model.encoder.degree, model.encoder.ridge)
-    encoder.load(_single(model.encoder.coef_), model.encoder.n_inputs_)
+    training_u, covariance = single(model.training_u), single(model.residual_covariance)
+    correction = model.correction
+    if correction is not None:
+        correction = replace(
+            correction,
+            skeleton=_skeleton(single(_anchors(correction)), single(_lengths(correction))),
+            covariance=covariance,
+            tip_variance=single(correction.tip_variance),
+        )
     return replace(
         model,
-        encoder=encoder,
-        residual_covariance=_single(model.residual_covariance),
-        training_u=_single(model.training_u),
-        training_pose=_single(model.training_pose),
+        encoder=_encoder(_kind(model.encoder), single(model.encoder.coef_), training_u),
+        residual_covariance=covariance,
+        training_u=training_u,
+        training_pose=single(model.training_pose),
         meta=json.loads(json.dumps(model.meta)),
+        correction=correction,
     )
+
+
+def _kind(encoder: PolynomialEncoder | TurnedEncoder) -> dict[str, Any]:
+    """What an encoder is, as JSON values; with its coefficients, all of it."""
+    if isinstance(encoder, TurnedEncoder):
+        return {"kind": "turned", "ridge": encoder.ridge, "turned_ridge": encoder.turned_ridge}
+    return {"kind": "polynomial", "degree": encoder.degree, "ridge": encoder.ridge}
+
+
+def _encoder(
+    kind: Mapping[str, Any], coef: Array, training_u: Array
+) -> PolynomialEncoder | TurnedEncoder:
+    if kind["kind"] == "turned":
+        return TurnedEncoder(kind["ridge"], kind["turned_ridge"]).load(coef)
+    encoder = PolynomialEncoder(kind["degree"], kind["ridge"])
+    return encoder.load(coef, CONTACT_VECTOR_SIZE, training_u)
+
+
+def _anchors(correction: PersonCorrection) -> Array:
+    return np.array([bone.anchor for bone in correction.skeleton.bones])
+
+
+def _lengths(correction: PersonCorrection) -> Array:
+    return np.array([bone.length for bone in correction.skeleton.bones])
+
+
+def _skeleton(anchors: Array, lengths: Array) -> Skeleton:
+    """The table's hand with other knuckles (14, 3) and lengths (14,), m."""
+    bones = tuple(
+        replace(bone, anchor=(float(a[0]), float(a[1]), float(a[2])), length=float(length))
+        for bone, a, length in zip(ADULT.bones, anchors, lengths, strict=True)
+    )
+    return replace(ADULT, name=f"{ADULT.name}, fitted", bones=bones)
 
 
 def save_model(model: TrainedModel, path: Path, training: bool = True) -> None:
@@ -201,11 +207,17 @@ def save_model(model: TrainedModel, path: Path, training: bool = True) -> None:
         training: Whether to write the training data, too. Built-in models leave it out: it is the
             built-in capture, and that is in the package already.
     """
-    header = {"schema": SCHEMA, "name": model.name, "degree": model.encoder.degree,
-              "ridge": model.encoder.ridge, "meta": model.meta}  # fmt: skip
+    header = {"schema": SCHEMA, "name": model.name, "meta": model.meta, **_kind(model.encoder)}
     arrays = {"coef": model.encoder.coef_, "covariance": model.residual_covariance}
     if training:
         arrays |= {"training_u": model.training_u, "training_pose": model.training_pose}
+    if model.correction is not None:
+        header["distrust"] = model.correction.distrust
+        arrays |= {
+            "anchors": _anchors(model.correction),
+            "lengths": _lengths(model.correction),
+            "tip_variance": model.correction.tip_variance,
+        }
     write_npz(path, header, {name: a.astype(np.float32) for name, a in arrays.items()})
 
 
@@ -219,52 +231,88 @@ def load_model(path: Path, capture: Capture | None = None) -> TrainedModel:
     Raises:
         EncoderError: The file is missing, damaged, of another version or breaks its contract.
     """
-    where = str(path)
+    where, what = str(path), "a trained model"
     names = ["coef", "covariance", *(() if capture else ("training_u", "training_pose"))]
     remedy = "`sandbox train --out FILE` makes a sound one"
-    header, raw = read_npz(path, names, EncoderError, "a trained model", remedy)
+    header, raw = read_npz(path, names, EncoderError, what, remedy)
     if header.get("schema") != SCHEMA:
         raise EncoderError(
-            "another version's model", where=where, got=header.get("schema"), expected=str(SCHEMA)
+            "another version's model",
+            where=where,
+            got=header.get("schema"),
+            expected=str(SCHEMA),
+            remedy="`sandbox train` makes it anew from its capture",
         )
-    degree: Any = header.get("degree")
-    ridge: Any = header.get("ridge")
     meta: Any = header.get("meta")
-    sound = isinstance(ridge, int | float) and 0 <= ridge < np.inf and isinstance(meta, dict)
-    if degree not in (1, 2, 3) or not sound:
-        raise EncoderError("the header is damaged", where=where, got=(degree, ridge), remedy=remedy)
+    if not _sound(header) or not isinstance(meta, dict):
+        raise EncoderError("the header is damaged", where=where, remedy=remedy)
+    distrust: Any = header.get("distrust")
+    if distrust is not None:
+        names = ["anchors", "lengths", "tip_variance"]
+        raw |= read_npz(path, names, EncoderError, what, remedy)[1]
     if any(array.dtype.kind != "f" for array in raw.values()):
         raise EncoderError("wrong type", where=where, expected="floating point", remedy=remedy)
     arrays = {name: array.astype(float) for name, array in raw.items()}
     if capture:
-        arrays |= {"training_u": _single(capture.u), "training_pose": _single(capture.relative)}
-    _check(arrays, degree, where)
-    encoder = PolynomialEncoder(degree, ridge).load(arrays["coef"], CONTACT_VECTOR_SIZE)
+        arrays |= {"training_u": single(capture.u), "training_pose": single(capture.relative)}
+    _check(arrays, header, where)
+    correction = None
+    if distrust is not None:
+        bones = _skeleton(arrays["anchors"], arrays["lengths"])
+        correction = PersonCorrection(
+            bones, arrays["covariance"], arrays["tip_variance"], float(distrust)
+        )
     return TrainedModel(
         str(header.get("name")),
-        encoder,
+        _encoder(header, arrays["coef"], arrays["training_u"]),
         arrays["covariance"],
         arrays["training_u"],
         arrays["training_pose"],
         meta,
+        correction,
     )
 
 
-def _check(arrays: dict[str, Array], degree: int, where: str) -> None:
+def _sound(header: Mapping[str, Any]) -> bool:
+    """Whether a header describes an encoder."""
+
+    def number(name: str) -> bool:
+        value: Any = header.get(name)
+        real = isinstance(value, int | float) and not isinstance(value, bool)
+        return real and bool(0 <= value < np.inf)
+
+    if header.get("distrust") is not None and not (number("distrust") and header["distrust"] > 0):
+        return False
+    if header.get("kind") == "turned":
+        return number("ridge") and number("turned_ridge")
+    polynomial = header.get("kind") == "polynomial" and header.get("degree") in (1, 2, 3)
+    return polynomial and number("ridge")
+
+
+def _check(arrays: dict[str, Array], header: Mapping[str, Any], where: str) -> None:
     frames = len(np.atleast_1d(arrays["training_u"]))
+    degree = int(header.get("degree", 2))
+    coef: tuple[int, ...] = (comb(CONTACT_VECTOR_SIZE + degree, degree), POSE_SIZE)
+    if header["kind"] == "turned":
+        coef = (1 + len(SPREADS), *coef)
     shapes = {
         "covariance": (POSE_SIZE, POSE_SIZE),
         "training_u": (frames, CONTACT_VECTOR_SIZE),
         "training_pose": (frames, POSE_SIZE),
-        "coef": (comb(CONTACT_VECTOR_SIZE + degree, degree), POSE_SIZE),
+        "coef": coef,
+        "anchors": (BALL_JOINTS, 3),
+        "lengths": (BALL_JOINTS,),
+        "tip_variance": (3,),
     }
-    for name, shape in shapes.items():
-        if arrays[name].shape != shape or not frames:
+    for name, array in arrays.items():
+        if array.shape != shapes[name] or not frames:
             raise EncoderError(
-                "wrong shape", where=f"{where}: {name}", got=arrays[name].shape, expected=str(shape)
+                "wrong shape", where=f"{where}: {name}", got=array.shape, expected=str(shapes[name])
             )
-        if not np.isfinite(arrays[name]).all():
+        if not np.isfinite(array).all():
             raise EncoderError("values must be finite", where=f"{where}: {name}")
+        if name in ("lengths", "tip_variance") and not (array > 0).all():
+            raise EncoderError("values must be above 0", where=f"{where}: {name}")
 
 
 @cache

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from encoders.belief import builtin_belief
 from encoders.capture import Capture
+from encoders.correction import PAD_HEIGHT
 from encoders.evaluation import EncoderMethod, evaluate_method
 from encoders.evaluation.errors import limit_share, pose_errors, tip_errors, variance_shares
 from encoders.evaluation.labels import own_labels
@@ -22,7 +23,6 @@ from encoders.evaluation.subjects import SUBJECTS, subject
 from encoders.evaluation.training import NAMES, Training, check_names
 from encoders.labelling import Labelling, PaperLabels
 from encoders.polynomial import LinearEncoder
-from encoders.touch_reconstructor import PAD_HEIGHT
 from encoders.trained import TrainedModel, builtin_capture
 from models.errors import EncoderError
 from models.kinematics import Kinematics

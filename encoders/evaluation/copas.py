@@ -25,7 +25,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.trained import trial_folds
+from encoders.validation import trial_folds
 from models.errors import EncoderError
 
 Array = NDArray[np.float64]

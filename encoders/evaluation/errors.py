@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.touch_reconstructor import PAD_HEIGHT
+from encoders.correction import PAD_HEIGHT
 from models.kinematics import Kinematics
 from models.limits import violations
 from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION, joint_vectors

@@ -13,13 +13,14 @@ from typing import Any
 import numpy as np
 
 from encoders.assignment import AssignmentLabels
-from encoders.belief import BeliefLabels, builtin_belief
+from encoders.belief import builtin_belief
+from encoders.best import CANDIDATES, Best, builtin_best, train_best
 from encoders.capture import Capture
 from encoders.evaluation.copas import Encoder
 from encoders.evaluation.methods import EncoderMethod, MeanEncoder, Method
-from encoders.labelling import PaperLabels
+from encoders.labelling import Labeller, PaperLabels
 from encoders.polynomial import CubicEncoder, LinearEncoder, PolynomialEncoder, QuadraticEncoder
-from encoders.trained import TrainedModel, builtin, load_model, train
+from encoders.trained import TrainedModel, load_model
 from models.errors import EncoderError
 from models.pose import POSE_SIZE
 
@@ -78,6 +79,8 @@ class Training:
         if Path(name).suffix == ".npz":
             model = load_model(Path(name))
             paper = PaperLabels(model)
+            if model.correction is not None:
+                return CorrectedMethod(Path(name).stem, Best(model, builtin_belief()), paper)
             return EncoderMethod(Path(name).stem, model.encoder, lambda: paper)
         raise EncoderError(
             "no such encoder",
@@ -102,33 +105,35 @@ class Training:
         return self.capture.u, self.capture.relative
 
     def _best(self, progress: Progress | None) -> Method:
-        if find_spec("encoders.best") is not None:
-            package = import_module("encoders.best")
-            if self.shipped and hasattr(package, "builtin_best"):
-                return BestMethod(package.builtin_best())
-            return BestMethod(package.train_best(self.capture, progress))
-        model = builtin("best") if self.shipped else train(self.capture, "best", 2, None)
-        belief = builtin_belief() if self.shipped else BeliefLabels.train(self.capture)
-        degree, ridge = model.encoder.degree, model.encoder.ridge
-        return EncoderMethod(
-            "best",
-            model.encoder,
-            lambda: BeliefLabels(belief.trained),
-            history=True,
-            fresh=lambda: PolynomialEncoder(degree, ridge),
-        )
+        best = builtin_best() if self.shipped else train_best(self.capture, progress)
+        return BestMethod(best)
 
 
 class BestMethod:
-    """`best` as a method: with memory, hence neither an encoder alone nor tested as one."""
+    """`best` as a method: with memory, hence no encoder alone. Its encoder is tested as one."""
 
-    def __init__(self, best: Any, name: str = "best") -> None:
+    def __init__(self, best: Best, name: str = "best") -> None:
         self.name, self.history = name, True
-        self.encoder: Encoder | None = None
-        self.fresh: Callable[[], Encoder] | None = None
-        self._best = best
+        self.encoder: Encoder | None = best.model.encoder
+        self.fresh: Callable[[], Encoder] | None = CANDIDATES.get(best.model.meta["winner"])
         self.estimate = best.estimate
-        self.labeller = best.labeller
+        self._best = best
+
+    def labeller(self) -> Labeller:
+        """See `Method.labeller`."""
+        return self._best.labeller()
+
+
+class CorrectedMethod(BestMethod):
+    """A model from a file, which holds no belief: labels by the paper's rule."""
+
+    def __init__(self, name: str, best: Best, labeller: Labeller) -> None:
+        super().__init__(best, name)
+        self.history, self._labeller = False, labeller
+
+    def labeller(self) -> Labeller:
+        """See `Method.labeller`."""
+        return self._labeller
 
 
 def _inverse_kinematics(name: str) -> Callable[[], Any]:

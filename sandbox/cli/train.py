@@ -11,11 +11,13 @@ import tyro
 from rich.console import Console
 from rich.progress import Progress
 
+from encoders.best import train_best_model
 from encoders.capture import Capture
 from encoders.store import load_capture, save_capture
 from encoders.subject import FROZEN, SEED, simulate
 from encoders.trained import (
     BUILTIN,
+    POLYNOMIALS,
     TrainedModel,
     builtin,
     builtin_capture,
@@ -39,13 +41,17 @@ SAME_PREDICTION = 1e-3
 
 @dataclass(frozen=True)
 class TrainOptions:
-    """Trains an encoder: the whole hand's pose as a polynomial of the touches.
+    """Trains an encoder: the whole hand's pose from the touches.
 
-    With --capture, on a capture made by `sandbox subject` or of your own in the same format. With
-    --builtin, the models that come with the program are made anew from the simulated subject and
-    compared with the shipped ones: at most 1 % of frames may differ by more than 0.0001 (m, rad),
-    and predictions by 0.001 (root mean square); exit status 1 if they do. It takes less than a
-    minute.
+    Without --degree it is the method of `best`: what wins on takes held out in turn, with the
+    bones of the captured person and a validated trust in the touches. With --degree it is one of
+    the paper's polynomials.
+
+    With --capture, on a capture made by `sandbox subject`, `sandbox capture` or of your own in the
+    same format. With --builtin, the models that come with the program are made anew from the
+    simulated subject and compared with the shipped ones: at most 1 % of frames may differ by more
+    than 0.0001 (m, rad), and predictions by 0.001 (root mean square); exit status 1 if they do.
+    It takes a minute or two.
 
     Try: sandbox train --capture training.npz --out mine.npz
     then: sandbox run box-to-goal --encoder mine.npz
@@ -60,12 +66,12 @@ class TrainOptions:
     builtin: bool = False
     """Makes the built-in models anew and compares them."""
 
-    degree: int = 2
-    """Of the polynomial: 1, 2 (the paper's) or 3."""
+    degree: int | None = None
+    """Trains a polynomial of this degree: 1, 2 (the paper's) or 3."""
 
     ridge: float | None = None
-    """Penalty on the coefficients; 0 is least squares, as in the paper. Without it, it is chosen
-    by cross-validation that never splits a take."""
+    """Penalty on that polynomial's coefficients; 0 is least squares, as in the paper. Without it,
+    it is chosen by cross-validation that never splits a take."""
 
 
 def main(argv: list[str]) -> int:
@@ -91,8 +97,16 @@ def main(argv: list[str]) -> int:
 def _one(options: TrainOptions, capture: Capture, console: Console) -> int:
     if not options.out.absolute().parent.is_dir():
         raise InputError("there is no such folder", where=f"--out {options.out}")
-    with console.status("training"):
-        model = train(capture, options.out.stem, options.degree, options.ridge)
+    if options.degree is None and options.ridge is not None:
+        raise InputError("only a polynomial has this penalty", where="--ridge", expected="--degree")
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        bar = progress.add_task("training", total=1.0)
+        if options.degree is None:
+            model = train_best_model(
+                capture, options.out.stem, lambda share: progress.update(bar, completed=share)
+            )
+        else:
+            model = train(capture, options.out.stem, options.degree, options.ridge)
     save_model(model, options.out)
     _report(console, options.out, model)
     return 0
@@ -103,10 +117,18 @@ def _report(console: Console, path: Path, model: TrainedModel) -> None:
     wrist = 100 * float(np.linalg.norm(spread[:3]))
     source = "simulated" if model.meta["simulated"] else "not marked as simulated"
     console.print(
-        f"{path}: degree {model.encoder.degree}, ridge {model.encoder.ridge:g}, "
+        f"{path}: {_kind(model)}, "
         f"{len(model.training_u):,} frames ({source}); on takes it had not seen the wrist is "
         f"{wrist:.1f} cm off (root mean square, outliers bounded)",
         soft_wrap=True,
+    )
+
+
+def _kind(model: TrainedModel) -> str:
+    if model.correction is None:
+        return f"degree {model.meta['degree']}, ridge {model.meta['ridge']:g}"
+    return (
+        f"{model.meta['winner']}, the touches' variance trusted 1 / {model.correction.distrust:g}"
     )
 
 
@@ -120,10 +142,17 @@ def _builtin(folder: Path, console: Console) -> int:
         # What the models learn from is the capture as everyone reads it, in single precision.
         capture = load_capture(path)
         models = []
-        for name, (degree, ridge) in BUILTIN.items():
+        for name, (degree, ridge) in POLYNOMIALS.items():
             progress.update(bar, description=name)
             models.append(train(capture, name, degree, ridge))
             progress.advance(bar)
+        progress.update(bar, description="best")
+        done = 1.0 + len(POLYNOMIALS)
+        models.append(
+            train_best_model(
+                capture, progress=lambda share: progress.update(bar, completed=done + share)
+            )
+        )
     sound = _capture_agrees(console, capture)
     for model in models:
         path = folder / f"{model.name}.npz"
