@@ -58,6 +58,8 @@ class AssignmentLabels:
         EncoderError: In no training frame all five fingers touch.
     """
 
+    remembers = False
+
     def __init__(self, model: TrainedModel) -> None:
         U = np.asarray(model.training_u, float)
         whole = U[U[:, 2 * len(FINGERS) :].all(axis=1), : 2 * len(FINGERS)]

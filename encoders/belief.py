@@ -53,6 +53,8 @@ class BeliefLabels:
         trained: What it has learned; may be shared, the belief itself is this object's own.
     """
 
+    remembers = True
+
     def __init__(self, trained: TrainedBelief) -> None:
         self.trained = trained
         self.evidence = trained.evidence

@@ -53,7 +53,14 @@ class Labelling:
 
 
 class Labeller(Protocol):
-    """Names the fingers of contacts; called whenever the set of contacts has changed."""
+    """Names the fingers of contacts; called whenever the set of contacts has changed.
+
+    Attributes:
+        remembers: Whether earlier answers and what was seen since count; such a labeller may be
+            asked at every frame.
+    """
+
+    remembers: bool
 
     def assign(
         self, contacts: Mapping[int, tuple[float, float]], fixed: Mapping[int, int]
@@ -170,6 +177,8 @@ class PaperLabels:
     Raises:
         EncoderError: There is no such metric, or numba is lacking.
     """
+
+    remembers = False
 
     def __init__(self, model: TrainedModel, metric: str = "joints", fast: bool = False) -> None:
         if metric not in METRICS:

@@ -209,8 +209,9 @@ class TouchReconstructor:
     def _name(self, time: float) -> None:
         """Names the fingers once the set of contacts has been stable for a while.
 
-        A hand that is down keeps its names: a changed name would wring the grasp apart. A finger
-        that joins it gets one of the free names.
+        Until the hand comes down, second thoughts are welcome; the posture filter blends them in. A
+        hand that is down keeps its names: a changed name would wring the grasp apart. A finger that
+        joins it gets one of the free names.
         """
         tracks = self._tracker.tracks
         present = frozenset(tracks)
@@ -218,9 +219,12 @@ class TouchReconstructor:
             self._changed_at = time
         self._known = present
         settle = self.settings.arrival.settle if self.settings.arrival.hover > 0 else 0.0
-        if len(self._labels) == len(tracks) or time - self._changed_at < settle - 1e-9:
-            return
         low = self._arrival.phase in (Phase.COMING_DOWN, Phase.DOWN)
+        # A labeller that remembers learns from how the touches move while the hand is on its way.
+        again = self.labeller.remembers and not low and settle > 0
+        named = len(self._labels) == len(tracks)
+        if not tracks or (named and not again) or time - self._changed_at < settle - 1e-9:
+            return
         fixed = dict(self._labels) if low and settle > 0 else {}
         if self.settings.device_labels and all(t.device_label is not None for t in tracks.values()):
             given = {i: int(t.device_label or 0) for i, t in tracks.items()}
