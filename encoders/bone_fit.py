@@ -95,10 +95,8 @@ def _drawn(A: Array, off: Array, spread: Array) -> Array:
     """Least squares of off (n, 3) = A (n, 3, m) x, with x near 0 by its spread (m,)."""
     rows, right = A.reshape(-1, A.shape[-1]), off.ravel()
     weight = min(1.0, _INDEPENDENT / len(off)) / _MISFIT**2
-    solved: Array = np.linalg.solve(
-        weight * rows.T @ rows + np.diag(1 / spread**2), weight * rows.T @ right
-    )
-    return solved
+    normal = weight * rows.T @ rows + np.diag(1 / spread**2)
+    return np.asarray(np.linalg.solve(normal, weight * rows.T @ right), float)
 
 
 def _set(bones: list[Bone], chain: list[int], found: Array) -> None:
