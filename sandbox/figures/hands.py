@@ -115,7 +115,7 @@ def side_by_side(
             fontweight="bold",
         )
         note = (
-            f"{source(report)}. True labels; frames of median error. "
+            f"{source(report)}.\nTrue labels; frames of median error. "
             "Below each hand: wrist and mean joint error."
         )
         made.supxlabel(note, fontsize=7.5, color=FAINT)
