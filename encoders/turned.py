@@ -12,6 +12,8 @@ The paper fixed the device before the person and used one quadratic; this is our
 
 from __future__ import annotations
 
+from math import comb
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -31,6 +33,9 @@ it has not seen (0.22 and 0.16 rad on the built-in capture, measured by its fold
 
 _COPIES = 3
 """Of every training frame, each with another error of the turn."""
+
+_COEF = (comb(CONTACT_VECTOR_SIZE + 2, 2), POSE_SIZE)
+"""(136, 48), shape of one quadratic's coefficients."""
 
 _UP = np.array([1.0, -1.0])
 """From the surface's y down to the pose's y up."""
@@ -77,8 +82,18 @@ class TurnedEncoder:
         return self._made_of(stages)
 
     def load(self, coef: ArrayLike) -> TurnedEncoder:
-        """Takes over coefficients (1 + rounds, 136, 48) learned earlier."""
+        """Takes over coefficients (1 + rounds, 136, 48) learned earlier.
+
+        Raises:
+            EncoderError: They have another shape.
+        """
         coef = np.asarray(coef, float)
+        if coef.shape[1:] != _COEF or not len(coef):
+            raise EncoderError(
+                "coefficients do not fit the encoder",
+                got=coef.shape,
+                expected=f"(n, {_COEF[0]}, {_COEF[1]})",
+            )
         ridges = [self.ridge, *([self.turned_ridge] * (len(coef) - 1))]
         return self._made_of(
             [
@@ -88,8 +103,18 @@ class TurnedEncoder:
         )
 
     def predict(self, U: ArrayLike) -> Array:
-        """Relative poses (T, 48) of contact vectors (T, 15), or (48,) of one (15,)."""
+        """Relative poses (T, 48) of contact vectors (T, 15), or (48,) of one (15,).
+
+        Raises:
+            EncoderError: Other inputs, or nothing was learned yet.
+        """
+        if not hasattr(self, "coef_"):
+            raise EncoderError("the encoder has learned nothing yet", remedy="Call fit first")
         U = np.asarray(U, float)
+        if U.shape[-1:] != (CONTACT_VECTOR_SIZE,):
+            raise EncoderError(
+                "wrong number of inputs", got=U.shape, expected=f"(T, {CONTACT_VECTOR_SIZE})"
+            )
         rows = U.reshape(-1, U.shape[-1])
         first, *others = self._stages
         Q = first.predict(rows)
