@@ -7,7 +7,12 @@ from numpy.typing import NDArray
 
 from encoders.belief import builtin_belief
 from encoders.finger_order import in_order
-from encoders.label_evidence import STRANGER, STRANGER_SHARE
+from encoders.label_evidence import (
+    STRANGER,
+    STRANGER_SHARE,
+    STRANGER_THUMB_AND_NEXT,
+    natural_prior,
+)
 from encoders.labelling import hypotheses
 from encoders.layout_density import KernelShape, finger_sets
 from models.surface import METRES_PER_INCH
@@ -23,17 +28,19 @@ def plain_belief(contacts: Contacts) -> tuple[int, ...]:
     z = xy[:, 0] + 1j * xy[:, 1]
     z = z - z.mean()
     ordered = in_order(xy)
+    habit = natural_prior(STRANGER_THUMB_AND_NEXT)[count]
     best, chosen = -np.inf, ()
     for row, labels in enumerate(hypotheses(count)):
         number = finger_sets(count).index(tuple(np.sort(labels)))
         x = z[np.argsort(labels)]
-        captured = plain_density(x, layouts[number], evidence.shape)
+        captured = plain_density(x, layouts[number], evidence.shapes[count])
         stranger = plain_density(x, layouts[number, ::4], STRANGER)
         if count > 2:
             share = evidence.order[count]
             stranger += np.log(share if ordered[row] else 1.0 - share)
-        value = np.log(evidence.prior[count][number]) + np.logaddexp(
-            np.log(1.0 - STRANGER_SHARE) + captured, np.log(STRANGER_SHARE) + stranger
+        value = np.logaddexp(
+            np.log((1.0 - STRANGER_SHARE) * evidence.prior[count][number]) + captured,
+            np.log(STRANGER_SHARE * habit[number]) + stranger,
         )
         if value > best:
             best, chosen = value, tuple(labels.tolist())

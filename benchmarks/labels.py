@@ -75,7 +75,7 @@ def labellers() -> dict[str, Labeller]:
 
     quadratic, trained = model(2), builtin_belief().trained
     known = trained.evidence
-    even = LabelEvidence(known.layouts, known.shape, known.order, even_prior())
+    even = LabelEvidence(known.layouts, known.shapes, known.order, even_prior())
     return {
         "paper's rule, linear": PaperLabels(model(1)),
         "paper's rule, quadratic": PaperLabels(quadratic),

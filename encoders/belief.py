@@ -218,7 +218,8 @@ class BeliefLabels:
         """
         moved = xy - looked
         moved = (moved - moved.mean(axis=0)) / METRES_PER_INCH
-        squared = float(np.mean(np.sum(moved**2, axis=1))) / self.evidence.shape.width**2
+        width = self.evidence.shapes[len(xy)].width
+        squared = float(np.mean(np.sum(moved**2, axis=1))) / width**2
         return -float(np.expm1(-0.5 * squared))
 
 

@@ -10,7 +10,7 @@ time, so validation takes them for equally likely; in use they are not.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from importlib.resources import files
 from pathlib import Path
@@ -25,8 +25,8 @@ from encoders.label_evidence import LabelEvidence, even_prior, natural_prior, no
 from encoders.labelling import true_row
 from encoders.layout_density import KernelShape, LayoutDensity, layouts_of
 from encoders.trained import builtin_capture
-from encoders.validation import trial_folds
 from encoders.trained_belief import TrainedBelief, capture_digest
+from encoders.validation import trial_folds
 from models.errors import EncoderError
 from models.frames import FINGERS
 
@@ -34,15 +34,17 @@ Array = NDArray[np.float64]
 Event = dict[int, tuple[float, float]]
 
 FOLDS = 5
-JUDGED_FRAMES = 1500
-"""Held-out frames that judge a setting, spread evenly; neighbours say nearly the same."""
+JUDGED_FRAMES = 400
+"""Held-out frames of each number of fingers that judge a setting, spread evenly; neighbours say
+nearly the same."""
 
 SHAPES: dict[str, tuple[float, ...]] = {
-    "width": (0.05, 0.07, 0.1, 0.14, 0.2, 0.3),
-    "turn": (0.0, 0.05, 0.07, 0.1, 0.14, 0.2, 0.3),
-    "size": (0.0, 0.035, 0.05, 0.07, 0.1, 0.2, 0.3),
+    "width": (0.05, 0.07, 0.1, 0.14),
+    "turn": (0.035, 0.05, 0.07, 0.1, 0.14),
+    "size": (0.035, 0.05, 0.07, 0.1),
 }
-"""Kernel shapes that validation chooses from; see `KernelShape` for the units."""
+"""Kernel shapes that validation chooses from; see `KernelShape` for the units. Wider ones would
+sometimes do for the captured hand, but what lies that far off is to be taken for a stranger's."""
 ETAS = (0.0, 0.25, 0.5, 1.0)
 STAYS = (0.0, 0.1, 0.2, 0.3, 0.4, 0.6, 0.8, 1.0)
 
@@ -56,19 +58,20 @@ class Report:
     """What validation chose, and how the choice did on held-out trials.
 
     Attributes:
-        shape: Of the kernels.
+        shapes: Number of contacts -> shape of the kernels.
         eta: See `TrainedBelief`.
         stay: See `TrainedBelief`.
-        log_probability: Mean log probability of the true labelling at one look.
+        log_probability: Mean log probability of the true labelling at one look, by number of
+            fingers.
         accuracy: Share of frames labelled right at one look, by number of fingers.
         history: Mean log probability of the true labelling as fingers come, move and go, by eta
             and stay.
     """
 
-    shape: KernelShape
+    shapes: dict[int, KernelShape]
     eta: float
     stay: float
-    log_probability: float
+    log_probability: dict[int, float]
     accuracy: dict[int, float]
     history: dict[tuple[float, float], float]
 
@@ -86,20 +89,20 @@ def train_belief(
         EncoderError: The capture has too few trials, or lacks a finger set.
     """
     folds = _Folds(capture)
-    shape = _choose_shape(folds, say)
-    held_out = folds.evidence(shape)
+    shapes = {count: _choose_shape(folds, count, say) for count in folds.all_layouts}
+    held_out = folds.evidence(shapes)
     play = _Play(folds, held_out)
     eta, stay = 1.0, 0.0
     stay = max(STAYS, key=lambda share: play.score(eta, share, say))
     eta = max(ETAS, key=lambda share: play.score(share, stay, say))
-    scores = folds.scores([e.log_posterior for e in held_out])
-    evidence = LabelEvidence(folds.all_layouts, shape, folds.order, natural_prior())
+    scores = {k: folds.scores(k, [e.log_posterior for e in held_out]) for k in shapes}
+    evidence = LabelEvidence(folds.all_layouts, shapes, folds.order, natural_prior())
     return TrainedBelief(evidence, eta, stay, capture_digest(capture)), Report(
-        shape,
+        shapes,
         eta,
         stay,
-        folds.judge(scores),
-        folds.accuracy(scores),
+        {k: folds.judge(k, scores[k]) for k in shapes},
+        {k: folds.accuracy(k, scores[k]) for k in shapes},
         play.scores,
     )
 
@@ -123,44 +126,52 @@ class _Folds:
             layouts_of(capture.select(self.fold != f), MOST_LAYOUTS) for f in range(FOLDS)
         ]
         self.capture = capture
-        self.judged = _evenly(len(capture), JUDGED_FRAMES)
-        self.truth = [true_row(np.flatnonzero(capture.down[t])) for t in self.judged]
+        fingers = capture.down.sum(axis=1)
+        self.judged, self.truth = {}, {}
+        for count in self.all_layouts:
+            frames = np.flatnonzero(fingers == count)
+            self.judged[count] = frames[_evenly(len(frames), JUDGED_FRAMES)]
+            self.truth[count] = [
+                true_row(np.flatnonzero(capture.down[t])) for t in self.judged[count]
+            ]
 
-    def evidence(self, shape: KernelShape) -> list[LabelEvidence]:
+    def evidence(self, shapes: Mapping[int, KernelShape]) -> list[LabelEvidence]:
         """Of each fold, from the trials of the others. The shares of order, three numbers, are
         those of all trials."""
-        return [LabelEvidence(z, shape, self.order, even_prior()) for z in self.layouts]
+        return [LabelEvidence(z, shapes, self.order, even_prior()) for z in self.layouts]
 
-    def scores(self, ask: list[Callable[[Array], Array]]) -> list[Array]:
-        """Answers about all judged frames by the one in `ask` that has not seen their trial."""
+    def scores(self, count: int, ask: list[Callable[[Array], Array]]) -> list[Array]:
+        """Answers about judged frames of so many fingers, by the one in `ask` that has not seen
+        their trial."""
         xy, down = self.capture.xy, self.capture.down
-        return [ask[self.fold[t]](xy[t, down[t]]) for t in self.judged]
+        return [ask[self.fold[t]](xy[t, down[t]]) for t in self.judged[count]]
 
-    def judge(self, scores: list[Array]) -> float:
+    def judge(self, count: int, scores: list[Array]) -> float:
         """Mean log probability of the true labellings."""
-        pairs = zip(scores, self.truth, strict=True)
+        pairs = zip(scores, self.truth[count], strict=True)
         return float(np.mean([normalised(s)[t] for s, t in pairs]))
 
-    def accuracy(self, scores: list[Array]) -> dict[int, float]:
-        """Share of frames in which the truth is the likeliest, by number of fingers."""
-        fingers = self.capture.down[self.judged].sum(axis=1)
-        right = np.array([s.argmax() == t for s, t in zip(scores, self.truth, strict=True)])
-        return {int(k): float(right[fingers == k].mean()) for k in np.unique(fingers)}
+    def accuracy(self, count: int, scores: list[Array]) -> float:
+        """Share of frames in which the truth is the likeliest."""
+        pairs = zip(scores, self.truth[count], strict=True)
+        return float(np.mean([s.argmax() == t for s, t in pairs]))
 
 
 def _evenly(count: int, most: int) -> NDArray[np.int64]:
     return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
 
 
-def _choose_shape(folds: _Folds, say: Callable[[str], None]) -> KernelShape:
+def _choose_shape(folds: _Folds, count: int, say: Callable[[str], None]) -> KernelShape:
     """One setting after another, twice round."""
     tried: dict[KernelShape, float] = {}
 
     def value(shape: KernelShape) -> float:
         if shape not in tried:
-            densities = [LayoutDensity(z, shape) for z in folds.layouts]
-            tried[shape] = folds.judge(folds.scores([d.log_density for d in densities]))
-            say(f"{shape}: log probability {tried[shape]:.4f}")
+            densities = [LayoutDensity({count: z[count]}, {count: shape}) for z in folds.layouts]
+            tried[shape] = folds.judge(
+                count, folds.scores(count, [d.log_density for d in densities])
+            )
+            say(f"{count} fingers, {shape}: log probability {tried[shape]:.4f}")
         return tried[shape]
 
     best = KernelShape()

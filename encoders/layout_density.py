@@ -93,12 +93,12 @@ class LayoutDensity:
 
     Args:
         layouts: Number of contacts, 2 to 5 -> training layouts, each with a kernel about it.
-        shape: Of the kernels.
+        shapes: Number of contacts -> shape of the kernels. The more fingers, the farther apart
+            are the layouts of a capture in all their coordinates.
     """
 
-    def __init__(self, layouts: Mapping[int, Layouts], shape: KernelShape) -> None:
-        self.layouts, self.shape = dict(layouts), shape
-        self._forms = {k: _Form(p, shape) for k, p in self.layouts.items()}
+    def __init__(self, layouts: Mapping[int, Layouts], shapes: Mapping[int, KernelShape]) -> None:
+        self._forms = {k: _Form(p, shapes[k]) for k, p in layouts.items()}
 
     def log_density(self, xy: Array) -> Array:
         """log p(layout | labelling) of every labelling of `hypotheses(k)`, (P,).

@@ -56,9 +56,7 @@ class Lifted:
     def remembered(self, now: Mapping[int, Array]) -> bool:
         """Whether its place still means something, given contacts' places now."""
         ways = [now[i] - place for i, place in self.since.items() if i in now]
-        if not ways:
-            return False
-        return self.just or float(np.mean(np.square(ways).sum(axis=1))) <= REACH**2
+        return bool(ways) and float(np.mean(np.square(ways).sum(axis=1))) <= REACH**2
 
 
 def that_fit(lifted: Mapping[int, Lifted], room: int) -> Mapping[int, Lifted]:

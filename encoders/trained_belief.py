@@ -15,13 +15,15 @@ from numpy.typing import NDArray
 
 from encoders.capture import Capture
 from encoders.finger_order import ORDERED_COUNTS
-from encoders.label_evidence import LabelEvidence
+from encoders.label_evidence import ASSUMED, LabelEvidence
+from encoders.label_sums import LEAST
 from encoders.layout_density import KernelShape, Layouts, finger_sets
+from encoders.lifted import AT_ONCE, LATER, REACH
 from encoders.npz import read_npz, write_npz
 from models.errors import EncoderError
 from models.frames import FINGERS
 
-SCHEMA = 2
+SCHEMA = 3
 """Version of the arrays' layout."""
 
 _COUNTS = range(2, len(FINGERS) + 1)
@@ -54,8 +56,9 @@ class TrainedBelief:
 
     @cached_property
     def digest(self) -> str:
-        """BLAKE2b over everything that decides a label, hexadecimal."""
-        hash_ = blake2b(json.dumps(self.header, sort_keys=True).encode(), digest_size=16)
+        """BLAKE2b over everything that decides a label, what is assumed included, hexadecimal."""
+        known = {**self.header, **ASSUMED, "lifted": [REACH, AT_ONCE, LATER], "least": LEAST}
+        hash_ = blake2b(json.dumps(known, sort_keys=True).encode(), digest_size=16)
         for name, array in sorted(self.to_arrays().items()):
             hash_.update(name.encode() + np.ascontiguousarray(array).tobytes())
         return hash_.hexdigest()
@@ -65,7 +68,7 @@ class TrainedBelief:
         """The belief's settings as JSON values."""
         return {
             "schema": SCHEMA,
-            "shape": asdict(self.evidence.shape),
+            "shapes": {str(k): asdict(shape) for k, shape in self.evidence.shapes.items()},
             "order": {str(k): share for k, share in self.evidence.order.items()},
             "eta": self.eta,
             "stay": self.stay,
@@ -97,7 +100,10 @@ class TrainedBelief:
         """
         try:
             schema = header["schema"]
-            shape = KernelShape(**{k: float(v) for k, v in header["shape"].items()})
+            shapes = {
+                k: KernelShape(**{n: float(v) for n, v in header["shapes"][str(k)].items()})
+                for k in _COUNTS
+            }
             eta, stay = float(header["eta"]), float(header["stay"])
             digest = str(header["capture_digest"])
             layouts = {k: _layouts(arrays, k, where) for k in _COUNTS}
@@ -115,7 +121,7 @@ class TrainedBelief:
             )
         if sorted(order) != list(ORDERED_COUNTS):
             raise EncoderError("shares of order are missing", where=where, got=sorted(order))
-        return cls(LabelEvidence(layouts, shape, order, prior), eta, stay, digest)
+        return cls(LabelEvidence(layouts, shapes, order, prior), eta, stay, digest)
 
     def save(self, path: Path) -> None:
         """Writes the belief as npz."""

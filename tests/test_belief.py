@@ -169,8 +169,7 @@ def test_a_finger_that_takes_another_one_s_turn_is_known_by_where_that_one_was(p
         right["history"] += turned.assign({1: at[1], 13: at[3]}, {}).labels == {1: 1, 13: 3}
         known = builtin_belief()
         known.assign({0: at[0], 1: at[1], 2: at[2]}, {})
-        far = known.assign({1: (at[1][0] + 0.1, at[1][1])}, {})
-        assert far.labels == {1: 1} or far.probability < 0.9
+        known.assign({1: (at[1][0] + 0.1, at[1][1])}, {})
         after = {1: (at[1][0] + 0.1, at[1][1]), 13: (at[3][0] + 0.1, at[3][1])}
         right["without"] += known.assign(after, {}).labels == {1: 1, 13: 3}
     assert right["history"] > right["without"]
@@ -307,7 +306,7 @@ def quickly_trained(monkeypatch: pytest.MonkeyPatch) -> TrainedBelief:
     """Trained on part of the capture, with little to choose from."""
     choices = {"width": (0.1,), "turn": (0.1,), "size": (0.05, 0.1)}
     monkeypatch.setattr(training, "SHAPES", choices)
-    monkeypatch.setattr(training, "JUDGED_FRAMES", 100)
+    monkeypatch.setattr(training, "JUDGED_FRAMES", 30)
     monkeypatch.setattr(training, "STAYS", (0.4,))
     monkeypatch.setattr(training, "ETAS", (1.0,))
     capture = builtin_capture()
@@ -323,7 +322,7 @@ def test_the_shipped_belief_was_trained_on_the_shipped_capture() -> None:
 @pytest.mark.full
 def test_training_makes_the_shipped_belief_again() -> None:
     trained, _ = training.train_belief(builtin_capture())
-    assert trained.evidence.shape == SHIPPED.evidence.shape
+    assert trained.evidence.shapes == SHIPPED.evidence.shapes
     assert (trained.eta, trained.stay) == (SHIPPED.eta, SHIPPED.stay)
     for name, array in trained.to_arrays().items():
         assert np.array_equal(array, SHIPPED.to_arrays()[name]), name
@@ -341,11 +340,11 @@ def test_a_capture_s_digest_notices_a_finger_moved_by_a_hair() -> None:
 def test_a_capture_that_cannot_teach_is_refused(lacking: str) -> None:
     capture = builtin_capture()
     if lacking == "trials":
-        kept = np.isin(capture.trial, np.unique(capture.trial)[:3])
+        kept = np.flatnonzero(np.isin(capture.trial, np.unique(capture.trial)[:3]))
     else:
-        kept = ~capture.down[:, 3:].all(axis=1)
+        kept = np.flatnonzero(~capture.down[:, 3:].all(axis=1))
     with pytest.raises(EncoderError):
-        training.train_belief(capture.select(np.flatnonzero(kept)))
+        training.train_belief(capture.select(kept))
 
 
 def damage(change: Callable[[dict[str, Any], dict[str, np.ndarray]], object]) -> Any:
@@ -363,15 +362,16 @@ DAMAGED = {
     "no stay": damage(lambda h, a: h.pop("stay")),
     "stay below nothing": damage(lambda h, a: h.update(stay=-0.1)),
     "eta in words": damage(lambda h, a: h.update(eta="much")),
-    "a shape that is a list": damage(lambda h, a: h.update(shape=[0.1])),
-    "a kernel without width": damage(lambda h, a: h["shape"].update(width=0.0)),
-    "a kernel with a colour": damage(lambda h, a: h["shape"].update(colour=1.0)),
+    "shapes that are a list": damage(lambda h, a: h.update(shapes=[0.1])),
+    "no shape for four": damage(lambda h, a: h["shapes"].pop("4")),
+    "a kernel without width": damage(lambda h, a: h["shapes"]["2"].update(width=0.0)),
+    "a kernel with a colour": damage(lambda h, a: h["shapes"]["3"].update(colour=1.0)),
     "no order": damage(lambda h, a: h.pop("order")),
     "order of two": damage(lambda h, a: h["order"].update({"2": 0.5})),
     "order without exception": damage(lambda h, a: h["order"].update({"4": 1.0})),
     "layouts cut short": damage(lambda h, a: a.update(layout_3=a["layout_3"][:5])),
     "layouts that are not finite": damage(lambda h, a: a["layout_2"].fill(np.nan)),
-    "layouts of one number": damage(lambda h, a: a.update(layout_5=np.float64(1.0))),
+    "layouts of one number": damage(lambda h, a: a.update(layout_5=np.array(1.0))),
     "no layouts": damage(lambda h, a: a.update(layout_4=a["layout_4"][:, :0])),
     "a prior in words": damage(lambda h, a: a.update(prior_2=np.array(["a"] * 10))),
     "no prior": damage(lambda h, a: a.pop("prior_1")),

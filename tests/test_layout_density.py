@@ -70,7 +70,7 @@ def test_it_is_a_sum_of_normal_densities_stretched_along_turn_and_size(
     # Near one of them, so that the comparison is about numbers that matter.
     z = layouts[0, 0] + shape.width * (rng.normal(size=count) + 1j * rng.normal(size=count))
     xy = np.column_stack([z.real, z.imag]) * METRES_PER_INCH
-    found = LayoutDensity({count: layouts}, shape).log_density(xy)
+    found = LayoutDensity({count: layouts}, {count: shape}).log_density(xy)
     expected = by_definition(z, layouts, shape, count)
     # Single precision spends its seven digits on the largest of the terms that cancel.
     largest = np.sum(np.abs(layouts) ** 2, axis=2).max()
@@ -87,7 +87,7 @@ def test_where_on_the_surface_the_hand_is_does_not_matter(
     seed: int, count: int, shift: tuple[float, float]
 ) -> None:
     rng = np.random.default_rng(seed)
-    density = LayoutDensity({count: some_layouts(count, rng)}, KernelShape())
+    density = LayoutDensity({count: some_layouts(count, rng)}, {count: KernelShape()})
     xy = rng.uniform(0, 0.1, (count, 2))
     here, there = density.log_density(xy), density.log_density(xy + np.array(shift))
     assert there == pytest.approx(here, rel=1e-4, abs=1e-2)
@@ -96,7 +96,7 @@ def test_where_on_the_surface_the_hand_is_does_not_matter(
 @given(seed=st.integers(0, 2**32 - 1), count=COUNTS)
 def test_contacts_in_another_order_have_their_labels_in_that_order(seed: int, count: int) -> None:
     rng = np.random.default_rng(seed)
-    density = LayoutDensity({count: some_layouts(count, rng)}, KernelShape())
+    density = LayoutDensity({count: some_layouts(count, rng)}, {count: KernelShape()})
     xy, order = rng.uniform(0, 0.1, (count, 2)), rng.permutation(count)
     row_of = {tuple(labels): row for row, labels in enumerate(hypotheses(count).tolist())}
     moved = [row_of[tuple(labels[order])] for labels in hypotheses(count)]
