@@ -130,7 +130,9 @@ def test_trembling_for_ever_says_no_more_than_one_look(
     first = belief.assign(contacts, {})
     for _ in range(20):
         shaken = {i: (x + size * rng.uniform(-1, 1), y) for i, (x, y) in contacts.items()}
-        assert belief.assign(shaken, {}) == first
+        again = belief.assign(shaken, {})
+        assert again.labels == first.labels
+        assert again.probability == pytest.approx(first.probability)
 
 
 def test_a_hand_that_opens_and_turns_shows_which_fingers_touch() -> None:
