@@ -97,7 +97,7 @@ def train_correction(
         covariance: (48, 48) of their errors.
         skeleton: What is known of the person's bones beforehand.
         fit: Whether bones are fitted to the capture. Without it, the correction is one for people
-            whose bones nobody knows, and validation trusts the touches less.
+            whose bones nobody knows, and the touches' variance is that about wrong skeletons.
     """
     fold = trial_folds(capture.trial, FOLDS)
     rng = np.random.default_rng(0)
@@ -105,13 +105,18 @@ def train_correction(
         perturbed_skeleton(skeleton, rng, WRONG_LENGTH, WRONG_KNUCKLE)
         for _ in range(WRONG_SKELETONS)
     ]
+    variances = [blocked_variance(capture, known, fit) for known in wrong]
     scores = np.zeros(len(DISTRUSTS))
-    for known in wrong:
-        scores += _scores(capture, predicted, covariance, known, fold, fit)
+    for known, variance in zip(wrong, variances, strict=True):
+        scores += _scores(capture, predicted, covariance, known, variance, fold, fit)
     distrust = DISTRUSTS[int(np.argmin(scores))]
-    variance = blocked_variance(capture, skeleton, fit)
-    bones = fitted_skeleton(capture, skeleton) if fit else skeleton
-    return PersonCorrection(bones, covariance, distrust * variance, distrust)
+    if fit:
+        variance = blocked_variance(capture, skeleton)
+        return PersonCorrection(
+            fitted_skeleton(capture, skeleton), covariance, distrust * variance, distrust
+        )
+    # How well these bones happen to fit this person says nothing about the next one.
+    return PersonCorrection(skeleton, covariance, distrust * np.mean(variances, axis=0), distrust)
 
 
 def blocked_variance(capture: Capture, known: Skeleton, fit: bool = True) -> Array:
@@ -134,11 +139,11 @@ def _scores(
     predicted: Array,
     covariance: Array,
     known: Skeleton,
+    variance: Array,
     fold: NDArray[np.int64],
     fit: bool,
 ) -> Array:
     """(len(DISTRUSTS),) badness on held-out trials, starting from a wrong skeleton."""
-    variance = blocked_variance(capture, known, fit)
     judged = np.linspace(0, len(capture) - 1, min(len(capture), JUDGED_FRAMES)).astype(int)
     scores = np.zeros(len(DISTRUSTS))
     for k in np.unique(fold):
