@@ -11,6 +11,7 @@ COMMANDS: dict[str, str] = {
     "demo": "the simulated user brings a box to its goal; ends with score, film and picture",
     "play": "do a task in a window, with the mouse or a tablet as fingers",
     "run": "do a task without a window, as fast as it goes",
+    "regress": "success over many seeds, and whether it is less than it was",
     "replay": "play a recording again and check every state",
     "subject": "make a capture of a simulated subject: touches and poses at the same time",
     "capture": "make a capture of your own recordings of touches and hands",

@@ -1,0 +1,277 @@
+"""`sandbox regress`: success over many seeds, and against what it was before."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import tyro
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from models.errors import InputError
+from sandbox.cli.parse import parse
+
+if TYPE_CHECKING:
+    from sandbox.regress.baseline import Baseline
+    from sandbox.regress.execute import Executor, Trial
+    from sandbox.regress.plan import RegressionPlan
+    from sandbox.regress.report import Report
+
+STOPPED = 130
+"""Exit status of a run that somebody broke off, as shells have it."""
+
+
+@dataclass(frozen=True)
+class RegressOptions:
+    """Runs the simulated user over many seeds, says how often it succeeds, and whether that is
+    less than a baseline said.
+
+    Options of `sandbox run` are taken as well and hold for all trials: --bare, --without PART,
+    --impulse safe, --drop-outs 0.3 and so on.
+
+    Exit status 1: a loss beyond chance (exact one-sided McNemar test over paired seeds, alpha 0.05,
+    Holm over tasks), or with --exact another state on the same machine and libraries.
+
+    Try: sandbox regress --seeds 0:20 --json report.json
+    then: sandbox regress --baseline base.json --update-baseline, and later without the last option
+    """
+
+    tasks: Annotated[tuple[str, ...], tyro.conf.arg(metavar="all|NAME")] = ("all",)
+    """Which tasks."""
+
+    seeds: Annotated[str, tyro.conf.arg(metavar="A:B")] = "0:120"
+    """From A to before B; commas join several."""
+
+    encoder: Annotated[str, tyro.conf.arg(metavar="NAME|FILE")] = "best"
+    """As for `sandbox run`."""
+
+    fingers: int = 3
+    """Of the simulated user, 2 to 5."""
+
+    executor: Literal["serial", "processes", "ray"] = "processes"
+    """Where trials run; the results are the same to the bit. ray: the extra `ray`."""
+
+    workers: int = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 1
+    """How many trials at a time, one core each."""
+
+    address: Annotated[str | None, tyro.conf.arg(metavar="ADDRESS")] = None
+    """Of a running Ray cluster."""
+
+    json: Annotated[Path | None, tyro.conf.arg(metavar="OUT")] = None
+    """Writes the report with every trial; - is the terminal."""
+
+    junit: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Writes JUnit's XML, a test for every task."""
+
+    baseline: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """What to compare with; one of another encoder, task version or settings is refused."""
+
+    update_baseline: tyro.conf.FlagCreatePairsOff[bool] = False
+    """Makes the baseline from this run; nothing is judged."""
+
+    exact: tyro.conf.FlagCreatePairsOff[bool] = False
+    """States must be equal to the bit where machine and libraries are the baseline's."""
+
+    across_encoders: tyro.conf.FlagCreatePairsOff[bool] = False
+    """The baseline may be another encoder's: whether this one is worse is the question."""
+
+    record: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    """Keeps a recording of every trial that fails in a new or empty folder."""
+
+
+def main(argv: list[str]) -> int:
+    """Runs `sandbox regress ...`."""
+    options, more = parse_known(argv)
+    _check(options)
+    from sandbox.regress.baseline import write_whole
+    from sandbox.regress.junit import save_junit
+    from sandbox.regress.plan import RegressionPlan, find_tasks, parse_seeds
+    from sandbox.regress.report import make_report
+    from sandbox.regress.show import show
+
+    plan = RegressionPlan(
+        find_tasks(options.tasks), parse_seeds(options.seeds), _scene(options, more), options.record
+    )
+    quiet = str(options.json) == "-"
+    console = Console(stderr=quiet)
+    console = Console(stderr=quiet, width=max(console.width, 100))
+    executor = _executor(options)
+    old = _old_baseline(options, plan, console)
+    if options.record is not None:
+        _empty_folder(options.record)
+    began = perf_counter()
+    trials = _run(plan, executor)
+    wall_s = perf_counter() - began
+    report = make_report(plan, trials, old, options.exact, options.across_encoders)
+    show(report, console)
+    if options.json is not None:
+        ran = {"executor": executor.name, "workers": options.workers, "wall_s": round(wall_s, 3)}
+        text = json.dumps({**report.as_json(), **ran}, indent=1, allow_nan=False)
+        if quiet:
+            print(text)
+        else:
+            write_whole(options.json, text + "\n", "--json")
+    if options.junit is not None:
+        save_junit(report, options.junit)
+    if options.update_baseline:
+        _update(options, plan, report, old, console)
+    if not report.complete:
+        return STOPPED
+    return 0 if report.passed or options.update_baseline else 1
+
+
+def parse_known(argv: list[str]) -> tuple[RegressOptions, list[str]]:
+    """Our options, and those that are left for `sandbox run`."""
+    found: tuple[RegressOptions, list[str]] = tyro.cli(
+        RegressOptions,
+        prog="sandbox regress",
+        args=argv,
+        config=(tyro.conf.OmitArgPrefixes,),
+        return_unknown_args=True,
+    )
+    return found
+
+
+def _scene(options: RegressOptions, more: Sequence[str]) -> dict[str, Any]:
+    from sandbox.cli.scene_options import SceneOptions
+    from sandbox.regress.plan import differing
+
+    for word in more:
+        if word.partition("=")[0] in ("--device", "--events", "--port", "--bind", "--seed"):
+            raise InputError(
+                "this is not for regression runs", got=word, expected="options of the trials"
+            )
+    # A task that is no option keeps a stray word from being taken for one.
+    scene = parse(SceneOptions, "sandbox regress", ["box-to-goal", *more])
+    return differing({**asdict(scene), "encoder": options.encoder, "fingers": options.fingers})
+
+
+def _check(options: RegressOptions) -> None:
+    """Refuses, before anything is run, what would fail at the end."""
+    if options.workers < 1:
+        raise InputError("nobody works", where="--workers", got=options.workers, expected="1 ...")
+    if options.baseline is None:
+        for name in ("update_baseline", "exact", "across_encoders"):
+            if getattr(options, name):
+                option = "--" + name.replace("_", "-")
+                raise InputError("there is no baseline", where=option, remedy="Add --baseline FILE")
+    if options.exact and options.across_encoders:
+        raise InputError("two encoders never give equal states", where="--exact --across-encoders")
+    if options.across_encoders and options.update_baseline:
+        raise InputError("a baseline is one encoder's", where="--across-encoders --update-baseline")
+    if options.address is not None and options.executor != "ray":
+        raise InputError("only Ray has an address", where="--address", remedy="Add --executor ray")
+    for name in ("json", "junit", "baseline"):
+        path = getattr(options, name)
+        if path is not None and str(path) != "-":
+            if not path.absolute().parent.is_dir():
+                raise InputError("there is no such folder", where=f"--{name} {path}")
+            if path.is_dir():
+                raise InputError("this is a folder", where=f"--{name} {path}", expected="a file")
+
+
+def _empty_folder(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        full = any(folder.iterdir())
+    except OSError as error:
+        where = f"--record {folder}"
+        raise InputError("no folder can be made", where=where, got=error.strerror) from None
+    if full:
+        raise InputError(
+            "recordings of an earlier run would be mixed with this one's",
+            where=f"--record {folder}",
+            expected="a new or empty folder",
+        )
+
+
+def _executor(options: RegressOptions) -> Executor:
+    from sandbox.regress.execute import Processes, Serial
+
+    if options.executor == "ray":
+        from sandbox.regress.cluster import Cluster
+
+        return Cluster(options.workers, options.address)
+    return Serial() if options.executor == "serial" else Processes(options.workers)
+
+
+def _old_baseline(
+    options: RegressOptions, plan: RegressionPlan, console: Console
+) -> Baseline | None:
+    """The baseline to compare with; refused now rather than after the run."""
+    if options.baseline is None:
+        return None
+    from sandbox.regress.baseline import load_baseline
+
+    if options.update_baseline and not options.baseline.exists():
+        return None
+    try:
+        old = load_baseline(options.baseline)
+        old.check(plan.configuration(), plan.versions(), options.across_encoders)
+        kept = {seed for name in plan.names if name in old.tasks for seed in old.tasks[name].trials}
+        if not kept & set(plan.seeds):
+            raise InputError(
+                "this baseline has none of these seeds",
+                where=str(options.baseline),
+                got=f"{len(kept)} seeds, {min(kept, default=0)} to {max(kept, default=0)}",
+                remedy="Run its seeds, or --update-baseline",
+            )
+    except InputError as error:
+        if not options.update_baseline:
+            raise
+        console.print(f"[yellow]not compared: {error}[/]", soft_wrap=True)
+        return None
+    return old
+
+
+def _run(plan: RegressionPlan, executor: Executor) -> list[Trial]:
+    """The trials; those that are done where somebody breaks off."""
+    jobs = plan.jobs()
+    trials: list[Trial] = []
+    screen = Console(stderr=True)
+    progress = Progress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+        console=screen,
+        transient=True,
+        disable=not screen.is_terminal,
+    )
+    try:
+        with progress:
+            bar = progress.add_task("running", total=len(jobs))
+            for trial in executor.run(jobs):
+                trials.append(trial)
+                won = sum(t["success"] for t in trials)
+                progress.update(bar, advance=1, description=f"{won} of {len(trials)} succeeded")
+    except KeyboardInterrupt:
+        screen.print(f"[yellow]stopped after {len(trials)} of {len(jobs)} trials[/]")
+    return trials
+
+
+def _update(
+    options: RegressOptions,
+    plan: RegressionPlan,
+    report: Report,
+    old: Baseline | None,
+    console: Console,
+) -> None:
+    from sandbox.regress.baseline import Baseline
+
+    assert options.baseline is not None
+    if not report.complete:
+        console.print("[yellow]the baseline stays as it is: the run broke off[/]")
+        return
+    old = old or Baseline(report.configuration, {}, options.baseline)
+    new = old.updated(report.configuration, plan.versions(), report.trials)
+    new.save()
+    kept = [name for name in new.tasks if name not in plan.names]
+    also = f", as they were: {', '.join(kept)}" if kept else ""
+    console.print(f"baseline {options.baseline}: {len(report.trials)} trials{also}")

@@ -1,0 +1,251 @@
+"""The file of what was, against which a run is compared: one line a trial, to be read in a diff."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from models.errors import InputError
+from sandbox.regress.execute import CRASHED, Trial
+
+SCHEMA = 1
+"""Version of the file's layout."""
+KIND = "baseline of sandbox regress"
+
+_NAMES_ONLY = {"encoder", "settings.encoder"}
+"""Ways to call an encoder, such as the place of its file; its digest tells which it is."""
+_ENCODER = {"digests.encoder"}
+
+
+@dataclass(frozen=True)
+class Kept:
+    """What a baseline remembers of a trial."""
+
+    success: bool
+    progress: float
+    time_s: float
+    state_hash: str
+
+
+@dataclass(frozen=True)
+class KeptTask:
+    """What a baseline remembers of a task.
+
+    Attributes:
+        version: Of the task.
+        fingerprint: Of the machine and libraries; empty where they were several.
+        trials: By seed.
+    """
+
+    version: int
+    fingerprint: str
+    trials: Mapping[int, Kept]
+
+
+@dataclass(frozen=True)
+class Baseline:
+    """What was.
+
+    Attributes:
+        configuration: See `RegressionPlan.configuration`.
+        tasks: By name.
+        path: The file.
+    """
+
+    configuration: Mapping[str, Any]
+    tasks: Mapping[str, KeptTask] = field(default_factory=dict)
+    path: Path = Path("baseline")
+
+    def check(
+        self,
+        configuration: Mapping[str, Any],
+        versions: Mapping[str, int],
+        across_encoders: bool = False,
+    ) -> None:
+        """Refuses what would be compared with something else.
+
+        Args:
+            configuration: Of the run.
+            versions: Of its tasks.
+            across_encoders: Another encoder is what is to be compared.
+
+        Raises:
+            InputError: Another encoder, another version of a task, other settings, no task alike.
+        """
+        ignored = _NAMES_ONLY | (_ENCODER if across_encoders else set())
+        there, here = flat(self.configuration), flat(configuration)
+        other = [
+            k for k in sorted({*there, *here} - ignored) if there.get(k, "-") != here.get(k, "-")
+        ]
+        if other:
+            what = "another encoder" if _ENCODER & set(other) else "other settings"
+            raise InputError(
+                f"this baseline was made with {what}",
+                where=str(self.path),
+                got="; ".join(f"{k} {there.get(k, 'missing')}" for k in other[:4]),
+                expected="; ".join(f"{k} {here.get(k, 'missing')}" for k in other[:4]),
+                remedy="--update-baseline makes it anew"
+                + ("; --across-encoders compares the two" if set(other) <= _ENCODER else ""),
+            )
+        for name in set(self.tasks) & set(versions):
+            if self.tasks[name].version != versions[name]:
+                raise InputError(
+                    f"this baseline was made with another version of {name}",
+                    where=str(self.path),
+                    got=f"version {self.tasks[name].version}",
+                    expected=f"version {versions[name]}",
+                    remedy="They do not compare; --update-baseline makes it anew",
+                )
+        if not set(self.tasks) & set(versions):
+            raise InputError(
+                "this baseline has none of these tasks",
+                where=str(self.path),
+                got=", ".join(self.tasks) or "no task",
+                expected=", ".join(versions),
+                remedy="--update-baseline adds them",
+            )
+
+    def updated(
+        self,
+        configuration: Mapping[str, Any],
+        versions: Mapping[str, int],
+        trials: Sequence[Trial],
+    ) -> Baseline:
+        """With the trials of a run in the place of its tasks' earlier ones.
+
+        Other tasks stay where they were made with the same configuration, and go otherwise.
+
+        Raises:
+            InputError: A trial has no result.
+        """
+        lacking = [f"{t['task']} {t['seed']}" for t in trials if t["status"] == CRASHED]
+        if lacking:
+            raise InputError(
+                "no baseline is made from trials that crashed",
+                where=str(self.path),
+                got=", ".join(lacking[:8]),
+            )
+        there, here = flat(self.configuration), flat(configuration)
+        same = all(there.get(k) == here.get(k) for k in {*there, *here} - _NAMES_ONLY)
+        tasks = dict(self.tasks) if same else {}
+        for name, version in versions.items():
+            own = [t for t in trials if t["task"] == name]
+            fingerprints = {t["fingerprint"] for t in own}
+            tasks[name] = KeptTask(
+                version,
+                fingerprints.pop() if len(fingerprints) == 1 else "",
+                {t["seed"]: Kept(**{k: t[k] for k in Kept.__annotations__}) for t in own},
+            )
+        return Baseline(configuration, tasks, self.path)
+
+    def text(self) -> str:
+        """As written: JSON with a line for every trial."""
+        tasks = []
+        for name, task in self.tasks.items():
+            rows = [
+                f"    {json.dumps(str(seed))}: "
+                + json.dumps([k.success, k.progress, k.time_s, k.state_hash])
+                for seed, k in sorted(task.trials.items())
+            ]
+            tasks.append(
+                f'  {json.dumps(name)}: {{\n   "version": {task.version},\n'
+                f'   "fingerprint": {json.dumps(task.fingerprint)},\n'
+                '   "trials": {\n' + ",\n".join(rows) + "\n   }\n  }"
+            )
+        configuration = json.dumps(self.configuration, indent=1, sort_keys=True)
+        return (
+            f'{{\n "kind": {json.dumps(KIND)},\n "schema": {SCHEMA},\n "configuration": '
+            + configuration.replace("\n", "\n ")
+            + ',\n "tasks": {\n'
+            + ",\n".join(tasks)
+            + "\n }\n}\n"
+        )
+
+    def save(self) -> None:
+        """Writes the file, whole or not at all.
+
+        Raises:
+            InputError: It cannot be written.
+        """
+        write_whole(self.path, self.text(), "--baseline")
+
+
+def load_baseline(path: Path) -> Baseline:
+    """Reads a baseline.
+
+    Raises:
+        InputError: There is none, it is something else, damaged, or another version's.
+    """
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise InputError(
+            "there is no such baseline",
+            where=str(path),
+            remedy="--update-baseline makes it from this run",
+        ) from None
+    except OSError as error:
+        raise InputError("it cannot be read", where=str(path), got=error.strerror) from None
+    except (ValueError, RecursionError):
+        raise InputError("this is not JSON", where=str(path)) from None
+    if not isinstance(found, dict) or found.get("kind") != KIND:
+        raise InputError("this is no baseline of `sandbox regress`", where=str(path))
+    if found.get("schema") != SCHEMA:
+        raise InputError(
+            "another version's baseline",
+            where=str(path),
+            got=found.get("schema"),
+            expected=f"schema {SCHEMA}",
+            remedy="--update-baseline makes it anew",
+        )
+    try:
+        tasks = {str(name): _task(values) for name, values in found["tasks"].items()}
+        return Baseline(dict(found["configuration"]), tasks, path)
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise InputError(
+            "this baseline is damaged",
+            where=str(path),
+            got=f"{type(error).__name__}: {error}",
+            remedy="Restore it from version control, or make it anew with --update-baseline",
+        ) from None
+
+
+def _task(values: dict[str, Any]) -> KeptTask:
+    trials = {}
+    for seed, (success, progress, time_s, state_hash) in values["trials"].items():
+        if not isinstance(success, bool):
+            raise TypeError(f"success of seed {seed} is {success!r}")
+        trials[int(seed)] = Kept(success, float(progress), float(time_s), str(state_hash))
+    return KeptTask(int(values["version"]), str(values["fingerprint"]), trials)
+
+
+def flat(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Nested values by dotted name, as JSON reads them back."""
+
+    def walk(prefix: str, value: Any) -> Iterator[tuple[str, Any]]:
+        if isinstance(value, dict):
+            for name, inner in value.items():
+                yield from walk(f"{prefix}.{name}" if prefix else name, inner)
+        else:
+            yield prefix, value
+
+    return dict(walk("", json.loads(json.dumps(values))))
+
+
+def write_whole(path: Path, text: str, option: str) -> None:
+    """Writes a file beside its place and moves it there: nobody ever reads half of it.
+
+    Raises:
+        InputError: It cannot be written.
+    """
+    new = path.with_name(path.name + ".new")
+    try:
+        new.write_text(text, encoding="utf-8")
+        new.replace(path)
+    except OSError as error:
+        raise InputError(
+            "it cannot be written", where=f"{option} {path}", got=error.strerror
+        ) from None

@@ -1,0 +1,89 @@
+"""Runs trials on a cluster with Ray; the extra `ray`."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from models.errors import HandSandboxError, InputError
+from sandbox.regress.execute import Trial, attempt, crashed
+from sandbox.regress.plan import TrialJob
+
+
+def need_ray() -> Any:
+    """The module `ray`.
+
+    Raises:
+        InputError: It is not installed.
+    """
+    # Ray tells its makers how it is used, unless it is told not to before it is imported.
+    os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
+    try:
+        import ray
+    except ImportError:
+        raise InputError(
+            "Ray is not installed",
+            where="--executor ray",
+            remedy="pip install 'hand-sandbox[ray]'",
+        ) from None
+    return ray
+
+
+class Cluster:
+    """Trials as tasks of Ray, one core each, on this machine or on a cluster.
+
+    Every machine needs the same version of the sandbox, and the encoder's file where it is one.
+    Machines of several kinds give states of several kinds: every trial tells its own fingerprint.
+
+    Args:
+        workers: Of a Ray started here; a cluster has as many as it has.
+        address: Of a running cluster, such as `ray://host:10001` or `auto`; None starts one here.
+    """
+
+    name = "ray"
+
+    def __init__(self, workers: int, address: str | None = None) -> None:
+        self._ray = need_ray()
+        self.workers, self.address = workers, address
+
+    def run(self, jobs: Sequence[TrialJob]) -> Iterator[Trial]:
+        """The trials as they end."""
+        ray = self._ray
+        self._connect()
+        try:
+            remote = ray.remote(num_cpus=1, max_retries=0)(attempt)
+            pending = {remote.remote(job): job for job in jobs}
+            while pending:
+                (ready, *_), _ = ray.wait(list(pending), num_returns=1)
+                job = pending.pop(ready)
+                try:
+                    found = ray.get(ready)
+                except ray.exceptions.RayError as error:
+                    found = crashed(job, f"{type(error).__name__}: {str(error).splitlines()[0]}")
+                if isinstance(found, HandSandboxError):
+                    raise found
+                yield found
+        finally:
+            ray.shutdown()
+
+    def _connect(self) -> None:
+        options: dict[str, Any] = {"log_to_driver": False, "logging_level": "ERROR"}
+        if self.address is None:
+            # Nobody but this machine is to reach it.
+            options |= {
+                "num_cpus": self.workers,
+                "include_dashboard": False,
+                "_node_ip_address": "127.0.0.1",
+            }
+        else:
+            options["address"] = self.address
+        try:
+            self._ray.init(**options)
+        except (ConnectionError, ValueError, RuntimeError) as error:
+            raise InputError(
+                "this cluster cannot be reached",
+                where="--address",
+                got=str(error).partition("\n")[0],
+                expected="such as auto or ray://host:10001",
+            ) from None

@@ -1,0 +1,221 @@
+"""Runs trials: one after another here, in processes of their own, or on a cluster with Ray.
+
+All give the same results to the bit: every trial is made anew from its settings, and BLAS gets one
+thread, so that nothing depends on who else was run where.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import signal
+import traceback
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
+from typing import Any, Protocol
+
+from threadpoolctl import threadpool_limits
+
+from models.errors import HandSandboxError, InputError
+from sandbox.headless import run_trial
+from sandbox.regress.plan import TrialJob, registered
+
+Trial = dict[str, Any]
+"""A trial's JSON, shortened: see `KEPT`."""
+
+KEPT = (
+    "task",
+    "task_version",
+    "seed",
+    "success",
+    "instant",
+    "held",
+    "final",
+    "status",
+    "progress",
+    "reason",
+    "time_s",
+    "state_hash",
+    "encoder",
+)
+"""Of a trial's JSON; the rest is the same for all trials of a run."""
+
+CRASHED = "crashed"
+"""Status of a trial that has no result: its process died, or its code raised an error."""
+
+
+class Executor(Protocol):
+    """Runs trials and gives each back as it ends, in no particular order."""
+
+    name: str
+
+    def run(self, jobs: Sequence[TrialJob]) -> Iterator[Trial]:
+        """The trials; whoever stops asking stops the work.
+
+        Raises:
+            HandSandboxError: What is to be run cannot be run at all.
+        """
+        ...
+
+
+def run_job(job: TrialJob) -> Trial:
+    """One trial, from its settings to its result."""
+    recording = job.recording
+    with threadpool_limits(1), registered(job.own_task):
+        planned = job.planned()
+        result = run_trial(
+            planned.settings, planned.make_device, record=recording, about=planned.about
+        )
+    if recording is not None and result["success"]:
+        recording.unlink()
+    return {**{k: result[k] for k in KEPT}, "fingerprint": result["versions"]["fingerprint"]}
+
+
+def crashed(job: TrialJob, why: str) -> Trial:
+    """What stands for a trial without a result; it counts as a failure."""
+    trial: Trial = dict.fromkeys(KEPT)
+    return {
+        **trial,
+        "task": job.task,
+        "seed": job.seed,
+        **dict.fromkeys(("success", "instant", "held", "final"), False),
+        "status": CRASHED,
+        "progress": 0.0,
+        "reason": why,
+        "state_hash": "",
+        "fingerprint": "",
+    }
+
+
+def attempt(job: TrialJob) -> Trial | HandSandboxError:
+    """One trial; code that fails is a crash, and settings that cannot be run are given back."""
+    try:
+        return run_job(job)
+    except HandSandboxError as error:
+        return error
+    except Exception as error:
+        return crashed(job, _last_line(error))
+
+
+@dataclass
+class Serial:
+    """One after another, in this process: for debuggers, and for machines with one core."""
+
+    name: str = "serial"
+
+    def run(self, jobs: Sequence[TrialJob]) -> Iterator[Trial]:
+        """The trials in order."""
+        for job in jobs:
+            yield _sound(attempt(job))
+
+
+@dataclass
+class _Worker:
+    process: BaseProcess
+    line: Connection
+    job: TrialJob | None = None
+
+
+class Processes:
+    """As many processes as asked for, each with one trial at a time.
+
+    A process that dies takes one trial along, which is reported with its seed; another process
+    takes its place. They leave Ctrl-C to this process and end with it.
+    """
+
+    name = "processes"
+
+    def __init__(self, workers: int) -> None:
+        self.workers = workers
+        self._context = multiprocessing.get_context("spawn")
+
+    def run(self, jobs: Sequence[TrialJob]) -> Iterator[Trial]:
+        """The trials as they end."""
+        waiting = list(reversed(jobs))
+        workers = [self._start() for _ in range(min(self.workers, len(jobs)))]
+        try:
+            for worker in workers:
+                _give(worker, waiting)
+            while busy := [w for w in workers if w.job is not None]:
+                # A process that ends closes its line, so that waiting for lines is enough.
+                ready = wait([w.line for w in busy])
+                for worker in [w for w in busy if w.line in ready]:
+                    job = worker.job
+                    assert job is not None
+                    try:
+                        found = worker.line.recv()
+                    except (EOFError, OSError):
+                        worker.process.join()
+                        found = crashed(job, _death(worker.process.exitcode))
+                        workers.remove(worker)
+                        worker.line.close()
+                        if waiting:
+                            worker = self._start()
+                            workers.append(worker)
+                    worker.job = None
+                    if worker in workers:
+                        _give(worker, waiting)
+                    yield _sound(found)
+        finally:
+            for worker in workers:
+                worker.line.close()
+                worker.process.terminate()
+            for worker in workers:
+                worker.process.join()
+
+    def _start(self) -> _Worker:
+        here, there = self._context.Pipe()
+        process = self._context.Process(target=_work, args=(there,), daemon=True)
+        process.start()
+        # Only the worker holds its end now: it is closed when the worker ends, however it ends.
+        there.close()
+        return _Worker(process, here)
+
+
+def _give(worker: _Worker, waiting: list[TrialJob]) -> None:
+    if waiting:
+        worker.job = waiting.pop()
+        # One that is dead already is noticed when its answer is awaited.
+        with suppress(ConnectionError):
+            worker.line.send(worker.job)
+
+
+def _work(line: Connection) -> None:
+    """A worker's life: a job, its result, and the next, until the line is closed."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    while True:
+        try:
+            job = line.recv()
+        except EOFError:
+            return
+        except Exception as error:
+            # A task's class is sent by name, and its module has to be found here.
+            line.send(
+                InputError(
+                    "a worker cannot load its trial",
+                    got=_last_line(error),
+                    remedy="Run it serially, or put its module on the path",
+                )
+            )
+            continue
+        line.send(attempt(job))
+
+
+def _sound(found: Trial | HandSandboxError) -> Trial:
+    if isinstance(found, HandSandboxError):
+        raise found
+    return found
+
+
+def _death(code: int | None) -> str:
+    if code is not None and code < 0:
+        with suppress(ValueError):
+            return f"its process was ended by {signal.Signals(-code).name}"
+    return f"its process ended with status {code}"
+
+
+def _last_line(error: Exception) -> str:
+    place = traceback.extract_tb(error.__traceback__)[-1]
+    return f"{type(error).__name__}: {error} ({place.filename}:{place.lineno})"

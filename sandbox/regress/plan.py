@@ -1,0 +1,226 @@
+"""What a regression run consists of: tasks, seeds, and one configuration for all trials."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import Any
+
+from models.errors import InputError
+from sandbox.assembly import digests
+from sandbox.cli.scene_options import Plan, SceneOptions, plan
+from tasks.registry import TASKS, find_task
+from tasks.task import Task
+
+ALL = "all"
+"""Stands for every task of the registry."""
+MOST_SEEDS = 100_000
+"""Beyond this a range of seeds is a slip of the finger."""
+
+
+@dataclass(frozen=True)
+class TrialJob:
+    """One trial to run, in whatever process.
+
+    Attributes:
+        task: Name of the task.
+        seed: Of the trial.
+        scene: Options of `sandbox run` that differ from its defaults.
+        record: Folder for a recording, kept where the trial fails; None records nothing.
+        own_task: The task's class where the registry does not know it.
+    """
+
+    task: str
+    seed: int
+    scene: Mapping[str, Any] = field(default_factory=dict)
+    record: Path | None = None
+    own_task: type[Task] | None = None
+
+    def planned(self) -> Plan:
+        """The trial's settings and device; call it where the task is registered."""
+        return plan(SceneOptions(task=self.task, seed=self.seed, **self.scene))
+
+    @property
+    def recording(self) -> Path | None:
+        """Where the recording of a failed trial is."""
+        return None if self.record is None else self.record / f"{self.task}-{self.seed}.jsonl"
+
+
+@dataclass(frozen=True)
+class RegressionPlan:
+    """Tasks times seeds, all run alike.
+
+    Attributes:
+        tasks: Names, or classes that the registry does not know.
+        seeds: Of every task.
+        scene: Options of `sandbox run` that differ from its defaults.
+        record: Folder for recordings of failed trials.
+    """
+
+    tasks: tuple[str | type[Task], ...]
+    seeds: tuple[int, ...]
+    scene: Mapping[str, Any] = field(default_factory=dict)
+    record: Path | None = None
+
+    def __post_init__(self) -> None:
+        unknown = set(self.scene) - {f.name for f in fields(SceneOptions)} | (
+            set(self.scene) & {"task", "seed", "device", "record", "events"}
+        )
+        if unknown:
+            raise InputError("no such option of a trial", got=", ".join(sorted(unknown)))
+        for job in self.jobs()[: len(self.tasks)]:
+            with registered(job.own_task):
+                find_task(job.task)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the tasks, in order."""
+        return tuple(t if isinstance(t, str) else t.name for t in self.tasks)
+
+    def jobs(self) -> list[TrialJob]:
+        """All trials, a seed of every task before the next seed: what breaks off is balanced."""
+        return [
+            TrialJob(
+                task if isinstance(task, str) else task.name,
+                seed,
+                self.scene,
+                self.record,
+                None if isinstance(task, str) else task,
+            )
+            for seed in self.seeds
+            for task in self.tasks
+        ]
+
+    def configuration(self) -> dict[str, Any]:
+        """What results depend on beside task and seed; results of two of these do not compare.
+
+        Raises:
+            InputError: An option has a value that it cannot have.
+        """
+        job = self.jobs()[0]
+        with registered(job.own_task):
+            planned = job.planned()
+        settings = planned.settings.as_json()
+        for each in ("task", "seed"):
+            del settings[each]
+        return {
+            "encoder": planned.settings.encoder,
+            "settings": settings,
+            "digests": digests(planned.settings),
+            **planned.about,
+        }
+
+    def versions(self) -> dict[str, int]:
+        """Version of every task."""
+        found = {}
+        for task in self.tasks:
+            kind = find_task(task) if isinstance(task, str) else task
+            found[kind.name] = kind.version
+        return found
+
+    def command(self, task: str, seed: int) -> str:
+        """One line that runs a trial again, records it and shows what happened."""
+        own = next((t for t in self.tasks if not isinstance(t, str) and t.name == task), None)
+        job = TrialJob(task, seed, self.scene, self.record)
+        if own is not None:
+            return _python_command(own, seed, self.scene)
+        kept = job.recording
+        if kept is not None:
+            film = kept.with_suffix(".webp")
+            return shlex.join(["sandbox", "replay", str(kept), "--film", str(film)])
+        name = f"{task}-{seed}.jsonl"
+        run = ["sandbox", "run", task, "--seed", str(seed), *options(self.scene)]
+        again = shlex.join([*run, "--record", name])
+        return f"{again} && {shlex.join(['sandbox', 'replay', name])}"
+
+
+def _python_command(own_task: type[Task], seed: int, scene: Mapping[str, Any]) -> str:
+    """The same for a task that `sandbox run` does not know by name."""
+    module, name = own_task.__module__, own_task.__qualname__
+    program = (
+        "from sandbox.regress.execute import run_job; "
+        "from sandbox.regress.plan import TrialJob; "
+        f"from {module} import {name} as T; "
+        f"print(run_job(TrialJob(T.name, {seed}, {dict(scene)!r}, own_task=T)))"
+    )
+    return shlex.join(["python", "-c", program])
+
+
+def options(scene: Mapping[str, Any]) -> Iterator[str]:
+    """The scene as words of a command line."""
+    for name, value in scene.items():
+        flag = "--" + name.replace("_", "-")
+        if isinstance(value, bool):
+            if value:
+                yield flag
+        elif isinstance(value, tuple | list):
+            for each in value:
+                yield from (flag, str(each))
+        elif value is not None:
+            yield from (flag, str(value))
+
+
+def differing(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Those options of a scene that are not what `sandbox run` takes by itself."""
+    plain = SceneOptions()
+    return {name: value for name, value in values.items() if value != getattr(plain, name)}
+
+
+def find_tasks(names: Sequence[str]) -> tuple[str, ...]:
+    """Tasks by name, each once; `all` is every one.
+
+    Raises:
+        InputError: There is none of such a name.
+    """
+    if ALL in names:
+        return tuple(TASKS)
+    return tuple(dict.fromkeys(find_task(name).name for name in names))
+
+
+def parse_seeds(text: str) -> tuple[int, ...]:
+    """`0:120` is 0 to 119, as Python counts; `7,9,20:30` are two and ten more.
+
+    Raises:
+        InputError: It is not like that.
+    """
+    found: list[int] = []
+    try:
+        for part in text.split(","):
+            first, colon, end = part.partition(":")
+            low = int(first)
+            high = int(end) if colon else low + 1
+            if low < 0 or high <= low or high - low > MOST_SEEDS:
+                raise ValueError
+            found += range(low, high)
+    except ValueError:
+        raise InputError(
+            "these are no seeds", where="--seeds", got=text, expected="such as 0:120 or 3,17,40:50"
+        ) from None
+    return tuple(dict.fromkeys(found))
+
+
+@contextmanager
+def registered(own_task: type[Task] | None) -> Iterator[None]:
+    """The registry knows a task of somebody's own for a while.
+
+    Raises:
+        InputError: Its name is taken.
+    """
+    if own_task is None or TASKS.get(own_task.name) is own_task:
+        yield
+        return
+    if own_task.name in TASKS:
+        raise InputError(
+            "another task has this name",
+            where=f"{own_task.__module__}.{own_task.__qualname__}",
+            got=own_task.name,
+            remedy="Give it a name of its own",
+        )
+    TASKS[own_task.name] = own_task
+    try:
+        yield
+    finally:
+        del TASKS[own_task.name]

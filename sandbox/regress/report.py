@@ -1,0 +1,302 @@
+"""What a run found: every task's success, what was lost and won, and whether the gate holds."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from statistics import fmean, median
+from typing import Any
+
+from models.errors import InputError
+from sandbox.regress import statistics
+from sandbox.regress.baseline import Baseline, KeptTask
+from sandbox.regress.execute import CRASHED, Trial
+from sandbox.regress.plan import RegressionPlan
+
+SCHEMA = 1
+"""Version of the report's JSON."""
+
+
+@dataclass(frozen=True)
+class TaskResult:
+    """How a task went.
+
+    Attributes:
+        name: Of the task.
+        version: Of the task.
+        trials: By seed.
+    """
+
+    name: str
+    version: int
+    trials: tuple[Trial, ...]
+
+    @property
+    def n(self) -> int:
+        """Trials."""
+        return len(self.trials)
+
+    @property
+    def successes(self) -> int:
+        """Trials that succeeded."""
+        return sum(t["success"] for t in self.trials)
+
+    @property
+    def failed(self) -> list[Trial]:
+        """Trials that did not succeed, crashed ones among them."""
+        return [t for t in self.trials if not t["success"]]
+
+    @property
+    def progress(self) -> float | None:
+        """Mean progress at the trials' ends."""
+        return fmean(t["progress"] for t in self.trials) if self.trials else None
+
+    @property
+    def time_s(self) -> float | None:
+        """Median s of the trials that succeeded."""
+        times = [t["time_s"] for t in self.trials if t["success"]]
+        return median(times) if times else None
+
+    def as_json(self) -> dict[str, Any]:
+        """Rates are 0 to 1."""
+        low, high = statistics.wilson(self.successes, self.n)
+        return {
+            "version": self.version,
+            "n": self.n,
+            "successes": self.successes,
+            "wilson_low": low,
+            "wilson_high": high,
+            "progress": self.progress,
+            "time_s": self.time_s,
+            "crashed": [t["seed"] for t in self.trials if t["status"] == CRASHED],
+        }
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A task beside its baseline, seed by seed.
+
+    Attributes:
+        both, lost, won, neither: Seeds that succeeded in both, before only, now only, in none.
+        changed: Seeds whose states are others although machine and libraries are the same.
+        same_machine: Pairs whose machine and libraries are the same.
+        p: Of the exact one-sided McNemar test.
+        p_holm: The same, adjusted for all tasks of the run.
+        progress: Mean progress now less mean progress before.
+    """
+
+    both: list[int] = field(default_factory=list)
+    lost: list[int] = field(default_factory=list)
+    won: list[int] = field(default_factory=list)
+    neither: list[int] = field(default_factory=list)
+    changed: list[int] = field(default_factory=list)
+    same_machine: int = 0
+    p: float = 1.0
+    p_holm: float = 1.0
+    progress: float = 0.0
+
+    @property
+    def pairs(self) -> int:
+        """Seeds that both have."""
+        return len(self.both) + len(self.lost) + len(self.won) + len(self.neither)
+
+    @property
+    def significant(self) -> bool:
+        """Whether it is a loss beyond chance."""
+        return self.p_holm <= statistics.ALPHA
+
+    def as_json(self, tests: int) -> dict[str, Any]:
+        """With what so many pairs can notice, and can where as many are won as were here."""
+        churn = len(self.won) / self.pairs if self.pairs else 0.0
+        return {
+            "pairs": self.pairs,
+            "both": len(self.both),
+            "lost": self.lost,
+            "won": self.won,
+            "neither": len(self.neither),
+            "p": self.p,
+            "p_holm": self.p_holm,
+            "significant_loss": self.significant,
+            "progress_change": self.progress,
+            "same_machine": self.same_machine,
+            "changed_states": self.changed,
+            "fewest_losses": statistics.fewest_losses(tests),
+            "noticeable_drop": statistics.noticeable_drop(self.pairs, 0.0, tests),
+            "noticeable_drop_with_this_churn": statistics.noticeable_drop(self.pairs, churn, tests),
+        }
+
+
+@dataclass(frozen=True)
+class Report:
+    """A run, and what it is beside its baseline.
+
+    Attributes:
+        plan: What was run.
+        configuration: See `RegressionPlan.configuration`.
+        tasks: In order.
+        complete: Every trial was run.
+        comparisons: By task, for those that the baseline has.
+        notes: What a reader should know, in words.
+        reasons: Why the gate does not hold; empty when it does.
+    """
+
+    plan: RegressionPlan
+    configuration: dict[str, Any]
+    tasks: tuple[TaskResult, ...]
+    complete: bool
+    comparisons: dict[str, Comparison]
+    notes: tuple[str, ...]
+    reasons: tuple[str, ...]
+
+    @property
+    def trials(self) -> list[Trial]:
+        """All trials, by task and seed."""
+        return [t for task in self.tasks for t in task.trials]
+
+    @property
+    def passed(self) -> bool:
+        """Whether the gate holds; what broke off proves nothing and fails nothing."""
+        return not self.reasons
+
+    def command(self, trial: Trial) -> str:
+        """The line that runs a trial again."""
+        return self.plan.command(trial["task"], trial["seed"])
+
+    def as_json(self) -> dict[str, Any]:
+        """All of it as JSON values."""
+        tests = len(self.comparisons)
+        tasks = {}
+        for task in self.tasks:
+            tasks[task.name] = {
+                **task.as_json(),
+                "failed": [
+                    {"seed": t["seed"], "reason": t["reason"], "command": self.command(t)}
+                    for t in task.failed
+                ],
+            }
+            if task.name in self.comparisons:
+                tasks[task.name]["baseline"] = self.comparisons[task.name].as_json(tests)
+        return {
+            "schema": SCHEMA,
+            "complete": self.complete,
+            "passed": self.passed if self.complete else None,
+            "reasons": list(self.reasons),
+            "notes": list(self.notes),
+            "configuration": {**self.configuration, "seeds": list(self.plan.seeds)},
+            "tasks": tasks,
+            "trials": self.trials,
+        }
+
+
+def make_report(
+    plan: RegressionPlan,
+    trials: Sequence[Trial],
+    baseline: Baseline | None = None,
+    exact: bool = False,
+    across_encoders: bool = False,
+) -> Report:
+    """Puts the trials of a run in order and compares them.
+
+    Args:
+        plan: What was to be run.
+        trials: What was run; less than all where it broke off.
+        baseline: What was.
+        exact: States must be equal where machine and libraries are.
+        across_encoders: The baseline may be another encoder's.
+
+    Raises:
+        InputError: The baseline is of something else.
+    """
+    configuration, versions = plan.configuration(), plan.versions()
+    tasks = tuple(
+        TaskResult(
+            name,
+            version,
+            tuple(sorted((t for t in trials if t["task"] == name), key=lambda t: t["seed"])),
+        )
+        for name, version in versions.items()
+    )
+    complete = len(trials) == len(plan.jobs())
+    comparisons: dict[str, Comparison] = {}
+    notes: list[str] = []
+    reasons: list[str] = []
+    if baseline is not None:
+        baseline.check(configuration, versions, across_encoders)
+        comparisons = _compare(tasks, baseline)
+        for task in tasks:
+            if task.name not in comparisons:
+                notes.append(f"{task.name}: the baseline has none of these trials")
+        if complete and not comparisons:
+            raise InputError(
+                "this baseline has none of these seeds",
+                where=str(baseline.path),
+                remedy="Run its seeds, or --update-baseline",
+            )
+        if not complete:
+            notes.append("the run broke off: nothing is judged")
+        else:
+            reasons = [
+                f"{name}: {len(c.lost)} trials lost, {len(c.won)} won, a loss beyond chance "
+                f"(p = {c.p_holm:.2g})"
+                for name, c in comparisons.items()
+                if c.significant
+            ]
+        if exact:
+            found, said = _exact(comparisons)
+            notes += said
+            reasons += found if complete else []
+    return Report(plan, configuration, tasks, complete, comparisons, tuple(notes), tuple(reasons))
+
+
+def _compare(tasks: Sequence[TaskResult], baseline: Baseline) -> dict[str, Comparison]:
+    found = {
+        task.name: _pairs(task, baseline.tasks[task.name])
+        for task in tasks
+        if task.name in baseline.tasks
+    }
+    found = {name: c for name, c in found.items() if c.pairs}
+    p = {name: statistics.mcnemar(len(c.lost), len(c.won)) for name, c in found.items()}
+    adjusted = statistics.holm(p)
+    return {
+        name: Comparison(**{**vars(c), "p": p[name], "p_holm": adjusted[name]})
+        for name, c in found.items()
+    }
+
+
+def _pairs(task: TaskResult, kept: KeptTask) -> Comparison:
+    c = Comparison()
+    same, changes = 0, []
+    for trial in task.trials:
+        seed = trial["seed"]
+        before = kept.trials.get(seed)
+        if before is None:
+            continue
+        kinds = {(True, True): c.both, (True, False): c.lost, (False, True): c.won}
+        kinds.get((before.success, trial["success"]), c.neither).append(seed)
+        changes.append(trial["progress"] - before.progress)
+        if kept.fingerprint and trial["fingerprint"] == kept.fingerprint:
+            same += 1
+            if trial["state_hash"] != before.state_hash:
+                c.changed.append(seed)
+    progress = fmean(changes) if changes else 0.0
+    return Comparison(**{**vars(c), "same_machine": same, "progress": progress})
+
+
+def _exact(comparisons: dict[str, Comparison]) -> tuple[list[str], list[str]]:
+    """(why the gate does not hold, what to say) where states were to be equal."""
+    reasons, notes = [], []
+    for name, c in comparisons.items():
+        if c.changed:
+            some = ", ".join(map(str, c.changed[:8])) + (" ..." if len(c.changed) > 8 else "")
+            reasons.append(
+                f"{name}: other states in {len(c.changed)} of {c.same_machine} trials, seeds {some}"
+            )
+        elif c.same_machine:
+            notes.append(f"{name}: states of {c.same_machine} trials equal to the bit")
+        if c.same_machine < c.pairs:
+            notes.append(
+                f"{name}: {c.pairs - c.same_machine} of {c.pairs} trials ran on another kind of "
+                "machine or other libraries than the baseline's, where states may differ: only "
+                "their success is compared"
+            )
+    return reasons, notes

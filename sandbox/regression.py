@@ -1,0 +1,158 @@
+"""A pytest fixture for a lab's own task or encoder: `pytest_plugins = ["sandbox.regression"]`.
+
+In a conftest.py of the test folder's root, or as `pytest -p sandbox.regression`, it also has the
+options `--sandbox-update-baseline` and `--sandbox-workers N`.
+
+    def test_our_encoder_is_no_worse(regression):
+        regression("box-to-goal", seeds="0:60", encoder="ours.npz", baseline="base.json")
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from encoders.trained import TrainedModel, save_model
+from models.errors import InputError
+from sandbox.regress import statistics
+from sandbox.regress.baseline import Baseline, load_baseline
+from sandbox.regress.execute import Processes, Serial
+from sandbox.regress.plan import RegressionPlan, differing, find_tasks, parse_seeds
+from sandbox.regress.report import Report, make_report
+from tasks.task import Task
+
+UPDATE = "--sandbox-update-baseline"
+WORKERS = "--sandbox-workers"
+MOST_NAMED = 5
+"""Failed trials in the message of a test that fails."""
+
+
+class Regression:
+    """Runs a task over seeds and asserts that nothing was lost.
+
+    Args:
+        folder: Of the test; baselines are found from there.
+        scratch: Folder for what has to be a file.
+        update: Baselines are made rather than compared with.
+        workers: Processes; one runs everything in the test's own.
+    """
+
+    def __init__(self, folder: Path, scratch: Path, update: bool = False, workers: int = 1) -> None:
+        self.folder, self.scratch = folder, scratch
+        self.update, self.workers = update, workers
+
+    def __call__(
+        self,
+        task: str | type[Task] = "box-to-goal",
+        seeds: str = "0:30",
+        encoder: str | Path | TrainedModel = "best",
+        baseline: str | Path | None = None,
+        *,
+        at_least: float | None = None,
+        exact: bool = False,
+        across_encoders: bool = False,
+        **scene: Any,
+    ) -> Report:
+        """Runs the trials.
+
+        Args:
+            task: A name, or a class of one's own that the registry need not know.
+            seeds: Such as `0:60`.
+            encoder: A name, a file, or a trained model.
+            baseline: File to compare with, from the test's folder; made by
+                `--sandbox-update-baseline`.
+            at_least: Success rate 0 to 1; fewer successes than chance explains fail the test.
+            exact: States must be equal where machine and libraries are the baseline's.
+            across_encoders: The baseline may be another encoder's.
+            scene: Options of `sandbox run` with underscores: `fingers=5`, `bare=True`.
+
+        Returns:
+            The report, for assertions of one's own.
+
+        Raises:
+            AssertionError: A loss beyond chance.
+            InputError: What is asked for cannot be run or compared.
+        """
+        plan = RegressionPlan(
+            find_tasks([task]) if isinstance(task, str) else (task,),
+            parse_seeds(seeds),
+            differing({"encoder": self._encoder(encoder), **scene}),
+        )
+        old = self._baseline(baseline, plan, across_encoders)
+        executor = Processes(self.workers) if self.workers > 1 else Serial()
+        trials = list(executor.run(plan.jobs()))
+        if baseline is not None and self.update and not across_encoders:
+            report = make_report(plan, trials)
+            old = old or Baseline(report.configuration, {}, self.folder / baseline)
+            old.updated(report.configuration, plan.versions(), trials).save()
+        else:
+            report = make_report(plan, trials, old, exact, across_encoders)
+        _assert(report, at_least)
+        return report
+
+    def _encoder(self, encoder: str | Path | TrainedModel) -> str:
+        if isinstance(encoder, TrainedModel):
+            path = self.scratch / f"{encoder.digest}.npz"
+            if not path.exists():
+                save_model(encoder, path)
+            return str(path)
+        return str(encoder)
+
+    def _baseline(
+        self, name: str | Path | None, plan: RegressionPlan, across_encoders: bool
+    ) -> Baseline | None:
+        if name is None:
+            return None
+        path = self.folder / name
+        # The baseline of another encoder is made where that encoder is tested.
+        if self.update and not across_encoders:
+            return load_baseline(path) if path.exists() else None
+        if not path.exists():
+            raise InputError(
+                "there is no such baseline",
+                where=str(path),
+                remedy=f"`pytest -p sandbox.regression {UPDATE}` makes it",
+            )
+        old = load_baseline(path)
+        # Before the run rather than after it.
+        old.check(plan.configuration(), plan.versions(), across_encoders)
+        return old
+
+
+def _assert(report: Report, at_least: float | None) -> None:
+    reasons = list(report.reasons)
+    for task in report.tasks if at_least is not None else ():
+        p = statistics.falls_short(task.successes, task.n, float(at_least or 0.0))
+        if p <= statistics.ALPHA:
+            reasons.append(
+                f"{task.name}: {task.successes} of {task.n} succeeded, fewer than {at_least:.0%} "
+                f"beyond chance (p = {p:.2g})"
+            )
+    if not reasons:
+        return
+    lost = {(name, seed) for name, c in report.comparisons.items() for seed in c.lost}
+    failed = [t for task in report.tasks for t in task.failed]
+    failed.sort(key=lambda t: (t["task"], t["seed"]) not in lost)
+    lines = [f"seed {t['seed']}: {t['reason']}\n  {report.command(t)}" for t in failed[:MOST_NAMED]]
+    raise AssertionError("\n".join([*reasons, *lines]))
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Adds the options, where pytest asks early enough."""
+    group = parser.getgroup("sandbox", "regression runs of Hand Sandbox")
+    group.addoption(UPDATE, action="store_true", help="make baselines rather than compare")
+    group.addoption(WORKERS, type=int, default=1, metavar="N", help="processes for trials")
+
+
+@pytest.fixture
+def regression(request: pytest.FixtureRequest, tmp_path: Path) -> Regression:
+    """See `Regression`."""
+    # A module's own `pytest_plugins` comes too late for options; their defaults hold then.
+    return Regression(
+        request.path.parent,
+        tmp_path,
+        bool(request.config.getoption(UPDATE, default=False)),
+        int(request.config.getoption(WORKERS, default=1)),
+    )
