@@ -7,9 +7,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from encoders.smoothing import PoseFilter
-from models.rotations import geodesic_angle, unwrap_near
+from encoders.smoothing import PoseFilter, rigid_motion
+from models.kinematics import Kinematics
+from models.rotations import exp, geodesic_angle, unwrap_near
+from models.skeleton import ADULT
 from tests.simulation import legal_poses, pose_at
+from tests.turning import turned_places, turned_pose
 
 TAU, DT = 0.10, 0.016
 STILL = np.zeros(2)
@@ -17,6 +20,9 @@ A, B = pose_at(np.full(48, 0.3)), pose_at(np.full(48, 0.7))
 
 shifts = st.tuples(st.floats(-0.05, 0.05), st.floats(-0.05, 0.05)).map(np.array)
 steps = st.floats(0.001, 0.5)
+points = st.tuples(st.floats(-0.3, 0.3), st.floats(-0.3, 0.3)).map(np.array)
+angles = st.floats(-3.0, 3.0)
+seeds = st.integers(0, 2**16)
 
 
 def dragged(q: np.ndarray, carried: np.ndarray) -> np.ndarray:
@@ -130,3 +136,99 @@ def test_neither_what_goes_in_nor_what_came_out_is_touched_afterwards(q, b):
     np.testing.assert_array_equal(given_then, b)
     np.testing.assert_array_equal(first, q)
     np.testing.assert_array_equal(then, kept)
+
+
+def places(seed: int, fingers: int = 5) -> np.ndarray:
+    """(5, 2) m touches of some fingers, NaN for the others."""
+    rng = np.random.default_rng(seed)
+    xy = rng.uniform(0, 0.2, (5, 2))
+    xy[rng.permutation(5)[fingers:]] = np.nan
+    return xy
+
+
+@given(seed=seeds, fingers=st.integers(2, 5), angle=angles, about=points, shift=points)
+def test_a_rigid_motion_is_found_exactly(seed, fingers, angle, about, shift):
+    before = places(seed, fingers)
+    motion = rigid_motion(before, turned_places(before, angle, about) + shift)
+    assert motion.turn == pytest.approx(angle, abs=1e-9)
+    # The same motion: it carries any other point of the surface to where it belongs.
+    point = np.array([0.03, -0.11])
+    carried = turned_places(point, motion.turn, motion.about) + motion.carried
+    np.testing.assert_allclose(carried, turned_places(point, angle, about) + shift, atol=1e-9)
+    np.testing.assert_allclose(motion.about, np.nanmean(before, axis=0), atol=1e-12)
+
+
+@given(seed=seeds, angle=st.floats(-1.0, 1.0))
+def test_of_all_turns_the_found_one_leaves_the_least(seed, angle):
+    before = places(seed)
+    noise = np.random.default_rng(seed).normal(0, 0.005, (5, 2))
+    after = turned_places(before, angle, STILL) + noise
+    motion = rigid_motion(before, after)
+
+    def left(turn: float) -> float:
+        moved = turned_places(before, turn, motion.about) + motion.carried
+        return float(np.sum((after - moved) ** 2))
+
+    assert all(left(motion.turn) <= left(motion.turn + d) for d in (-0.1, -1e-3, 1e-3, 0.1, np.pi))
+
+
+@given(seed=seeds, angle=angles, lost=st.integers(0, 4), gone=st.integers(0, 4))
+def test_touches_that_come_or_go_take_no_part(seed, angle, lost, gone):
+    before = places(seed)
+    after = turned_places(before, angle, STILL)
+    both = [f for f in range(5) if f not in (lost, gone)]
+    before[lost], after[gone] = np.nan, np.nan
+    found, wanted = rigid_motion(before, after), rigid_motion(before[both], after[both])
+    for part, same in zip(found, wanted, strict=True):
+        np.testing.assert_array_equal(part, same)
+
+
+@given(seed=seeds, shift=points)
+def test_one_touch_moves_but_does_not_turn_and_none_does_neither(seed, shift):
+    one = rigid_motion(places(seed, 1), places(seed, 1) + shift)
+    assert one.turn == 0
+    np.testing.assert_allclose(one.carried, shift, atol=1e-12)
+    for before, after in ((places(0, 0), places(1)), (places(1), places(0, 0))):
+        none = rigid_motion(before, after)
+        assert none.turn == 0
+        np.testing.assert_array_equal(none.carried, 0)
+
+
+def test_counterclockwise_on_the_screen_is_a_positive_turn():
+    right, up = [[0.0, 0.0], [0.1, 0.0]], [[0.0, 0.0], [0.0, -0.1]]
+    assert rigid_motion(right, up).turn == pytest.approx(np.pi / 2)
+
+
+motions = st.tuples(angles, points, shifts)
+
+
+@given(q=legal_poses, seed=seeds, moves=st.lists(motions, min_size=1, max_size=8), dt=steps)
+def test_a_hand_that_turns_with_its_touches_has_no_lag(q, seed, moves, dt):
+    """Turned and dragged about any points; the motion is read off the touches alone."""
+    pose_filter, xy = started(q), places(seed)
+    for angle, about, shift in moves:
+        q = dragged(turned_pose(q, angle, about), shift)
+        later = turned_places(xy, angle, about) + shift
+        motion = rigid_motion(xy, later)
+        smoothed = pose_filter.step(q, motion.carried, dt, motion.turn, motion.about)
+        np.testing.assert_allclose(smoothed[:3], q[:3], atol=1e-9)
+        np.testing.assert_allclose(exp(smoothed[3:6]), exp(q[3:6]), atol=1e-9)
+        np.testing.assert_allclose(smoothed[6:], q[6:], atol=1e-9)
+        xy = later
+
+
+@given(a=legal_poses, b=legal_poses, turn=st.floats(-0.5, 0.5), about=points)
+def test_fingertips_settle_alike_whether_or_not_the_hand_turns(a, b, turn, about):
+    """Hands of one direction: averages of rotation vectors depend on the frame a little."""
+    b[3:6] = a[3:6]
+    still, turning, kinematics = started(a), started(a), Kinematics(ADULT)
+    smoothed = turning.step(turned_pose(b, turn, about), STILL, DT, turn, about)
+    wanted = turned_pose(still.step(b, STILL, DT), turn, about)
+    np.testing.assert_allclose(kinematics.tips(smoothed), kinematics.tips(wanted), atol=1e-9)
+
+
+@given(a=legal_poses, b=legal_poses, dt=steps, about=points)
+def test_without_a_turn_the_point_of_it_does_not_matter(a, b, dt, about):
+    np.testing.assert_array_equal(
+        started(a).step(b, STILL, dt, 0.0, about), started(a).step(b, STILL, dt)
+    )
