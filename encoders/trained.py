@@ -7,6 +7,7 @@ person.
 from __future__ import annotations
 
 import json
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
@@ -279,21 +280,24 @@ def _sound(header: Mapping[str, Any]) -> bool:
     def number(name: str) -> bool:
         value: Any = header.get(name)
         real = isinstance(value, int | float) and not isinstance(value, bool)
-        return real and bool(0 <= value < np.inf)
+        # Whole numbers of JSON may be larger than any float.
+        return real and bool(0 <= value <= sys.float_info.max)
 
     if header.get("distrust") is not None and not (number("distrust") and header["distrust"] > 0):
         return False
     if header.get("kind") == "turned":
         return number("ridge") and number("turned_ridge")
-    polynomial = header.get("kind") == "polynomial" and header.get("degree") in (1, 2, 3)
+    degree: Any = header.get("degree")
+    polynomial = header.get("kind") == "polynomial" and type(degree) is int and degree in (1, 2, 3)
     return polynomial and number("ridge")
 
 
 def _check(arrays: dict[str, Array], header: Mapping[str, Any], where: str) -> None:
     frames = len(np.atleast_1d(arrays["training_u"]))
-    degree = int(header.get("degree", 2))
+    turned = header["kind"] == "turned"
+    degree = 2 if turned else int(header["degree"])
     coef: tuple[int, ...] = (comb(CONTACT_VECTOR_SIZE + degree, degree), POSE_SIZE)
-    if header["kind"] == "turned":
+    if turned:
         coef = (1 + len(SPREADS), *coef)
     shapes = {
         "covariance": (POSE_SIZE, POSE_SIZE),

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from encoders.best import train_best_model
+from encoders.bone_fit import perturbed_skeleton
 from encoders.capture import Capture
-from encoders.polynomial import QuadraticEncoder
+from encoders.person_correction import PersonCorrection
+from encoders.polynomial import PolynomialEncoder, QuadraticEncoder
 from encoders.store import save_capture
 from encoders.trained import (
     BUILTIN,
@@ -21,13 +26,31 @@ from encoders.trained import (
     builtin_capture,
     builtin_folder,
     load_model,
+    rounded,
     save_model,
     train,
     trial_folds,
 )
+from encoders.turned import TurnedEncoder
 from models.errors import EncoderError
+from models.pose import absolute_pose
+from models.skeleton import ADULT
 from sandbox.cli.main import main
 from tests.npz_files import claiming_too_much, header_of, rewritten, with_pickle
+
+CAPTURE_FILE = str(builtin_folder() / "capture.npz")
+
+
+def said(**changes: Any) -> np.ndarray:
+    """The header of a sound polynomial of degree 1 with something else in it."""
+    sound = {"schema": 2, "kind": "polynomial", "degree": 1, "ridge": 0.01, "meta": {}}
+    return header_of(json.dumps(sound | changes))
+
+
+def said_turned(**changes: Any) -> np.ndarray:
+    """The same of a turned encoder with a correction."""
+    sound = {"schema": 2, "kind": "turned", "ridge": 0.03, "turned_ridge": 0.1, "meta": {}}
+    return header_of(json.dumps(sound | {"distrust": 2.0} | changes))
 
 
 @pytest.fixture(scope="module")
@@ -39,6 +62,22 @@ def capture() -> Capture:
 @pytest.fixture(scope="module")
 def model(capture) -> TrainedModel:
     return train(capture, "mine", 1, 0.01)
+
+
+@pytest.fixture(scope="module")
+def corrected(model, capture) -> TrainedModel:
+    """A turned encoder with a correction by bones that are not the table's."""
+    encoder = TurnedEncoder(0.03, 0.1).fit(capture.u, capture.relative)
+    bones = perturbed_skeleton(ADULT, np.random.default_rng(0), 0.06, 0.004)
+    correction = PersonCorrection(bones, model.residual_covariance, np.full(3, 1e-6), 2.0)
+    return rounded(replace(model, name="turned", encoder=encoder, correction=correction))
+
+
+@pytest.fixture
+def corrected_path(corrected, tmp_path: Path) -> Path:
+    path = tmp_path / "turned.npz"
+    save_model(corrected, path)
+    return path
 
 
 @pytest.fixture
@@ -57,6 +96,26 @@ def test_a_saved_model_comes_back_to_the_bit(model, path):
     np.testing.assert_array_equal(read.residual_covariance, model.residual_covariance)
 
 
+@pytest.mark.parametrize("training", (True, False))
+def test_a_turned_encoder_and_its_correction_come_back_to_the_bit(
+    corrected, capture, training, tmp_path
+):
+    save_model(corrected, tmp_path / "t.npz", training)
+    read = load_model(tmp_path / "t.npz", None if training else capture)
+    assert read.digest == corrected.digest
+    q = corrected.encoder.predict(capture.u)
+    np.testing.assert_array_equal(read.encoder.predict(capture.u), q)
+    assert isinstance(read.encoder, TurnedEncoder) and read.encoder.turned_ridge == 0.1
+    assert read.correction is not None and read.correction.distrust == 2.0
+    q = absolute_pose(q, capture.leftmost)
+    np.testing.assert_array_equal(
+        read.correction.correct(q, capture.xy), corrected.correction.correct(q, capture.xy)
+    )
+    # Once rounded, nothing is left to round.
+    save_model(read, tmp_path / "again.npz", training)
+    assert (tmp_path / "again.npz").read_bytes() == (tmp_path / "t.npz").read_bytes()
+
+
 def test_a_model_without_its_training_data_takes_them_from_the_capture(model, capture, tmp_path):
     save_model(model, tmp_path / "slim.npz", training=False)
     assert load_model(tmp_path / "slim.npz", capture).digest == model.digest
@@ -70,8 +129,10 @@ def test_the_digest_sees_every_part(model):
         replace(model, training_u=model.training_u[:-1]),
         replace(model, training_pose=model.training_pose + 0.01),
         replace(model, meta=model.meta | {"ridge": 0.02}),
+        replace(model, encoder=PolynomialEncoder(1, 0.02).load(model.encoder.coef_, 15)),
+        replace(model, encoder=PolynomialEncoder(1, 0.01).load(model.encoder.coef_ * 1.01, 15)),
     )
-    assert len({model.digest, *(m.digest for m in changed)}) == 5
+    assert len({model.digest, *(m.digest for m in changed)}) == 7
     assert replace(model, name="other").digest == model.digest
 
 
@@ -168,11 +229,21 @@ def test_an_unknown_name_is_answered_with_the_known_ones():
         {"header": header_of("")},
         {"header": header_of("null")},
         {"header": header_of('{"schema": 2}')},
-        {"header": header_of('{"schema": 1, "degree": 1, "ridge": 0.0}')},
-        {"header": header_of('{"schema": 1, "degree": 9, "ridge": 0.0, "meta": {}}')},
-        {"header": header_of('{"schema": 1, "degree": [1], "ridge": 0.0, "meta": {}}')},
-        {"header": header_of('{"schema": 1, "degree": 1, "ridge": NaN, "meta": {}}')},
-        {"header": header_of('{"schema": 1, "degree": 3, "ridge": 0.0, "meta": {}}')},
+        {"header": header_of('{"schema": 1, "kind": "polynomial", "degree": 1, "meta": {}}')},
+        {"header": said(meta=None)},
+        {"header": said(kind="deep")},
+        {"header": said(kind=["polynomial"])},
+        {"header": said(degree=9)},
+        {"header": said(degree=[1])},
+        {"header": said(degree=1.0)},
+        {"header": said(degree=True)},
+        {"header": said(degree=3)},
+        {"header": said(ridge=-1.0)},
+        {"header": said(ridge=float("nan"))},
+        {"header": said(ridge=10**400)},
+        {"header": said(ridge="0")},
+        {"header": said(kind="turned", turned_ridge=0.1)},
+        {"header": said(distrust=1.0)},
     ),
 )
 def test_a_file_with_a_wrong_part_is_refused_in_one_clear_line(path, changes):
@@ -180,6 +251,48 @@ def test_a_file_with_a_wrong_part_is_refused_in_one_clear_line(path, changes):
     with pytest.raises(EncoderError, match=r"mine\.npz") as error:
         load_model(path)
     assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    (
+        {"coef": np.zeros((136, 48), np.float32)},
+        {"coef": np.zeros((2, 136, 48), np.float32)},
+        {"coef": np.zeros((3, 816, 48), np.float32)},
+        {"coef": np.full((3, 136, 48), np.nan, np.float32)},
+        {"anchors": None},
+        {"anchors": np.zeros((15, 3), np.float32)},
+        {"anchors": np.full((14, 3), np.inf, np.float32)},
+        {"lengths": np.zeros(14, np.float32)},
+        {"lengths": np.ones((14, 1), np.float32)},
+        {"lengths": np.ones(14, int)},
+        {"tip_variance": np.array([1e-6, 1e-6, -1e-6], np.float32)},
+        {"tip_variance": np.full(3, np.nan, np.float32)},
+        {"tip_variance": np.float32(1e-6)},
+        {"header": said_turned(kind="polynomial", degree=2)},
+        {"header": said_turned(turned_ridge=None)},
+        {"header": said_turned(turned_ridge=float("nan"))},
+        {"header": said_turned(distrust=0.0)},
+        {"header": said_turned(distrust=-1.0)},
+        {"header": said_turned(distrust=float("nan"))},
+        {"header": said_turned(distrust=float("inf"))},
+        {"header": said_turned(distrust=10**400)},
+        {"header": said_turned(distrust="2")},
+        {"header": said_turned(distrust=[2.0])},
+        {"header": said_turned(distrust=True)},
+    ),
+)
+def test_a_turned_encoder_or_correction_with_a_wrong_part_is_refused(corrected_path, changes):
+    rewritten(corrected_path, **changes)
+    with pytest.raises(EncoderError, match=r"turned\.npz") as error:
+        load_model(corrected_path)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("degree", (3, "deep", [2], None))
+def test_a_turned_encoder_has_no_degree_that_could_be_wrong(corrected_path, corrected, degree):
+    rewritten(corrected_path, header=said_turned(degree=degree, meta=corrected.meta))
+    assert load_model(corrected_path).digest == corrected.digest
 
 
 def test_nothing_is_unpickled(path):
@@ -211,7 +324,12 @@ def test_a_truncated_file_is_refused(path, share):
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=100)
 @given(where=st.floats(0, 1), value=st.binary(min_size=1, max_size=8))
-def test_a_damaged_file_is_refused_or_reads_as_it_was(path, model, where, value):
+@pytest.mark.parametrize("kind", ("polynomial", "turned"))
+def test_a_damaged_file_is_refused_or_reads_as_it_was(
+    path, model, corrected_path, corrected, kind, where, value
+):
+    if kind == "turned":
+        path, model = corrected_path, corrected
     data = bytearray(path.read_bytes())
     at = int(where * (len(data) - len(value)))
     data[at : at + len(value)] = value
@@ -233,6 +351,17 @@ def test_the_command_trains_on_a_capture(capture, tmp_path, capsys):
     assert load_model(tmp_path / "m.npz").digest == train(capture, "m", 1, 0.0).digest
 
 
+def test_without_a_degree_the_command_trains_what_wins(capture, tmp_path, capsys):
+    few = capture.select(capture.trial % 3 == 0)
+    save_capture(few, tmp_path / "c.npz")
+    line = ["train", "--capture", str(tmp_path / "c.npz"), "--out", str(tmp_path / "m.npz")]
+    assert main(line) == 0
+    model, told = load_model(tmp_path / "m.npz"), capsys.readouterr().out
+    assert "simulated" in told and model.meta["winner"] in told
+    assert model.name == "m" and model.correction is not None
+    assert model.digest == train_best_model(few, "m").digest
+
+
 @pytest.mark.full
 def test_the_command_makes_the_built_in_models_anew(tmp_path, capsys):
     assert main(["train", "--builtin", "--out", str(tmp_path)]) == 0
@@ -246,6 +375,9 @@ def test_the_command_makes_the_built_in_models_anew(tmp_path, capsys):
         ([], "either a capture or the built-in"),
         (["--capture", "none.npz"], "no such file"),
         (["--builtin", "--capture", "c.npz"], "either"),
+        (["--capture", CAPTURE_FILE, "--ridge", "0.1"], "--degree"),
+        (["--capture", CAPTURE_FILE, "--degree", "4"], "degree"),
+        (["--capture", CAPTURE_FILE, "--out", "none/m.npz"], "no such folder"),
     ),
 )
 def test_the_command_answers_bad_input_with_one_line(rest, told, tmp_path, capsys, monkeypatch):

@@ -99,7 +99,9 @@ def _one(options: TrainOptions, capture: Capture, console: Console) -> int:
         raise InputError("there is no such folder", where=f"--out {options.out}")
     if options.degree is None and options.ridge is not None:
         raise InputError("only a polynomial has this penalty", where="--ridge", expected="--degree")
-    with Progress(console=Console(stderr=True), transient=True) as progress:
+    bars = Console(stderr=True)
+    # Where nothing can be erased, a bar would leave an empty line beside an error's one line.
+    with Progress(console=bars, transient=True, disable=not bars.is_terminal) as progress:
         bar = progress.add_task("training", total=1.0)
         if options.degree is None:
             model = train_best_model(
