@@ -220,8 +220,9 @@ class TouchReconstructor:
         self._known = present
         settle = self.settings.arrival.settle if self.settings.arrival.hover > 0 else 0.0
         low = self._arrival.phase in (Phase.COMING_DOWN, Phase.DOWN)
-        # A labeller that remembers learns from how the touches move while the hand is on its way.
-        again = self.labeller.remembers and not low and settle > 0
+        # A labeller that remembers learns from how the touches move, and from where fingers leave,
+        # even while the hand is down and what it says is not followed.
+        again = self.labeller.remembers and settle > 0
         named = len(self._labels) == len(tracks)
         if not tracks or (named and not again) or time - self._changed_at < settle - 1e-9:
             return

@@ -14,8 +14,8 @@ from encoders.evaluation.subjects import TRAINING_DAY, Subject, subject
 from encoders.evaluation.training import Training
 from encoders.store import load_capture
 from encoders.trained import builtin_capture
-from encoders.validation import trial_folds
 from encoders.trained_belief import capture_digest
+from encoders.validation import trial_folds
 from models.errors import CaptureError, InputError
 
 BUILTIN, SPLIT = "builtin", "split"

@@ -67,7 +67,7 @@ class TrainOptions:
     """Makes the built-in models anew and compares them."""
 
     degree: int | None = None
-    """Trains a polynomial of this degree: 1, 2 (the paper's) or 3."""
+    """Trains a polynomial of this degree: 1, 2 (the paper's, also with --ridge alone) or 3."""
 
     ridge: float | None = None
     """Penalty on that polynomial's coefficients; 0 is least squares, as in the paper. Without it,
@@ -97,18 +97,17 @@ def main(argv: list[str]) -> int:
 def _one(options: TrainOptions, capture: Capture, console: Console) -> int:
     if not options.out.absolute().parent.is_dir():
         raise InputError("there is no such folder", where=f"--out {options.out}")
-    if options.degree is None and options.ridge is not None:
-        raise InputError("only a polynomial has this penalty", where="--ridge", expected="--degree")
+    degree = 2 if options.degree is None and options.ridge is not None else options.degree
     bars = Console(stderr=True)
     # Where nothing can be erased, a bar would leave an empty line beside an error's one line.
     with Progress(console=bars, transient=True, disable=not bars.is_terminal) as progress:
         bar = progress.add_task("training", total=1.0)
-        if options.degree is None:
+        if degree is None:
             model = train_best_model(
                 capture, options.out.stem, lambda share: progress.update(bar, completed=share)
             )
         else:
-            model = train(capture, options.out.stem, options.degree, options.ridge)
+            model = train(capture, options.out.stem, degree, options.ridge)
     save_model(model, options.out)
     _report(console, options.out, model)
     return 0
