@@ -375,7 +375,7 @@ def test_the_command_makes_the_built_in_models_anew(tmp_path, capsys):
         ([], "either a capture or the built-in"),
         (["--capture", "none.npz"], "no such file"),
         (["--builtin", "--capture", "c.npz"], "either"),
-        (["--capture", CAPTURE_FILE, "--ridge", "0.1"], "--degree"),
+        (["--capture", CAPTURE_FILE, "--ridge", "-1"], "ridge"),
         (["--capture", CAPTURE_FILE, "--degree", "4"], "degree"),
         (["--capture", CAPTURE_FILE, "--out", "none/m.npz"], "no such folder"),
     ),
