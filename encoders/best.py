@@ -76,7 +76,7 @@ class Best:
         Args:
             time: (T,) s.
             trial: (T,) take of every frame.
-            xy: (T, 5, 2) m on the surface by label, NaN where lifted.
+            xy: (T, 5, 2) m on the surface by label, NaN where lifted; a touch or more in each.
 
         Returns:
             (T, 48) in the 3-D surface frame.

@@ -80,12 +80,16 @@ class TrainedModel:
     def digest(self) -> str:
         """BLAKE2b over arrays and meta, hexadecimal; two models are the same if theirs is."""
         hash_ = blake2b(digest_size=16)
-        for array in (
+        arrays = [
             self.encoder.coef_,
             self.residual_covariance,
             self.training_u,
             self.training_pose,
-        ):
+        ]
+        if self.correction is not None:
+            variance = self.correction.tip_variance
+            arrays += [_anchors(self.correction), _lengths(self.correction), variance]
+        for array in arrays:
             hash_.update(np.ascontiguousarray(array, np.float32).tobytes())
         hash_.update(json.dumps(self.meta, sort_keys=True).encode())
         hash_.update(json.dumps(_kind(self.encoder), sort_keys=True).encode())
