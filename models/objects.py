@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
@@ -13,6 +14,38 @@ from models.hand import CONTACT_OBJECT, CONTACT_TABLE
 Array = NDArray[np.float64]
 
 RED = (0.86, 0.30, 0.24)
+STEEL = (0.58, 0.61, 0.65)
+
+
+class Thing(Protocol):
+    """Anything that lies in a scene and is manipulated.
+
+    Attributes:
+        name: Of its body, and of the joint that lets it move.
+        mass: kg.
+        position: (3,) m, its middle at the start.
+        yaw: rad about the vertical at the start.
+    """
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def mass(self) -> float: ...
+
+    @property
+    def position(self) -> tuple[float, float, float]: ...
+
+    @property
+    def yaw(self) -> float: ...
+
+    def body(self) -> Element:
+        """MJCF, a child of the world."""
+        ...
+
+    def clearance(self, points: ArrayLike, position: Array, rotation: Array) -> Array:
+        """(n,) m, signed distance of world points (n, 3) to it, negative inside."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -41,12 +74,9 @@ class Box:
         body = Element("body", {"name": self.name, "pos": _text(self.position),
                                 "quat": _text(quat)})  # fmt: skip
         SubElement(body, "freejoint", {"name": self.name})
-        # An object answers to hands (bit 1), objects and the table.
         SubElement(body, "geom", {
             "name": self.name, "type": "box", "size": _text(self.half_size),
-            "mass": f"{self.mass:.9g}", "contype": str(CONTACT_OBJECT | CONTACT_TABLE),
-            "conaffinity": "7", "condim": "4", "friction": "1 .01 .0001",
-            "solref": ".004 1", "solimp": ".95 .99 .001", "rgba": _text((*self.rgb, 1.0)),
+            **_solid(self.mass, self.rgb),
         })  # fmt: skip
         return body
 
@@ -58,9 +88,154 @@ class Box:
             position: (3,) m, where the box is now.
             rotation: (3, 3) how it is turned now.
         """
-        local = np.abs((np.asarray(points, float) - position) @ rotation) - self.half_size
-        outside = np.linalg.norm(np.maximum(local, 0.0), axis=-1)
-        return outside + np.minimum(local.max(axis=-1), 0.0)
+        return _box_clearance((np.asarray(points, float) - position) @ rotation, self.half_size)
+
+
+@dataclass(frozen=True)
+class _Piece:
+    """A box of a wrench: its middle (3,) and half size (3,), m, and its turn, rad."""
+
+    name: str
+    middle: tuple[float, float, float]
+    half_size: tuple[float, float, float]
+    turn: float = 0.0
+
+
+THICKNESS = 0.016
+"""m, of a wrench."""
+HANDLE_WIDTH = 0.022
+"""m, across the handle, which is what fingers close on."""
+HANDLE = (-0.032, 0.060)
+"""m along a wrench's x axis, where the handle begins and ends."""
+JAW = -0.052
+"""m along a wrench's x axis, the middle of its jaws, and of the bolt that it sits on."""
+BOLT_FLAT = 0.0075
+"""m, half the width across the flats of the bolt's head."""
+BOLT_LIFT = 0.004
+"""m by which a bolt holds its wrench above the table."""
+
+_SPLAY = np.deg2rad(9.0)
+_HALF = THICKNESS / 2
+_PIECES = (
+    _Piece(
+        "handle",
+        ((HANDLE[0] + HANDLE[1]) / 2, 0.0, 0.0),
+        ((HANDLE[1] - HANDLE[0]) / 2, HANDLE_WIDTH / 2, _HALF),
+    ),
+    _Piece("neck", (-0.037, 0.0, 0.0), (0.005, 0.016, _HALF)),
+    _Piece("jaw_left", (-0.052, 0.0135, 0.0), (0.012, 0.0045, _HALF), -_SPLAY),
+    _Piece("jaw_right", (-0.052, -0.0135, 0.0), (0.012, 0.0045, _HALF), _SPLAY),
+)
+
+
+@dataclass(frozen=True)
+class Wrench:
+    """An open-ended wrench that lies flat, free to move or set on a bolt about which it turns.
+
+    Its frame is at the middle of its length and thickness, x along the handle away from the jaws,
+    z up. The bolt's head only shows where the wrench turns; fingers pass through it.
+
+    Attributes:
+        name: Of its body.
+        mass: kg.
+        position: (3,) m, middle at the start.
+        yaw: rad about the vertical at the start.
+        bolt: N m of dry friction about the bolt it sits on; None lies free.
+        rgb: Colour, 0 to 1.
+    """
+
+    name: str
+    mass: float
+    position: tuple[float, float, float]
+    yaw: float = 0.0
+    bolt: float | None = None
+    rgb: tuple[float, float, float] = RED
+
+    def body(self) -> Element:
+        """MJCF of the wrench; on a bolt, of the bolt with the wrench in it."""
+        quat = (np.cos(self.yaw / 2), 0.0, 0.0, np.sin(self.yaw / 2))
+        body = Element("body", {"name": self.name, "pos": _text(self.position),
+                                "quat": _text(quat)})  # fmt: skip
+        if self.bolt is None:
+            SubElement(body, "freejoint", {"name": self.name})
+        else:
+            # The armature is that of the bolt's own thread; friction alone would make a joint of
+            # so little inertia stiff to integrate.
+            SubElement(body, "joint", {
+                "name": self.name, "type": "hinge", "axis": "0 0 1", "pos": _text((JAW, 0.0, 0.0)),
+                "armature": "2e-4", "damping": "1e-3", "frictionloss": f"{self.bolt:.9g}",
+                "limited": "false",
+            })  # fmt: skip
+        volume = [float(np.prod(piece.half_size)) for piece in _PIECES]
+        for piece, share in zip(_PIECES, np.array(volume) / np.sum(volume), strict=True):
+            turn = (np.cos(piece.turn / 2), 0.0, 0.0, np.sin(piece.turn / 2))
+            SubElement(body, "geom", {
+                "name": f"{self.name}_{piece.name}", "type": "box", "pos": _text(piece.middle),
+                "quat": _text(turn), "size": _text(piece.half_size),
+                **_solid(self.mass * share, self.rgb),
+            })  # fmt: skip
+        if self.bolt is None:
+            return body
+        return self._on_bolt(body, quat)
+
+    def _on_bolt(self, body: Element, quat: ArrayLike) -> Element:
+        """The bolt's body, which stands still, with the wrench's in it."""
+        x, y = bolt_place(self.position[:2], self.yaw)
+        bolt = Element("body", {"name": f"{self.name}_bolt",
+                                "pos": _text((x, y, 0.0)), "quat": _text(quat)})  # fmt: skip
+        top = self.position[2] + THICKNESS / 2 + 0.003
+        half = (BOLT_FLAT / np.sqrt(3.0), BOLT_FLAT, top / 2)
+        for third in range(3):
+            # Three boxes across each other make a hexagon.
+            angle = third * np.pi / 3
+            SubElement(bolt, "geom", {
+                "type": "box", "size": _text(half), "pos": _text((0.0, 0.0, top / 2)),
+                "quat": _text((np.cos(angle / 2), 0.0, 0.0, np.sin(angle / 2))),
+                "contype": "0", "conaffinity": "0", "rgba": _text((*STEEL, 1.0)),
+            })  # fmt: skip
+        # Within the bolt's frame, which is turned as the wrench is at the start.
+        body.set("pos", _text((-JAW, 0.0, self.position[2])))
+        body.set("quat", "1 0 0 0")
+        bolt.append(body)
+        return bolt
+
+    def clearance(self, points: ArrayLike, position: Array, rotation: Array) -> Array:
+        """(n,) m, signed distance of world points (n, 3) to the wrench, negative inside.
+
+        Args:
+            points: World points.
+            position: (3,) m, where the wrench's middle is now.
+            rotation: (3, 3) how it is turned now.
+        """
+        local = (np.asarray(points, float) - position) @ rotation
+        distances = []
+        for piece in _PIECES:
+            c, s = np.cos(piece.turn), np.sin(piece.turn)
+            own = (local - piece.middle) @ np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+            distances.append(_box_clearance(own, piece.half_size))
+        return np.asarray(np.min(distances, axis=0))
+
+
+def bolt_place(middle: ArrayLike, yaw: float) -> tuple[float, float]:
+    """(2,) m, where the jaws of a wrench are whose middle (2,) and yaw are these."""
+    x, y = np.asarray(middle, float)
+    return float(x + JAW * np.cos(yaw)), float(y + JAW * np.sin(yaw))
+
+
+def _solid(mass: float, rgb: tuple[float, float, float]) -> dict[str, str]:
+    """What all solid parts of objects share: an object answers to hands, objects and the table."""
+    return {
+        "mass": f"{mass:.9g}", "contype": str(CONTACT_OBJECT | CONTACT_TABLE),
+        "conaffinity": "7", "condim": "4", "friction": "1 .01 .0001",
+        "solref": ".004 1", "solimp": ".95 .99 .001", "rgba": _text((*rgb, 1.0)),
+    }  # fmt: skip
+
+
+def _box_clearance(points: Array, half_size: ArrayLike) -> Array:
+    """(n,) m, signed distance of points (n, 3) in a box's own frame."""
+    local = np.abs(points) - half_size
+    outside = np.linalg.norm(np.maximum(local, 0.0), axis=-1)
+    return np.asarray(outside + np.minimum(local.max(axis=-1), 0.0))
 
 
 def _text(values: ArrayLike) -> str:

@@ -18,7 +18,7 @@ from models.hand import (
     hand_body,
     hand_default,
 )
-from models.objects import Box
+from models.objects import Thing
 from models.pose import POSE_SIZE
 from models.rotations import quaternion_exp
 
@@ -42,7 +42,7 @@ class SceneSpec:
     """
 
     hands: tuple[Hand, ...]
-    objects: tuple[Box, ...] = ()
+    objects: tuple[Thing, ...] = ()
     table_friction: float = 0.5
     timestep: float = 0.002
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 from models.errors import InputError
 from tasks.box_to_goal import BoxToGoal
 from tasks.task import Task
+from tasks.wrench_slide import WrenchSlide
+from tasks.wrench_turn import WrenchTurn
 
-TASKS: dict[str, type[Task]] = {BoxToGoal.name: BoxToGoal}
+TASKS: dict[str, type[Task]] = {task.name: task for task in (BoxToGoal, WrenchTurn, WrenchSlide)}
 
 
 def find_task(name: str) -> type[Task]:

@@ -62,6 +62,14 @@ class Sensing:
         self._velocity = {
             thing.name: int(model.joint(thing.name).dofadr[0]) for thing in scene.spec.objects
         }
+        # A free joint begins with the three speeds of the centre. What turns about a bolt has one
+        # speed, and its centre goes round at the end of a lever.
+        self._moves, self._levers = {}, {}
+        for thing in scene.spec.objects:
+            joint = model.joint(thing.name)
+            hinged = joint.type[0] == mujoco.mjtJoint.mjJNT_HINGE
+            self._moves[thing.name] = 1 if hinged else 3
+            self._levers[thing.name] = float(np.linalg.norm(joint.pos)) if hinged else 1.0
 
     def object(self, name: str) -> ObjectState:
         """The state of an object."""
@@ -70,7 +78,7 @@ class Sensing:
         return ObjectState(
             position,
             rotation,
-            float(np.linalg.norm(self._data.qvel[v : v + 3])),
+            self._levers[name] * float(np.linalg.norm(self._data.qvel[v : v + self._moves[name]])),
             self.touching(name, TABLE),
             any(self.touching(name, hand) for hand in self._hands),
         )

@@ -8,7 +8,7 @@ from typing import ClassVar, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from models.objects import Box
+from models.objects import Thing
 from models.surface import Surface
 from tasks.sensing import Sensing
 
@@ -72,7 +72,7 @@ class Task(Protocol):
     def seed(self) -> int: ...
 
     @property
-    def objects(self) -> tuple[Box, ...]: ...
+    def objects(self) -> tuple[Thing, ...]: ...
 
     @property
     def goals(self) -> tuple[Goal, ...]: ...

@@ -66,7 +66,13 @@ def overview() -> str:
     width = max(map(len, COMMANDS))
     lines = ["usage: sandbox COMMAND [--help]", "", "commands"]
     lines += [f"  {name:<{width}}  {text}" for name, text in COMMANDS.items()]
-    lines += ["", "tasks", "  box-to-goal  bring a box onto its translucent twin"]
+    lines += [
+        "",
+        "tasks",
+        "  box-to-goal   bring a box onto its translucent twin",
+        "  wrench-turn   turn a wrench about its bolt onto its twin",
+        "  wrench-slide  turn and slide a free wrench onto its twin",
+    ]
     lines += [
         "",
         "devices",

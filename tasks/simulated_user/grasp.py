@@ -1,4 +1,4 @@
-"""Where a person would put thumb and fingers on a box."""
+"""Where a person would put thumb and fingers on a box, or on a handle."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from models.objects import HANDLE, HANDLE_WIDTH, Box
 from tasks.simulated_user.configuration import UserConfiguration
 from tasks.simulated_user.sight import SeenObject
 
@@ -15,20 +16,44 @@ Array = NDArray[np.float64]
 _TIP_RADIUS = 0.007
 """m, what a person takes a drawn fingertip to be."""
 
+_COMFORT = float(np.deg2rad(95.0))
+"""rad from the natural axis, as far as a wrist turns to carry something on."""
+_FARTHEST = float(np.deg2rad(100.0))
+"""rad from the natural axis, as far as a wrist turns at all."""
+_COUPLE = 0.018
+"""m along a handle from the thumb to a single finger: two opposite forces turn nothing, but let it
+slip about the line between them."""
+
 
 @dataclass(frozen=True)
 class Grasp:
-    """A pinch across a box.
+    """A pinch across a box or a handle.
 
     Attributes:
         axis: rad, direction from thumb to fingers in the world.
         width: m, distance of the two faces.
         face: m, width of the face that the fingers share.
+        grip: m along the object's x axis from its middle to the middle of the pinch.
+        side: rad, the axis against the object's x axis.
+        skew: m along the face by which the thumb is not opposite to the fingers' middle.
     """
 
     axis: float
     width: float
     face: float
+    grip: float = 0.0
+    side: float = 0.0
+    skew: float = 0.0
+
+    def axis_on(self, yaw: float) -> float:
+        """rad, the axis of this grasp once the object has turned to a yaw."""
+        return yaw + self.side
+
+    def middle(self, seen: SeenObject) -> Array:
+        """(2,) m, where the middle of the pinch belongs on an object as it is seen."""
+        if not self.grip:
+            return np.array(seen.position[:2])
+        return np.asarray(seen.position[:2] + self.grip * seen.rotation[:2, 0])
 
     def places(self, centre: Array, gap: float, c: UserConfiguration) -> Array:
         """(n, 2) m, fingertips, thumb first, at `gap` outside the faces (inside if negative)."""
@@ -42,6 +67,9 @@ class Grasp:
         # Index first: with the thumb to the lower left, the index is the leftmost finger.
         offsets = (np.arange(others) - (others - 1) / 2) * pitch
         fingers = centre + reach * along + offsets[:, None] * across
+        if self.skew:
+            fingers = fingers - 0.5 * self.skew * across
+            centre = centre + 0.5 * self.skew * across
         return np.vstack([centre - reach * along, fingers])
 
 
@@ -53,6 +81,7 @@ def choose_grasp(box: SeenObject, turn: float, c: UserConfiguration) -> Grasp:
         turn: rad by which it is to be turned.
         c: Whose comfort.
     """
+    assert isinstance(box.shape, Box)
     half = box.shape.half_size
     options = []
     for quarter in range(4):
@@ -62,6 +91,42 @@ def choose_grasp(box: SeenObject, turn: float, c: UserConfiguration) -> Grasp:
         width, face = (half[0], half[1]) if quarter % 2 == 0 else (half[1], half[0])
         options.append((worst, quarter, Grasp(axis, 2 * width, 2 * face)))
     return min(options, key=lambda o: o[:2])[2]
+
+
+def choose_handle_grasp(yaw: float, turn: float, grip: float, c: UserConfiguration) -> Grasp:
+    """The side of a handle for the thumb from which most of a turn can be made in comfort.
+
+    Args:
+        yaw: rad, direction of the handle as it is seen.
+        turn: rad by which it is to be turned.
+        grip: m along the handle from the object's middle, where to close.
+        c: Whose comfort.
+    """
+    room = 2 * min(grip - HANDLE[0], HANDLE[1] - grip)
+    options = []
+    for number, side in enumerate((np.pi / 2, -np.pi / 2)):
+        axis = yaw + side
+        start = abs(_wrapped(axis - c.natural_axis))
+        made = within_comfort(axis, turn, c)
+        end = abs(_wrapped(axis + made - c.natural_axis))
+        # What is left needs another grasp, which is worth some discomfort.
+        cost = max(start, end) + 2.0 * (abs(turn) - abs(made))
+        if start > _FARTHEST:
+            cost += 100.0
+        # With one finger against the thumb, what they close on begins to turn the way it should.
+        skew = float(np.copysign(_COUPLE, -turn)) if c.fingers == 2 else 0.0
+        options.append((cost, number, Grasp(axis, HANDLE_WIDTH, room, grip, side, skew)))
+    return min(options, key=lambda o: o[:2])[2]
+
+
+def within_comfort(axis: float, turn: float, c: UserConfiguration) -> float:
+    """rad of a turn that a hand makes whose thumb and fingers are on an axis, without regrasping.
+
+    A hand that is already turned too far may always turn back.
+    """
+    now = _wrapped(axis - c.natural_axis)
+    low, high = min(-_COMFORT, now), max(_COMFORT, now)
+    return float(np.clip(now + turn, low, high) - now)
 
 
 def _wrapped(angle: float) -> float:

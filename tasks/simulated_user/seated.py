@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.frames import TouchFrame
+from models.objects import Wrench
 from models.person import Person, PersonFrame
 from models.surface import Surface
 from tasks.simulated_user.configuration import UserConfiguration
@@ -52,34 +53,45 @@ class Seat:
         matrix = np.eye(3)
         matrix[:2, :2] = flip @ self._frame.matrix @ flip
         self._matrix: Array = surface.rotation @ matrix @ surface.rotation.T
-        # Mirrored things are drawn mirrored: their own x axis turns round, and all stay solids.
-        self._own = np.diag([-1.0 if person.left else 1.0, 1.0, 1.0])
+        # Mirrored things are drawn mirrored: one of their own axes turns round; all stay solids.
+        flip_own = -1.0 if person.left else 1.0
+        self._own = np.diag([flip_own, 1.0, 1.0])
+        self._own_of_long = np.diag([1.0, flip_own, 1.0])
 
     def point(self, world: Array) -> Array:
         """A place (3,) m as that user sees it."""
         height = float((world - np.asarray(self._real.origin)) @ self._real.rotation[:, 2])
         return self.surface.to_world(self._frame.inwards(self._real.to_surface(world)), height)
 
-    def rotation(self, world: Array) -> Array:
-        """A rotation (3, 3) as that user sees it."""
-        return self._matrix @ world @ self._own
+    def rotation(self, world: Array, long: bool = False) -> Array:
+        """A rotation (3, 3) as that user sees it.
 
-    def yaw(self, yaw: float) -> float:
+        Args:
+            world: As it is.
+            long: Of a thing whose two ends differ, such as a wrench: only its sides may change.
+        """
+        return self._matrix @ world @ (self._own_of_long if long else self._own)
+
+    def yaw(self, yaw: float, long: bool = False) -> float:
         """rad about the vertical, as that user sees it."""
         c, s = np.cos(yaw), np.sin(yaw)
-        seen = self.rotation(np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]))
+        seen = self.rotation(np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]), long)
         return float(np.arctan2(seen[1, 0], seen[0, 0]))
 
     def sight(self, sight: Sight) -> Sight:
         """All that is on the screen."""
+        long = {name: isinstance(o.shape, Wrench) for name, o in sight.objects.items()}
         objects = {
-            name: replace(o, position=self.point(o.position), rotation=self.rotation(o.rotation))
+            name: replace(
+                o, position=self.point(o.position), rotation=self.rotation(o.rotation, long[name])
+            )
             for name, o in sight.objects.items()
         }
         goals = []
         for goal in sight.goals:
             x, y, z = self.point(np.asarray(goal.position)).tolist()
-            goals.append(replace(goal, position=(x, y, z), yaw=self.yaw(goal.yaw)))
+            yaw = self.yaw(goal.yaw, long[goal.object])
+            goals.append(replace(goal, position=(x, y, z), yaw=yaw))
         tips = {i: self.point(tip) for i, tip in sight.tips.items()}
         return replace(sight, tips=tips, objects=objects, goals=tuple(goals))
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from models.objects import Box
+from models.objects import Thing
 from tasks.task import Goal
 
 Array = NDArray[np.float64]
@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 class SeenObject:
     """An object on the screen: its shape, position (3,) m and rotation (3, 3)."""
 
-    shape: Box
+    shape: Thing
     position: Array
     rotation: Array
 

@@ -1,4 +1,4 @@
-"""A person who brings a box to a goal: look, reach, adjust, grasp, drag, let go, look again."""
+"""A person who brings a thing to its goal: look, reach, adjust, grasp, drag, let go, look again."""
 
 from __future__ import annotations
 
@@ -11,15 +11,12 @@ from models.frames import TouchFrame
 from models.surface import Surface
 from tasks.simulated_user.configuration import UserConfiguration
 from tasks.simulated_user.fingers import Fingers
-from tasks.simulated_user.grasp import Grasp, choose_grasp
+from tasks.simulated_user.grasp import Grasp
+from tasks.simulated_user.handling import Handling, handling_of
 from tasks.simulated_user.sight import Eye, SeenObject, Sight
 
 Array = NDArray[np.float64]
 
-_GOOD_PLACE, _GOOD_TURN = 0.003, float(np.deg2rad(2.5))
-"""m and rad within which the user is content and lets go."""
-_ENOUGH_PLACE, _ENOUGH_TURN = 0.008, float(np.deg2rad(8.0))
-"""m and rad within which a box that lies still is not touched again."""
 _IN_PLACE = 0.004
 """m within which the fingers are where the user wants them before closing."""
 _DRAGS = 7
@@ -40,7 +37,7 @@ class _Doing(Enum):
 
 
 class SkilledUser:
-    """Plays box-to-goal with touches only.
+    """Brings one thing to its goal with touches only.
 
     Args:
         configuration: What kind of person.
@@ -56,9 +53,9 @@ class SkilledUser:
         self._doing = _Doing.LOOKING
         self._until = 0.0
         self._grasp: Grasp | None = None
+        self._handling: Handling | None = None
         self._grasps = 0
         self._tries = 0
-        self._centre = np.zeros(2)
 
     def finger_ids(self) -> list[int]:
         """Contact ids of the fingers last put down: thumb, index, ..."""
@@ -78,6 +75,7 @@ class SkilledUser:
     def _act(self, sight: Sight, now: float) -> None:
         name = sight.goals[0].object
         box = sight.objects[name]
+        self._handling = self._handling or handling_of(box.shape)
         if self._doing is _Doing.LOOKING:
             self._reach(sight, box, now)
         elif self._doing is _Doing.ADJUSTING:
@@ -92,7 +90,9 @@ class SkilledUser:
     def _reach(self, sight: Sight, box: SeenObject, now: float) -> None:
         """Puts the fingers down around the box, without seeing where they will land."""
         off, turn = self._missing(sight, box)
-        content = np.linalg.norm(off) < _ENOUGH_PLACE and abs(turn) < _ENOUGH_TURN
+        assert self._handling is not None
+        near, straight = self._handling.enough
+        content = np.linalg.norm(off) < near and abs(turn) < straight
         if sight.done or (content and box.upright):
             self._wait(_SETTLE, now)
             return
@@ -101,11 +101,11 @@ class SkilledUser:
             self._doing = _Doing.CONTENT
             return
         self._grasps += 1
-        self._grasp = choose_grasp(box, turn, c)
-        self._centre = box.position[:2].copy()
+        self._grasp = self._handling.grasp(box, turn, c)
+        centre = self._grasp.middle(box)
         error = self._rng.normal(0.0, c.aim_error, 2)
         each = self._rng.normal(0.0, c.finger_error, (c.fingers, 2))
-        self._fingers.land(self._grasp.places(self._centre, c.opening, c) + error + each, now)
+        self._fingers.land(self._grasp.places(centre, c.opening, c) + error + each, now)
         self._doing, self._tries = _Doing.ADJUSTING, 0
         # Nothing can be judged before the hand has been seen to come down.
         self._wait(self._eye.delay + 0.45, now)
@@ -114,7 +114,8 @@ class SkilledUser:
         """Moves the fingers to where the drawn hand is right around the box."""
         assert self._grasp is not None
         c = self.configuration
-        wanted = self._grasp.places(box.position[:2], c.opening, c)
+        middle = self._grasp.middle(box)
+        wanted = self._grasp.places(middle, c.opening, c)
         wanted = wanted + self._drawn_offset(sight, now)
         off = float(np.linalg.norm(wanted - self._fingers.places(now), axis=1).max())
         self._tries += 1
@@ -127,12 +128,12 @@ class SkilledUser:
                 return
             # Still a ghost: perhaps a finger is inside the box; open a little wider and look.
             if self._tries > 4:
-                wider = self._grasp.places(box.position[:2], c.opening + 0.004, c)
+                wider = self._grasp.places(middle, c.opening + 0.004, c)
                 self._watch(self._fingers.move(wider + self._drawn_offset(sight, now), now))
             else:
                 self._wait(0.1, now)
             return
-        closed = self._grasp.places(box.position[:2], -c.squeeze, c)
+        closed = self._grasp.places(middle, -c.squeeze, c)
         closed = closed + self._drawn_offset(sight, now)
         self._doing = _Doing.CLOSING
         self._watch(self._fingers.move(closed, now))
@@ -143,15 +144,20 @@ class SkilledUser:
 
     def _drag(self, sight: Sight, box: SeenObject, now: float) -> None:
         """Carries the box towards the goal, as often as what is seen asks for it."""
+        assert self._grasp is not None and self._handling is not None
         off, turn = self._missing(sight, box)
-        lag = np.linalg.norm(box.position[:2] + self._drawn_offset(sight, now) - self._middle(now))
-        good = np.linalg.norm(off) < _GOOD_PLACE and abs(turn) < _GOOD_TURN
+        held = self._grasp.middle(box) + self._drawn_offset(sight, now)
+        lag = np.linalg.norm(held - self._middle(now))
+        near, straight = self._handling.good
+        now_turn = self._handling.reach(box, self._grasp, turn, self.configuration)
+        # What this grasp can still do; a wrist that has turned far enough needs a new one.
+        good = np.linalg.norm(off) < near and abs(now_turn) < straight
         slipped = self._tries > 0 and lag > _SLIPPED
         if good or slipped or self._tries >= _DRAGS or not sight.solid:
             self._let_go(now)
             return
         self._tries += 1
-        self._watch(self._fingers.carry(off, turn, box.position[:2].copy(), now))
+        self._watch(self._fingers.carry(off, now_turn, self._handling.pivot(box), now))
 
     def _let_go(self, now: float) -> None:
         self._fingers.lift(now)
@@ -159,11 +165,9 @@ class SkilledUser:
         self._wait(self._eye.delay + 0.45, now)
 
     def _missing(self, sight: Sight, box: SeenObject) -> tuple[Array, float]:
-        """Shift (2,) and turn from the box as seen to its goal; a quarter turn looks the same."""
-        goal = sight.goals[0]
-        quarter = np.pi / 2
-        turn = (goal.yaw - box.yaw + quarter / 2) % quarter - quarter / 2
-        return np.asarray(goal.position[:2]) - box.position[:2], float(turn)
+        """Shift (2,) and turn from the thing as seen to its goal."""
+        assert self._handling is not None
+        return self._handling.missing(box, sight.goals[0])
 
     def _middle(self, now: float) -> Array:
         """(2,) m, between the thumb and the middle of the other fingers."""

@@ -1,0 +1,118 @@
+"""How a person goes about a kind of thing: what is still missing, where to grasp, what it turns on.
+
+What a person sees of a thing is its shape, place and turn. A wrench on a bolt is seen to be on one.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.objects import Box, Thing, Wrench, bolt_place
+from tasks.simulated_user.configuration import UserConfiguration
+from tasks.simulated_user.grasp import Grasp, choose_grasp, choose_handle_grasp, within_comfort
+from tasks.simulated_user.sight import SeenObject
+from tasks.task import Goal
+
+Array = NDArray[np.float64]
+
+_TURN_GRIP, _SLIDE_GRIP = 0.032, 0.004
+"""m along a wrench, where fingers close: near the handle's end for the longest lever about a bolt,
+at the middle of a free one."""
+
+
+class Handling(Protocol):
+    """What a person knows about moving one kind of thing.
+
+    Attributes:
+        good: m and rad within which they are content and let go.
+        enough: m and rad within which a thing that lies still is not touched again.
+    """
+
+    good: tuple[float, float]
+    enough: tuple[float, float]
+
+    def missing(self, seen: SeenObject, goal: Goal) -> tuple[Array, float]:
+        """Shift (2,) m and turn, rad, from the thing as seen to its goal."""
+        ...
+
+    def grasp(self, seen: SeenObject, turn: float, c: UserConfiguration) -> Grasp:
+        """Where thumb and fingers go."""
+        ...
+
+    def pivot(self, seen: SeenObject) -> Array:
+        """(2,) m, what a turn goes about."""
+        ...
+
+    def reach(self, seen: SeenObject, grasp: Grasp, turn: float, c: UserConfiguration) -> float:
+        """rad of the turn that this grasp allows."""
+        ...
+
+
+class BoxHandling:
+    """A box is grasped in its middle and looks the same every quarter turn."""
+
+    good = (0.003, float(np.deg2rad(2.5)))
+    enough = (0.008, float(np.deg2rad(8.0)))
+
+    def missing(self, seen: SeenObject, goal: Goal) -> tuple[Array, float]:
+        """To the nearest of the four places that look alike."""
+        quarter = np.pi / 2
+        turn = (goal.yaw - seen.yaw + quarter / 2) % quarter - quarter / 2
+        return np.asarray(goal.position[:2]) - seen.position[:2], float(turn)
+
+    def grasp(self, seen: SeenObject, turn: float, c: UserConfiguration) -> Grasp:
+        """Across the most comfortable faces."""
+        return choose_grasp(seen, turn, c)
+
+    def pivot(self, seen: SeenObject) -> Array:
+        """Its middle."""
+        return np.array(seen.position[:2])
+
+    def reach(self, seen: SeenObject, grasp: Grasp, turn: float, c: UserConfiguration) -> float:
+        """All: it is never more than an eighth turn."""
+        return turn
+
+
+class WrenchHandling:
+    """A wrench is grasped across its handle, and again when the hand has turned far enough.
+
+    Args:
+        wrench: Its shape; on a bolt it turns about this, and nothing else can be done with it.
+    """
+
+    def __init__(self, wrench: Wrench) -> None:
+        self._bolted = wrench.bolt is not None
+        self._grip = _TURN_GRIP if self._bolted else _SLIDE_GRIP
+        self.good = (0.003, float(np.deg2rad(2.0)))
+        self.enough = (0.007, float(np.deg2rad(3.5 if self._bolted else 5.5)))
+
+    def missing(self, seen: SeenObject, goal: Goal) -> tuple[Array, float]:
+        """The turn of the handle, and for a free wrench the shift of its middle."""
+        turn = float((goal.yaw - seen.yaw + np.pi) % (2 * np.pi) - np.pi)
+        off = np.asarray(goal.position[:2]) - seen.position[:2]
+        return (np.zeros(2) if self._bolted else off), turn
+
+    def grasp(self, seen: SeenObject, turn: float, c: UserConfiguration) -> Grasp:
+        """Thumb on one side of the handle, fingers on the other."""
+        return choose_handle_grasp(seen.yaw, turn, self._grip, c)
+
+    def pivot(self, seen: SeenObject) -> Array:
+        """The bolt, or a free wrench's middle."""
+        if self._bolted:
+            return np.array(bolt_place(seen.position[:2], seen.yaw))
+        return np.array(seen.position[:2])
+
+    def reach(self, seen: SeenObject, grasp: Grasp, turn: float, c: UserConfiguration) -> float:
+        """As far as the wrist goes."""
+        return within_comfort(grasp.axis_on(seen.yaw), turn, c)
+
+
+def handling_of(shape: Thing) -> Handling:
+    """How a thing of this shape is handled."""
+    if isinstance(shape, Wrench):
+        return WrenchHandling(shape)
+    assert isinstance(shape, Box)
+    return BoxHandling()
