@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from models.errors import InputError
@@ -102,7 +103,7 @@ def main(argv: list[str]) -> int:
     console = Console(stderr=quiet)
     console = Console(stderr=quiet, width=max(console.width, 100))
     executor = _executor(options)
-    old = _old_baseline(options, plan, console)
+    loaded, old = _baselines(options, plan, console)
     if options.record is not None:
         _empty_folder(options.record)
     began = perf_counter()
@@ -120,7 +121,7 @@ def main(argv: list[str]) -> int:
     if options.junit is not None:
         save_junit(report, options.junit)
     if options.update_baseline:
-        _update(options, plan, report, old, console)
+        _update(options, plan, report, loaded, console)
     if not report.complete:
         return STOPPED
     return 0 if report.passed or options.update_baseline else 1
@@ -201,33 +202,29 @@ def _executor(options: RegressOptions) -> Executor:
     return Serial() if options.executor == "serial" else Processes(options.workers)
 
 
-def _old_baseline(
+def _baselines(
     options: RegressOptions, plan: RegressionPlan, console: Console
-) -> Baseline | None:
-    """The baseline to compare with; refused now rather than after the run."""
-    if options.baseline is None:
-        return None
+) -> tuple[Baseline | None, Baseline | None]:
+    """The baseline as it is, and again where it may be compared with.
+
+    Raises:
+        InputError: It may not, and nobody asked to replace it: better told now than after the run.
+    """
+    if options.baseline is None or (options.update_baseline and not options.baseline.exists()):
+        return None, None
     from sandbox.regress.baseline import load_baseline
 
-    if options.update_baseline and not options.baseline.exists():
-        return None
+    loaded = None
     try:
-        old = load_baseline(options.baseline)
-        old.check(plan.configuration(), plan.versions(), options.across_encoders)
-        kept = {seed for name in plan.names if name in old.tasks for seed in old.tasks[name].trials}
-        if not kept & set(plan.seeds):
-            raise InputError(
-                "this baseline has none of these seeds",
-                where=str(options.baseline),
-                got=f"{len(kept)} seeds, {min(kept, default=0)} to {max(kept, default=0)}",
-                remedy="Run its seeds, or --update-baseline",
-            )
+        loaded = load_baseline(options.baseline)
+        loaded.check(plan.configuration(), plan.versions(), options.across_encoders)
+        loaded.check_seeds(plan.names, plan.seeds)
     except InputError as error:
         if not options.update_baseline:
             raise
-        console.print(f"[yellow]not compared: {error}[/]", soft_wrap=True)
-        return None
-    return old
+        console.print(f"[yellow]not compared: {escape(str(error))}[/]", soft_wrap=True)
+        return loaded, None
+    return loaded, loaded
 
 
 def _run(plan: RegressionPlan, executor: Executor) -> list[Trial]:

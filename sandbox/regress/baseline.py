@@ -108,6 +108,21 @@ class Baseline:
                 remedy="--update-baseline adds them",
             )
 
+    def check_seeds(self, names: Sequence[str], seeds: Sequence[int]) -> None:
+        """Refuses a run of which it has no seed.
+
+        Raises:
+            InputError: It has none.
+        """
+        kept = {seed for name in names if name in self.tasks for seed in self.tasks[name].trials}
+        if not kept & set(seeds):
+            raise InputError(
+                "this baseline has none of these seeds",
+                where=str(self.path),
+                got=f"{len(kept)} seeds, {min(kept, default=0)} to {max(kept, default=0)}",
+                remedy="Run its seeds, or --update-baseline",
+            )
+
     def updated(
         self,
         configuration: Mapping[str, Any],

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from statistics import fmean, median
 from typing import Any
 
-from models.errors import InputError
 from sandbox.regress import statistics
 from sandbox.regress.baseline import Baseline, KeptTask
 from sandbox.regress.execute import CRASHED, Trial
@@ -226,12 +225,7 @@ def make_report(
         for task in tasks:
             if task.name not in comparisons:
                 notes.append(f"{task.name}: the baseline has none of these trials")
-        if complete and not comparisons:
-            raise InputError(
-                "this baseline has none of these seeds",
-                where=str(baseline.path),
-                remedy="Run its seeds, or --update-baseline",
-            )
+        baseline.check_seeds(plan.names, plan.seeds)
         if not complete:
             notes.append("the run broke off: nothing is judged")
         else:

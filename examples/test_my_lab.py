@@ -1,0 +1,54 @@
+"""A lab's own task and encoder, tested over seeds. Copy it beside your code.
+
+    pytest -p sandbox.regression --sandbox-update-baseline test_my_lab.py     once: makes baselines
+    pytest -p sandbox.regression --sandbox-workers 2 test_my_lab.py           from then on
+
+A test fails only on a loss beyond chance, and names the seeds that were lost. Baselines are files
+to keep under version control: a change of theirs is reviewed like any other.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from encoders.trained import builtin_capture, train
+from tasks.box_to_goal import BoxToGoal
+from tasks.sensing import Sensing
+from tasks.task import Measure
+
+pytest_plugins = ["sandbox.regression"]
+
+NEAR = 0.015
+"""m within which a box counts as put away."""
+
+
+@dataclass(frozen=True)
+class PutAway(BoxToGoal):
+    """Bring the box to within 1.5 cm of its goal, turned as it likes, and let go of it."""
+
+    name: ClassVar[str] = "my-lab-put-away"
+    version: ClassVar[int] = 1
+    time_limit: ClassVar[float] = 15.0
+
+    def measure(self, sensing: Sensing) -> Measure:
+        """Whether it is there, how far it came, and what is missing."""
+        box, goal = sensing.object("box"), np.asarray(self.goals[0].position)
+        way = float(np.linalg.norm(goal - np.asarray(self.objects[0].position)))
+        off = float(np.linalg.norm(goal - box.position))
+        if off > NEAR:
+            return Measure(False, float(np.clip(1 - off / way, 0, 0.99)), "it is not there yet")
+        if box.held:
+            return Measure(False, 0.99, "a hand still touches it")
+        return Measure(True, 1.0, "")
+
+
+def test_our_task_is_no_harder_than_it_was(regression):
+    regression(PutAway, seeds="0:4", baseline="put-away.json")
+
+
+def test_our_encoder_is_no_worse_than_best(regression):
+    ours = train(builtin_capture(), "ours", degree=2, ridge=1e-3)
+    regression(PutAway, "0:4", ours, "put-away.json", across_encoders=True)

@@ -1,0 +1,72 @@
+"""Tasks that are over in a blink, for tests of what runs them: success is a matter of the seed."""
+
+from __future__ import annotations
+
+import os
+import signal
+from typing import ClassVar
+
+from tasks.box_to_goal import BoxToGoal
+from tasks.sensing import Sensing
+from tasks.task import Measure
+
+
+class Quick(BoxToGoal):
+    """Every third seed fails."""
+
+    name: ClassVar[str] = "quick"
+    time_limit: ClassVar[float] = 0.3
+    hold_time: ClassVar[float] = 0.1
+
+    def measure(self, sensing: Sensing) -> Measure:
+        if self.seed % 3 == 0:
+            return Measure(False, 0.25, "this seed <fails> & says so")
+        return Measure(True, 1.0, "")
+
+
+class Worse(Quick):
+    """All seeds fail: what Quick may have become after a change."""
+
+    def measure(self, sensing: Sensing) -> Measure:
+        return Measure(False, 0.0, "it fails now")
+
+
+class Newer(Quick):
+    """Another version."""
+
+    version: ClassVar[int] = 2
+
+
+class Dying(Quick):
+    """The process of seed 1 is killed, as by a lack of memory, and that of seed 2 exits."""
+
+    name: ClassVar[str] = "dying"
+
+    def measure(self, sensing: Sensing) -> Measure:
+        if self.seed == 1:
+            os.kill(os.getpid(), signal.SIGKILL)
+        if self.seed == 2:
+            os._exit(7)
+        return super().measure(sensing)
+
+
+class Raising(Quick):
+    """Seed 1 has a bug."""
+
+    name: ClassVar[str] = "raising"
+
+    def measure(self, sensing: Sensing) -> Measure:
+        if self.seed == 1:
+            raise ZeroDivisionError("a lab's own bug")
+        return super().measure(sensing)
+
+
+class Stopping(Quick):
+    """Somebody presses Ctrl-C during seed 2."""
+
+    name: ClassVar[str] = "stopping"
+
+    def measure(self, sensing: Sensing) -> Measure:
+        if self.seed == 2:
+            signal.raise_signal(signal.SIGINT)
+        return super().measure(sensing)
