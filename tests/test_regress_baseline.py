@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import json
+import os
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
@@ -18,6 +21,7 @@ from sandbox.regress.junit import junit
 from sandbox.regress.plan import RegressionPlan
 from sandbox.regress.report import Report, make_report
 from sandbox.regression import Regression
+from tests.processes import ROOT
 from tests.regress_tasks import Dying, Newer, Quick, Worse
 
 PLAN = RegressionPlan((Quick,), tuple(range(10)))
@@ -220,6 +224,19 @@ def test_the_fixture_asks_for_a_rate_only_beyond_chance(tmp_path):
         asking(Quick, "0:3", finger=3)
 
 
+def passes(folder: Path, *more: str) -> None:
+    """Runs a folder's tests as a lab would."""
+    ran = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "sandbox.regression", *more, "."],
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(ROOT), "PYTEST_ADDOPTS": ""},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert ran.returncode == 0, ran.stdout + ran.stderr
+
+
 PLUGIN_TEST = """
 pytest_plugins = ["sandbox.regression"]
 from tests.regress_tasks import Quick
@@ -228,24 +245,16 @@ def test_ours(regression):
 """
 
 
-def test_the_plugin_makes_a_baseline_and_then_compares(tmp_path, monkeypatch):
-    import os
-    import subprocess
-    import sys
-
-    from tests.processes import ROOT
-
+def test_the_plugin_makes_a_baseline_and_then_compares_in_processes(tmp_path):
     (tmp_path / "test_ours.py").write_text(PLUGIN_TEST)
-    env = {**os.environ, "PYTHONPATH": str(ROOT)}
-    env.pop("PYTEST_ADDOPTS", None)
-    command = [sys.executable, "-m", "pytest", "-q", "-p", "sandbox.regression", "test_ours.py"]
+    for more in (["--sandbox-update-baseline"], ["--sandbox-workers", "2"]):
+        passes(tmp_path, *more)
+        assert load_baseline(tmp_path / "base.json").tasks["quick"].trials.keys() == {1, 2}
 
-    def run(*more: str) -> subprocess.CompletedProcess[str]:
-        return subprocess.run(
-            [*command, *more], cwd=tmp_path, env=env, capture_output=True, text=True, check=False
-        )
 
-    assert "no such baseline" in run().stdout
-    assert run("--sandbox-update-baseline").returncode == 0
-    assert load_baseline(tmp_path / "base.json").tasks["quick"].trials.keys() == {1, 2}
-    assert run("--sandbox-workers", "2").returncode == 0
+@pytest.mark.full
+def test_the_example_for_a_lab_makes_its_baseline_and_passes_it(tmp_path):
+    source = (ROOT / "examples" / "test_my_lab.py").read_text()
+    (tmp_path / "test_my_lab.py").write_text(source)
+    passes(tmp_path, "--sandbox-update-baseline")
+    passes(tmp_path)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -233,6 +234,8 @@ def _task(values: dict[str, Any]) -> KeptTask:
     for seed, (success, progress, time_s, state_hash) in values["trials"].items():
         if not isinstance(success, bool):
             raise TypeError(f"success of seed {seed} is {success!r}")
+        if not isfinite(float(progress) + float(time_s)):
+            raise ValueError(f"numbers of seed {seed} are not finite")
         trials[int(seed)] = Kept(success, float(progress), float(time_s), str(state_hash))
     return KeptTask(int(values["version"]), str(values["fingerprint"]), trials)
 

@@ -166,7 +166,8 @@ def options(scene: Mapping[str, Any]) -> Iterator[str]:
 def differing(values: Mapping[str, Any]) -> dict[str, Any]:
     """Those options of a scene that are not what `sandbox run` takes by itself."""
     plain = SceneOptions()
-    return {name: value for name, value in values.items() if value != getattr(plain, name)}
+    # What is no option at all is left for the plan to refuse.
+    return {name: value for name, value in values.items() if value != getattr(plain, name, ...)}
 
 
 def find_tasks(names: Sequence[str]) -> tuple[str, ...]:
