@@ -170,6 +170,7 @@ def test_the_json_has_every_task_and_every_trial(tmp_path, capsys):
     assert [f["seed"] for f in task["failed"]] == [0, 3, 6]
     assert found["schema"] == 1 and found["complete"] and found["passed"]
     assert found["configuration"]["encoder"] == "best"
+    assert found["noise_floor"]["pairs"] == 9 and found["noise_floor"]["fewest_losses"] == 5
     assert "6/9" in capsys.readouterr().out
 
 

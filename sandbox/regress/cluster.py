@@ -35,6 +35,8 @@ class Cluster:
 
     Every machine needs the same version of the sandbox, and the encoder's file where it is one.
     Machines of several kinds give states of several kinds: every trial tells its own fingerprint.
+    Ray opens ports that the network can reach, and whoever reaches them may run code: not for
+    machines without a firewall.
 
     Args:
         workers: Of a Ray started here; a cluster has as many as it has.
@@ -70,12 +72,7 @@ class Cluster:
     def _connect(self) -> None:
         options: dict[str, Any] = {"log_to_driver": False, "logging_level": "ERROR"}
         if self.address is None:
-            # Nobody but this machine is to reach it.
-            options |= {
-                "num_cpus": self.workers,
-                "include_dashboard": False,
-                "_node_ip_address": "127.0.0.1",
-            }
+            options |= {"num_cpus": self.workers, "include_dashboard": False}
         else:
             options["address"] = self.address
         try:

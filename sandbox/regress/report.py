@@ -161,6 +161,17 @@ class Report:
         """The line that runs a trial again."""
         return self.plan.command(trial["task"], trial["seed"])
 
+    def noise_floor(self) -> dict[str, Any]:
+        """What a comparison of all these tasks and seeds, pair by pair, can notice at best."""
+        pairs, tests = len(self.plan.seeds), len(self.tasks)
+        return {
+            "pairs": pairs,
+            "tests": tests,
+            "fewest_losses": statistics.fewest_losses(tests),
+            "drop": statistics.noticeable_drop(pairs, 0.0, tests),
+            "power": statistics.POWER,
+        }
+
     def as_json(self) -> dict[str, Any]:
         """All of it as JSON values."""
         tests = len(self.comparisons)
@@ -182,6 +193,7 @@ class Report:
             "reasons": list(self.reasons),
             "notes": list(self.notes),
             "configuration": {**self.configuration, "seeds": list(self.plan.seeds)},
+            "noise_floor": self.noise_floor(),
             "tasks": tasks,
             "trials": self.trials,
         }

@@ -20,6 +20,8 @@ def show(report: Report, console: Console) -> None:
     if report.comparisons:
         console.print(_compared(report))
         _noise_floor(report, console)
+    else:
+        _noise_floor_to_come(report, console)
     _failed(report, console)
     for note in report.notes:
         console.print(f"[yellow]{escape(note)}[/]", soft_wrap=True)
@@ -92,6 +94,18 @@ def _noise_floor(report: Report, console: Console) -> None:
                     "none" if churn is None else f"one of {100 * churn:.1f} points"
                 )
         console.print(f"[dim]{escape(text)}[/]", soft_wrap=True)
+
+
+def _noise_floor_to_come(report: Report, console: Console) -> None:
+    floor = report.noise_floor()
+    what = (
+        "no drop at all" if floor["drop"] is None else f"a drop of {100 * floor['drop']:.1f} points"
+    )
+    console.print(
+        f"[dim]as a baseline, {floor['pairs']} seeds would let a later run notice {what} "
+        f"with {statistics.POWER:.0%} power, at best[/]",
+        soft_wrap=True,
+    )
 
 
 def _failed(report: Report, console: Console) -> None:
