@@ -34,7 +34,7 @@ TILT_TOLERANCE = np.deg2rad(5.0)
 SPEED_TOLERANCE = 0.010
 """m, rad, rad and m/s within which the wrench counts as arrived."""
 
-_TRIES = 20_000
+_TRIES = 4_000
 """Draws before a surface is said to be too small."""
 
 
@@ -86,7 +86,7 @@ class WrenchSlide:
                 "the surface is too small for this task",
                 where=cls.name,
                 got=f"{surface.width_in:g}x{surface.height_in:g}in",
-                expected="room for two places of a wrench, as on 7x4.6in",
+                expected="room for two places of a wrench, as on 7.06x4.65in",
             )
         mass = float(rng.uniform(*MASS))
         places = surface.to_world(np.stack([start, end]))[:, :2].tolist()

@@ -93,7 +93,9 @@ def choose_grasp(box: SeenObject, turn: float, c: UserConfiguration) -> Grasp:
     return min(options, key=lambda o: o[:2])[2]
 
 
-def choose_handle_grasp(yaw: float, turn: float, grip: float, c: UserConfiguration) -> Grasp:
+def choose_handle_grasp(
+    yaw: float, turn: float, grip: float, c: UserConfiguration, failed: float | None = None
+) -> Grasp:
     """The side of a handle for the thumb from which most of a turn can be made in comfort.
 
     Args:
@@ -101,6 +103,8 @@ def choose_handle_grasp(yaw: float, turn: float, grip: float, c: UserConfigurati
         turn: rad by which it is to be turned.
         grip: m along the handle from the object's middle, where to close.
         c: Whose comfort.
+        failed: rad, the side of a grasp that has just come to nothing: the other one is taken if a
+            wrist goes there at all.
     """
     room = 2 * min(grip - HANDLE[0], HANDLE[1] - grip)
     options = []
@@ -113,8 +117,10 @@ def choose_handle_grasp(yaw: float, turn: float, grip: float, c: UserConfigurati
         cost = max(start, end) + 2.0 * (abs(turn) - abs(made))
         if start > _FARTHEST:
             cost += 100.0
+        if side == failed:
+            cost += 50.0
         # With one finger against the thumb, what they close on begins to turn the way it should.
-        skew = float(np.copysign(_COUPLE, -turn)) if c.fingers == 2 else 0.0
+        skew = float(np.copysign(_COUPLE, turn)) if c.fingers == 2 else 0.0
         options.append((cost, number, Grasp(axis, HANDLE_WIDTH, room, grip, side, skew)))
     return min(options, key=lambda o: o[:2])[2]
 

@@ -29,17 +29,21 @@ class Handling(Protocol):
     Attributes:
         good: m and rad within which they are content and let go.
         enough: m and rad within which a thing that lies still is not touched again.
+        patience: How often they look at a hand that stays a ghost before they lift it.
     """
 
     good: tuple[float, float]
     enough: tuple[float, float]
+    patience: int
 
     def missing(self, seen: SeenObject, goal: Goal) -> tuple[Array, float]:
         """Shift (2,) m and turn, rad, from the thing as seen to its goal."""
         ...
 
-    def grasp(self, seen: SeenObject, turn: float, c: UserConfiguration) -> Grasp:
-        """Where thumb and fingers go."""
+    def grasp(
+        self, seen: SeenObject, turn: float, c: UserConfiguration, failed: Grasp | None = None
+    ) -> Grasp:
+        """Where thumb and fingers go; `failed` is how they came down in vain just now."""
         ...
 
     def pivot(self, seen: SeenObject) -> Array:
@@ -56,6 +60,7 @@ class BoxHandling:
 
     good = (0.003, float(np.deg2rad(2.5)))
     enough = (0.008, float(np.deg2rad(8.0)))
+    patience = 14
 
     def missing(self, seen: SeenObject, goal: Goal) -> tuple[Array, float]:
         """To the nearest of the four places that look alike."""
@@ -63,7 +68,9 @@ class BoxHandling:
         turn = (goal.yaw - seen.yaw + quarter / 2) % quarter - quarter / 2
         return np.asarray(goal.position[:2]) - seen.position[:2], float(turn)
 
-    def grasp(self, seen: SeenObject, turn: float, c: UserConfiguration) -> Grasp:
+    def grasp(
+        self, seen: SeenObject, turn: float, c: UserConfiguration, failed: Grasp | None = None
+    ) -> Grasp:
         """Across the most comfortable faces."""
         return choose_grasp(seen, turn, c)
 
@@ -86,6 +93,7 @@ class WrenchHandling:
     def __init__(self, wrench: Wrench) -> None:
         self._bolted = wrench.bolt is not None
         self._grip = _TURN_GRIP if self._bolted else _SLIDE_GRIP
+        self.patience = 8
         self.good = (0.003, float(np.deg2rad(2.0)))
         self.enough = (0.007, float(np.deg2rad(3.5 if self._bolted else 5.5)))
 
@@ -95,9 +103,11 @@ class WrenchHandling:
         off = np.asarray(goal.position[:2]) - seen.position[:2]
         return (np.zeros(2) if self._bolted else off), turn
 
-    def grasp(self, seen: SeenObject, turn: float, c: UserConfiguration) -> Grasp:
-        """Thumb on one side of the handle, fingers on the other."""
-        return choose_handle_grasp(seen.yaw, turn, self._grip, c)
+    def grasp(
+        self, seen: SeenObject, turn: float, c: UserConfiguration, failed: Grasp | None = None
+    ) -> Grasp:
+        """Thumb on one side of the handle, fingers on the other; round about if that failed."""
+        return choose_handle_grasp(seen.yaw, turn, self._grip, c, failed.side if failed else None)
 
     def pivot(self, seen: SeenObject) -> Array:
         """The bolt, or a free wrench's middle."""

@@ -54,6 +54,7 @@ class SkilledUser:
         self._until = 0.0
         self._grasp: Grasp | None = None
         self._handling: Handling | None = None
+        self._failed: Grasp | None = None
         self._grasps = 0
         self._tries = 0
 
@@ -101,7 +102,7 @@ class SkilledUser:
             self._doing = _Doing.CONTENT
             return
         self._grasps += 1
-        self._grasp = self._handling.grasp(box, turn, c)
+        self._grasp = self._handling.grasp(box, turn, c, self._failed)
         centre = self._grasp.middle(box)
         error = self._rng.normal(0.0, c.aim_error, 2)
         each = self._rng.normal(0.0, c.finger_error, (c.fingers, 2))
@@ -112,7 +113,7 @@ class SkilledUser:
 
     def _adjust(self, sight: Sight, box: SeenObject, now: float) -> None:
         """Moves the fingers to where the drawn hand is right around the box."""
-        assert self._grasp is not None
+        assert self._grasp is not None and self._handling is not None
         c = self.configuration
         middle = self._grasp.middle(box)
         wanted = self._grasp.places(middle, c.opening, c)
@@ -123,7 +124,8 @@ class SkilledUser:
             self._watch(self._fingers.move(wanted, now))
             return
         if not sight.solid:
-            if self._tries > 14:
+            if self._tries > self._handling.patience:
+                self._failed = self._grasp
                 self._let_go(now)
                 return
             # Still a ghost: perhaps a finger is inside the box; open a little wider and look.
@@ -135,6 +137,7 @@ class SkilledUser:
             return
         closed = self._grasp.places(middle, -c.squeeze, c)
         closed = closed + self._drawn_offset(sight, now)
+        self._failed = None
         self._doing = _Doing.CLOSING
         self._watch(self._fingers.move(closed, now))
 
