@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import os
+import socket
 from collections.abc import Iterator, Sequence
 from typing import Any
 
 from models.errors import HandSandboxError, InputError
 from sandbox.regress.execute import Trial, attempt, crashed
 from sandbox.regress.plan import TrialJob
+
+CONNECT_TIMEOUT = 5.0
+"""s to wait for a cluster's answer."""
 
 
 def need_ray() -> Any:
@@ -74,7 +78,7 @@ class Cluster:
         if self.address is None:
             options |= {"num_cpus": self.workers, "include_dashboard": False}
         else:
-            options["address"] = self.address
+            options["address"] = _reachable(self.address)
         try:
             self._ray.init(**options)
         except (ConnectionError, ValueError, RuntimeError) as error:
@@ -84,3 +88,21 @@ class Cluster:
                 got=str(error).partition("\n")[0],
                 expected="such as auto or ray://host:10001",
             ) from None
+
+
+def _reachable(address: str) -> str:
+    """The address, where somebody listens: Ray itself ends this process where nobody does."""
+    host, colon, port = address.removeprefix("ray://").rpartition(":")
+    if not colon:
+        # `auto` and `local` are for Ray to find.
+        return address
+    try:
+        socket.create_connection((host, int(port)), CONNECT_TIMEOUT).close()
+    except (OSError, ValueError, OverflowError) as error:
+        raise InputError(
+            "nobody answers there",
+            where="--address",
+            got=f"{address}: {error}",
+            expected="such as auto or ray://host:10001",
+        ) from None
+    return address
