@@ -155,12 +155,6 @@ def test_a_left_hand_from_another_seat_succeeds_as_well(task):
     assert play(task, 1, hand="left", turn=90)["success"]
 
 
-@pytest.mark.parametrize("task", TASKS)
-@pytest.mark.parametrize("user", ["idle", "random"])
-def test_a_user_who_does_not_play_does_not_succeed(task, user):
-    assert not play(task, 0, user=user)["success"]
-
-
 @pytest.mark.full
 @pytest.mark.parametrize(("task", "least"), [("wrench-turn", 39), ("wrench-slide", 38)])
 @pytest.mark.parametrize("n", [2, 3, 5])

@@ -20,6 +20,9 @@ _COMFORT = float(np.deg2rad(95.0))
 """rad from the natural axis, as far as a wrist turns to carry something on."""
 _FARTHEST = float(np.deg2rad(100.0))
 """rad from the natural axis, as far as a wrist turns at all."""
+_OBLIQUE, _SIDESTEP = float(np.deg2rad(60.0)), 0.025
+"""rad from the natural axis beyond which the thumb goes along the handle, and m by how much, so
+that the hand is turned less than the handle asks for."""
 _COUPLE = 0.018
 """m along a handle from the thumb to a single finger: two opposite forces turn nothing, but let it
 slip about the line between them."""
@@ -121,7 +124,12 @@ def choose_handle_grasp(
             cost += 50.0
         # With one finger against the thumb, what they close on begins to turn the way it should.
         skew = float(np.copysign(_COUPLE, turn)) if c.fingers == 2 else 0.0
-        options.append((cost, number, Grasp(axis, HANDLE_WIDTH, room, grip, side, skew)))
+        if c.fingers > 2 and start > _OBLIQUE:
+            skew = -float(np.copysign(_SIDESTEP, _wrapped(axis - c.natural_axis)))
+        # All of them stay on the handle, the outermost with their whole pads.
+        span = 0.5 * ((c.fingers - 2) * c.pitch + abs(skew))
+        at = float(np.clip(grip, HANDLE[0] + 0.008 + span, HANDLE[1] - 0.003 - span))
+        options.append((cost, number, Grasp(axis, HANDLE_WIDTH, room, at, side, skew)))
     return min(options, key=lambda o: o[:2])[2]
 
 
