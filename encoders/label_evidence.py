@@ -25,16 +25,16 @@ LONE_FINGER = (0.15, 0.40, 0.25, 0.10, 0.10)
 """Probability that a lone contact is this finger. An assumption, not learned: captures hold no lone
 contacts. People point with the index finger, or with the middle one."""
 
-THUMB_AND_NEXT = 2.0
+THUMB_AND_NEXT = 1.3
 """How much likelier than any other set of as many fingers the thumb with the fingers next to it is
 in what was captured. An assumption, not learned: a capture by script gives every set equal time.
 Whoever grasps sets the thumb against the index, then index and middle, and so on (the precision
 grasps in the taxonomy of Feix and others, 2016); whoever plays with all sets does so less often."""
 
-STRANGER_SHARE = 0.1
+STRANGER_SHARE = 0.04
 """Probability that a layout is none that the captured hand would show: another person's, or one on
 an object wider than any gesture of the capture. An assumption that costs the captured hand a
-little: 0.02 in the mean log probability of held-out trials."""
+little."""
 
 STRANGER_THUMB_AND_NEXT = 60.0
 """As `THUMB_AND_NEXT`, for such layouts: they come from grasping things, and far from everything
