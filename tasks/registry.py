@@ -6,9 +6,8 @@ from models.errors import InputError
 from tasks.box_to_goal import BoxToGoal
 from tasks.task import Task
 from tasks.wrench_slide import WrenchSlide
-from tasks.wrench_turn import WrenchTurn
 
-TASKS: dict[str, type[Task]] = {task.name: task for task in (BoxToGoal, WrenchTurn, WrenchSlide)}
+TASKS: dict[str, type[Task]] = {task.name: task for task in (BoxToGoal, WrenchSlide)}
 
 
 def find_task(name: str) -> type[Task]:
