@@ -20,6 +20,7 @@ from rich.progress import track
 from rich.table import Table
 
 from benchmarks.machine import describe_machine
+from encoders.best import blocked_predictions
 from encoders.bone_fit import fitted_skeleton
 from encoders.capture import Capture
 from encoders.evaluation.errors import pose_errors
@@ -27,7 +28,7 @@ from encoders.evaluation.subjects import SUBJECTS, Subject, subject
 from encoders.person_correction import PersonCorrection, blocked_variance
 from encoders.polynomial import PolynomialEncoder
 from encoders.turned import TurnedEncoder
-from encoders.validation import robust_covariance, trial_folds
+from encoders.validation import robust_covariance
 from models.pose import absolute_pose
 from models.skeleton import ADULT
 
@@ -38,7 +39,7 @@ ENCODERS: dict[str, Callable[[], AnyEncoder]] = {
     "least-squares quadratic (the paper's)": lambda: PolynomialEncoder(2),
     "least-squares cubic": lambda: PolynomialEncoder(3),
     "quadratic, ridge 0.03": lambda: PolynomialEncoder(2, 0.03),
-    "turned, ridge 0.03 (as in best)": lambda: TurnedEncoder(0.03, 0.03),
+    "turned, ridge 0.03 (best's kind)": lambda: TurnedEncoder(0.03, 0.03),
 }
 
 FOLDS = 5
@@ -71,10 +72,7 @@ def more(person: Subject, times: int) -> Capture:
 def errors(make: Callable[[], AnyEncoder], training: Capture, tests: list[Capture]) -> list[float]:
     """Mean wrist error (cm) and joint angle (degrees), plain and corrected by fitted bones."""
     U, Q = training.u, training.relative
-    residuals, fold = np.empty_like(Q), trial_folds(training.trial, FOLDS)
-    for k in np.unique(fold):
-        out = fold == k
-        residuals[out] = Q[out] - make().fit(U[~out], Q[~out]).predict(U[out])
+    residuals = Q - blocked_predictions(make, training, FOLDS)
     correction = PersonCorrection(
         fitted_skeleton(training, ADULT),
         robust_covariance(residuals),

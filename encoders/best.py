@@ -27,7 +27,7 @@ from encoders.polynomial import PolynomialEncoder
 from encoders.smoothing import PoseFilter, rigid_motion
 from encoders.trained import TrainedModel, builtin, origin, rounded
 from encoders.turned import TurnedEncoder
-from encoders.validation import badness, robust_covariance, trial_folds
+from encoders.validation import FOLDS, badness, robust_covariance, trial_folds
 from models.pose import POSE_SIZE, absolute_pose
 from models.skeleton import ADULT
 
@@ -136,11 +136,13 @@ def train_best_model(
     return rounded(TrainedModel(name, encoder, covariances[winner], U, Q, meta, correction))
 
 
-def blocked_predictions(make: Callable[[], AnyEncoder], capture: Capture) -> Array:
+def blocked_predictions(
+    make: Callable[[], AnyEncoder], capture: Capture, folds: int = FOLDS
+) -> Array:
     """(T, 48) relative poses predicted by encoders that had not seen their trial."""
     U, Q = capture.u, capture.relative
     predicted = np.empty((len(U), POSE_SIZE))
-    fold = trial_folds(capture.trial)
+    fold = trial_folds(capture.trial, folds)
     for k in np.unique(fold):
         out = fold == k
         predicted[out] = make().fit(U[~out], Q[~out]).predict(U[out])
