@@ -72,7 +72,7 @@ class Snapshot:
         qpos: All joint positions of the scene's model, for a view with its own MjData.
         hands: One per hand of the scene.
         objects: By name.
-        goals: What is to be reached.
+        goals: What is to be reached, all of it placed in the world.
         score: So far.
         notice: A word to the person, or empty.
     """

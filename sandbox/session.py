@@ -27,6 +27,7 @@ from models.scene import CONTROL_PERIOD, Scene, SceneSpec
 from sandbox.devices.device import Device
 from sandbox.messages import ContactView, HandView, ObjectView, Snapshot
 from sandbox.solidity import Solidity, SolidityRules
+from tasks.goals import place
 from tasks.score import Scorer, Status
 from tasks.sensing import Sensing
 from tasks.task import Task
@@ -161,7 +162,7 @@ class Session:
             self.data.qpos.copy(),
             tuple(self._hand_view(i, r) for i, r in enumerate(self.reconstructions)),
             objects,
-            self.task.goals,
+            place(self.task.goals, objects),
             self.scorer.score,
             "; ".join(rig.yaw.notice for rig in self.rigs if rig.yaw and rig.yaw.notice),
         )

@@ -55,6 +55,8 @@ class BoxToGoal:
     hold_time: ClassVar[float] = 0.5
     table_friction: ClassVar[float] = 0.5
     touch_height: ClassVar[float] = 0.022
+    lift_range: ClassVar[float] = 0.0
+    plane: ClassVar[str] = "table"
 
     seed: int
     objects: tuple[Box, ...]

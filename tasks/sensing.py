@@ -16,6 +16,10 @@ from models.scene import TABLE, Scene, touching_sensor
 
 Array = NDArray[np.float64]
 
+SUPPORT = 0.6
+"""Share of an object's weight that what bears it carries. What stands on one thing has all of it
+there, what leans on two shares it."""
+
 
 @dataclass(frozen=True)
 class ObjectState:
@@ -45,6 +49,11 @@ class ObjectState:
         """rad between the object's z axis and the vertical."""
         return float(np.arccos(np.clip(self.rotation[2, 2], -1.0, 1.0)))
 
+    @property
+    def lean(self) -> float:
+        """rad between the vertical and the nearest of the object's axes: 0 on any face of a box."""
+        return float(np.arccos(np.clip(np.abs(self.rotation[2]).max(), 0.0, 1.0)))
+
 
 class Sensing:
     """Reads a simulation, and changes nothing in it."""
@@ -55,8 +64,8 @@ class Sensing:
         hands = [hand.name for hand in scene.spec.hands]
         self._sensors = {
             (thing.name, other): int(model.sensor(touching_sensor(thing.name, other)).adr[0])
-            for thing in scene.spec.objects
-            for other in (TABLE, *hands)
+            for i, thing in enumerate(scene.spec.objects)
+            for other in (TABLE, *hands, *(o.name for o in scene.spec.objects[i + 1 :]))
         }
         self._hands = hands
         self._velocity = {
@@ -68,7 +77,10 @@ class Sensing:
         for thing in scene.spec.objects:
             joint = model.joint(thing.name)
             hinged = joint.type[0] == mujoco.mjtJoint.mjJNT_HINGE
-            self._moves[thing.name] = 1 if hinged else 3
+            # What is kept in a plane slides along two or three axes.
+            types = model.jnt_type[model.jnt_bodyid == scene.object_bodies[thing.name]]
+            slides = int(np.sum(types == mujoco.mjtJoint.mjJNT_SLIDE))
+            self._moves[thing.name] = slides or (1 if hinged else 3)
             self._levers[thing.name] = float(np.linalg.norm(joint.pos)) if hinged else 1.0
 
     def object(self, name: str) -> ObjectState:
@@ -84,7 +96,27 @@ class Sensing:
         )
 
     def touching(self, name: str, other: str) -> bool:
-        """Whether a force passes between an object and the table or a hand."""
-        adr = self._sensors[name, other]
+        """Whether a force passes between an object and the table, a hand or another object."""
+        found, force = self._contact(name, other)
+        return bool(found and np.linalg.norm(force) > 0)
+
+    def force(self, name: str, other: str) -> Array:
+        """(3,) N in the world, with which the table, a hand or another object pushes an object."""
+        return self._contact(name, other)[1]
+
+    def rests_on(self, name: str, other: str) -> bool:
+        """Whether the table or another object bears an object: pushes up most of its weight.
+
+        A brush from the side, or a corner that only leans, is no support.
+        """
+        model = self._scene.model
+        weight = -model.opt.gravity[2] * model.body_mass[self._scene.object_bodies[name]]
+        return bool(self.force(name, other)[2] > SUPPORT * weight)
+
+    def _contact(self, name: str, other: str) -> tuple[bool, Array]:
+        """Whether they touch, and the force (3,) on the first."""
+        # There is one sensor for two objects; it tells the force of its first on its second.
+        swapped = (name, other) not in self._sensors
+        adr = self._sensors[(other, name) if swapped else (name, other)]
         found, *force = self._data.sensordata[adr : adr + 4]
-        return bool(found > 0 and np.linalg.norm(force) > 0)
+        return bool(found > 0), np.asarray(force) * (1.0 if swapped else -1.0)

@@ -21,13 +21,17 @@ class Goal:
 
     Attributes:
         object: Name of the object.
-        position: (3,) m, centre of the object at the goal.
-        yaw: rad about the vertical.
+        position: (3,) m, centre of the object at the goal; where `on` is set, how far from that
+            object's centre, in the world's directions.
+        yaw: rad about the vertical; where `on` is set, against that object's.
+        on: Name of the object on which it should stand, wherever that is now. Whoever looks at
+            goals takes them from `tasks.goals.place`, which has put them into the world.
     """
 
     object: str
     position: tuple[float, float, float]
     yaw: float
+    on: str | None = None
 
 
 @dataclass(frozen=True)
@@ -57,6 +61,9 @@ class Task(Protocol):
         table_friction: Coulomb coefficient of the table.
         touch_height: m, height of the touch plane above the table; a fingertip's centre is a
             little above it, near the middle of the objects' height.
+        lift_range: m by which the hand rises at lift control 1; 0 where the task needs none.
+        plane: How the touch surface is placed: `table` lies flat over the table; `front` stands
+            upright, its y the world's z.
         time_limit: s.
         hold_time: s for which the goal must hold without a break.
     """
@@ -67,6 +74,8 @@ class Task(Protocol):
     hold_time: ClassVar[float]
     table_friction: ClassVar[float]
     touch_height: ClassVar[float]
+    lift_range: ClassVar[float]
+    plane: ClassVar[str]
 
     @property
     def seed(self) -> int: ...

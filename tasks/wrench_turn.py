@@ -63,6 +63,8 @@ class WrenchTurn:
     hold_time: ClassVar[float] = 0.5
     table_friction: ClassVar[float] = 0.3
     touch_height: ClassVar[float] = 0.006
+    lift_range: ClassVar[float] = 0.0
+    plane: ClassVar[str] = "table"
 
     seed: int
     objects: tuple[Wrench, ...]

@@ -1,0 +1,170 @@
+"""What all stacking tasks share: boxes, an order, and the test of whether they are stacked."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import ClassVar, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.errors import InputError
+from models.objects import Box
+from models.scene import TABLE
+from models.surface import Surface
+from tasks.goals import place
+from tasks.sensing import ObjectState, Sensing
+from tasks.task import Goal, Measure
+
+Array = NDArray[np.float64]
+
+NAMES = ("base", "second", "third")
+"""Of the boxes, from below."""
+COLOURS = ((0.86, 0.30, 0.24), (0.93, 0.68, 0.22), (0.30, 0.52, 0.78))
+"""Of the boxes, so that one can speak of them."""
+
+EDGE = (0.040, 0.060)
+"""m."""
+MASS = (0.050, 0.250)
+"""kg."""
+YAW = float(np.deg2rad(45.0))
+"""rad, largest turn of a box against the surface's axes at the start, either way."""
+
+OFFSET_TOLERANCE = 0.35
+"""Of the smaller edge of two boxes: how far their centres may be apart, seen from above."""
+LEAN_TOLERANCE = float(np.deg2rad(3.0))
+"""rad."""
+SPEED_TOLERANCE = 0.010
+"""m/s."""
+
+
+@dataclass(frozen=True)
+class Stacking:
+    """Boxes that are to stand on each other, in their order.
+
+    Tasks differ in how many there are and in where they start.
+
+    Attributes:
+        count: How many boxes.
+    """
+
+    name: ClassVar[str]
+    version: ClassVar[int] = 1
+    count: ClassVar[int] = 2
+    time_limit: ClassVar[float] = 60.0
+    hold_time: ClassVar[float] = 0.5
+    table_friction: ClassVar[float] = 0.5
+    touch_height: ClassVar[float] = 0.022
+    lift_range: ClassVar[float] = 0.0
+    plane: ClassVar[str] = "table"
+
+    seed: int
+    objects: tuple[Box, ...]
+    goals: tuple[Goal, ...]
+
+    @classmethod
+    def of(cls, seed: int, edges: Array, masses: Array, places: Array, yaws: Array) -> Self:
+        """The trial with these boxes, the lowest one first.
+
+        Args:
+            seed: What all this was drawn from.
+            edges: (count,) m.
+            masses: (count,) kg.
+            places: (count, 2) m, centres on the table, in the world.
+            yaws: (count,) rad.
+        """
+        boxes = tuple(
+            Box(
+                NAMES[i],
+                (edges[i] / 2,) * 3,
+                float(masses[i]),
+                (float(places[i, 0]), float(places[i, 1]), edges[i] / 2),
+                float(yaws[i]),
+                COLOURS[i],
+            )
+            for i in range(cls.count)
+        )
+        goals = tuple(
+            Goal(upper.name, (0.0, 0.0, lower.half_size[2] + upper.half_size[2]), 0.0, lower.name)
+            for lower, upper in pairwise(boxes)
+        )
+        return cls(seed, boxes, goals)
+
+    def measure(self, sensing: Sensing) -> Measure:
+        """Whether the boxes are stacked now; what is missing is told from below."""
+        states = {box.name: sensing.object(box.name) for box in self.objects}
+        reasons = [self._base_missing(states, sensing)]
+        reasons += [
+            self._missing(lower, upper, states, sensing) for lower, upper in pairwise(self.objects)
+        ]
+        reason = next((r for r in reasons if r), "")
+        progress = 1.0 if not reason else min(self._progress(states, reasons[1:]), 0.99)
+        return Measure(not reason, progress, reason)
+
+    def _base_missing(self, states: dict[str, ObjectState], sensing: Sensing) -> str:
+        name = self.objects[0].name
+        if not sensing.rests_on(name, TABLE):
+            return f"the {name} box does not stand on the table"
+        if any(sensing.rests_on(name, other.name) for other in self.objects[1:]):
+            return f"the {name} box stands on another one"
+        return _restless(name, states[name])
+
+    def _missing(
+        self, lower: Box, upper: Box, states: dict[str, ObjectState], sensing: Sensing
+    ) -> str:
+        """What is missing of a box's standing on the one that belongs below it; empty: nothing."""
+        name, below = upper.name, lower.name
+        off = float(np.linalg.norm((states[name].position - states[below].position)[:2]))
+        if sensing.touching(name, TABLE):
+            return f"the {name} box stands on the table"
+        others = (o.name for o in self.objects if o.name not in (name, below))
+        if not sensing.rests_on(name, below) or any(sensing.rests_on(name, o) for o in others):
+            return f"the {name} box does not stand on the {below} box"
+        if off > OFFSET_TOLERANCE * 2 * min(lower.half_size[0], upper.half_size[0]):
+            return f"the {name} box is {1000 * off:.0f} mm off the middle of the {below} box"
+        return _restless(name, states[name])
+
+    def _progress(self, states: dict[str, ObjectState], missing: list[str]) -> float:
+        """Share of the upper boxes that are in place, and how far the next one has come."""
+        done = next((i for i, reason in enumerate(missing) if reason), len(missing))
+        if done == len(missing):
+            return 1.0
+        # Where the next box belongs now, against how far from that it was at the start.
+        name = self.goals[done].object
+        start = {box.name: _Start(box) for box in self.objects}
+        now, then = (
+            float(np.linalg.norm(poses[name].position - place(self.goals, poses)[done].position))
+            for poses in (states, start)
+        )
+        way = float(np.clip(1.0 - now / then, 0.0, 1.0))
+        return (done + 0.99 * way) / len(missing)
+
+
+class _Start:
+    """A box as it stood at the start."""
+
+    def __init__(self, box: Box) -> None:
+        self.position = np.asarray(box.position)
+        c, s = np.cos(box.yaw), np.sin(box.yaw)
+        self.rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def _restless(name: str, state: ObjectState) -> str:
+    if state.lean > LEAN_TOLERANCE:
+        return f"the {name} box is tilted by {np.rad2deg(state.lean):.0f} degrees"
+    if state.held:
+        return f"a hand still touches the {name} box"
+    if state.speed > SPEED_TOLERANCE:
+        return f"the {name} box is still moving"
+    return ""
+
+
+def too_small(name: str, surface: Surface, example: str) -> InputError:
+    """The error of a task for which a surface has no room."""
+    return InputError(
+        "the surface is too small for this task",
+        where=name,
+        got=f"{surface.width_in:g}x{surface.height_in:g}in",
+        expected=f"room for the boxes, as on {example}",
+    )
