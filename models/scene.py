@@ -18,6 +18,7 @@ from models.hand import (
     hand_body,
     hand_default,
 )
+from models.mjcf_thing import MjcfThing
 from models.objects import Thing
 from models.pose import POSE_SIZE
 from models.rotations import quaternion_exp
@@ -150,6 +151,11 @@ def scene_xml(spec: SceneSpec) -> str:
         world.append(hand_body(hand))
     for thing in spec.objects:
         world.append(thing.body())
+    assets = root.find("asset")
+    assert assets is not None
+    for thing in spec.objects:
+        if isinstance(thing, MjcfThing):
+            assets.extend(thing.assets())
     actuators = SubElement(root, "actuator")
     for hand in spec.hands:
         actuators.extend(hand_actuators(hand))

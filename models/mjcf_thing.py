@@ -1,0 +1,293 @@
+"""A thing of somebody's own, described in MJCF: text, or a file that any MuJoCo viewer opens.
+
+The description is compiled by MuJoCo on its own, with its defaults, meshes and includes, and what
+comes out is one rigid body of plain geoms, which goes into the scene. So nothing in it can clash
+with names or settings of the scene, and what is wrong with it is said before there is a scene.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+from xml.etree.ElementTree import Element, SubElement
+
+import mujoco
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from models.errors import InputError
+from models.hand import CONTACT_OBJECT, CONTACT_TABLE
+
+Array = NDArray[np.float64]
+
+_GEOM = mujoco.mjtGeom
+_TYPES = {
+    int(_GEOM.mjGEOM_SPHERE): ("sphere", 1),
+    int(_GEOM.mjGEOM_CAPSULE): ("capsule", 2),
+    int(_GEOM.mjGEOM_ELLIPSOID): ("ellipsoid", 3),
+    int(_GEOM.mjGEOM_CYLINDER): ("cylinder", 2),
+    int(_GEOM.mjGEOM_BOX): ("box", 3),
+    int(_GEOM.mjGEOM_MESH): ("mesh", 0),
+}
+"""MuJoCo's type of a geom -> its name in MJCF, and how many sizes it has."""
+
+_PROBE = 1e-3
+"""m, radius of the ball with which distances are measured; it is added again."""
+_FLOOR = 10.0
+"""m below the thing, top of the block against which its lowest point is measured."""
+_FAR = 100.0
+"""m, beyond which no distance is asked for."""
+
+_WORLD_NAMES = ("table", "mat")
+"""Names in a scene that no thing may have."""
+
+
+@dataclass(frozen=True)
+class MjcfThing:
+    """One rigid body from MJCF, free to move.
+
+    Taken from the description: its one body with all bodies welded to it, their geoms (sphere,
+    capsule, ellipsoid, cylinder, box; mesh, which collides as its convex hull), colours, friction
+    and how mass is spread. Geoms with contype and conaffinity 0 are only seen. How soft contacts
+    are and what collides with what is the scene's. Anything else in it (a floor, lights) helps to
+    look at the file, and is left out.
+
+    Attributes:
+        name: Of its body.
+        mjcf: A whole description, `<mujoco>...`, or the path of a file.
+        mass: kg, whatever the description says; it is spread as described.
+        position: (3,) m, the body's origin at the start.
+        yaw: rad about the vertical at the start; the place of the body in its description does not
+            matter.
+        looks_alike: How often it looks the same in one full turn about its z axis: 1 for a thing
+            with a front, 4 for a square one, 0 for a round one. The simulated user goes by it.
+
+    Raises:
+        InputError: MuJoCo does not understand it, or it is not one rigid body.
+    """
+
+    name: str
+    mjcf: str | Path = field(repr=False)
+    mass: float
+    position: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    yaw: float = 0.0
+    looks_alike: int = 1
+
+    def __post_init__(self) -> None:
+        if not self.name or self.name in _WORLD_NAMES:
+            raise InputError("no thing can have this name", where="MjcfThing", got=self.name)
+        if not 0.0 < self.mass < float("inf"):
+            raise InputError(
+                "its mass is out of range", where=self._where, got=self.mass, expected="above 0 kg"
+            )
+
+    @classmethod
+    def on_table(
+        cls,
+        name: str,
+        mjcf: str | Path,
+        mass: float,
+        place: ArrayLike,
+        yaw: float = 0.0,
+        looks_alike: int = 1,
+    ) -> MjcfThing:
+        """The thing standing on the table as it is described.
+
+        Args:
+            name: Of its body.
+            mjcf: Its description.
+            mass: kg.
+            place: (2,) or more, m, where its origin is in the world; the height is found.
+            yaw: rad about the vertical.
+            looks_alike: See above.
+        """
+        x, y = np.asarray(place, float)[:2]
+        height = cls(name, mjcf, mass).height
+        return cls(name, mjcf, mass, (float(x), float(y), height), yaw, looks_alike)
+
+    def body(self) -> Element:
+        """MJCF of the body."""
+        model = self._compiled
+        quat = (np.cos(self.yaw / 2), 0.0, 0.0, np.sin(self.yaw / 2))
+        body = Element("body", {"name": self.name, "pos": _text(self.position),
+                                "quat": _text(quat)})  # fmt: skip
+        SubElement(body, "freejoint", {"name": self.name})
+        share = self.mass / model.body_mass[1]
+        SubElement(body, "inertial", {
+            "pos": _text(model.body_ipos[1]), "quat": _text(model.body_iquat[1]),
+            "mass": f"{self.mass:.9g}", "diaginertia": _text(share * model.body_inertia[1]),
+        })  # fmt: skip
+        for number, geom in enumerate(self._geoms):
+            body.append(self._geom(number, geom))
+        return body
+
+    def assets(self) -> list[Element]:
+        """MJCF of its meshes, with their points written out."""
+        model, found = self._compiled, []
+        for mesh in sorted({int(model.geom_dataid[g]) for g in self._geoms} - {-1}):
+            points = model.mesh_vert[_part(model.mesh_vertadr, model.mesh_vertnum, mesh)]
+            faces = model.mesh_face[_part(model.mesh_faceadr, model.mesh_facenum, mesh)]
+            found.append(Element("mesh", {
+                "name": f"{self.name}_mesh{mesh}", "vertex": _text(points.ravel()),
+                "face": " ".join(map(str, faces.ravel().tolist())),
+            }))  # fmt: skip
+        return found
+
+    def clearance(self, points: ArrayLike, position: Array, rotation: Array) -> Array:
+        """(n,) m, signed distance of world points (n, 3) to it, negative inside.
+
+        Measured by MuJoCo's own collision functions, to the solid geoms only.
+
+        Args:
+            points: World points.
+            position: (3,) m, where its origin is now.
+            rotation: (3, 3) how it is turned now.
+        """
+        local = (np.atleast_2d(np.asarray(points, float)) - position) @ rotation
+        distances = np.full(len(local), np.inf)
+        for i, point in enumerate(local):
+            self._measuring.mocap_pos[0] = point
+            mujoco.mj_kinematics(self._compiled, self._measuring)
+            for geom in self._solid:
+                distances[i] = min(distances[i], self._distance(geom, "probe") + _PROBE)
+        return distances
+
+    @cached_property
+    def height(self) -> float:
+        """m, its origin above the table when it stands there as it is described."""
+        mujoco.mj_kinematics(self._compiled, self._measuring)
+        return _FLOOR - min(self._distance(geom, "floor") for geom in self._solid)
+
+    @cached_property
+    def bounds(self) -> tuple[Array, Array]:
+        """Lowest and highest corner (3,), (3,) m of a box about its solid geoms, in its frame."""
+        model = self._compiled
+        corners = []
+        for geom in self._solid:
+            middle, half = model.geom_aabb[geom, :3], model.geom_aabb[geom, 3:]
+            turned = np.empty(9)
+            mujoco.mju_quat2Mat(turned, model.geom_quat[geom])
+            turn = turned.reshape(3, 3)
+            centre = model.geom_pos[geom] + turn @ middle
+            corners += [centre - np.abs(turn) @ half, centre + np.abs(turn) @ half]
+        return np.min(corners, axis=0), np.max(corners, axis=0)
+
+    @property
+    def _where(self) -> str:
+        return str(self.mjcf) if _is_file(self.mjcf) else f"MJCF of {self.name}"
+
+    @cached_property
+    def _compiled(self) -> Any:
+        """MuJoCo's model of the body alone, beside a ball and a block to measure against."""
+        try:
+            spec = _read(self.mjcf)
+            # Bodies welded to each other become one, so that all of it is one thing to a sensor.
+            spec.compiler.fusestatic = True
+            bodies = spec.worldbody.bodies
+            count = len(bodies)
+            if count == 1 and not bodies[0].joints:
+                bodies[0].add_freejoint()
+            probe = spec.worldbody.add_body(name="probe", mocap=True)
+            probe.add_geom(name="probe", type=_GEOM.mjGEOM_SPHERE, size=[_PROBE, 0.0, 0.0])
+            floor = spec.worldbody.add_body(name="floor", mocap=True)
+            floor.add_geom(name="floor", type=_GEOM.mjGEOM_BOX, size=[_FLOOR] * 3)
+            model = spec.compile()
+        except (ValueError, OSError) as error:
+            raise InputError(
+                "MuJoCo cannot read this thing",
+                where=self._where,
+                got=" ".join(str(error).split())[:300],
+                remedy="Open it in MuJoCo's viewer (python -m mujoco.viewer) to see what it says",
+            ) from None
+        free = count == 1 and model.njnt == 1 and model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE
+        if model.nbody != 4 or not free:
+            raise InputError(
+                "this is not one rigid body that is free to move",
+                where=self._where,
+                got=f"{count} bodies in the world and {model.njnt} joints",
+                expected="one body in the world, with a free joint or none, and none within it",
+            )
+        if not set(model.geom_type[model.geom_bodyid == 1].tolist()) <= set(_TYPES):
+            raise InputError(
+                "it has a geom of a kind that cannot be moved about",
+                where=self._where,
+                expected=", ".join(name for name, _ in _TYPES.values()),
+            )
+        if not np.any((model.geom_bodyid == 1) & (model.geom_contype | model.geom_conaffinity)):
+            raise InputError("nothing of it is solid", where=self._where,
+                             expected="a geom with contype or conaffinity")  # fmt: skip
+        return model
+
+    @cached_property
+    def _measuring(self) -> Any:
+        """Its own data: the body at the origin, the ball anywhere, the block far below."""
+        data = mujoco.MjData(self._compiled)
+        data.qpos[:] = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
+        data.mocap_pos[1] = (0.0, 0.0, -2 * _FLOOR)
+        return data
+
+    @cached_property
+    def _geoms(self) -> list[int]:
+        return np.flatnonzero(self._compiled.geom_bodyid == 1).tolist()
+
+    @cached_property
+    def _solid(self) -> list[int]:
+        model = self._compiled
+        return [g for g in self._geoms if model.geom_contype[g] or model.geom_conaffinity[g]]
+
+    def _distance(self, geom: int, other: str) -> float:
+        model = self._compiled
+        return float(
+            mujoco.mj_geomDistance(
+                model, self._measuring, geom, model.geom(other).id, _FAR, None
+            )
+        )  # fmt: skip
+
+    def _geom(self, number: int, geom: int) -> Element:
+        model = self._compiled
+        kind, sizes = _TYPES[int(model.geom_type[geom])]
+        material = int(model.geom_matid[geom])
+        rgba = model.geom_rgba[geom] if material < 0 else model.mat_rgba[material]
+        found = Element("geom", {
+            "name": f"{self.name}_{number}", "type": kind, "pos": _text(model.geom_pos[geom]),
+            "quat": _text(model.geom_quat[geom]), "rgba": _text(rgba),
+        })  # fmt: skip
+        if sizes:
+            found.set("size", _text(model.geom_size[geom, :sizes]))
+        else:
+            # Its points were shifted to its middle, and so was the geom; a second time nothing is.
+            found.set("mesh", f"{self.name}_mesh{int(model.geom_dataid[geom])}")
+        if geom in self._solid:
+            solid = {
+                "contype": str(CONTACT_OBJECT | CONTACT_TABLE), "conaffinity": "7", "condim": "4",
+                "friction": _text(model.geom_friction[geom]), "solref": ".004 1",
+                "solimp": ".95 .99 .001",
+            }  # fmt: skip
+        else:
+            solid = {"contype": "0", "conaffinity": "0"}
+        for key, value in solid.items():
+            found.set(key, value)
+        return found
+
+
+def _is_file(mjcf: str | Path) -> bool:
+    return isinstance(mjcf, Path) or "<" not in mjcf
+
+
+def _read(mjcf: str | Path) -> Any:
+    """MuJoCo's specification of a description; relative paths in a file are from its folder."""
+    if not _is_file(mjcf):
+        return mujoco.MjSpec.from_string(str(mjcf))
+    if not Path(mjcf).is_file():
+        raise InputError("there is no such file", where="MjcfThing", got=str(mjcf))
+    return mujoco.MjSpec.from_file(str(mjcf))
+
+
+def _part(starts: Any, counts: Any, i: int) -> slice:
+    return slice(int(starts[i]), int(starts[i]) + int(counts[i]))
+
+
+def _text(values: ArrayLike) -> str:
+    return " ".join(f"{float(v):.9g}" for v in np.asarray(values, float))
