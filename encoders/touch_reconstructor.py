@@ -16,6 +16,7 @@ from encoders.contact_tracker import ContactTracker, TrackerSettings
 from encoders.contact_vector import contact_vector, leftmost
 from encoders.correction import PAD_HEIGHT, CorrectionSettings, FingertipCorrection
 from encoders.labelling import Labeller
+from encoders.lift import Lift, LiftSettings
 from encoders.smoothing import Motion, PoseFilter, rigid_motion
 from encoders.trained import TrainedModel
 from models.frames import TouchFrame
@@ -38,6 +39,7 @@ class ReconstructorSettings:
     Attributes:
         tracker: Drop-outs, palms, smoothing of touches.
         arrival: How the hand comes and goes.
+        lift: How high a lift control raises the hand.
         correction: How fingertips meet touches; None switches the correction off.
         posture_tau: s, time constant of the posture filter; 0 switches it off.
         encode: False takes the mean training pose instead of the encoder's (an ablation).
@@ -47,6 +49,7 @@ class ReconstructorSettings:
 
     tracker: TrackerSettings = field(default_factory=TrackerSettings)
     arrival: ArrivalSettings = field(default_factory=ArrivalSettings)
+    lift: LiftSettings = field(default_factory=LiftSettings)
     correction: CorrectionSettings | None = field(default_factory=CorrectionSettings)
     posture_tau: float = 0.10
     encode: bool = True
@@ -130,6 +133,7 @@ class TouchReconstructor:
         self._mean = model.training_pose.mean(axis=0)
         self._tracker = ContactTracker(s.tracker)
         self._arrival = Arrival(s.arrival)
+        self._lift = Lift(s.lift)
         self._filter = PoseFilter(s.posture_tau)
         self.reset()
 
@@ -147,6 +151,7 @@ class TouchReconstructor:
         """Back to a hand that hovers over the middle of the surface and knows no contact."""
         self._tracker.reset()
         self._arrival.reset()
+        self._lift.reset()
         self._filter.reset()
         self.labeller.reset()
         self._labels: dict[int, int] = {}
@@ -184,6 +189,7 @@ class TouchReconstructor:
         if named:
             u = self._contact_vector(named)
             self._place = self._reconstruct(named, u, motion, dt)
+        self._lift.step(frame.lift, dt)
         goal = self._raised(self._place)
         self._commanded = self.settings.rate(self._commanded, goal, dt)
         self._arrival.step(
@@ -303,8 +309,9 @@ class TouchReconstructor:
         return q
 
     def _raised(self, q: Array) -> Array:
+        """The pose as high as arrival and lift control hold it; a lifted hand may well be down."""
         q = q.copy()
-        q[2] += self._arrival.height
+        q[2] += self._arrival.height + self._lift.height
         return q
 
     def _off(self, goal: Array) -> float:
