@@ -1,9 +1,21 @@
-"""Tasks by name."""
+"""Tasks by name: ours, those that installed packages offer, and those at a place in a file."""
 
 from __future__ import annotations
 
-from models.errors import InputError
+import numpy as np
+
+from models.errors import HandSandboxError, InputError
+from models.surface import Surface
 from tasks.box_to_goal import BoxToGoal
+from tasks.discovery import (
+    failure,
+    is_place,
+    load_offered,
+    load_place,
+    offered,
+    package,
+    place_file,
+)
 from tasks.task import Task
 from tasks.wrench_slide import WrenchSlide
 
@@ -11,11 +23,86 @@ TASKS: dict[str, type[Task]] = {task.name: task for task in (BoxToGoal, WrenchSl
 
 
 def find_task(name: str) -> type[Task]:
-    """The task of a name.
+    """The task of a name, ours or of an installed package; or at a place such as `FILE.py:Class`.
 
     Raises:
-        InputError: There is none.
+        InputError: There is none, or it cannot be used.
     """
-    if name not in TASKS:
-        raise InputError("there is no such task", got=name, expected=", ".join(TASKS))
-    return TASKS[name]
+    if name in TASKS:
+        return TASKS[name]
+    if not is_place(name):
+        found = load_offered(name)
+        if found is None:
+            raise InputError("there is no such task", got=name, expected=", ".join(task_names()))
+        return found
+    found = load_place(name)
+    if TASKS.get(found.name, found) is not found:
+        raise InputError("another task has this name", where=name, got=found.name,
+                         remedy="Give it a name of its own")  # fmt: skip
+    return found
+
+
+def task_names() -> tuple[str, ...]:
+    """Names of our tasks and of those that installed packages offer, loaded or not."""
+    return (*TASKS, *sorted(set(offered()) - set(TASKS)))
+
+
+def unusable_tasks() -> dict[str, str]:
+    """What installed packages offer and cannot be used, by name, with the reason."""
+    found = {}
+    for name, entries in offered().items():
+        if name in TASKS:
+            others = ", ".join(package(e) for e in entries)
+            found[name] = f"{others} offers a task of the same name as ours, which is left out"
+            continue
+        try:
+            load_offered(name)
+        except InputError as error:
+            found[name] = str(error)
+    return found
+
+
+def draw_task(kind: type[Task], seed: int, surface: Surface) -> Task:
+    """The trial of a seed, checked.
+
+    Raises:
+        InputError: The task's own code fails, or what it draws cannot be a trial.
+    """
+    where = f"{kind.name}, seed {seed}"
+    try:
+        task = kind.draw(seed, surface)
+    except HandSandboxError:
+        raise
+    except Exception as error:
+        raise InputError("the task cannot be drawn", where=where, got=failure(error)) from error
+    names = [thing.name for thing in task.objects]
+    if not names or len(set(names)) < len(names):
+        raise InputError("a task needs things with different names", where=where, got=str(names))
+    strangers = {g.object for g in task.goals} | {g.on for g in task.goals if g.on}
+    strangers -= set(names)
+    if strangers:
+        raise InputError("a goal is of no thing of the task", where=where,
+                         got=", ".join(sorted(strangers)), expected=", ".join(names))  # fmt: skip
+    numbers = [*(x for t in task.objects for x in (*t.position, t.yaw)),
+               *(x for g in task.goals for x in (*g.position, g.yaw))]  # fmt: skip
+    if not np.all(np.isfinite(numbers)):
+        raise InputError("a start or a goal is not finite", where=where)
+    return task
+
+
+def origin(name: str) -> dict[str, str]:
+    """Where a task comes from that is not ours, for whoever wants to run it again; else empty.
+
+    Returns:
+        `entry_point` as `module:Class`, with `package` and `version` where one is installed; or
+        `file`, absolute, and `member`.
+    """
+    kind = find_task(name)
+    if kind.__module__.partition(".")[0] == __name__.partition(".")[0]:
+        return {}
+    file = place_file(name)
+    if file is not None:
+        return {"file": str(file), "member": kind.__qualname__}
+    found = {"entry_point": f"{kind.__module__}:{kind.__qualname__}"}
+    dist = next((e.dist for e in offered().get(name, []) if e.dist), None)
+    return {**found, "package": dist.name, "version": dist.version} if dist else found

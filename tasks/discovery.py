@@ -1,0 +1,208 @@
+"""Tasks that are not ours: from installed packages by entry point, from a file, from a module.
+
+A package offers its tasks under the name of the task:
+
+    [project.entry-points."hand_sandbox.tasks"]
+    my-lab-push = "my_lab.tasks:Push"
+
+What is wrong with one of them is said when it is asked for; nobody else's task suffers from it.
+"""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import re
+import sys
+import traceback
+from functools import cache
+from hashlib import blake2b
+from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from models.errors import HandSandboxError, InputError
+from tasks.task import Task
+
+GROUP = "hand_sandbox.tasks"
+"""Of entry points; each is named like its task."""
+
+_NAME = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*")
+_FILE = re.compile(r"(?P<file>.+\.py)(:(?P<member>[A-Za-z_]\w*))?")
+_MODULE = re.compile(r"(?P<module>[A-Za-z_][\w.]*):(?P<member>[A-Za-z_]\w*)")
+_NUMBERS = ("version", "time_limit", "hold_time", "table_friction", "touch_height", "lift_range")
+
+
+def offered() -> dict[str, list[EntryPoint]]:
+    """What installed packages offer, by name; nothing of it is loaded."""
+    found: dict[str, list[EntryPoint]] = {}
+    for entry in sorted(entry_points(group=GROUP), key=lambda e: (e.name, e.value)):
+        # A package that is on the path twice, as in a checkout, offers the same thing twice.
+        same = found.setdefault(entry.name, [])
+        if entry.value not in [e.value for e in same]:
+            same.append(entry)
+    return found
+
+
+def load_offered(name: str) -> type[Task] | None:
+    """A task that a package offers; None where none does.
+
+    Raises:
+        InputError: Two packages offer it, or what is offered is no task.
+    """
+    entries = offered().get(name, [])
+    if not entries:
+        return None
+    if len(entries) > 1:
+        raise InputError(
+            "several packages offer a task of this name",
+            where=name,
+            got="; ".join(f"{e.value} of {package(e)}" for e in entries),
+            remedy=f"Uninstall all but one, or name it by its place, such as {entries[0].value}",
+        )
+    entry = entries[0]
+    where = f"entry point {name} = {entry.value} of {package(entry)}"
+    found = _guarded(entry.load, where)
+    check_task(found, where)
+    if found.name != name:
+        raise InputError(
+            "the entry point and its task have different names",
+            where=where,
+            got=found.name,
+            expected=name,
+        )
+    return found
+
+
+def is_place(text: str) -> bool:
+    """Whether a text is `FILE.py`, `FILE.py:Class` or `module:Class`."""
+    return bool(_FILE.fullmatch(text) or _MODULE.fullmatch(text))
+
+
+def load_place(text: str) -> type[Task]:
+    """The task at a place; see `is_place`.
+
+    Raises:
+        InputError: There is no such file or module, or no task in it.
+    """
+    in_file = _FILE.fullmatch(text)
+    if in_file:
+        module = _module_of(Path(in_file["file"]))
+        member = in_file["member"] or _only_task(module, in_file["file"])
+    else:
+        match = _MODULE.fullmatch(text)
+        assert match is not None
+        module_name, member = match["module"], match["member"]
+        module = _guarded(lambda: importlib.import_module(module_name), text)
+    found = getattr(module, member, None)
+    if found is None:
+        raise InputError("there is nothing of this name", where=text, got=member,
+                         expected=_names(_tasks_in(module)))  # fmt: skip
+    check_task(found, text)
+    return found  # type: ignore[no-any-return]
+
+
+def place_file(text: str) -> Path | None:
+    """The file of a place, absolute; None where it is a module's."""
+    in_file = _FILE.fullmatch(text)
+    return Path(in_file["file"]).resolve() if in_file else None
+
+
+def check_task(kind: Any, where: str) -> None:
+    """Refuses what lacks a part of a task.
+
+    Raises:
+        InputError: It does; says which.
+    """
+    if not _looks_like_task(kind):
+        raise InputError("this is no task", where=where, got=repr(kind)[:80],
+                         expected="a class with draw and measure")  # fmt: skip
+    name = getattr(kind, "name", None)
+    if not (isinstance(name, str) and _NAME.fullmatch(name)):
+        raise InputError("a task's name is missing or odd", where=where, got=name,
+                         expected="small letters, digits and hyphens: my-lab-push")  # fmt: skip
+    for number in _NUMBERS:
+        value = getattr(kind, number, None)
+        if isinstance(value, bool) or not isinstance(value, int | float) or not value >= 0:
+            raise InputError(f"a task's {number} is missing or odd", where=where, got=value,
+                             expected="a number that is not negative")  # fmt: skip
+    if getattr(kind, "plane", None) not in ("table", "front"):
+        raise InputError("a task's plane is missing or odd", where=where,
+                         got=getattr(kind, "plane", None), expected="table or front")  # fmt: skip
+    missing = getattr(kind, "__abstractmethods__", frozenset())
+    if missing:
+        raise InputError("this task lacks something", where=where, got=", ".join(sorted(missing)))
+
+
+def package(entry: EntryPoint) -> str:
+    """Name and version of the package that offers an entry point."""
+    return f"{entry.dist.name} {entry.dist.version}" if entry.dist else "an unnamed package"
+
+
+def failure(error: BaseException) -> str:
+    """An error of somebody else's code in a line: what, and in which line of which file."""
+    trace = traceback.extract_tb(error.__traceback__)
+    text = f"{type(error).__name__}: {' '.join(str(error).split())[:300]}"
+    if isinstance(error, SyntaxError) or not trace:
+        return text
+    return f"{text} ({trace[-1].filename}:{trace[-1].lineno})"
+
+
+def _guarded(load: Any, where: str) -> Any:
+    try:
+        return load()
+    except HandSandboxError:
+        raise
+    except Exception as error:
+        raise InputError("this task cannot be loaded", where=where, got=failure(error)) from error
+
+
+@cache
+def _load_file(path: Path) -> ModuleType:
+    # A name of its own, so that it hides no module; dataclasses look their module up by name.
+    name = f"{path.stem}_{blake2b(str(path).encode(), digest_size=4).hexdigest()}"
+    spec = importlib.util.spec_from_file_location(name, path)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    try:
+        spec.loader.exec_module(module)
+    except BaseException:
+        del sys.modules[name]
+        raise
+    return module
+
+
+def _module_of(path: Path) -> ModuleType:
+    if not path.is_file():
+        raise InputError("there is no such file", where="the task's file", got=str(path))
+    found: ModuleType = _guarded(lambda: _load_file(path.resolve()), str(path))
+    return found
+
+
+def _looks_like_task(kind: Any) -> bool:
+    return isinstance(kind, type) and all(
+        callable(getattr(kind, part, None)) for part in ("draw", "measure")
+    )
+
+
+def _tasks_in(module: ModuleType) -> list[str]:
+    """Names of the task classes that a module makes itself."""
+    return [
+        name
+        for name, kind in vars(module).items()
+        if _looks_like_task(kind) and kind.__module__ == module.__name__
+    ]
+
+
+def _only_task(module: ModuleType, path: str) -> str:
+    tasks = _tasks_in(module)
+    if len(tasks) != 1:
+        raise InputError("which task of this file is not clear", where=path, got=_names(tasks),
+                         expected=f"one task, or {Path(path).name}:CLASS")  # fmt: skip
+    return tasks[0]
+
+
+def _names(tasks: list[str]) -> str:
+    return ", ".join(tasks) or "no task"
