@@ -6,13 +6,15 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from models.errors import DivergenceError
+from models.errors import DivergenceError, RecordingError
 from sandbox.assembly import DeviceMaker, build, digests
+from sandbox.dump import BlackBox, dump_path
 from sandbox.messages import Snapshot
 from sandbox.recording import RecordingWriter
 from sandbox.session import Session, describe
 from sandbox.settings import RunSettings
 from sandbox.versions import versions
+from tasks.registry import origin
 
 SCHEMA = 1
 """Version of a trial's JSON."""
@@ -35,6 +37,7 @@ def run_trial(
     make_views: ViewMaker = no_views,
     record: Path | None = None,
     about: dict[str, Any] | None = None,
+    dump: Path | None = None,
 ) -> dict[str, Any]:
     """Plays a trial to its end.
 
@@ -44,23 +47,43 @@ def run_trial(
         make_views: Who looks on. A device that also looks (the simulated user) need not be named.
         record: Where to write a recording.
         about: More for the header and the result, such as who the simulated user is.
+        dump: Folder for the last states of a simulation that diverges, where nothing is recorded;
+            beside a recording they are written in any case.
 
     Returns:
-        The trial's JSON.
+        The trial's JSON; after a divergence, `dump` in it tells the file that shows how.
     """
     header = trial_header(settings, about)
     recorder = RecordingWriter(record, header) if record else None
-    session = build(settings, make_device, recorder)
+    box = BlackBox(header, recorder)
+    session = build(settings, make_device, box)
     try:
         play(session, make_views(session))
         result = {**describe(session), **header, "schema": SCHEMA}
-        if recorder:
-            recorder.end(session.step, result)
+        if session.diverged:
+            path = dump_path(dump, record, session.task.name, session.task.seed)
+            result |= write_dump(box, path, session.step, result)
+        box.end(session.step, result)
     finally:
         session.close()
         if recorder:
             recorder.close()
     return result
+
+
+def write_dump(
+    box: BlackBox, path: Path | None, step: int, result: dict[str, Any]
+) -> dict[str, str]:
+    """Writes how a simulation diverged; what the result tells of it.
+
+    A file that cannot be written does not cost the result.
+    """
+    if path is None:
+        return {}
+    try:
+        return {"dump": str(box.dump(path, step, result))}
+    except RecordingError as error:
+        return {"dump": "", "dump_error": str(error)}
 
 
 def play(session: Session, views: Sequence[View]) -> None:
@@ -83,6 +106,7 @@ def trial_header(settings: RunSettings, about: dict[str, Any] | None = None) -> 
         "encoder": settings.encoder,
         "digests": digests(settings),
         "versions": versions(),
+        **({"task_from": found} if (found := origin(settings.task)) else {}),
         **(about or {}),
     }
 

@@ -78,7 +78,7 @@ def crashed(job: TrialJob, why: str) -> Trial:
     trial: Trial = dict.fromkeys(KEPT)
     return {
         **trial,
-        "task": job.task,
+        "task": job.name,
         "seed": job.seed,
         **dict.fromkeys(("success", "instant", "held", "final"), False),
         "status": CRASHED,

@@ -12,7 +12,7 @@ from typing import Any
 from models.errors import InputError
 from sandbox.assembly import digests
 from sandbox.cli.scene_options import Plan, SceneOptions, plan
-from tasks.registry import TASKS, find_task
+from tasks.registry import TASKS, find_task, task_names
 from tasks.task import Task
 
 ALL = "all"
@@ -26,7 +26,7 @@ class TrialJob:
     """One trial to run, in whatever process.
 
     Attributes:
-        task: Name of the task.
+        task: Name of the task, or its place.
         seed: Of the trial.
         scene: Options of `sandbox run` that differ from its defaults.
         record: Folder for a recording, kept where the trial fails; None records nothing.
@@ -46,7 +46,12 @@ class TrialJob:
     @property
     def recording(self) -> Path | None:
         """Where the recording of a failed trial is."""
-        return None if self.record is None else self.record / f"{self.task}-{self.seed}.jsonl"
+        return None if self.record is None else self.record / f"{self.name}-{self.seed}.jsonl"
+
+    @property
+    def name(self) -> str:
+        """Of the task."""
+        return self.own_task.name if self.own_task else _name(self.task)
 
 
 @dataclass(frozen=True)
@@ -54,7 +59,7 @@ class RegressionPlan:
     """Tasks times seeds, all run alike.
 
     Attributes:
-        tasks: Names, or classes that the registry does not know.
+        tasks: Names, places such as `FILE.py:Class`, or classes that the registry does not know.
         seeds: Of every task.
         scene: Options of `sandbox run` that differ from its defaults.
         record: Folder for recordings of failed trials.
@@ -78,7 +83,7 @@ class RegressionPlan:
     @property
     def names(self) -> tuple[str, ...]:
         """Of the tasks, in order."""
-        return tuple(t if isinstance(t, str) else t.name for t in self.tasks)
+        return tuple(_name(t) for t in self.tasks)
 
     def jobs(self) -> list[TrialJob]:
         """All trials, a seed of every task before the next seed: what breaks off is balanced."""
@@ -123,18 +128,22 @@ class RegressionPlan:
 
     def command(self, task: str, seed: int) -> str:
         """One line that runs a trial again, records it and shows what happened."""
-        own = next((t for t in self.tasks if not isinstance(t, str) and t.name == task), None)
-        job = TrialJob(task, seed, self.scene, self.record)
-        if own is not None:
-            return _python_command(own, seed, self.scene)
+        asked = next((t for t in self.tasks if _name(t) == task), task)
+        if not isinstance(asked, str):
+            return _python_command(asked, seed, self.scene)
+        job = TrialJob(asked, seed, self.scene, self.record)
         kept = job.recording
         if kept is not None:
             film = kept.with_suffix(".webp")
             return shlex.join(["sandbox", "replay", str(kept), "--film", str(film)])
         name = f"{task}-{seed}.jsonl"
-        run = ["sandbox", "run", task, "--seed", str(seed), *options(self.scene)]
+        run = ["sandbox", "run", asked, "--seed", str(seed), *options(self.scene)]
         again = shlex.join([*run, "--record", name])
         return f"{again} && {shlex.join(['sandbox', 'replay', name])}"
+
+
+def _name(task: str | type[Task]) -> str:
+    return find_task(task).name if isinstance(task, str) else task.name
 
 
 def _python_command(own_task: type[Task], seed: int, scene: Mapping[str, Any]) -> str:
@@ -171,14 +180,14 @@ def differing(values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def find_tasks(names: Sequence[str]) -> tuple[str, ...]:
-    """Tasks by name, each once; `all` is every one.
+    """Tasks by name or place, each once; `all` is every one, also of installed packages.
 
     Raises:
-        InputError: There is none of such a name.
+        InputError: There is none of such a name, or an installed one cannot be used: a gate that
+            leaves out what is broken would pass.
     """
-    if ALL in names:
-        return tuple(TASKS)
-    return tuple(dict.fromkeys(find_task(name).name for name in names))
+    asked = task_names() if ALL in names else names
+    return tuple({find_task(name): name for name in asked}.values())
 
 
 def parse_seeds(text: str) -> tuple[int, ...]:
