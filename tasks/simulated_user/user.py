@@ -58,6 +58,11 @@ class SkilledUser:
         self._grasps = 0
         self._tries = 0
 
+    @property
+    def grasping(self) -> bool:
+        """Whether the fingers are on the screen, or have only just left it."""
+        return self._doing not in (_Doing.LOOKING, _Doing.CONTENT)
+
     def finger_ids(self) -> list[int]:
         """Contact ids of the fingers last put down: thumb, index, ..."""
         return self._fingers.ids()

@@ -1,0 +1,195 @@
+"""A person who stacks boxes: one hand grasps and carries, the other raises and lowers.
+
+They take the boxes in the order in which the screen asks for them, and look at all of them again
+whenever they have let go: what has fallen is stacked anew.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from enum import Enum, auto
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.frames import TouchFrame
+from models.objects import Box
+from models.surface import Surface
+from tasks.goals import flat_yaw
+from tasks.simulated_user.configuration import UserConfiguration
+from tasks.simulated_user.grasp import Grasp
+from tasks.simulated_user.handling import BoxHandling
+from tasks.simulated_user.lift import Slider
+from tasks.simulated_user.room import roomiest_grasp
+from tasks.simulated_user.sight import SeenObject, Sight
+from tasks.simulated_user.user import SkilledUser
+from tasks.task import Goal
+
+Array = NDArray[np.float64]
+
+_OVER = 0.014
+"""m, how high a box is carried above everything that stands around."""
+_IN_PLACE = 0.004
+"""m, from its goal seen from above, at which a carried box is lowered."""
+_STRAIGHT = float(np.deg2rad(8.0))
+"""rad, turned against the box below by which it is good enough."""
+_RESTS = 0.004
+"""m above its place, nearer than which a box is taken to stand."""
+_PRESS = 0.002
+"""m by which it is lowered below its place, to be sure."""
+_FALLEN = 0.010
+"""m by which a box may lag behind the rising hand before the user takes it to have slipped."""
+_DRAGS = 7
+"""Corrected movements over one place before the user lowers the box all the same."""
+_ENOUGH = 0.2
+"""Of its edge: how far from its goal a standing box may be and is left in peace."""
+_FOLLOWS = 0.30
+"""s that a hand on the screen takes to follow the slider to its end."""
+
+
+class _Stage(Enum):
+    """What a person does with a box between their fingers."""
+
+    GRASPED = auto()
+    RAISED = auto()
+    OVER = auto()
+
+
+class StackHandling(BoxHandling):
+    """As on the table, with neighbours."""
+
+    good = (_IN_PLACE, _STRAIGHT)
+    enough = (0.0, 0.0)
+
+    def __init__(self, surface: Surface) -> None:
+        self._surface = surface
+        self.neighbours: tuple[SeenObject, ...] = ()
+
+    def grasp(
+        self, seen: SeenObject, turn: float, c: UserConfiguration, failed: Grasp | None = None
+    ) -> Grasp:
+        """Across the faces beside which there is most room, comfort permitting."""
+        return roomiest_grasp(seen, turn, c, self.neighbours, self._surface)
+
+
+class Stacker(SkilledUser):
+    """Puts boxes on each other with touches and a slider.
+
+    Args:
+        configuration: What kind of person.
+        surface: The tablet.
+        seed: Of everything this person does by chance.
+        reach: m by which the hand rises over the slider's whole way.
+    """
+
+    def __init__(
+        self, configuration: UserConfiguration, surface: Surface, seed: int, reach: float
+    ) -> None:
+        super().__init__(configuration, surface, seed)
+        self._slider = Slider(reach, np.random.default_rng([seed, 7_005]))
+        self._boxes = StackHandling(surface)
+        self._handling = self._boxes
+        self._name: str | None = None
+        self._stage = _Stage.GRASPED
+        self._from = self._stood = 0.0
+
+    def touch(self, now: float) -> TouchFrame:
+        """What the fingers do on the screen, and where the slider is, now, s."""
+        return replace(super().touch(now), lift=self._slider.control(now))
+
+    def _act(self, sight: Sight, now: float) -> None:
+        # A cube is a cube: whichever face is below, it is gripped and turned in the same way.
+        seen = {name: _upright(o) for name, o in sight.objects.items()}
+        if not self.grasping:
+            wrong = [g.object for g in sight.goals if not _stands(sight.objects[g.object], g)]
+            if not wrong or sight.done:
+                self._wait(0.1, now)
+                return
+            if wrong[0] != self._name:
+                self._name, self._grasps = wrong[0], 0
+        self._boxes.neighbours = tuple(o for name, o in seen.items() if name != self._name)
+        goals = tuple(g for g in sight.goals if g.object == self._name)
+        super()._act(replace(sight, objects=seen, goals=goals), now)
+
+    def _reach(self, sight: Sight, box: SeenObject, now: float) -> None:
+        """Brings the slider to where the box stands, and then the fingers down around it."""
+        height = _bottom(box) if _bottom(box) > _RESTS else 0.0
+        if abs(height - self._slider.height(now)) > _RESTS:
+            self._wait(self._slider.move(height, now) - now + _FOLLOWS, now)
+            return
+        self._stage = _Stage.GRASPED
+        super()._reach(sight, box, now)
+
+    def _drag(self, sight: Sight, box: SeenObject, now: float) -> None:
+        """Raises the box over all others, carries it over its place, and lowers it until it rests.
+
+        One look, one movement; a box that does not come along, or a hand that turns into a ghost,
+        ends it.
+        """
+        rise = self._slider.height(now) - self._from
+        lost = self._stage is not _Stage.GRASPED and _bottom(box) - self._stood < rise - _FALLEN
+        if lost or not sight.solid:
+            self._let_go(now)
+        elif self._stage is _Stage.GRASPED:
+            self._raise(box, now)
+        elif self._stage is _Stage.RAISED:
+            self._carry(sight, box, now)
+        else:
+            self._lower(sight.goals[0], box, now)
+
+    def _raise(self, box: SeenObject, now: float) -> None:
+        self._from, self._stood = self._slider.height(now), _bottom(box)
+        highest = max(_top(other) for other in self._boxes.neighbours)
+        self._stage = _Stage.RAISED
+        self._slide(self._from + max(highest + _OVER - self._stood, 0.0), now)
+
+    def _carry(self, sight: Sight, box: SeenObject, now: float) -> None:
+        off, turn = self._missing(sight, box)
+        near = np.linalg.norm(off) < _IN_PLACE and abs(turn) < _STRAIGHT
+        if near or self._tries >= _DRAGS:
+            self._tries = 0
+            self._stage = _Stage.OVER
+            self._lower(sight.goals[0], box, now)
+            return
+        self._tries += 1
+        self._watch(self._fingers.carry(off, turn, self._boxes.pivot(box), now))
+
+    def _lower(self, goal: Goal, box: SeenObject, now: float) -> None:
+        above = float(box.position[2]) - goal.position[2]
+        if above < _RESTS or self._tries >= _DRAGS:
+            self._let_go(now)
+            return
+        self._tries += 1
+        self._slide(self._slider.height(now) - above - _PRESS, now)
+
+    def _slide(self, height: float, now: float) -> None:
+        """Moves the slider, and acts again when its effect has been seen."""
+        self._watch(self._slider.move(height, now) + _FOLLOWS)
+
+
+def _stands(seen: SeenObject, goal: Goal) -> bool:
+    """Whether a box stands where it belongs, as far as one sees."""
+    off = seen.position - np.asarray(goal.position)
+    near = float(np.linalg.norm(off[:2])) < _ENOUGH * 2 * _half(seen)
+    return near and abs(float(off[2])) < _RESTS and seen.upright
+
+
+def _upright(seen: SeenObject) -> SeenObject:
+    """A box as if it stood on the face that is below."""
+    yaw = flat_yaw(seen.rotation)
+    c, s = np.cos(yaw), np.sin(yaw)
+    return replace(seen, rotation=np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]))
+
+
+def _half(seen: SeenObject) -> float:
+    """m, half the edge of a cube."""
+    assert isinstance(seen.shape, Box)
+    return seen.shape.half_size[2]
+
+
+def _bottom(seen: SeenObject) -> float:
+    return float(seen.position[2]) - _half(seen)
+
+
+def _top(seen: SeenObject) -> float:
+    return float(seen.position[2]) + _half(seen)
