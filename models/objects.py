@@ -164,7 +164,7 @@ class Wrench:
             SubElement(body, "joint", {
                 "name": self.name, "type": "hinge", "axis": "0 0 1", "pos": _text((JAW, 0.0, 0.0)),
                 "armature": "2e-4", "damping": "1e-3", "frictionloss": f"{self.bolt:.9g}",
-                "solreffriction": ".004 1", "solimpfriction": ".999 .9999 .001",
+                "solreffriction": ".004 1", "solimpfriction": ".9999 .9999 .001",
                 "limited": "false",
             })  # fmt: skip
         volume = [float(np.prod(piece.half_size)) for piece in _PIECES]

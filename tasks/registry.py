@@ -18,8 +18,9 @@ from tasks.discovery import (
 )
 from tasks.task import Task
 from tasks.wrench_slide import WrenchSlide
+from tasks.wrench_turn import WrenchTurn
 
-TASKS: dict[str, type[Task]] = {task.name: task for task in (BoxToGoal, WrenchSlide)}
+TASKS: dict[str, type[Task]] = {task.name: task for task in (BoxToGoal, WrenchTurn, WrenchSlide)}
 
 
 def find_task(name: str) -> type[Task]:

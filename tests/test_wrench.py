@@ -15,7 +15,7 @@ from models.objects import HANDLE, JAW, THICKNESS, Wrench, bolt_place
 from models.rotations import exp, matrix_to_quaternion
 from models.scene import Scene, SceneSpec
 from models.surface import PRESETS, Surface
-from tasks import wrench_slide, wrench_turn
+from tasks import wrench_base, wrench_slide, wrench_turn
 from tasks.sensing import Sensing
 from tasks.task import Measure
 from tasks.wrench_slide import WrenchSlide
@@ -74,14 +74,17 @@ def test_a_wrench_to_turn_is_within_its_ranges_and_its_handle_within_reach(seed,
     (wrench,), (goal,) = task.objects, task.goals
     low, high = wrench_turn.TURN
     assert low - 1e-9 <= abs(goal.yaw - wrench.yaw) <= high + 1e-9
-    assert wrench_turn.MASS[0] <= wrench.mass <= wrench_turn.MASS[1]
+    assert wrench_base.MASS[0] <= wrench.mass <= wrench_base.MASS[1]
     assert wrench_turn.FRICTION[0] <= wrench.bolt <= wrench_turn.FRICTION[1]
     bolt = np.array(bolt_place(wrench.position[:2], wrench.yaw))
     np.testing.assert_allclose(bolt_place(goal.position[:2], goal.yaw), bolt, atol=1e-12)
     for share in np.linspace(0.0, 1.0, 50):
         yaw = wrench.yaw + share * (goal.yaw - wrench.yaw)
         along = np.array([np.cos(yaw), np.sin(yaw)])
-        for place, border in ((wrench_turn.GRIP, wrench_turn.BORDER), (JAW, 0.018)):
+        for place, border in (
+            (wrench_turn.GRIP, wrench_turn.GRIP_BORDER),
+            (JAW, WrenchTurn.border),
+        ):
             xy = surface.to_surface(np.append(bolt + (place - JAW) * along, 0.0))
             # Between two of the looked-at places of an arc there is a sagitta of 0.1 mm.
             assert np.all(xy > border - 2e-4)
@@ -98,12 +101,12 @@ def test_a_wrench_to_slide_is_within_its_ranges_and_on_the_surface(seed, surface
     assert low - 1e-9 <= abs(goal.yaw - wrench.yaw) <= high + 1e-9
     way = np.linalg.norm(np.subtract(goal.position, wrench.position))
     assert wrench_slide.DISTANCE[0] - 1e-9 <= way <= wrench_slide.DISTANCE[1] + 1e-9
-    assert wrench_slide.MASS[0] <= wrench.mass <= wrench_slide.MASS[1]
+    assert wrench_base.MASS[0] <= wrench.mass <= wrench_base.MASS[1]
     for place, yaw in ((wrench.position, wrench.yaw), (goal.position, goal.yaw)):
         assert place[2] == THICKNESS / 2
         middle = surface.to_surface(place)
-        assert np.all(middle >= wrench_slide.BORDER - 1e-9)
-        assert np.all(middle <= surface.size - wrench_slide.BORDER + 1e-9)
+        assert np.all(middle >= WrenchSlide.border - 1e-9)
+        assert np.all(middle <= surface.size - WrenchSlide.border + 1e-9)
         for along in (JAW, *HANDLE):
             end = np.array(place) + along * np.array([np.cos(yaw), np.sin(yaw), 0.0])
             assert np.all(surface.to_surface(end) > 0.0)

@@ -70,6 +70,7 @@ def overview() -> str:
         "",
         "tasks",
         "  box-to-goal   bring a box onto its translucent twin",
+        "  wrench-turn   turn a wrench on its bolt onto its twin",
         "  wrench-slide  turn and slide a free wrench onto its twin",
     ]
     lines += [

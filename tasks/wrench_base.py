@@ -1,0 +1,144 @@
+"""What all tasks with a wrench share: drawing a trial, a test of where it is, and progress."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.errors import InputError
+from models.objects import Wrench
+from models.surface import Surface
+from tasks.sensing import ObjectState, Sensing
+from tasks.task import Goal, Measure
+
+Array = NDArray[np.float64]
+Place = tuple[float, float, float]
+
+NAME = "wrench"
+"""Of the wrench in every one of these tasks."""
+MASS = (0.060, 0.150)
+"""kg."""
+END_BORDER = 0.004
+"""m from the surface's border to the nearest place for an end of the wrench."""
+SPEED_TOLERANCE = 0.010
+"""m/s of the wrench's middle, under which it counts as lying still."""
+
+_TRIES = 4_000
+"""Draws before a surface is said to be too small."""
+
+
+@dataclass(frozen=True)
+class WrenchTask(ABC):
+    """One wrench that is to come to lie on its translucent twin.
+
+    Tasks differ in what the wrench is free to do, in where it may start and in how near counts.
+
+    Attributes:
+        stream: Which random numbers of a seed are this task's.
+        border: m from the surface's border to the nearest place that is drawn.
+        room: What a surface must have room for, and one that has it.
+    """
+
+    name: ClassVar[str]
+    version: ClassVar[int]
+    stream: ClassVar[int]
+    border: ClassVar[float]
+    room: ClassVar[str]
+    time_limit: ClassVar[float] = 30.0
+    hold_time: ClassVar[float] = 0.5
+    table_friction: ClassVar[float] = 0.3
+    touch_height: ClassVar[float] = 0.006
+    lift_range: ClassVar[float] = 0.0
+    plane: ClassVar[str] = "table"
+
+    seed: int
+    objects: tuple[Wrench, ...]
+    goals: tuple[Goal, ...]
+
+    @classmethod
+    def draw(cls, seed: int, surface: Surface) -> Self:
+        """The trial of a seed; same seed and surface, same trial.
+
+        Raises:
+            InputError: The surface has no room for a start and a goal.
+        """
+        rng = np.random.default_rng([seed, cls.version, cls.stream])
+        low, high = np.full(2, cls.border), surface.size - cls.border
+        for _ in range(_TRIES if np.all(high > low) else 0):
+            way = cls._way(rng, low, high, surface)
+            if way is not None:
+                break
+        else:
+            raise InputError(
+                "the surface is too small for this task",
+                where=cls.name,
+                got=f"{surface.width_in:g}x{surface.height_in:g}in",
+                expected=f"room for {cls.room}",
+            )
+        start, yaw, end, turn = way
+        mass = float(rng.uniform(*MASS))
+        wrench = Wrench(NAME, mass, start, yaw, cls._bolt(rng))
+        return cls(seed, (wrench,), (Goal(NAME, end, yaw + turn),))
+
+    @classmethod
+    @abstractmethod
+    def _way(
+        cls, rng: np.random.Generator, low: Array, high: Array, surface: Surface
+    ) -> tuple[Place, float, Place, float] | None:
+        """Start, yaw there, goal and turn between them, or None where the draw does not fit.
+
+        Args:
+            rng: This trial's randomness.
+            low, high: (2,) m, where on the surface (its frame) places may be drawn.
+            surface: The tablet.
+        """
+
+    @classmethod
+    def _bolt(cls, rng: np.random.Generator) -> float | None:
+        """N m of friction about the bolt; None where there is no bolt."""
+        return None
+
+    def measure(self, sensing: Sensing) -> Measure:
+        """Whether the wrench is at its goal, let go and at rest now."""
+        wrench = sensing.object(NAME)
+        reason = self._missing(wrench) or _restless(wrench)
+        # Nothing but success is 1.
+        progress = 1.0 if not reason else float(min(self._progress(wrench), 0.99))
+        return Measure(not reason, progress, reason)
+
+    @abstractmethod
+    def _missing(self, wrench: ObjectState) -> str:
+        """What is missing of its being at the goal, were it let go and at rest; empty: nothing."""
+
+    @abstractmethod
+    def _progress(self, wrench: ObjectState) -> float:
+        """0 at the start or farther away, 1 at the goal."""
+
+    def _turn_left(self, wrench: ObjectState) -> float:
+        """rad between the wrench as it is and its goal."""
+        return _apart(wrench.yaw, self.goals[0].yaw)
+
+    def _turned(self, wrench: ObjectState, tolerance: float) -> float:
+        """Share of the turn that is made, of a turn that counts up to a tolerance, rad."""
+        whole = _apart(self.objects[0].yaw, self.goals[0].yaw)
+        return share(self._turn_left(wrench), whole, tolerance)
+
+
+def share(left: float, whole: float, tolerance: float) -> float:
+    """0 to 1, how much of a way is made that counts as made up to a tolerance."""
+    return float(np.clip(1.0 - max(left - tolerance, 0.0) / (whole - tolerance), 0.0, 1.0))
+
+
+def _restless(wrench: ObjectState) -> str:
+    if wrench.held:
+        return "a hand still touches the wrench"
+    return "the wrench is still moving" if wrench.speed > SPEED_TOLERANCE else ""
+
+
+def _apart(a: float, b: float) -> float:
+    """rad between two yaws."""
+    return abs(float((a - b + np.pi) % (2 * np.pi) - np.pi))
