@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from models.errors import DivergenceError, RecordingError
 from sandbox.assembly import build, digests
 from sandbox.devices.recorded import RecordedDevice
 from sandbox.headless import ViewMaker, no_views
+from sandbox.recorded_task import recorded_task
 from sandbox.recording import Recording
 from sandbox.session import Session
 from sandbox.settings import RunSettings
@@ -43,6 +44,7 @@ def settings_of(recording: Recording) -> RunSettings:
         RecordingError: What it was made with has learned something else here.
     """
     settings = RunSettings.from_json(recording.header["settings"])
+    settings = replace(settings, task=recorded_task(recording.header, str(recording.path)))
     here, there = digests(settings), recording.header.get("digests")
     if here != there:
         raise RecordingError(

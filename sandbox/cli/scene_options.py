@@ -17,7 +17,9 @@ from sandbox.devices.recorded import RecordedDevice
 from sandbox.devices.simulated import SimulatedDevice
 from sandbox.devices.touch_capture import CaptureDevice, read_capture
 from sandbox.devices.tuio import DEFAULT_PORT, LOOPBACK, TuioDevice
+from sandbox.devices.web import WebDevice
 from sandbox.profiles import find_profile
+from sandbox.recorded_task import recorded_task
 from sandbox.recording import Recording, is_recording, load_recording
 from sandbox.settings import RunSettings, bare
 from tasks.simulated_user.configuration import UserConfiguration
@@ -167,6 +169,8 @@ def plan(options: SceneOptions) -> Plan:
             True,
             lambda task, surface: TuioDevice(surface, bind=options.bind, port=options.port),
         )
+    if options.device == "web":
+        return _keeping(settings, about, True, lambda task, surface: WebDevice(surface))
     if options.device == "mouse":
         from sandbox.devices.mouse import MouseDevice
 
@@ -192,7 +196,7 @@ def _keeping(settings: RunSettings, about: dict[str, Any], live: bool, make: Dev
 
 
 def _recording(device: str) -> Recording | None:
-    if device in ("simulated", "tuio", "mouse"):
+    if device in ("simulated", "tuio", "mouse", "web"):
         return None
     path = Path(device)
     if not path.exists():
@@ -211,6 +215,7 @@ def _settings(options: SceneOptions, recording: Recording | None) -> RunSettings
         # A recording brings its own task, seed and surface; what is asked for otherwise is tried on
         # the recorded touches.
         base = RunSettings.from_json(recording.header["settings"])
+        base = replace(base, task=recorded_task(recording.header, str(recording.path)))
     else:
         base = RunSettings(task=options.task)
     base = replace(base, seed=base.seed if options.seed is None else options.seed)

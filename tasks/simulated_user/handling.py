@@ -10,9 +10,12 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from models.errors import InputError
+from models.mjcf_thing import MjcfThing
 from models.objects import Box, Thing, Wrench, bolt_place
 from tasks.simulated_user.configuration import UserConfiguration
 from tasks.simulated_user.grasp import Grasp, choose_grasp, choose_handle_grasp, within_comfort
+from tasks.simulated_user.own_handling import OwnHandling
 from tasks.simulated_user.sight import SeenObject
 from tasks.task import Goal
 
@@ -124,5 +127,13 @@ def handling_of(shape: Thing) -> Handling:
     """How a thing of this shape is handled."""
     if isinstance(shape, Wrench):
         return WrenchHandling(shape)
-    assert isinstance(shape, Box)
+    if isinstance(shape, MjcfThing):
+        return OwnHandling(shape)
+    if not isinstance(shape, Box):
+        raise InputError(
+            "the simulated user does not know how to handle this",
+            got=type(shape).__name__,
+            expected="Box, Wrench or MjcfThing",
+            remedy="Give the task a user of its own: docs/write-a-task.md",
+        )
     return BoxHandling()
