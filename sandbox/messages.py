@@ -75,6 +75,7 @@ class Snapshot:
         goals: What is to be reached, all of it placed in the world.
         score: So far.
         notice: A word to the person, or empty.
+        contact: How hands and objects touch: `hard`, `soft` or `none`.
     """
 
     time: float
@@ -85,3 +86,4 @@ class Snapshot:
     goals: tuple[Goal, ...]
     score: Score
     notice: str = ""
+    contact: str = "hard"

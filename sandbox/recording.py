@@ -1,8 +1,10 @@
 """Recordings: what came in and when it took effect, so that a run can be played again to the bit.
 
 JSON lines: a header, then `input` lines (a touch frame, the physics step at which it took effect,
-the state's hash just before), `keyframe` lines (MuJoCo's integration state), and an `end` line with
-the result. A program that dies loses at most the line it was writing.
+the state's hash just before), `event` lines (what else came in, such as another contact mode),
+`keyframe` lines (MuJoCo's integration state, once a second), `track` lines (a second's poses, for
+eyes), and an `end` line with the result. A program that dies loses at most the line it was writing
+and a second of the track.
 """
 
 from __future__ import annotations
@@ -11,7 +13,9 @@ import base64
 import json
 import queue
 import threading
-from dataclasses import dataclass, field
+import zlib
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -20,14 +24,82 @@ from numpy.typing import NDArray
 
 from models.errors import InputError, RecordingError
 from models.frames import Contact, TouchFrame
+from models.scene import CONTROL_PERIOD
+from sandbox.track import Track, TrackWriter, read_line
 
 SCHEMA = 1
 """Version of the file's layout."""
 
+KEYFRAME_PERIOD = 1.0
+"""s between two stored states."""
+STATES_PER_KEYFRAME = round(KEYFRAME_PERIOD / CONTROL_PERIOD)
+
 _STOP = None
 
+Line = dict[str, Any]
 
-class RecordingWriter:
+
+class RecordingLines:
+    """Makes the lines of a recording from what a session tells; who inherits keeps them."""
+
+    def __init__(self) -> None:
+        self._track = TrackWriter()
+        self._states = 0
+
+    def input(self, step: int, hand: int, frame: TouchFrame, state_hash: str) -> None:
+        """A frame that takes effect at a physics step, and the state's hash before it."""
+        self._put({"kind": "input", "step": step, "hand": hand, **_to_json(frame),
+                   "hash": state_hash})  # fmt: skip
+
+    def event(self, step: int, what: str, **details: Any) -> None:
+        """Something else that takes effect, or has happened, at a physics step."""
+        self._put({"kind": "event", "step": step, "event": what, **details})
+
+    def state(
+        self,
+        step: int,
+        state: NDArray[np.float64],
+        state_hash: str,
+        qpos: NDArray[np.float64],
+        solid: Sequence[frozenset[int]],
+    ) -> None:
+        """The simulation at the beginning of a control period."""
+        if self._states % STATES_PER_KEYFRAME == 0:
+            self._put_track()
+            self.keyframe(step, state, state_hash)
+        self._states += 1
+        self._track.add(step, qpos, solid)
+
+    def keyframe(self, step: int, state: NDArray[np.float64], state_hash: str) -> None:
+        """The integration state at a physics step."""
+        self._put(keyframe_line(step, state, state_hash))
+
+    def end(self, step: int, result: dict[str, Any]) -> None:
+        """The trial's end and result."""
+        self._put_track()
+        self._put(end_line(step, result))
+
+    def _put_track(self) -> None:
+        line = self._track.line()
+        if line:
+            self._put(line)
+
+    def _put(self, line: Line) -> None:
+        raise NotImplementedError
+
+
+def keyframe_line(step: int, state: NDArray[np.float64], state_hash: str) -> Line:
+    """The line of an integration state."""
+    text = base64.b64encode(np.ascontiguousarray(state, "<f8").tobytes()).decode()
+    return {"kind": "keyframe", "step": step, "state": text, "hash": state_hash}
+
+
+def end_line(step: int, result: dict[str, Any]) -> Line:
+    """The line of a trial's end."""
+    return {"kind": "end", "step": step, "hash": result["state_hash"], "result": result}
+
+
+class RecordingWriter(RecordingLines):
     """Writes a recording from its own thread, one write per line; the session never waits for it.
 
     Args:
@@ -50,29 +122,20 @@ class RecordingWriter:
             raise RecordingError(
                 "the file cannot be written", where=str(path), got=error.strerror
             ) from None
-        self._path = path
+        super().__init__()
+        self.path = path
         self._start()
         self._put({"kind": "header", "schema": SCHEMA, **header})
 
+    def put(self, line: Line) -> None:
+        """A line that was made elsewhere."""
+        self._put(line)
+
     def _start(self) -> None:
-        self._queue: queue.SimpleQueue[dict[str, Any] | None] = queue.SimpleQueue()
+        self._queue: queue.SimpleQueue[Line | None] = queue.SimpleQueue()
         self._error: OSError | None = None
         self._thread = threading.Thread(target=self._write, name="recording", daemon=True)
         self._thread.start()
-
-    def input(self, step: int, hand: int, frame: TouchFrame, state_hash: str) -> None:
-        """A frame that takes effect at a physics step, and the state's hash before it."""
-        self._put({"kind": "input", "step": step, "hand": hand, **_to_json(frame),
-                   "hash": state_hash})  # fmt: skip
-
-    def keyframe(self, step: int, state: NDArray[np.float64], state_hash: str) -> None:
-        """The integration state at a physics step."""
-        text = base64.b64encode(np.ascontiguousarray(state, "<f8").tobytes()).decode()
-        self._put({"kind": "keyframe", "step": step, "state": text, "hash": state_hash})
-
-    def end(self, step: int, result: dict[str, Any]) -> None:
-        """The trial's end and result."""
-        self._put({"kind": "end", "step": step, "hash": result["state_hash"], "result": result})
 
     def close(self) -> None:
         """Waits until everything is on disk.
@@ -87,12 +150,12 @@ class RecordingWriter:
         if self._error is not None:
             raise RecordingError(
                 "the recording is incomplete",
-                where=str(self._path),
+                where=str(self.path),
                 got=self._error.strerror,
                 remedy="Make room on the disk; the lines before this are sound",
             )
 
-    def _put(self, line: dict[str, Any]) -> None:
+    def _put(self, line: Line) -> None:
         self._queue.put(line)
 
     def _write(self) -> None:
@@ -117,6 +180,15 @@ class RecordedInput:
 
 
 @dataclass(frozen=True)
+class RecordedEvent:
+    """Something that happened at a physics step: its name, and what else is known."""
+
+    step: int
+    what: str
+    details: dict[str, Any]
+
+
+@dataclass(frozen=True)
 class Recording:
     """A recording read back.
 
@@ -125,6 +197,9 @@ class Recording:
         header: As it was written.
         inputs: By hand, in order.
         keyframes: Integration state by physics step.
+        events: In order.
+        hashes: The state's hash by physics step, wherever one is told.
+        track: The poses, for eyes; empty in older recordings.
         end: The `end` line, or None where the recording breaks off.
         damage: What is wrong with the file's tail, in words; empty when nothing is.
     """
@@ -133,6 +208,9 @@ class Recording:
     header: dict[str, Any]
     inputs: dict[int, list[RecordedInput]] = field(default_factory=dict)
     keyframes: dict[int, NDArray[np.float64]] = field(default_factory=dict)
+    events: list[RecordedEvent] = field(default_factory=list)
+    hashes: dict[int, str] = field(default_factory=dict)
+    track: Track = field(default_factory=Track)
     end: dict[str, Any] | None = None
     damage: str = ""
 
@@ -167,33 +245,49 @@ def load_recording(path: Path) -> Recording:
             got=header.get("schema"),
             expected=f"schema {SCHEMA}",
         )
-    inputs: dict[int, list[RecordedInput]] = {}
-    keyframes: dict[int, NDArray[np.float64]] = {}
-    end: dict[str, Any] | None = None
+    found = Recording(path, header)
+    end: Line | None = None
     damage = ""
     for number, text in enumerate(lines[1:], start=2):
         if not text:
             continue
         try:
             line = json.loads(text)
-            kind = line["kind"]
-            if kind == "input":
-                frame = _from_json(line)
-                inputs.setdefault(int(line["hand"]), []).append(
-                    RecordedInput(int(line["step"]), frame, str(line["hash"]))
-                )
-            elif kind == "keyframe":
-                state = base64.b64decode(line["state"], validate=True)
-                keyframes[int(line["step"])] = np.frombuffer(state, "<f8")
-            elif kind == "end":
+            if line["kind"] == "end":
                 line["step"] = int(line["step"])
+                found.hashes[line["step"]] = str(line["hash"])
                 end = line
-        except (ValueError, KeyError, TypeError, InputError) as error:
+            else:
+                _take(line, found)
+        except (ValueError, KeyError, TypeError, InputError, zlib.error) as error:
             damage = f"line {number} is damaged ({error}); everything before it is used"
             break
     if not damage and end is None:
         damage = "it breaks off before its end"
-    return Recording(path, header, inputs, keyframes, end, damage)
+    return replace(found, end=end, damage=damage)
+
+
+def _take(line: Line, found: Recording) -> None:
+    """Adds a line to a recording; kinds that a later version added are passed over."""
+    kind = line["kind"]
+    if kind == "input":
+        frame = _from_json(line)
+        step, state_hash = int(line["step"]), str(line["hash"])
+        found.inputs.setdefault(int(line["hand"]), []).append(
+            RecordedInput(step, frame, state_hash)
+        )
+        found.hashes[step] = state_hash
+    elif kind == "keyframe":
+        state = base64.b64decode(line["state"], validate=True)
+        step, state_hash = int(line["step"]), str(line["hash"])
+        found.keyframes[step] = np.frombuffer(state, "<f8")
+        found.hashes[step] = state_hash
+    elif kind == "event":
+        known = ("kind", "step", "event")
+        details = {name: value for name, value in line.items() if name not in known}
+        found.events.append(RecordedEvent(int(line["step"]), str(line["event"]), details))
+    elif kind == "track":
+        read_line(line, found.track)
 
 
 def _to_json(frame: TouchFrame) -> dict[str, Any]:

@@ -23,9 +23,12 @@ from models.errors import DivergenceError
 from models.frames import TouchFrame
 from models.hand import Hand
 from models.kinematics import Kinematics
-from models.scene import CONTROL_PERIOD, Scene, SceneSpec
+from models.scene import Scene, SceneSpec
+from sandbox.contact_modes import ContactMode, ContactModes, contact_mode
 from sandbox.devices.device import Device
+from sandbox.divergence import nonsense
 from sandbox.messages import ContactView, HandView, ObjectView, Snapshot
+from sandbox.respawn import Respawn
 from sandbox.solidity import Solidity, SolidityRules
 from tasks.goals import place
 from tasks.score import Scorer, Status
@@ -34,19 +37,12 @@ from tasks.task import Task
 
 Array = NDArray[np.float64]
 
-KEYFRAME_PERIOD = 1.0
-"""s between two stored states, from which a replay may start."""
+NOTICE_TIME = 2.0
+"""s for which a person is told that an object came back."""
 
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 """What has to be stored so that a simulation goes on to the bit: `FULLPHYSICS` lacks the solver's
 warm start, and diverges at the first step."""
-
-_FATAL = (
-    mujoco.mjtWarning.mjWARN_BADQPOS,
-    mujoco.mjtWarning.mjWARN_BADQVEL,
-    mujoco.mjtWarning.mjWARN_BADQACC,
-    mujoco.mjtWarning.mjWARN_BADCTRL,
-)
 
 
 @dataclass
@@ -73,8 +69,19 @@ class Recorder(Protocol):
         """A frame that takes effect at a physics step, and the state's hash before it."""
         ...
 
-    def keyframe(self, step: int, state: Array, state_hash: str) -> None:
-        """The integration state at a physics step."""
+    def event(self, step: int, what: str, **details: Any) -> None:
+        """Something else that takes effect, or has happened, at a physics step."""
+        ...
+
+    def state(
+        self,
+        step: int,
+        state: Array,
+        state_hash: str,
+        qpos: Array,
+        solid: Sequence[frozenset[int]],
+    ) -> None:
+        """The simulation at the beginning of a control period; arrays change afterwards."""
         ...
 
 
@@ -87,6 +94,10 @@ class Session:
         rules: When hands are solid.
         timestep: s of physics.
         recorder: Writes down inputs and states; None records nothing.
+        contact: How hands and objects touch at the start.
+
+    Attributes:
+        diverged: Why the simulation cannot go on; empty while it can.
     """
 
     def __init__(
@@ -96,6 +107,7 @@ class Session:
         rules: SolidityRules | None = None,
         timestep: float = 0.002,
         recorder: Recorder | None = None,
+        contact: str = ContactMode.HARD,
     ) -> None:
         self.task, self.rigs = task, tuple(rigs)
         rules = rules or SolidityRules()
@@ -104,6 +116,11 @@ class Session:
         self.data = mujoco.MjData(self.scene.model)
         self._kinematics = [Kinematics(hand.skeleton) for hand in hands]
         self._solidity = [Solidity(self.scene, i, rules) for i in range(len(hands))]
+        self._contact = ContactModes(self.scene, contact_mode(contact))
+        self._asked: ContactMode | None = None
+        self._respawn = Respawn(self.scene, [rig.reconstructor.surface for rig in rigs])
+        self._back: tuple[float, str] = (-np.inf, "")
+        self.diverged = ""
         self._frames = [TouchFrame(0.0)] * len(hands)
         self._recorder = recorder
         self.step = 0
@@ -130,6 +147,35 @@ class Session:
         """Chained BLAKE2b of the integration states at all control steps so far, hexadecimal."""
         return self._hash.hex()
 
+    @property
+    def contact(self) -> ContactMode:
+        """How hands and objects touch now."""
+        return self._contact.mode
+
+    @property
+    def respawned(self) -> int:
+        """How often an object came back to the workspace."""
+        return sum(self._respawn.counts.values())
+
+    def solid(self, hand: int) -> frozenset[int]:
+        """Labels of a hand's fingers that can touch things now."""
+        return self._solidity[hand].fingers
+
+    def tips(self, hand: int, data: mujoco.MjData) -> Array:
+        """(5, 3) m, fingertips of a hand in a state of this session's model."""
+        return self._solidity[hand].tips(data)
+
+    def set_contact(self, mode: str) -> None:
+        """Asks for another contact mode, from any thread; it takes effect with the next step.
+
+        The state does not change by it, only what comes next. A finger that is inside an object
+        when its hand is no ghost any more stays one until it is out.
+
+        Raises:
+            InputError: There is no such mode.
+        """
+        self._asked = contact_mode(mode)
+
     def advance(self) -> Snapshot:
         """One control period.
 
@@ -137,14 +183,19 @@ class Session:
             DivergenceError: The simulation left the region where its numbers mean something; the
                 trial is marked before it is raised.
         """
-        per_keyframe = round(KEYFRAME_PERIOD / CONTROL_PERIOD) * self.scene.substeps
-        if self._recorder and self.step % per_keyframe == 0:
-            self._recorder.keyframe(self.step, self._state, self.state_hash)
+        self._record_state()
+        self._switch()
         self.reconstructions = [self._command(i) for i in range(len(self.rigs))]
-        mujoco.mj_step(self.scene.model, self.data, self.scene.substeps)
+        wrong = nonsense(self.scene, self.data)
+        if not wrong:
+            mujoco.mj_step(self.scene.model, self.data, self.scene.substeps)
+            wrong = nonsense(self.scene, self.data)
         self.step += self.scene.substeps
+        if not wrong:
+            self._bring_back()
         self._chain()
-        self._check()
+        if wrong:
+            self._diverge(wrong)
         self.scorer.update(self.time, self.task.measure(self._sensing))
         if all(rig.device.finished for rig in self.rigs):
             self.scorer.abort(Status.INPUT_ENDED, "the input ended before the task was done")
@@ -164,13 +215,47 @@ class Session:
             objects,
             place(self.task.goals, objects),
             self.scorer.score,
-            "; ".join(rig.yaw.notice for rig in self.rigs if rig.yaw and rig.yaw.notice),
+            "; ".join(self._notices()),
+            self.contact,
         )
 
     def close(self) -> None:
         """Closes the devices."""
         for rig in self.rigs:
             rig.device.close()
+
+    def _notices(self) -> list[str]:
+        found = [rig.yaw.notice for rig in self.rigs if rig.yaw and rig.yaw.notice]
+        since, back = self._back
+        return [*found, back] if self.time - since < NOTICE_TIME else found
+
+    def _record_state(self) -> None:
+        if self._recorder:
+            solid = [s.fingers for s in self._solidity]
+            self._recorder.state(self.step, self._state, self.state_hash, self.data.qpos, solid)
+
+    def _switch(self) -> None:
+        """Changes the contact mode where a person or a recording asks for it."""
+        # One read: another thread may ask again meanwhile, and is heard with the next step.
+        asked, self._asked = self._asked, None
+        for rig in self.rigs:
+            # What plays a recording has its switches, too.
+            for mode in rig.device.switches(self.time) if hasattr(rig.device, "switches") else ():
+                asked = contact_mode(mode)
+        if asked is not None and asked is not self._contact.mode:
+            self._contact.mode = asked
+            if self._recorder:
+                self._recorder.event(self.step, "contact", mode=str(asked))
+        self._contact.step()
+
+    def _bring_back(self) -> None:
+        """Puts objects that have left back into the workspace."""
+        links = np.concatenate([s.links(self.data) for s in self._solidity])
+        names = self._respawn.step(self.data, links)
+        if names:
+            self._back = (self.time, f"out of reach, and put back: {', '.join(names)}")
+            if self._recorder:
+                self._recorder.event(self.step, "respawn", objects=names)
 
     def _begin(self) -> None:
         for i, rig in enumerate(self.rigs):
@@ -192,7 +277,7 @@ class Session:
             rig.yaw.step(self.time, reconstruction.u)
         self.data.ctrl[self.scene.control_slice(i)] = reconstruction.q
         target = self._kinematics[i].tips(reconstruction.q)
-        self._solidity[i].update(self.data, reconstruction, target)
+        self._solidity[i].update(self.data, reconstruction, target, self._contact.ghost)
         return reconstruction
 
     def _latest(self, i: int) -> TouchFrame:
@@ -218,19 +303,21 @@ class Session:
         mujoco.mj_getState(self.scene.model, self.data, self._state, STATE)
         # What is solid is no part of MuJoCo's state, and decides as much about what comes next.
         solid = bytes(sum(1 << f for f in s.fingers) for s in self._solidity)
-        self._hash = blake2b(self._hash + self._state.tobytes() + solid, digest_size=16).digest()
+        decides = self._state.tobytes() + solid + self._contact.signature
+        self._hash = blake2b(self._hash + decides, digest_size=16).digest()
 
-    def _check(self) -> None:
-        for kind in _FATAL:
-            if self.data.warning[kind].number:
-                where = f"{self.time:.3f} s"
-                self.scorer.abort(Status.DIVERGED, f"the simulation diverged at {where}")
-                raise DivergenceError(
-                    "the simulation diverged",
-                    where=where,
-                    got=str(kind),
-                    remedy="The recording up to here shows how; a smaller impulse limit helps",
-                )
+    def _diverge(self, wrong: str) -> None:
+        """Marks the trial and gives up."""
+        self.diverged = wrong
+        self._record_state()
+        where = f"{self.time:.3f} s"
+        self.scorer.abort(Status.DIVERGED, f"the simulation diverged at {where}: {wrong}")
+        raise DivergenceError(
+            "the simulation diverged",
+            where=where,
+            got=wrong,
+            remedy="A smaller impulse limit, or a smaller time step, helps",
+        )
 
     def _hand_view(self, i: int, reconstruction: Reconstruction) -> HandView:
         surface = self.rigs[i].reconstructor.surface
@@ -262,5 +349,7 @@ def describe(session: Session) -> dict[str, Any]:
         "progress": round(score.progress, 6),
         "reason": score.reason,
         "time_s": round(score.time, 6),
+        "diverged": session.diverged,
+        "respawned": session.respawned,
         "state_hash": session.state_hash,
     }

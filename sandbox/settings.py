@@ -9,6 +9,7 @@ from models.errors import InputError
 from models.hand import IMPULSE_PROFILES, SERVOS
 from models.person import HANDS, Person
 from models.surface import PRESETS, Surface
+from sandbox.contact_modes import ContactMode, contact_mode
 
 LABELS = ("history", "paper", "device")
 """`history`: a belief carried from contact to contact; `paper`: nearest training pose; `device`:
@@ -33,6 +34,7 @@ class RunSettings:
         encode: The encoder's pose is used; otherwise the mean training pose.
         servo: One of `models.hand.SERVOS`.
         impulse: N s (N m s) per 1/60 s, limit of every servo.
+        contact: How hands and objects touch at the start: one of `sandbox.contact_modes`.
         surface_in: Width and height of the touch surface, inches.
         surface_calibrated: False where its size is a guess.
         timestep: s of physics.
@@ -54,6 +56,7 @@ class RunSettings:
     encode: bool = True
     servo: str = SERVOS[0]
     impulse: float = IMPULSE_PROFILES["paper"]
+    contact: str = ContactMode.HARD.value
     surface_in: tuple[float, float] = PRESETS["ipad2"]
     surface_calibrated: bool = True
     timestep: float = 0.002
@@ -67,6 +70,7 @@ class RunSettings:
                 "no such labels", where="labels", got=self.labels, expected=", ".join(LABELS)
             )
         _ = self.person
+        contact_mode(self.contact)
 
     @property
     def person(self) -> Person:
@@ -90,7 +94,7 @@ class RunSettings:
             InputError: A setting is missing or unknown: another version wrote it.
         """
         # What older recordings do not tell was so before it could be chosen.
-        values = {**asdict(Person()), **values}
+        values = {**asdict(Person()), "contact": ContactMode.HARD.value, **values}
         names = {f.name for f in fields(cls)}
         if set(values) != names:
             raise InputError(

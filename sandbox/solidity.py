@@ -49,21 +49,35 @@ class Solidity:
         self._bodies = np.array([scene.model.body(name(last[f].name)).id for f in sorted(last)])
         self._reach = np.array([last[f].length for f in sorted(last)])
         self._radius = skeleton.tip_radius
+        # What has to be clear of things: the outer half, or what is solid of it if that is less.
+        end = scene.spec.hands[hand].solid_end
+        self._inner = np.maximum(0.5, 1.0 - (np.inf if end is None else end) / self._reach)
         self.fingers = GHOST
 
     def tips(self, data: mujoco.MjData) -> Array:
         """(5, 3) m, fingertips of the simulated hand."""
         return self._along(data, 1.0)
 
-    def update(self, data: mujoco.MjData, reconstruction: Reconstruction, target: Array) -> None:
+    def links(self, data: mujoco.MjData) -> Array:
+        """(10, 3) m, ends and middles of the last links."""
+        return np.concatenate([self._along(data, 1.0), self._along(data, self._inner)])
+
+    def update(
+        self,
+        data: mujoco.MjData,
+        reconstruction: Reconstruction,
+        target: Array,
+        ghost: bool = False,
+    ) -> None:
         """Chooses the solid fingers for the next step.
 
         Args:
             data: The simulation now.
             reconstruction: What the touches say now.
             target: (5, 3) m, fingertips of the commanded pose.
+            ghost: Nothing is to be solid, whatever the touches say.
         """
-        wanted = reconstruction.fingers if reconstruction.down else GHOST
+        wanted = reconstruction.fingers if reconstruction.down and not ghost else GHOST
         staying = self.fingers & wanted
         joining = wanted - staying
         if joining:
@@ -82,14 +96,14 @@ class Solidity:
 
     def _clear(self, data: mujoco.MjData) -> NDArray[np.bool_]:
         """(5,) whether each last link is outside all objects."""
-        points = np.concatenate([self._along(data, share) for share in (1.0, 0.5)])
+        points = self.links(data)
         nearest = np.full(len(points), np.inf)
         for thing in self._scene.spec.objects:
             position, rotation = self._scene.object_pose(data, thing.name)
             nearest = np.minimum(nearest, thing.clearance(points, position, rotation))
         return nearest.reshape(2, -1).min(axis=0) - self._radius > CLEARANCE
 
-    def _along(self, data: mujoco.MjData, share: float) -> Array:
+    def _along(self, data: mujoco.MjData, share: float | Array) -> Array:
         """(5, 3) m, points on the last links, from their joints (0) to their tips (1)."""
         axis = data.xmat[self._bodies].reshape(-1, 3, 3)[:, :, 1]
-        return data.xpos[self._bodies] + share * self._reach[:, None] * axis
+        return data.xpos[self._bodies] + (share * self._reach)[:, None] * axis

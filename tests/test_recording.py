@@ -128,7 +128,7 @@ def test_a_full_disk_is_told_at_the_end_and_stalls_nobody():
         pytest.skip("device node absent: /dev/full")
     writer = RecordingWriter.__new__(RecordingWriter)
     # /dev/full exists already, and a writer makes new files only: hand it the open file.
-    writer.__dict__.update(_file=device.open("wb", buffering=0), _path=device)
+    writer.__dict__.update(_file=device.open("wb", buffering=0), path=device)
     writer._start()
     for i in range(1000):
         writer.input(i, 0, TouchFrame(0.0), "")

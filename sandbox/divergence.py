@@ -1,0 +1,43 @@
+"""When a simulation has left the region where its numbers mean something."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+
+from models.scene import Scene
+
+FASTEST = 50.0
+"""m/s of an object: 10 cm in a step of 2 ms, farther than the objects are wide. It passes through
+things without ever being seen to touch them."""
+FASTEST_TURN = 5000.0
+"""rad/s of anything, hand or object: more than a whole turn in a step of 2 ms."""
+
+_WARNINGS = {
+    mujoco.mjtWarning.mjWARN_BADQPOS: "positions are not finite",
+    mujoco.mjtWarning.mjWARN_BADQVEL: "velocities are not finite",
+    mujoco.mjtWarning.mjWARN_BADQACC: "accelerations are not finite",
+    mujoco.mjtWarning.mjWARN_BADCTRL: "the commanded pose is not finite",
+}
+"""What MuJoCo notices by itself; it also calls numbers beyond 1e10 not finite."""
+
+
+def nonsense(scene: Scene, data: mujoco.MjData) -> str:
+    """What is wrong with a simulation, in words; empty where nothing is."""
+    for kind, words in _WARNINGS.items():
+        if data.warning[kind].number:
+            return words
+    if not np.all(np.isfinite(data.ctrl)):
+        return "the commanded pose is not finite"
+    if not (np.all(np.isfinite(data.qpos)) and np.all(np.isfinite(data.qvel))):
+        return "the state is not finite"
+    for name, body in scene.object_bodies.items():
+        # Spatial velocity about the subtree's centre of mass: turn, then straight motion.
+        turn, speed = np.linalg.norm(data.cvel[body].reshape(2, 3), axis=1)
+        if speed > FASTEST:
+            return f"{name} moves at {speed:.0f} m/s"
+        if turn > FASTEST_TURN:
+            return f"{name} turns at {turn:.0f} rad/s"
+    if np.max(np.abs(data.qvel), initial=0.0) > FASTEST_TURN:
+        return f"a joint of a hand turns at {np.max(np.abs(data.qvel)):.0f} rad/s"
+    return ""

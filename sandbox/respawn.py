@@ -1,0 +1,178 @@
+"""Objects that leave the workspace come back: to where they started, or the nearest free place.
+
+The workspace is where a finger on the touch surface can reach an object. An object that stays
+outside of it for a moment could never be brought back by touching; it is put down at rest again,
+and counted. Tasks only read the simulation: what moves things is the session.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from models.objects import Thing
+from models.scene import CONTROL_PERIOD, Scene
+from models.surface import Surface
+
+Array = NDArray[np.float64]
+
+AWAY = 0.5
+"""s for which an object has to be out of reach: the person sees where it went."""
+FINGERTIP = 0.010
+"""m, about the radius of a fingertip: it reaches so far beyond its touch."""
+CEILING = 0.5
+"""m above a flat surface, beyond which no hand lifts anything."""
+FLOOR = -0.05
+"""m, world z of an object's middle below which it has sunk through the table."""
+BORDER = 0.030
+"""m from the surface's border to the middle of an object that is put down elsewhere."""
+ROOM = 0.005
+"""m between an object that is put down and whatever is there."""
+GRID = 0.010
+"""m between two places that are tried."""
+FARTHEST = 0.40
+"""m from the start, beyond which no place is tried."""
+
+
+class Respawn:
+    """Watches the objects of a scene that can leave.
+
+    Args:
+        scene: The scene.
+        surfaces: Where fingers touch, one per hand.
+
+    Attributes:
+        counts: How often each object came back; objects that never left are not in it.
+    """
+
+    def __init__(self, scene: Scene, surfaces: Sequence[Surface]) -> None:
+        self._scene, self._surfaces = scene, tuple(surfaces)
+        self._things = [_Place(scene, t) for t in scene.spec.objects]
+        self._things = [place for place in self._things if place.can_leave]
+        self._away = {place.name: 0 for place in self._things}
+        self.counts: dict[str, int] = {}
+
+    def step(self, data: mujoco.MjData, tips: Array) -> list[str]:
+        """Puts back what has been away for long enough; once per control period.
+
+        Args:
+            data: The simulation; changed, and brought up to date, where something comes back.
+            tips: (n, 3) m, points of fingers beside which nothing is put down.
+
+        Returns:
+            Names of what came back.
+        """
+        back = []
+        for place in self._things:
+            out = not any(self._within(data, place, s) for s in self._surfaces)
+            self._away[place.name] = self._away[place.name] + 1 if out else 0
+            if self._away[place.name] * CONTROL_PERIOD >= AWAY and self._put(data, place, tips):
+                self._away[place.name] = 0
+                self.counts[place.name] = self.counts.get(place.name, 0) + 1
+                back.append(place.name)
+                # Another one that comes back in the same step must not land on this one.
+                mujoco.mj_forward(self._scene.model, data)
+        return back
+
+    def _within(self, data: mujoco.MjData, place: _Place, surface: Surface) -> bool:
+        """Whether a finger on a surface could reach an object where it is now."""
+        position = data.xpos[place.body]
+        reach = place.radius + FINGERTIP
+        xy = surface.to_surface(position)
+        off = float(surface.rotation[:, 2] @ (position - np.asarray(surface.origin)))
+        return bool(
+            position[2] > FLOOR
+            and np.all(xy > -reach)
+            and np.all(xy < surface.size + reach)
+            and abs(off) < (CEILING if _flat(surface) else reach)
+        )
+
+    def _put(self, data: mujoco.MjData, place: _Place, tips: Array) -> bool:
+        """Puts an object at the free place nearest to its start; False where there is none now."""
+        others = [p for p in self._things if p is not place]
+        for shift in _SHIFTS if place.free else _SHIFTS[_SHIFTS[:, 1] == 0.0]:
+            where = place.home + shift
+            beside = [float(np.linalg.norm(where - data.xpos[p.body])) for p in others]
+            if (
+                (not shift.any() or any(_inside(s, where) for s in self._surfaces))
+                and all(
+                    d > place.radius + p.radius + ROOM for d, p in zip(beside, others, strict=True)
+                )
+                and np.all(place.thing.clearance(tips, where, place.turn) > FINGERTIP + ROOM)
+            ):
+                place.put(data, shift)
+                return True
+        return False
+
+
+class _Place:
+    """Where an object is in MuJoCo's arrays, and where it started."""
+
+    def __init__(self, scene: Scene, thing: Thing) -> None:
+        model = scene.model
+        self.thing, self.name = thing, thing.name
+        self.body = body = scene.object_bodies[thing.name]
+        joints = np.flatnonzero(model.jnt_bodyid == body)
+        types = model.jnt_type[joints]
+        self.free = bool(np.any(types == mujoco.mjtJoint.mjJNT_FREE))
+        slides = types == mujoco.mjtJoint.mjJNT_SLIDE
+        # What is hinged to the table cannot leave; what slides along two axes can.
+        self.can_leave = self.free or int(slides.sum()) >= 2
+        if not self.can_leave:
+            return
+        first, last = joints[0], joints[-1]
+        end = model.nq if last + 1 == model.njnt else model.jnt_qposadr[last + 1]
+        self._qpos = slice(int(model.jnt_qposadr[first]), int(end))
+        end = model.nv if last + 1 == model.njnt else model.jnt_dofadr[last + 1]
+        self._dofs = slice(int(model.jnt_dofadr[first]), int(end))
+        rotation = np.empty(9)
+        mujoco.mju_quat2Mat(rotation, model.body_quat[body])
+        self.turn = rotation.reshape(3, 3)
+        self.home = model.body_pos[body].copy()
+        self._start = model.qpos0[self._qpos].copy()
+        self._slides = [
+            (int(model.jnt_qposadr[j]) - self._qpos.start, self.turn @ model.jnt_axis[j])
+            for j in joints[slides]
+        ]
+        geoms = np.flatnonzero(model.geom_bodyid == body)
+        self.radius = float(
+            np.max(np.linalg.norm(model.geom_pos[geoms], axis=1) + model.geom_rbound[geoms])
+        )
+
+    def put(self, data: mujoco.MjData, shift: Array) -> None:
+        """Puts it where it started, moved by a shift (3,) in the world, at rest."""
+        start = self._start.copy()
+        if self.free:
+            start[:3] += shift
+        for at, axis in self._slides:
+            start[at] += axis @ shift
+        data.qpos[self._qpos] = start
+        data.qvel[self._dofs] = 0.0
+        data.qacc_warmstart[self._dofs] = 0.0
+
+
+def _flat(surface: Surface) -> bool:
+    return bool(surface.rotation[2, 2] > 0.7)
+
+
+def _inside(surface: Surface, position: Array) -> bool:
+    """Whether an object put down at a world position is well within reach."""
+    xy, size = surface.to_surface(position), surface.size
+    if not _flat(surface):
+        # What stands on the table is at the lower edge of an upright surface.
+        xy, size = xy[:1], size[:1]
+    return bool(np.all(xy > BORDER) and np.all(xy < size - BORDER))
+
+
+def _shifts() -> Array:
+    """(n, 3) m along the table, nearest first; the order is the same everywhere."""
+    steps = np.arange(-round(FARTHEST / GRID), round(FARTHEST / GRID) + 1)
+    x, y = (a.ravel() for a in np.meshgrid(steps, steps))
+    order = np.lexsort((y, x, x * x + y * y))
+    return GRID * np.column_stack([x, y, np.zeros_like(x)])[order]
+
+
+_SHIFTS = _shifts()
