@@ -81,21 +81,21 @@ class Tracking:
     joint: Use
 
 
-def trajectory(seed: int = SEED) -> Array:
-    """(T, 48) commands, one a control period."""
+def trajectory(seed: int = SEED, period: float = CONTROL_PERIOD) -> Array:
+    """(T, 48) commands, one every `period` seconds."""
     rng = np.random.default_rng(seed)
     middle = np.concatenate([[0, 0, 0.3], np.zeros(3), (ADULT.lower + ADULT.upper) / 2])
     half = LEGAL_SHARE * (ADULT.upper - ADULT.lower) / 2
     half = np.concatenate([np.full(3, REACH), np.full(3, TURN), half])
     commands: list[Array] = []
     start = np.concatenate([middle[:6], np.zeros(42)])
-    while len(commands) * CONTROL_PERIOD < DURATION:
+    while len(commands) * period < DURATION:
         end = middle + half * rng.uniform(-1.0, 1.0, 48)
-        steps = round(rng.uniform(*MOVEMENT) / CONTROL_PERIOD)
+        steps = round(rng.uniform(*MOVEMENT) / period)
         shares = [minimum_jerk(i / steps) for i in range(1, steps + 1)]
         commands += [start + share * (end - start) for share in shares]
         start = end
-    return np.array(commands[: round(DURATION / CONTROL_PERIOD)])
+    return np.array(commands[: round(DURATION / period)])
 
 
 def measure(commands: Array, servo: str, impulse: float, timestep: float) -> Tracking:

@@ -1,0 +1,273 @@
+"""Bullet's hand beside ours: the same skeleton, masses, movement, limit and measures.
+
+Both hands are in free air and are commanded 12 s of random movements, one pose every 1/60 s, held
+in between. Bullet's has ball joints with its own motors; its rate and gains are searched. Every
+hand is compared with the command in force at the end of each 1/60 s, before the next one comes.
+
+    pip install "hand-sandbox[bullet]"
+    python -m benchmarks.bullet
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from benchmarks.bullet_hand import BulletHand
+from benchmarks.machine import describe_machine
+from benchmarks.tracking import SEED, TIMESTEPS, Use, trajectory, use
+from models.hand import SERVOS, Hand
+from models.kinematics import Kinematics
+from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION
+from models.rotations import geodesic_angle, quaternion_log
+from models.scene import Scene, SceneSpec
+from models.skeleton import ADULT
+
+Array = NDArray[np.float64]
+
+RATE = 60
+"""Commands a second."""
+RATES = (60, 120, 240)
+"""Steps a second of Bullet."""
+GAINS = (0.1, 0.2, 0.3, 0.5, 0.7, 0.85, 1.0)
+LIMITS = (100.0, 10.0, 3.0, 1.0, 0.3, 0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5)
+"""N s of the slides, N m s of the turns, per 1/60 s."""
+COSTS, LEAST_COST = 1.1, 0.05
+"""A limit costs something where an error is so many times, and by so many degrees or mm, larger
+than at the paper's limit."""
+LAGS = (-0.03, 0.4)
+"""s within which the lag is looked for."""
+LOST = 30.0
+"""Degrees or mm from which a hand is not following any more, and its lag means nothing."""
+CHECKED_POSES = 50
+SCANNED_TIMESTEP = 0.002
+"""s, of ours: the sandbox's own."""
+
+Play = tuple[Array, Array, Array, float]
+"""Poses (T, 48) at the end of every command's time; forces (n, 3) and torques (n, 15, 3) of all
+steps; s per step."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """How one hand followed.
+
+    Attributes:
+        joint_rms, joint_max: degrees, of the ball joints.
+        root_rms, root_turn_rms: mm and degrees, of the root.
+        joint_lag, root_lag: ms.
+        root, turn, joint: What slides (N s), the root's turn and joints (N m s) used in 1/60 s.
+    """
+
+    joint_rms: float
+    joint_max: float
+    root_rms: float
+    root_turn_rms: float
+    joint_lag: float
+    root_lag: float
+    root: Use
+    turn: Use
+    joint: Use
+
+    @property
+    def peaks(self) -> tuple[float, float, float]:
+        """Limits, N s and N m s, that slides, the root's turn and joints would just not reach."""
+        return self.root.peak, self.turn.peak, self.joint.peak
+
+    def __str__(self) -> str:
+        return (
+            f"{self.joint_rms:.3f} ({self.joint_max:.2f}) | {self.root_rms:.3f} "
+            f"| {self.root_turn_rms:.3f} | {self.joint_lag:z.1f}, {self.root_lag:z.1f} "
+            f"| {self.root.impulse:.2g} | {self.turn.impulse:.2g} | {self.joint.impulse:.2g} "
+            f"| {', '.join(f'{peak:.2g}' for peak in self.peaks)} |"
+        )
+
+
+HEADER = (
+    "joints rms (max), deg | root rms, mm | root rms, deg | lag of fingers, root, ms "
+    "| root used, N s | its turn, N m s | a joint, N m s "
+    "| largest force or torque of the three x 1/60 s |"
+)
+
+
+def ours(commands: Array, hand: Hand, timestep: float) -> Play:
+    """Plays commands (T, 48) to our hand."""
+    scene = Scene(SceneSpec((hand,), timestep=timestep))
+    data = mujoco.MjData(scene.model)
+    data.qpos[scene.qpos_slice(0)] = scene.pose_to_qpos(0, commands[0])
+    # 1/60 s is no whole number of our steps: a command takes effect at the step nearest to it.
+    starts = np.round(np.arange(len(commands) + 1) / (RATE * timestep)).astype(int)
+    poses, forces = [], []
+    for command, start, end in zip(commands, starts[:-1], starts[1:], strict=True):
+        data.ctrl[:] = command
+        for _ in range(start, end):
+            mujoco.mj_step(scene.model, data)
+            forces.append(data.actuator_force.copy())
+        turns = quaternion_log(data.qpos[3:].reshape(15, 4)).ravel()
+        poses.append(np.concatenate([data.qpos[:3], turns]))
+    force = np.array(forces)
+    return np.array(poses), force[:, :3], force[:, 3:].reshape(-1, 15, 3), timestep
+
+
+def bullets(commands: Array, hand: Hand, rate: int, gain: float, loaded: bool = True) -> Play:
+    """Plays commands (T, 48) to Bullet's hand; see `BulletHand`."""
+    bullet = BulletHand(hand, rate, gain, loaded)
+    bullet.place(commands[0])
+    steps = []
+    for command in commands:
+        bullet.command(command)
+        steps += [bullet.step() for _ in range(rate // RATE)]
+    poses, slides, turns = (np.array(part) for part in zip(*steps, strict=True))
+    return poses[rate // RATE - 1 :: rate // RATE], slides, turns, 1.0 / rate
+
+
+def compare(commands: Array, play: Play) -> Row:
+    """How a hand that played commands (T, 48) did."""
+    poses, slides, turns, timestep = play
+    joint = np.rad2deg(
+        geodesic_angle(poses[:, JOINTS].reshape(-1, 14, 3), commands[:, JOINTS].reshape(-1, 14, 3))
+    )
+    turn = np.rad2deg(geodesic_angle(poses[:, ROOT_ROTATION], commands[:, ROOT_ROTATION]))
+    place = 1000.0 * np.linalg.norm((poses - commands)[:, ROOT_POSITION], axis=1)
+    return Row(
+        _rms(joint),
+        float(joint.max()),
+        _rms(place),
+        _rms(turn),
+        lag(poses[:, JOINTS], commands[:, JOINTS]) if _rms(joint) < LOST else np.inf,
+        lag(poses[:, ROOT_POSITION], commands[:, ROOT_POSITION]) if _rms(place) < LOST else np.inf,
+        use(slides[:, :, None], timestep),
+        use(turns[:, :1], timestep),
+        use(turns[:, 1:], timestep),
+    )
+
+
+def lag(followed: Array, commands: Array) -> float:
+    """ms by which values (T, k) come late after smooth commands (T, k), to a tenth or so."""
+    times = np.arange(len(commands)) / RATE
+    path = CubicSpline(times, commands, axis=0)
+    inside = (times > LAGS[1]) & (times < times[-1] + LAGS[0])
+    shifts = np.arange(LAGS[0], LAGS[1], 1e-3)
+    costs = [np.mean((followed[inside] - path(times[inside] - s)) ** 2) for s in shifts]
+    best = int(np.argmin(costs))
+    if not 0 < best < len(shifts) - 1:
+        return np.inf
+    # The lowest point of a parabola through the best shift and its neighbours.
+    left, middle, right = costs[best - 1 : best + 2]
+    part = 0.5 * (left - right) / (left - 2.0 * middle + right)
+    return 1000.0 * float(shifts[best] + 1e-3 * part)
+
+
+def farthest_joint(commands: Array) -> float:
+    """m, the largest distance of a joint of Bullet's hand from ours, over poses of commands."""
+    bullet = BulletHand(Hand(), RATES[-1])
+    apart = 0.0
+    for q in commands[:: len(commands) // CHECKED_POSES]:
+        bullet.place(q)
+        apart = max(apart, float(np.abs(bullet.joints() - Kinematics(ADULT).place(q).joints).max()))
+    return apart
+
+
+def print_search(commands: Array, hand: Hand, late: float) -> tuple[int, float]:
+    """Prints a row per rate and gain of Bullet's motors; the rate and gain that follow best.
+
+    Args:
+        commands: (T, 48).
+        hand: What follows.
+        late: ms; the row whose fingers' lag is nearest to this is marked too.
+    """
+    rows = {
+        (rate, gain): compare(commands, bullets(commands, hand, rate, gain))
+        for rate in RATES
+        for gain in GAINS
+    }
+    best = min(rows, key=lambda key: rows[key].joint_rms)
+    same = min(rows, key=lambda key: abs(rows[key].joint_lag - late))
+    marks = {best: " **best**", same: " **as late as ours**"}
+    _print_header("Bullet, steps a second", "gain")
+    for (rate, gain), row in rows.items():
+        print(f"| {rate} | {gain:g}{marks.get((rate, gain), '')} | {row}")
+    bare = compare(commands, bullets(commands, hand, *best, loaded=False))
+    print(f"| {best[0]} | {best[1]:g}, no armature at the fingers | {bare}", flush=True)
+    return best
+
+
+def print_scan(name: str, play: Callable[[float], Row]) -> None:
+    """Prints what smaller limits do to a hand, and from where on they bind.
+
+    Args:
+        name: Of the hand.
+        play: How it follows with a limit in N s (N m s).
+    """
+    rows = {limit: play(limit) for limit in LIMITS}
+    free = rows[LIMITS[0]]
+    _print_header(f"{name}: limit, N s")
+    for limit, row in rows.items():
+        print(f"| {limit:g} | {row}", flush=True)
+    parts = zip(
+        ("slides", "turn", "joints"),
+        ("root_rms", "root_turn_rms", "joint_rms"),
+        free.peaks,
+        strict=True,
+    )
+    for part, error, peak in parts:
+        wanted = getattr(free, error)
+        most = max(COSTS * wanted, wanted + LEAST_COST)
+        costly = next((j for j in LIMITS if getattr(rows[j], error) > most), None)
+        print(f"{part}: a limit below {peak:.2g} is reached, and it costs something at {costly}")
+
+
+def main() -> None:
+    """Prints the tables."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--seed", type=int, default=SEED, help="of the movements")
+    args = parser.parse_args()
+    commands = trajectory(args.seed, 1.0 / RATE)
+    hand = Hand()
+    print(describe_machine())
+    print(
+        f"{len(commands)} commands at {RATE} Hz, seed {args.seed}; limit {hand.impulse:g} N s "
+        f"(N m s) per 1/60 s, which is {hand.force_limit:g} N (N m)"
+    )
+    apart = 1e6 * farthest_joint(commands)
+    print(f"Bullet's joints lie within {apart:.2g} um of ours in the same poses")
+    _print_header("ours, servo", "step, ms")
+    late = np.nan
+    for servo in SERVOS:
+        for timestep in TIMESTEPS:
+            row = compare(commands, ours(commands, replace(hand, servo=servo), timestep))
+            if servo == hand.servo and timestep == SCANNED_TIMESTEP:
+                late = row.joint_lag
+            print(f"| {servo} | {1000 * timestep:g} | {row}", flush=True)
+    rate, gain = print_search(commands, hand, late)
+
+    def of_bullet(limit: float) -> Row:
+        return compare(commands, bullets(commands, replace(hand, impulse=limit), rate, gain))
+
+    print_scan(f"Bullet, {rate} steps a second, gain {gain:g}", of_bullet)
+    for servo in SERVOS:
+
+        def of_ours(limit: float, servo: str = servo) -> Row:
+            limited = replace(hand, servo=servo, impulse=limit)
+            return compare(commands, ours(commands, limited, SCANNED_TIMESTEP))
+
+        print_scan(f"ours, {servo}, {1000 * SCANNED_TIMESTEP:g} ms", of_ours)
+
+
+def _print_header(*first: str) -> None:
+    print(f"\n| {' | '.join(first)} | {HEADER}")
+    print("|" + " --- |" * (len(first) + HEADER.count("|")))
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+if __name__ == "__main__":
+    main()
