@@ -6,6 +6,7 @@ import threading
 from collections.abc import Callable
 
 from models.errors import DivergenceError, HandSandboxError
+from models.scene import CONTROL_PERIOD
 from sandbox.messages import Snapshot
 from sandbox.pacing import RealTime
 from sandbox.session import Session
@@ -18,6 +19,8 @@ class LiveSession:
         session: Ready for its first step.
         on_step: Called in the session's thread with every snapshot, in order (a looking device).
         speed: Simulated seconds per second.
+        news: Set by a device when something has come in: the step that takes it in is made at once,
+            up to one control period ahead of the clock, instead of at the next tick.
     """
 
     def __init__(
@@ -25,8 +28,10 @@ class LiveSession:
         session: Session,
         on_step: Callable[[Snapshot], None] | None = None,
         speed: float = 1.0,
+        news: threading.Event | None = None,
     ) -> None:
         self.session = session
+        self._news = news
         self._on_step = on_step
         self._speed = speed
         self._newest: Snapshot | None = None
@@ -76,7 +81,7 @@ class LiveSession:
                 self._newest = snapshot
                 if self._on_step:
                     self._on_step(snapshot)
-                clock.wait(snapshot.time)
+                clock.wait(snapshot.time, self._news, CONTROL_PERIOD / self._speed)
                 self.lost = clock.lost
         except DivergenceError:
             # The trial is marked and the score says so; there is nothing more to simulate.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import time
 
 LEEWAY = 0.10
@@ -25,11 +26,24 @@ class RealTime:
         self.lost = 0.0
         self._origin = time.monotonic() - simulated / speed
 
-    def wait(self, simulated: float) -> None:
-        """Returns when `simulated` seconds of simulated time are due."""
+    def wait(
+        self, simulated: float, news: threading.Event | None = None, lead: float = 0.0
+    ) -> None:
+        """Returns when `simulated` seconds of simulated time are due, or earlier for news.
+
+        Args:
+            simulated: s.
+            news: When it is set, simulated time may run ahead of the clock, so that a touch that
+                comes between two steps need not wait for the next one. None waits for the clock.
+            lead: s of real time by which it may.
+        """
         due = self._origin + simulated / self.speed
         ahead = due - time.monotonic()
-        if ahead > 0:
+        if news is not None and ahead > 0:
+            if ahead > lead:
+                time.sleep(ahead - lead)
+            news.wait(max(due - time.monotonic(), 0.0))
+        elif ahead > 0:
             time.sleep(ahead)
         elif ahead < -LEEWAY:
             self._origin -= ahead

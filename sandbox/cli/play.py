@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from rich.console import Console
 
 from models.errors import InputError
 from sandbox.assembly import build
 from sandbox.cli.demo import has_display
+from sandbox.cli.page_options import PageOptions
 from sandbox.cli.parse import parse
+from sandbox.cli.play_page import play_on_page
 from sandbox.cli.scene_options import Plan, SceneOptions, plan
 from sandbox.events import EventLog, NoticeEvents
 from sandbox.headless import trial_header
@@ -24,15 +26,20 @@ from sandbox.views.window import Window
 
 
 @dataclass(frozen=True)
-class PlayOptions(SceneOptions):
-    """Plays a task in a window: with the mouse as one or several fingers, or with a TUIO tablet.
+class PlayOptions(PageOptions, SceneOptions):
+    """Plays a task in a window with the mouse or a TUIO tablet, or on a page with your fingers.
 
-    Drag with the left button: one finger. Keys 1 to 5 put down a whole hand of so many fingers, and
-    h shows all keys. r starts again, p pauses.
+    `sandbox play --tablet` prints a code: photograph it with a tablet, and play there. In the
+    window, drag with the left button: one finger. Keys 1 to 5 put down a whole hand of so many
+    fingers, and h shows all keys. r starts again, p pauses.
     """
 
     device: str = "mouse"
-    """mouse, tuio, simulated, or a file: a recording of ours, or a capture of TUIO packets."""
+    """mouse, web (a page in a browser), tuio, simulated, or a file: a recording of ours, or a
+    capture of TUIO packets."""
+
+    view: Literal["window", "web"] = "window"
+    """Where it is seen: in a window, or on a page, which --device web and --tablet imply."""
 
     def with_own_profile(self) -> PlayOptions:
         """The same, with this user's own profile where their own fingers touch."""
@@ -44,8 +51,13 @@ class PlayOptions(SceneOptions):
 
 def main(argv: list[str]) -> int:
     """Runs `sandbox play ...`."""
-    options = parse(PlayOptions, "sandbox play", argv).with_own_profile()
+    options = parse(PlayOptions, "sandbox play", argv)
+    if options.tablet or options.lan:
+        options = replace(options, device="web")
+    options = options.with_own_profile()
     console = Console()
+    if options.device == "web" or options.view == "web":
+        return play_on_page(options, options, console)
     if not has_display():
         raise InputError(
             "there is no display to open a window on",

@@ -1,0 +1,67 @@
+"""Options of commands that serve the page, and the server that they ask for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+import tyro
+
+from models.errors import InputError
+from sandbox.server.address import LOOPBACK, checked_address, local_network_address
+from sandbox.server.describe import summary
+from sandbox.server.page_server import PageServer, tls_context
+from sandbox.server.protocol import TaskName
+from sandbox.versions import versions
+from tasks.registry import TASKS
+
+
+@dataclass(frozen=True)
+class PageOptions:
+    """Where the page is served."""
+
+    tablet: tyro.conf.FlagCreatePairsOff[bool] = False
+    """The page on a tablet in the same network: prints a code to be photographed. The same as
+    --device web with the address found by itself."""
+
+    lan: Annotated[str | None, tyro.conf.arg(metavar="ADDRESS")] = None
+    """Serves the page on this address instead."""
+
+    page_port: int = 0
+    """TCP port of the page; 0 takes a free one."""
+
+    tls_cert: Annotated[str | None, tyro.conf.arg(metavar="FILE")] = None
+    """Certificate for https, with --tls-key. Tablets refuse those that nobody signed."""
+
+    tls_key: Annotated[str | None, tyro.conf.arg(metavar="FILE")] = None
+    """Key of the certificate."""
+
+    @property
+    def page_host(self) -> str:
+        """Address that the page is served on."""
+        if self.lan:
+            return checked_address(self.lan)
+        return local_network_address() if self.tablet else LOOPBACK
+
+
+def open_page(options: PageOptions) -> PageServer:
+    """A server of the page.
+
+    Raises:
+        DeviceError: The address or port cannot be had.
+        InputError: The certificate or its key is missing or wrong.
+    """
+    if (options.tls_cert is None) != (options.tls_key is None):
+        raise InputError(
+            "a certificate needs its key, and a key its certificate",
+            where="--tls-cert, --tls-key",
+        )
+    tls = None
+    if options.tls_cert and options.tls_key:
+        tls = tls_context(options.tls_cert, options.tls_key)
+    tasks = [
+        TaskName(name, summary(task), getattr(task, "lift_range", 0.0) > 0)
+        for name, task in TASKS.items()
+    ]
+    program = str(versions()["hand-sandbox"])
+    return PageServer(options.page_host, options.page_port, tasks, program, tls)

@@ -1,0 +1,1 @@
+"""Serves a session to web pages: poses down, touches up, one socket each."""

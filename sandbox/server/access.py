@@ -1,0 +1,81 @@
+"""Who may talk to the server: those who know its token, from its own page, under its own name.
+
+The server's address can be reached by any page in any browser of this machine (on a tablet's
+network: by anybody). So every request has to carry the token that is in the link and in the QR
+code; a `Host` that is not ours is a rebound name, an `Origin` that is not ours is a foreign page.
+"""
+
+from __future__ import annotations
+
+import hmac
+import secrets
+from dataclasses import dataclass, field
+from urllib.parse import parse_qs, urlsplit
+
+TOKEN_BYTES = 16
+TOKEN_NAME = "token"
+
+
+@dataclass(frozen=True)
+class Access:
+    """The rules of one server.
+
+    Attributes:
+        host: Address that the server is bound to, an IP address.
+        port: Its port.
+        secure: Whether it speaks TLS.
+        token: What a request has to know.
+        names: Further names under which the machine may be called.
+    """
+
+    host: str
+    port: int
+    secure: bool = False
+    token: str = field(default_factory=lambda: secrets.token_urlsafe(TOKEN_BYTES))
+    names: tuple[str, ...] = ()
+
+    @property
+    def hosts(self) -> frozenset[str]:
+        """Values of the `Host` header that are ours."""
+        names = {self.host, *self.names}
+        if self.host in ("127.0.0.1", "::1"):
+            names.add("localhost")
+        usual = 443 if self.secure else 80
+        # An IPv6 address stands in brackets; a port that is the scheme's own may be left out.
+        plain = {f"[{n}]" if ":" in n else n for n in names}
+        return frozenset(
+            {f"{n}:{self.port}" for n in plain} | (plain if self.port == usual else set())
+        )
+
+    @property
+    def url(self) -> str:
+        """The link that opens the page, with the token."""
+        scheme = "https" if self.secure else "http"
+        host = f"[{self.host}]" if ":" in self.host else self.host
+        return f"{scheme}://{host}:{self.port}/?{TOKEN_NAME}={self.token}"
+
+    def refusal(self, path: str, host: str | None, origin: str | None, socket: bool) -> str:
+        """Why a request is refused, in one word; empty: it may pass.
+
+        Args:
+            path: The request's target, with its query.
+            host: The `Host` header.
+            origin: The `Origin` header; only a socket has to have one.
+            socket: Whether the request wants a WebSocket.
+        """
+        if host not in self.hosts:
+            return "host"
+        scheme = "https" if self.secure else "http"
+        if origin is not None and origin not in {f"{scheme}://{h}" for h in self.hosts}:
+            return "origin"
+        if socket and origin is None:
+            return "origin"
+        return "" if self.knows_token(path) else "token"
+
+    def knows_token(self, path: str) -> bool:
+        """Whether a request's target carries the token."""
+        try:
+            given = parse_qs(urlsplit(path).query, max_num_fields=8).get(TOKEN_NAME, [""])
+        except ValueError:
+            return False
+        return len(given) == 1 and hmac.compare_digest(given[0].encode(), self.token.encode())

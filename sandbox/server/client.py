@@ -1,0 +1,117 @@
+"""One page at the other end of a socket: what it may be sent, and what it may send."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from collections.abc import Callable
+
+from websockets.asyncio.server import ServerConnection
+
+from models.errors import InputError
+from sandbox.server.counters import Counters
+from sandbox.server.frames import number_frame
+from sandbox.server.protocol import CREDIT, Hello, Screen, Up, decode
+from sandbox.server.rate import Allowance
+
+MESSAGES_PER_SECOND, BURST = 240.0, 240.0
+"""Touches at 120 Hz, acknowledgements at 60 Hz and beats are 185 a second."""
+PATIENCE = 240
+"""Messages that are refused before the connection is closed."""
+
+
+class Client:
+    """A connection, its credit and its place in the stream of frames.
+
+    Args:
+        connection: Open.
+        counters: Where refusals are counted.
+        clock: s, monotonic.
+
+    Attributes:
+        hello: What the page said of itself; None before.
+        screen: Its size now.
+        player: Whether its touches count.
+        heard: When it last sent anything, s.
+    """
+
+    def __init__(
+        self, connection: ServerConnection, counters: Counters, clock: Callable[[], float]
+    ) -> None:
+        self.connection = connection
+        self.hello: Hello | None = None
+        self.screen: Screen | None = None
+        self.player = False
+        self.heard = clock()
+        self._clock = clock
+        self._counters = counters
+        self._allowance = Allowance(MESSAGES_PER_SECOND, BURST, self.heard)
+        self._refused = 0
+        self._texts: deque[bytes] = deque()
+        self._newest: bytearray | None = None
+        self._sent = self._acknowledged = 0
+        self._news = asyncio.Event()
+        self.sent_at: dict[int, float] = {}
+
+    @property
+    def stale(self) -> int:
+        """Frames that are on their way."""
+        return self._sent - self._acknowledged
+
+    def say(self, text: bytes) -> None:
+        """Queues a JSON message; all of them are sent, in order, before any later frame."""
+        self._texts.append(text)
+        self._news.set()
+
+    def offer(self, frame: bytearray | None) -> None:
+        """The newest frame, in place of an older one that has not been sent."""
+        self._newest = frame
+        self._news.set()
+
+    def got(self, number: int) -> float | None:
+        """Gives back the credit of a frame and of those before it; s since it was sent."""
+        if not self._acknowledged < number <= self._sent:
+            return None
+        self._acknowledged = number
+        at = self.sent_at.get(number)
+        self.sent_at = {n: t for n, t in self.sent_at.items() if n > number}
+        self._news.set()
+        return None if at is None else self._clock() - at
+
+    async def write(self) -> None:
+        """Sends what there is to send, for ever; a page that does not read stops only itself."""
+        while True:
+            await self._news.wait()
+            self._news.clear()
+            while self._texts:
+                await self.connection.send(self._texts.popleft(), text=True)
+            frame = self._newest
+            if frame is not None and self.stale < CREDIT:
+                self._newest = None
+                self._sent += 1
+                self.sent_at[self._sent] = self._clock()
+                await self.connection.send(number_frame(frame, self._sent))
+
+    def read(self, message: str | bytes) -> Up | None:
+        """A message, checked; None if it is refused.
+
+        Raises:
+            InputError: Too many were refused: whoever is there is no page of ours.
+        """
+        self.heard = self._clock()
+        reason, up = "", None
+        if not self._allowance.take(self.heard):
+            reason = "too many messages"
+        elif isinstance(message, bytes):
+            reason = "binary message"
+        else:
+            try:
+                up = decode(message)
+            except InputError:
+                reason = "malformed message"
+        if reason:
+            self._counters.add(reason)
+            self._refused += 1
+            if self._refused > PATIENCE:
+                raise InputError("the client sends nonsense", got=reason)
+        return up

@@ -1,0 +1,66 @@
+"""How long touches take: from the page to the session, and back to the page's picture."""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+KEPT = 100_000
+"""Newest values that are kept of each kind: half an hour at 60 Hz."""
+
+
+@dataclass(frozen=True)
+class Percentiles:
+    """Of one kind of latency, ms."""
+
+    n: int
+    p50: float
+    p95: float
+    p99: float
+    largest: float
+
+
+class LatencyLog:
+    """Values of several kinds in milliseconds; safe from all threads.
+
+    `waited`: from a touch message's arrival to the control step that it took effect in.
+    `stepped`: from there to its frame being handed to the network.
+    `drawn`: from the touch event to the first picture that contains it, by the page's own clock;
+    what the display adds after that is in none of these.
+    `round_trip`: of a beat between page and server, by the page's clock.
+    """
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._values: dict[str, list[float]] = {}
+
+    def add(self, kind: str, milliseconds: float) -> None:
+        """One more value."""
+        with self._lock:
+            values = self._values.setdefault(kind, [])
+            values.append(milliseconds)
+            if len(values) > 2 * KEPT:
+                del values[:KEPT]
+
+    def percentiles(self) -> dict[str, Percentiles]:
+        """By kind."""
+        with self._lock:
+            kinds = {kind: np.array(values[-KEPT:]) for kind, values in self._values.items()}
+        return {kind: _percentiles(v) for kind, v in kinds.items()}
+
+    def as_json(self) -> dict[str, Any]:
+        """For results and events."""
+        return {
+            kind: {"n": p.n, "p50_ms": round(p.p50, 3), "p95_ms": round(p.p95, 3),
+                   "p99_ms": round(p.p99, 3), "max_ms": round(p.largest, 3)}
+            for kind, p in self.percentiles().items()
+        }  # fmt: skip
+
+
+def _percentiles(values: NDArray[np.float64]) -> Percentiles:
+    p50, p95, p99 = (float(p) for p in np.percentile(values, [50, 95, 99]))
+    return Percentiles(len(values), p50, p95, p99, float(values.max()))

@@ -1,0 +1,243 @@
+"""What server and page say to each other. The page's TypeScript types are made from this file.
+
+Up: JSON texts, one message each, tagged by `type`. Down: JSON texts for what is said once, and
+binary frames for what moves (see `sandbox.server.frames`). Every message is checked whole against
+the types here; what does not fit is refused, counted, and changes nothing.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import msgspec
+from msgspec import Meta, Struct
+
+from models.errors import InputError
+
+PROTOCOL = 1
+"""Version of all messages; both sides say it first, and part if it differs."""
+
+LARGEST_MESSAGE = 8192
+"""Bytes of the largest message from a page; 20 touches take about 700."""
+
+CREDIT = 6
+"""Frames that may be on their way to a page unacknowledged. After a stall of the network a page
+gets these at most before it sees the present; with three, a round trip of 30 ms halves its rate."""
+
+Number = Annotated[float, Meta(ge=-1e6, le=1e6)]
+Milliseconds = Annotated[float, Meta(ge=0, le=1e15)]
+Count = Annotated[int, Meta(ge=0, le=2**53)]
+Id = Annotated[int, Meta(ge=-(2**31), lt=2**53)]
+Word = Annotated[str, Meta(max_length=64)]
+
+
+class Screen(Struct, forbid_unknown_fields=True, frozen=True):
+    """How large the page is: CSS pixels per inch, and pixels.
+
+    The inches are what the encoder needs; `calibrated` says whether somebody measured them.
+    """
+
+    px_per_in: Annotated[float, Meta(ge=20, le=1000)]
+    width_px: Annotated[float, Meta(ge=1, le=32768)]
+    height_px: Annotated[float, Meta(ge=1, le=32768)]
+    calibrated: bool
+
+
+class Hello(Struct, tag="hello", forbid_unknown_fields=True, frozen=True):
+    """The page's first message. `client` is the page's own random name, kept when it reloads."""
+
+    protocol: int
+    client: Word
+    role: Literal["player", "spectator"]
+    screen: Screen
+
+
+class Resized(Struct, tag="resized", forbid_unknown_fields=True, frozen=True):
+    """The page's size or calibration has changed."""
+
+    screen: Screen
+
+
+class Touches(Struct, tag="touches", forbid_unknown_fields=True, frozen=True):
+    """All contacts of the page at one moment.
+
+    `contacts` holds id, x, y and width in CSS pixels, x right and y down from the touch rectangle's
+    top left corner; `cancelled` the ids that the system took away since the last message; `lift`
+    the lift control, where the page shows one. `seq` counts up from 1, `t` is the page's clock.
+    """
+
+    seq: Count
+    t: Milliseconds
+    contacts: Annotated[list[tuple[Id, Number, Number, Number]], Meta(max_length=20)]
+    cancelled: Annotated[list[Id], Meta(max_length=20)] = []
+    lift: Annotated[float, Meta(ge=0, le=1)] | None = None
+
+
+class Got(Struct, tag="got", forbid_unknown_fields=True, frozen=True):
+    """A frame has arrived; gives its credit back. Sent at once, before anything is drawn."""
+
+    frame: Count
+
+
+class Drawn(Struct, tag="drawn", forbid_unknown_fields=True, frozen=True):
+    """A frame has been drawn, `after_ms` after the touch event that it answers had happened."""
+
+    frame: Count
+    after_ms: Annotated[float, Meta(ge=0, le=60000)]
+
+
+class Beat(Struct, tag="beat", forbid_unknown_fields=True, frozen=True):
+    """Says that the page lives, and asks for an echo; `round_trip_ms` is the last echo's."""
+
+    t: Milliseconds
+    round_trip_ms: Annotated[float, Meta(ge=0, le=60000)] | None = None
+
+
+class Ask(Struct, tag="ask", forbid_unknown_fields=True, frozen=True):
+    """The person wants something: try again, another task, the other hand, or a stop of time."""
+
+    what: Literal["retry", "task", "hand", "pause", "resume"]
+    value: Word = ""
+
+
+Up = Hello | Resized | Touches | Got | Drawn | Beat | Ask
+
+
+class TaskName(Struct, frozen=True):
+    """A task that can be chosen: its name, one line about it, whether it needs a lift control."""
+
+    name: str
+    summary: str
+    lift: bool
+
+
+class Welcome(Struct, tag="welcome", frozen=True):
+    """The server's first message: what the page is (a player or a spectator), and what there is."""
+
+    protocol: int
+    version: str
+    role: Literal["player", "spectator"]
+    tasks: list[TaskName]
+    credit: int
+
+
+class Geom(Struct, frozen=True):
+    """A shape on a body: MuJoCo's type and sizes, place (m) and turn (w, x, y, z) on the body."""
+
+    body: int
+    kind: Literal["plane", "sphere", "capsule", "ellipsoid", "cylinder", "box"]
+    size: tuple[float, float, float]
+    position: tuple[float, float, float]
+    quaternion: tuple[float, float, float, float]
+    rgba: tuple[float, float, float, float]
+    part: Literal["hand", "object", "scenery"]
+
+
+class SurfaceView(Struct, frozen=True):
+    """The touch rectangle: size in inches, corner (m) and axes (row by row) in the world."""
+
+    width_in: float
+    height_in: float
+    origin: tuple[float, float, float]
+    rotation: tuple[float, float, float, float, float, float, float, float, float]
+    calibrated: bool
+
+
+class Scene(Struct, tag="scene", frozen=True):
+    """A new scene. Frames of another `scene` number belong to one that is over.
+
+    `bodies` names the rows of a frame's poses. `lift` is how far the hand rises at a lift control
+    of 1, m; 0: the task has none. `size` of a geom is as in MuJoCo: half lengths and radii.
+    """
+
+    scene: int
+    task: str
+    goal: str
+    seed: int
+    hand: Literal["right", "left"]
+    lift: float
+    time_limit: float
+    surface: SurfaceView
+    bodies: list[str]
+    geoms: list[Geom]
+    caption: str
+
+
+class Trouble(Struct, tag="trouble", frozen=True):
+    """Something that the person has to know before there is a scene, and what to do about it."""
+
+    text: str
+
+
+class Echo(Struct, tag="echo", frozen=True):
+    """Answers a beat with its time."""
+
+    t: float
+
+
+Down = Welcome | Scene | Trouble | Echo
+
+
+class ContactState(Struct, frozen=True):
+    """A contact as the session knows it; `force` (N) is what its fingertip presses with."""
+
+    id: int
+    label: int | None
+    state: Literal["active", "lost", "ignored"]
+    force: float
+
+
+class HandState(Struct, frozen=True):
+    """A hand: phase of its arrival, fingers that are solid, contacts, sureness of the labels."""
+
+    phase: str
+    solid: list[int]
+    contacts: list[ContactState]
+
+
+class GoalState(Struct, frozen=True):
+    """Where a thing should go now: position (m) and turn about the vertical (rad)."""
+
+    object: str
+    position: tuple[float, float, float]
+    yaw: float
+
+
+class State(Struct, frozen=True):
+    """What changes besides poses; the tail of a frame."""
+
+    time: float
+    status: str
+    progress: float
+    reason: str
+    reached: bool
+    held: bool
+    hands: list[HandState]
+    goals: list[GoalState]
+    notice: str
+    paused: bool
+
+
+_up = msgspec.json.Decoder(Up)
+_encoder = msgspec.json.Encoder()
+
+
+def decode(text: str | bytes) -> Up:
+    """A page's message.
+
+    Raises:
+        InputError: It is no JSON, no message of this protocol, or a value is out of its range.
+    """
+    try:
+        return _up.decode(text)
+    except (msgspec.MsgspecError, RecursionError, UnicodeError) as error:
+        raise InputError(
+            "this is no message of the page's protocol",
+            got=text[:80],
+            expected=f"version {PROTOCOL}: {error}",
+        ) from None
+
+
+def encode(message: Struct) -> bytes:
+    """JSON of a message to a page."""
+    return _encoder.encode(message)

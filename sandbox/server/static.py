@@ -1,0 +1,85 @@
+"""The page's own files: read once, and served with what tells a browser to load nothing else."""
+
+from __future__ import annotations
+
+from http import HTTPStatus
+from pathlib import Path
+
+from websockets.datastructures import Headers
+from websockets.http11 import Response
+
+from models.errors import HandSandboxError
+
+STATIC = Path(__file__).resolve().parents[1] / "views" / "static"
+
+_TYPES = {
+    ".html": "text/html; charset=utf-8",
+    ".js": "text/javascript; charset=utf-8",
+    ".css": "text/css; charset=utf-8",
+    ".svg": "image/svg+xml",
+    ".png": "image/png",
+    ".bin": "application/octet-stream",
+    ".glb": "model/gltf-binary",
+    ".txt": "text/plain; charset=utf-8",
+}
+
+
+class StaticFiles:
+    """Files by path; nothing outside of the folder can be asked for, since nothing else is held.
+
+    Args:
+        folder: With an index.html in it.
+
+    Raises:
+        HandSandboxError: The folder has no page.
+    """
+
+    def __init__(self, folder: Path = STATIC) -> None:
+        found = sorted(folder.rglob("*")) if folder.is_dir() else []
+        self._files = {
+            "/" + p.relative_to(folder).as_posix(): p.read_bytes()
+            for p in found
+            if p.is_file() and p.suffix in _TYPES
+        }
+        if "/index.html" not in self._files:
+            raise HandSandboxError(
+                "the page is missing",
+                where=str(folder),
+                remedy="Install Hand Sandbox anew, or build the page: see docs/write-a-device.md",
+            )
+
+    def response(self, path: str, websocket_origin: str) -> Response:
+        """What a GET of a path gets.
+
+        Args:
+            path: Without query.
+            websocket_origin: Such as ws://127.0.0.1:8000; some browsers do not take it for 'self'.
+        """
+        name = "/index.html" if path == "/" else path
+        body = self._files.get(name)
+        if body is None:
+            return plain(HTTPStatus.NOT_FOUND, "There is nothing here.")
+        headers = {
+            "Content-Type": _TYPES[Path(name).suffix],
+            "Content-Security-Policy": (
+                f"default-src 'self'; connect-src 'self' {websocket_origin}; img-src 'self' data: "
+                "blob:; style-src 'self' 'unsafe-inline'; frame-ancestors 'none'; base-uri 'none'"
+            ),
+        }
+        return _response(HTTPStatus.OK, headers, body)
+
+
+def plain(status: HTTPStatus, text: str) -> Response:
+    """A short answer in words."""
+    return _response(status, {"Content-Type": "text/plain; charset=utf-8"}, text.encode() + b"\n")
+
+
+def _response(status: HTTPStatus, headers: dict[str, str], body: bytes) -> Response:
+    everywhere = {
+        "Content-Length": str(len(body)),
+        "Cache-Control": "no-store",
+        "Referrer-Policy": "no-referrer",
+        "X-Content-Type-Options": "nosniff",
+        "Connection": "close",
+    }
+    return Response(status.value, status.phrase, Headers({**headers, **everywhere}), body)
