@@ -11,6 +11,7 @@ from encoders.belief import builtin_belief
 from encoders.contact_tracker import TrackerSettings
 from encoders.correction import CorrectionSettings
 from encoders.labelling import Labeller, PaperLabels
+from encoders.lift import LiftSettings
 from encoders.personal import personal
 from encoders.touch_reconstructor import ReconstructorSettings, TouchReconstructor
 from encoders.trained import BUILTIN, TrainedModel, builtin, load_model
@@ -54,8 +55,13 @@ def digests(settings: RunSettings) -> dict[str, str]:
     return {"encoder": load_encoder(settings.encoder).digest, "labels": labels}
 
 
-def reconstructor_settings(settings: RunSettings) -> ReconstructorSettings:
-    """What takes part between touches and pose."""
+def reconstructor_settings(settings: RunSettings, lift_range: float = 0.0) -> ReconstructorSettings:
+    """What takes part between touches and pose.
+
+    Args:
+        settings: Of the run.
+        lift_range: m by which the task's lift control raises the hand.
+    """
     tracker, arrival = TrackerSettings(), ArrivalSettings()
     if not settings.stitch:
         tracker = replace(tracker, grace=0.0, cancelled_grace=0.0)
@@ -66,6 +72,8 @@ def reconstructor_settings(settings: RunSettings) -> ReconstructorSettings:
     chosen = ReconstructorSettings(
         tracker=tracker,
         arrival=arrival,
+        # The trained hand rises less than the person's, as it is smaller in all directions.
+        lift=LiftSettings(reach=lift_range / settings.hand_size),
         correction=CorrectionSettings() if settings.correction else None,
         encode=settings.encode,
     )
@@ -94,7 +102,7 @@ def build(
             make_labeller(settings, model),
             ADULT,
             surface,
-            reconstructor_settings(settings),
+            reconstructor_settings(settings, task.lift_range),
         )
 
     reconstructor = personal(person, surface, trained_hand)

@@ -12,8 +12,10 @@ from sandbox.devices.drop_outs import DropOuts
 from sandbox.messages import Snapshot
 from tasks.simulated_user.configuration import UserConfiguration
 from tasks.simulated_user.control_arms import IdleUser, RandomUser
+from tasks.simulated_user.lift import IdleLiftUser, RandomLiftUser
 from tasks.simulated_user.seated import Seat, SeatedUser, User
 from tasks.simulated_user.sight import SeenObject, Sight
+from tasks.simulated_user.stacker import Stacker
 from tasks.simulated_user.user import SkilledUser
 from tasks.task import Task
 
@@ -22,6 +24,13 @@ _USERS: dict[str, type[SkilledUser] | type[IdleUser] | type[RandomUser]] = {
     "idle": IdleUser,
     "random": RandomUser,
 }
+
+_LIFTING: dict[str, type[Stacker] | type[IdleLiftUser] | type[RandomLiftUser]] = {
+    "skilled": Stacker,
+    "idle": IdleLiftUser,
+    "random": RandomLiftUser,
+}
+"""Who plays a task with a lift control."""
 
 
 class SimulatedDevice:
@@ -57,7 +66,12 @@ class SimulatedDevice:
         seat = Seat(person, surface)
         plain = Person(hand_size=person.hand_size) == person
         make = _USERS[configuration.kind]
-        self.user: User = make(configuration, surface if plain else seat.surface, seed)
+        used = surface if plain else seat.surface
+        self.user: User = (
+            _LIFTING[configuration.kind](configuration, used, seed, task.lift_range)
+            if task.lift_range > 0
+            else make(configuration, used, seed)
+        )
         # Who looks and touches: the user where they are, or from another seat.
         self._seated: User = self.user if plain else SeatedUser(self.user, seat)
 
