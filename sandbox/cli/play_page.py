@@ -193,7 +193,7 @@ def play_on_page(options: SceneOptions, page: PageOptions, console: Console) -> 
         events.tell("listening", address=server.url)
         PagePlay(options, server, events, console).run()
     except KeyboardInterrupt:
-        pass
+        console.print("stopped")
     finally:
         server.close()
         events.close()

@@ -17,7 +17,7 @@ from sandbox.server.frames import KIND, POSE_BYTES
 
 FILE = Path(__file__).resolve().parents[1] / "views" / "page" / "src" / "protocol.ts"
 
-_SIMPLE = {
+_SIMPLE: dict[type, str] = {
     inspect.IntType: "number",
     inspect.FloatType: "number",
     inspect.StrType: "string",

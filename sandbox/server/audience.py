@@ -1,0 +1,210 @@
+"""Everybody who looks at a session, and the one who plays: seats, messages and frames.
+
+All of it runs in the server's thread, save what says otherwise.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import queue
+import threading
+import time
+from collections.abc import Sequence
+
+from websockets.asyncio.server import ServerConnection
+from websockets.exceptions import ConnectionClosed
+
+from models.errors import InputError
+from sandbox.devices.web import WebDevice
+from sandbox.server.client import Client
+from sandbox.server.counters import Counters
+from sandbox.server.latency import LatencyLog
+from sandbox.server.protocol import (
+    CREDIT,
+    PROTOCOL,
+    Ask,
+    Beat,
+    Drawn,
+    Echo,
+    Got,
+    Hello,
+    Resized,
+    Scene,
+    Screen,
+    TaskName,
+    Touches,
+    Up,
+    Welcome,
+    encode,
+)
+
+MOST_CLIENTS = 8
+SILENCE = 1.0
+"""s without a word after which a page's fingers are taken for gone; a page with a finger down says
+something ten times a second."""
+GREETING = 5.0
+"""s within which a page has to say hello."""
+
+WRONG_VERSION, TOO_MANY, REPLACED, NONSENSE = 4001, 4002, 4003, 4004
+"""Close codes that the page has words for."""
+
+
+class Audience:
+    """Pages that are connected.
+
+    Args:
+        tasks: What the page offers.
+        version: Of the program.
+        counters: Of refusals.
+        latency: Of touches.
+
+    Attributes:
+        joined: Set once a player has come.
+        asked: What the player asks for; read by another thread.
+        screen: The player's screen; None before one came.
+    """
+
+    def __init__(
+        self, tasks: Sequence[TaskName], version: str, counters: Counters, latency: LatencyLog
+    ) -> None:
+        self._tasks, self._version = list(tasks), version
+        self._counters, self._latency = counters, latency
+        self._clients: list[Client] = []
+        self._last_player = ""
+        self._scene: Scene | None = None
+        self._device: WebDevice | None = None
+        self._frame: bytearray | None = None
+        self.joined = threading.Event()
+        self.asked: queue.SimpleQueue[Ask] = queue.SimpleQueue()
+        self.screen: Screen | None = None
+
+    def __len__(self) -> int:
+        return len(self._clients)
+
+    def open_scene(self, scene: Scene, device: WebDevice | None) -> None:
+        """A new trial begins."""
+        self._scene, self._device, self._frame = scene, device, None
+        for client in self._clients:
+            client.offer(None)
+        self.say(encode(scene))
+
+    def say(self, text: bytes) -> None:
+        """A message for everybody."""
+        for client in self._clients:
+            if client.hello:
+                client.say(text)
+
+    def show(self, frame: bytearray) -> None:
+        """The newest frame, for everybody."""
+        self._frame = frame
+        for client in self._clients:
+            if client.hello:
+                client.offer(frame)
+
+    async def handle(self, connection: ServerConnection) -> None:
+        """A page from its first word to its last."""
+        client = Client(connection, self._counters, time.monotonic)
+        if len(self._clients) >= MOST_CLIENTS:
+            self._counters.add("too many clients")
+            await connection.close(TOO_MANY, "too many pages are open")
+            return
+        self._clients.append(client)
+        writing = asyncio.create_task(client.write())
+        try:
+            async with asyncio.timeout(GREETING):
+                first = client.read(await connection.recv())
+            if not isinstance(first, Hello):
+                self._counters.add("no hello")
+                await connection.close(NONSENSE, "a page says hello first")
+                return
+            if first.protocol != PROTOCOL:
+                self._counters.add("wrong version")
+                await connection.close(WRONG_VERSION, f"this server speaks version {PROTOCOL}")
+                return
+            await self._greet(client, first)
+            async for message in connection:
+                up = client.read(message)
+                if up is not None:
+                    self._take(client, up)
+        except TimeoutError:
+            self._counters.add("no hello")
+        except ConnectionClosed:
+            self._counters.add("lost connection")
+        except InputError:
+            await connection.close(NONSENSE, "too many messages were refused")
+        finally:
+            writing.cancel()
+            self._clients.remove(client)
+            self._leave(client)
+
+    async def _greet(self, client: Client, hello: Hello) -> None:
+        client.hello, client.screen = hello, hello.screen
+        same = hello.role == "player" and hello.client == self._last_player
+        for other in [c for c in self._clients if c.player and same and c is not client]:
+            # The same page again, before its old socket was noticed to be dead.
+            self._leave(other)
+            await other.connection.close(REPLACED, "the page is open elsewhere")
+        if hello.role == "player" and not any(c.player for c in self._clients):
+            client.player, self._last_player = True, hello.client
+            self.screen = hello.screen
+            self.joined.set()
+        self._welcome(client)
+
+    def _welcome(self, client: Client) -> None:
+        role = "player" if client.player else "spectator"
+        client.say(encode(Welcome(PROTOCOL, self._version, role, self._tasks, CREDIT)))  # type: ignore[arg-type]
+        if self._scene:
+            client.say(encode(self._scene))
+            client.offer(self._frame)
+
+    def _leave(self, client: Client) -> None:
+        if not client.player:
+            return
+        client.player = False
+        if self._device:
+            self._device.cancel_all()
+        # Somebody who wanted to play, and found the seat taken, gets it now.
+        for other in self._clients:
+            if other is not client and other.hello and other.hello.role == "player":
+                other.player, self._last_player = True, other.hello.client
+                self.screen = other.screen
+                self._welcome(other)
+                return
+
+    def _take(self, client: Client, up: Up) -> None:
+        """Does what a message says."""
+        match up:
+            case Got():
+                after = client.got(up.frame)
+                if after is not None:
+                    self._latency.add("acknowledged", 1000.0 * after)
+            case Beat():
+                client.say(encode(Echo(up.t)))
+                if up.round_trip_ms is not None:
+                    self._latency.add("round_trip", up.round_trip_ms)
+            case Resized():
+                client.screen = up.screen
+                if client.player:
+                    self.screen = up.screen
+            case Touches() if client.player and client.screen:
+                if self._device:
+                    self._device.push(up, client.screen)
+            case Drawn() if client.player:
+                self._latency.add("drawn", up.after_ms)
+            case Ask() if client.player:
+                self.asked.put(up)
+            case Hello():
+                self._counters.add("second hello")
+            case _:
+                self._counters.add("not the player")
+
+    async def watch(self) -> None:
+        """Takes away the fingers of a page that has fallen silent."""
+        while True:
+            await asyncio.sleep(0.1)
+            device = self._device
+            for client in self._clients:
+                silent = time.monotonic() - client.heard > SILENCE
+                if client.player and silent and device and device.touched:
+                    self._counters.add("silent page")
+                    device.cancel_all()
