@@ -1,0 +1,186 @@
+"""What an agent does in one control period: touch the surface, or command the hand's pose."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.arrival import Phase
+from encoders.personal import Reconstructor
+from encoders.touch_reconstructor import Reconstruction
+from models.frames import FINGERS, Contact, TouchFrame
+from models.limits import RateLimit, within_limits
+from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION
+from models.skeleton import Skeleton
+from models.surface import Surface
+from tasks.task import Task
+
+Array = NDArray[np.float64]
+
+SLOTS = len(FINGERS)
+"""Touches at a time, as many as a hand has fingers."""
+
+REACH = ((-0.40, -0.40, -0.05), (0.40, 0.40, 0.50))
+"""m in the world, where the root of a hand may be commanded."""
+
+
+class Hands(Protocol):
+    """The device of an agent: its actions become what the session takes in.
+
+    Attributes:
+        low: Least values of an action.
+        high: Greatest values of an action.
+        touch_ids: Id of the contact in every slot; None where there is none.
+    """
+
+    name: str
+    finished: bool
+    low: Array
+    high: Array
+    touch_ids: list[int | None]
+
+    def act(self, action: Array) -> None:
+        """Takes an action, finite and within its bounds, for the next control period."""
+        ...
+
+    def poll(self, now: float) -> Sequence[TouchFrame]: ...
+
+    def close(self) -> None: ...
+
+    def worn(self, touched: Reconstructor) -> Reconstructor:
+        """The reconstructor to use, from the one that reconstructs from touches."""
+        ...
+
+
+class TouchHands:
+    """Five touches, and the lift control where the task has one.
+
+    An action is (15,): for every slot whether it touches (0.5 or more), x and y in metres on the
+    surface, right and down of its top left corner; or (16,) with the lift, 0 (down) to 1. A slot
+    that touches again after a pause is a new contact, as of a finger that was lifted.
+
+    Args:
+        surface: The screen.
+        task: Whether it has a lift control.
+    """
+
+    name, finished = "gymnasium", False
+
+    def __init__(self, surface: Surface, task: type[Task]) -> None:
+        self._lifts = task.lift_range > 0
+        width, height = surface.size
+        self.low = np.zeros(3 * SLOTS + self._lifts)
+        self.high = np.array([1.0, width, height] * SLOTS + [1.0] * self._lifts)
+        self.touch_ids: list[int | None] = [None] * SLOTS
+        self._next = 0
+        self._contacts: tuple[Contact, ...] = ()
+        self._lift: float | None = 0.0 if self._lifts else None
+
+    def act(self, action: Array) -> None:
+        """Takes an action."""
+        contacts = []
+        for slot, (down, x, y) in enumerate(action[: 3 * SLOTS].reshape(SLOTS, 3)):
+            if down < 0.5:
+                self.touch_ids[slot] = None
+                continue
+            id = self.touch_ids[slot]
+            if id is None:
+                id, self._next = self._next, self._next + 1
+                self.touch_ids[slot] = id
+            contacts.append(Contact(id, float(x), float(y)))
+        # As a device tells them: in the order in which they came.
+        self._contacts = tuple(sorted(contacts, key=lambda c: c.id))
+        if self._lifts:
+            self._lift = float(action[-1])
+
+    def poll(self, now: float) -> Sequence[TouchFrame]:
+        """The touches now."""
+        return [TouchFrame(now, self._contacts, self._lift, source=self.name)]
+
+    def close(self) -> None:
+        """Nothing to give back."""
+
+    def worn(self, touched: Reconstructor) -> Reconstructor:
+        """Touches are reconstructed as always."""
+        return touched
+
+
+class PoseHands:
+    """A whole pose, past labels and encoder.
+
+    An action is (53,): the pose (48,) in the world, m and rad (see `models.pose`), then for every
+    finger whether it may be solid (0.5 or more). Joints are kept within their ranges and speeds
+    within those of any session, and a finger turns solid only outside of things.
+
+    Args:
+        skeleton: Of the hand.
+    """
+
+    name, finished = "gymnasium", False
+
+    def __init__(self, skeleton: Skeleton) -> None:
+        self._skeleton = skeleton
+        self.low, self.high = np.empty(POSE_SIZE + SLOTS), np.empty(POSE_SIZE + SLOTS)
+        for bound, reach, turn, joints, flag in (
+            (self.low, REACH[0], -np.pi, skeleton.lower, 0.0),
+            (self.high, REACH[1], np.pi, skeleton.upper, 1.0),
+        ):
+            bound[ROOT_POSITION], bound[ROOT_ROTATION] = reach, turn
+            bound[JOINTS], bound[POSE_SIZE:] = joints, flag
+        self.touch_ids: list[int | None] = [None] * SLOTS
+        self._pose: Array | None = None
+        self._solid: frozenset[int] = frozenset()
+
+    def act(self, action: Array) -> None:
+        """Takes an action."""
+        self._pose = within_limits(action[:POSE_SIZE], self._skeleton)
+        self._solid = frozenset(np.flatnonzero(action[POSE_SIZE:] >= 0.5).tolist())
+
+    def poll(self, now: float) -> Sequence[TouchFrame]:
+        """No touches."""
+        return []
+
+    def close(self) -> None:
+        """Nothing to give back."""
+
+    def worn(self, touched: Reconstructor) -> Reconstructor:
+        """Follows the poses; starts where a hand without touches waits."""
+        return _Followed(self, touched)
+
+    def wanted(self) -> tuple[Array | None, frozenset[int]]:
+        """The pose (48,) last commanded, None before the first, and the fingers to be solid."""
+        return self._pose, self._solid
+
+
+class _Followed:
+    """A reconstructor that reconstructs nothing: the pose is told."""
+
+    def __init__(self, hands: PoseHands, touched: Reconstructor) -> None:
+        self._hands, self._touched = hands, touched
+        self._rate = RateLimit()
+        self.counts: dict[str, int] = {}
+        self.reset()
+
+    @property
+    def surface(self) -> Surface:
+        return self._touched.surface
+
+    @property
+    def commanded(self) -> Array:
+        return self._commanded
+
+    def reset(self) -> None:
+        self._touched.reset()
+        self._commanded = self._touched.commanded
+        self._time: float | None = None
+
+    def step(self, frame: TouchFrame) -> Reconstruction:
+        dt = 0.0 if self._time is None else frame.time - self._time
+        self._time = frame.time
+        pose, solid = self._hands.wanted()
+        if pose is not None:
+            self._commanded = self._rate(self._commanded, pose, dt)
+        return Reconstruction(self._commanded, Phase.DOWN, solid, None, 1.0, 0.0, ())

@@ -1,0 +1,218 @@
+"""A task as an environment of Gymnasium: a session that an agent drives, step by step."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar, Literal
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import ArrayLike, NDArray
+
+from models.errors import DivergenceError, InputError
+from models.scene import CONTROL_PERIOD
+from models.skeleton import ADULT
+from sandbox.assembly import build, place_surface
+from sandbox.gym.actions import Hands, PoseHands, TouchHands
+from sandbox.gym.observation import observation_space, observe
+from sandbox.session import Session, describe
+from sandbox.settings import RunSettings
+from tasks.registry import draw_task, find_task
+from tasks.score import Status
+from tasks.sensing import Sensing
+
+Array = NDArray[np.float64]
+Observation = dict[str, Array]
+
+SEEDS = 2**31
+"""Trials that a reset without a seed chooses from."""
+
+
+class HandSandboxEnv(gymnasium.Env[Observation, Array]):
+    """One trial of a task is one episode; one step is one control period of 16 ms.
+
+    Actions with `action="touch"`, (15,) float64: for each of five slots whether it touches (0.5 or
+    more), x and y in metres on the surface (origin top left, x right, y down); tasks with a lift
+    control have (16,), the last being the lift, 0 (down) to 1. Which finger a touch is, and where
+    the hand goes, is reconstructed as for any person.
+    With `action="pose"`, (53,) float64: the pose (48,) of the hand in the world, m and rad, then
+    for each finger whether it may be solid (0.5 or more). What is out of bounds is clipped.
+
+    Observations, float64, in the world (x right, y away from the person, z up):
+        pose (48,): the simulated hand: root position m, root and 14 joints' rotation vectors, rad.
+        tips (5, 3): its fingertips, m, thumb first.
+        solid (5,): 1 where a finger can touch things now, thumb first.
+        labels (5,): which finger (0 thumb to 4 little) the touch in each slot was taken for, or -1.
+        objects (n, 13): of each thing position m, quaternion (w, x, y, z; w >= 0), velocity m/s
+            and angular velocity rad/s, in the order of the task's `objects`.
+        goals (g, 4): position m and yaw rad (-pi to pi), in the order of the task's `goals`; absent
+            where there are none.
+        time (1,): s since the start.
+
+    Reward: by how much the task's progress (0 to 1) has grown in this step, and 1 more at the step
+    at which success is certain, so that an episode's sum is the progress made plus success. With
+    `reward="sparse"` only the latter.
+
+    `terminated`: success was held for the task's hold time and looked at a second later, or the
+    simulation diverged (`info["trial"]["status"]` is then `diverged`, and the last sound
+    observation is repeated). `truncated`: the task's time limit is over.
+
+    `reset(seed=n)` starts the trial of seed n, the same as `sandbox run --seed n`; without a seed
+    the next trial is drawn from the environment's own generator. Equal seeds and actions give equal
+    states to the bit on one kind of machine.
+
+    `info` has `seed`, `state_hash` (see `Session.state_hash`), `success` so far, and at the end
+    `trial`: what `sandbox run --json` prints of it.
+
+    Args:
+        task: Its name, or its place such as `FILE.py:Class`.
+        action: `touch` or `pose`.
+        reward: `progress` or `sparse`.
+        render_mode: None, or `rgb_array`, for which this machine needs OpenGL.
+        size: px, width and height of pictures.
+        settings: More of `sandbox.settings.RunSettings`, such as `encoder="cubic"`.
+
+    Raises:
+        InputError: There is no such task, setting, kind of action or reward.
+    """
+
+    metadata: ClassVar[dict[str, Any]] = {
+        "render_modes": ["rgb_array"],
+        "render_fps": 1.0 / CONTROL_PERIOD,
+    }
+
+    def __init__(
+        self,
+        task: str = "box-to-goal",
+        action: Literal["touch", "pose"] = "touch",
+        reward: Literal["progress", "sparse"] = "progress",
+        render_mode: str | None = None,
+        size: tuple[int, int] = (640, 360),
+        **settings: Any,
+    ) -> None:
+        for where, got, options in (
+            ("action", action, ("touch", "pose")),
+            ("reward", reward, ("progress", "sparse")),
+            ("render_mode", render_mode, (None, "rgb_array")),
+        ):
+            if got not in options:
+                raise InputError("there is no such choice", where=where, got=got,
+                                 expected=", ".join(map(str, options)))  # fmt: skip
+        try:
+            self.settings = RunSettings(task=task, **settings)
+        except TypeError as error:
+            raise InputError(
+                "this is no setting of a run", where="settings", got=str(error)
+            ) from None
+        self.action, self.reward = action, reward
+        self.render_mode, self.size = render_mode, size
+        self._kind = find_task(task)
+        self._surface = place_surface(self.settings.surface, self._kind)
+        hands = self._make_hands()
+        self.action_space = spaces.Box(hands.low, hands.high, dtype=np.float64)
+        self._space = observation_space(draw_task(self._kind, 0, self._surface))
+        self.observation_space = self._space
+        self.session: Session | None = None
+        self._renderer: Any = None
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, dict[str, Any]]:
+        """A new trial.
+
+        Args:
+            seed: Of the trial; None draws one.
+            options: There are none.
+        """
+        super().reset(seed=seed)
+        trial = int(self.np_random.integers(SEEDS)) if seed is None else seed
+        self.close()
+        self._hands = hands = self._make_hands()
+        settings = RunSettings(**{**self.settings.as_json(), "seed": trial})
+        self.session = build(settings, lambda task, surface: hands, wear=hands.worn)
+        self._snapshot = self.session.snapshot()
+        sensing = Sensing(self.session.scene, self.session.data)
+        self._progress = self.session.task.measure(sensing).progress
+        self._seen = self._observed(self.session)
+        return self._copied(), self._info()
+
+    def step(self, action: ArrayLike) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+        """One control period.
+
+        Raises:
+            InputError: The action has another shape, or is not finite.
+            ResetNeeded: The episode is over.
+        """
+        session = self.session
+        if session is None or session.over:
+            raise gymnasium.error.ResetNeeded("the episode is over, or has not begun: call reset()")
+        self._hands.act(self._checked(action))
+        won = session.scorer.score.success
+        try:
+            self._snapshot = session.advance()
+            self._seen = self._observed(session)
+        except DivergenceError:
+            # The trial is marked; its last sound observation stands.
+            assert session.over
+        score = session.scorer.score
+        gained = float(score.success and not won)
+        if self.reward == "progress":
+            gained += score.progress - self._progress
+            self._progress = score.progress
+        truncated = score.status is Status.TIMEOUT
+        return self._copied(), gained, session.over and not truncated, truncated, self._info()
+
+    def render(self) -> Any:
+        """The picture (height, width, 3) uint8 of now; None without a render mode.
+
+        Raises:
+            GraphicsError: There is no OpenGL on this machine.
+        """
+        if self.render_mode is None:
+            return None
+        if self.session is None:
+            raise gymnasium.error.ResetNeeded("there is nothing to see yet: call reset()")
+        if self._renderer is None:
+            # Drawing loads OpenGL, which training mostly does without.
+            from sandbox.views.renderer import Renderer
+
+            self._renderer = Renderer(self.session.scene, self._surface, self.size)
+        return np.asarray(self._renderer.frame(self._snapshot))
+
+    def close(self) -> None:
+        """Gives back what draws."""
+        if self._renderer is not None:
+            self._renderer.close()
+            self._renderer = None
+        if self.session is not None:
+            self.session.close()
+            self.session = None
+
+    def _make_hands(self) -> Hands:
+        if self.action == "pose":
+            return PoseHands(self.settings.person.skeleton(ADULT))
+        return TouchHands(self._surface, self._kind)
+
+    def _checked(self, action: ArrayLike) -> Array:
+        values = np.asarray(action, float)
+        if values.shape != self.action_space.shape or not np.all(np.isfinite(values)):
+            raise InputError("this is no action", where="step", got=f"shape {values.shape}",
+                             expected=f"{self.action_space.shape} finite numbers")  # fmt: skip
+        assert isinstance(self.action_space, spaces.Box)
+        return np.clip(values, self.action_space.low, self.action_space.high)
+
+    def _observed(self, session: Session) -> Observation:
+        return observe(session, self._snapshot, self._hands.touch_ids, self._space)
+
+    def _copied(self) -> Observation:
+        return {name: values.copy() for name, values in self._seen.items()}
+
+    def _info(self) -> dict[str, Any]:
+        session = self.session
+        assert session is not None
+        info: dict[str, Any] = {
+            "seed": session.task.seed,
+            "state_hash": session.state_hash,
+            "success": session.scorer.score.success,
+        }
+        return {**info, "trial": describe(session)} if session.over else info

@@ -1,0 +1,97 @@
+"""What an agent sees of a session."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import mujoco
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+
+from models.rotations import quaternion_log
+from sandbox.gym.actions import SLOTS
+from sandbox.messages import Snapshot
+from sandbox.session import Session
+from tasks.task import Task
+
+Array = NDArray[np.float64]
+
+
+FAR, FAST, SPINNING = 10.0, 100.0, 1000.0
+"""m, m/s and rad/s: bounds of what is seen. Nothing sound comes near them; what is beyond is shown
+at the bound."""
+
+_STATE = np.repeat([FAR, 1.0, FAST, SPINNING], [3, 4, 3, 3])
+_LATE = 3600.0
+"""s, longer than any trial."""
+
+
+def observation_space(task: Task) -> spaces.Dict:
+    """The space of a task's observations; see `HandSandboxEnv`."""
+    things, goals = len(task.objects), len(task.goals)
+    found: dict[str, spaces.Space] = {
+        "pose": _symmetric(np.repeat([FAR, np.pi], [3, 45])),
+        "tips": _symmetric(np.full((SLOTS, 3), FAR)),
+        "solid": spaces.Box(0.0, 1.0, (SLOTS,), np.float64),
+        "labels": spaces.Box(-1.0, SLOTS - 1.0, (SLOTS,), np.float64),
+        "objects": _symmetric(np.tile(_STATE, (things, 1))),
+        "time": spaces.Box(0.0, _LATE, (1,), np.float64),
+    }
+    if goals:
+        found["goals"] = _symmetric(np.tile([FAR, FAR, FAR, np.pi], (goals, 1)))
+    return spaces.Dict(found)
+
+
+def _symmetric(bound: Array) -> spaces.Box:
+    return spaces.Box(-bound, bound, dtype=np.float64)
+
+
+def observe(
+    session: Session, snapshot: Snapshot, touch_ids: Sequence[int | None], space: spaces.Dict
+) -> dict[str, Array]:
+    """What an agent sees now; nothing of it changes later.
+
+    Args:
+        session: With one hand.
+        snapshot: Of the session now.
+        touch_ids: Contact of every slot.
+        space: Its bounds.
+    """
+    scene, data = session.scene, session.data
+    joints = data.qpos[scene.qpos_slice(0)]
+    turns = quaternion_log(joints[3:].reshape(15, 4)).ravel()
+    found = {
+        "pose": np.concatenate([joints[:3], turns]),
+        "tips": np.zeros((SLOTS, 3)),
+        "solid": np.zeros(SLOTS),
+        "labels": np.full(SLOTS, -1.0),
+        "objects": np.array([_object(session, t.name) for t in session.task.objects]),
+        "time": np.array([snapshot.time]),
+    }
+    if snapshot.goals:
+        yaws = [float(np.arctan2(np.sin(g.yaw), np.cos(g.yaw))) for g in snapshot.goals]
+        found["goals"] = np.array(
+            [[*g.position, yaw] for g, yaw in zip(snapshot.goals, yaws, strict=True)], float
+        )
+    if snapshot.hands:
+        hand = snapshot.hands[0]
+        found["tips"] = np.array(hand.tips)
+        found["solid"][sorted(hand.solid)] = 1.0
+        labels = {c.id: c.label for c in hand.contacts}
+        for slot, id in enumerate(touch_ids):
+            label = None if id is None else labels.get(id)
+            found["labels"][slot] = -1.0 if label is None else label
+    return {
+        name: np.clip(values, space[name].low, space[name].high) for name, values in found.items()
+    }
+
+
+def _object(session: Session, name: str) -> Array:
+    """(13,) position, quaternion with w >= 0, speed, and speed of turning, all in the world."""
+    model, data = session.scene.model, session.data
+    body = session.scene.object_bodies[name]
+    quat = data.xquat[body] * (-1.0 if data.xquat[body][0] < 0 else 1.0)
+    velocity = np.empty(6)
+    mujoco.mj_objectVelocity(model, data, mujoco.mjtObj.mjOBJ_XBODY, body, velocity, 0)
+    return np.concatenate([data.xpos[body], quat, velocity[3:], velocity[:3]])
