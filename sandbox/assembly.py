@@ -6,13 +6,14 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+from encoders import pca_ik_model
 from encoders.arrival import ArrivalSettings
 from encoders.belief import builtin_belief
 from encoders.contact_tracker import TrackerSettings
 from encoders.correction import CorrectionSettings
 from encoders.labelling import Labeller, PaperLabels
 from encoders.lift import LiftSettings
-from encoders.personal import personal
+from encoders.personal import Reconstructor, personal
 from encoders.touch_reconstructor import ReconstructorSettings, TouchReconstructor
 from encoders.trained import BUILTIN, TrainedModel, builtin, load_model
 from encoders.yaw_range import YawRange, YawWatch
@@ -24,11 +25,22 @@ from sandbox.devices.device import Device
 from sandbox.session import Recorder, Rig, Session
 from sandbox.settings import RunSettings
 from sandbox.solidity import SolidityRules
-from tasks.registry import find_task
+from tasks.registry import draw_task, find_task
 from tasks.task import Task
 
 DeviceMaker = Callable[[Task, Surface], Device]
 """Opens a device for a drawn task on a placed surface."""
+
+
+BELOW_TABLE = 0.015
+"""m by which an upright surface reaches below the table's top, so that fingers beside a thing that
+lies on the table are on the surface all the same."""
+
+
+UPRIGHT_END = 0.0
+"""m of the last links that are solid before an upright surface: nothing but the balls of the
+fingertips. Fingers reach over what stands below and before what they hold, in a depth that nobody
+sees."""
 
 
 def load_encoder(name: str) -> TrainedModel:
@@ -39,12 +51,14 @@ def load_encoder(name: str) -> TrainedModel:
     """
     if name in BUILTIN:
         return builtin(name)
+    if name == pca_ik_model.NAME:
+        return pca_ik_model.pca_ik_model()
     if not Path(name).exists():
         raise InputError(
             "there is no such encoder",
             where="--encoder",
             got=name,
-            expected=", ".join(BUILTIN) + ", or a file made by `sandbox train`",
+            expected=", ".join((*BUILTIN, pca_ik_model.NAME)) + ", or a file made by `sandbox train`",
         )
     return load_model(Path(name))
 
@@ -85,15 +99,42 @@ def make_labeller(settings: RunSettings, model: TrainedModel) -> Labeller:
     return PaperLabels(model) if settings.labels == "paper" else builtin_belief()
 
 
+def place_surface(surface: Surface, task: type[Task]) -> Surface:
+    """A task's surface in the world: flat over the table, or upright before the person.
+
+    Flat or upright, `touch_height` is out of it what it is above the middle of the things: above
+    the table, or in front of world y = 0, the depth at which things of an upright task are.
+    """
+    if task.plane == "front":
+        return surface.upright(-task.touch_height, -BELOW_TABLE)
+    return surface.centred_at((0.0, 0.0, task.touch_height))
+
+
 def build(
-    settings: RunSettings, make_device: DeviceMaker, recorder: Recorder | None = None
+    settings: RunSettings,
+    make_device: DeviceMaker,
+    recorder: Recorder | None = None,
+    wear: Callable[[Reconstructor], Reconstructor] | None = None,
 ) -> Session:
-    """A session with one hand, ready for its first step."""
+    """A session with one hand, ready for its first step.
+
+    Args:
+        settings: How it goes.
+        make_device: Where the touches come from.
+        recorder: Writes down inputs and states.
+        wear: Puts another reconstructor in the place of the one that reconstructs from touches.
+    """
     task_type = find_task(settings.task)
-    surface = settings.surface.centred_at((0.0, 0.0, task_type.touch_height))
-    task = task_type.draw(settings.seed, surface)
+    surface = place_surface(settings.surface, task_type)
+    task = draw_task(task_type, settings.seed, surface)
     person = settings.person
-    hand = Hand(person.hand, person.skeleton(ADULT), servo=settings.servo, impulse=settings.impulse)
+    hand = Hand(
+        person.hand,
+        person.skeleton(ADULT),
+        servo=settings.servo,
+        impulse=settings.impulse,
+        solid_end=UPRIGHT_END if task_type.plane == "front" else None,
+    )
     model = load_encoder(settings.encoder)
 
     def trained_hand(surface: Surface) -> TouchReconstructor:
@@ -106,9 +147,11 @@ def build(
         )
 
     reconstructor = personal(person, surface, trained_hand)
+    if wear:
+        reconstructor = wear(reconstructor)
     rules = SolidityRules(settings.ghost_until_clear, settings.distal_only)
     rig = Rig(make_device(task, surface), reconstructor, hand, _yaw_watch(model))
-    return Session(task, [rig], rules, settings.timestep, recorder)
+    return Session(task, [rig], rules, settings.timestep, recorder, settings.contact)
 
 
 def _yaw_watch(model: TrainedModel) -> YawWatch | None:

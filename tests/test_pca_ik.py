@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -118,3 +121,13 @@ def test_softness_is_damping_by_the_inverse():
     np.testing.assert_allclose(
         soft.fit(U, Q).predict(NEW), PcaIkEncoder(iterations=5).fit(U, Q).predict(NEW), atol=1e-9
     )
+
+
+def test_a_session_can_be_driven_by_it_and_another_process_finds_the_same_model():
+    from sandbox.assembly import load_encoder
+
+    model = load_encoder("pca-ik")
+    code = "from sandbox.assembly import load_encoder; print(load_encoder('pca-ik').digest)"
+    other = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert other.stdout.strip() == model.digest != load_encoder("quadratic").digest
+    assert model.encoder.predict(model.training_u[0]).shape == (48,)

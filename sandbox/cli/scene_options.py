@@ -53,7 +53,7 @@ class SceneOptions:
     """Where touches come from: the simulated user, a TUIO sender, the mouse in the window, or a
     file: a recording of ours, or a capture of TUIO packets."""
 
-    encoder: Annotated[str, tyro.conf.arg(metavar="{paper,linear,quadratic,cubic,best,FILE}")] = (
+    encoder: Annotated[str, tyro.conf.arg(metavar="{paper,linear,quadratic,cubic,pca-ik,best,FILE}")] = (
         "best"
     )
     """From touches to the hand. paper: least squares, the paper's labels, no correction, no
@@ -70,6 +70,10 @@ class SceneOptions:
 
     impulse: Annotated[str, tyro.conf.arg(metavar="{paper,safe,N}")] = "paper"
     """Limit of every servo in N s per 1/60 s: paper is 100, safe is 0.5."""
+
+    contact: Literal["hard", "soft", "none"] = "hard"
+    """How the hand touches things: soft gives way and pushes with 3 N at most, none passes through
+    everything. `c` changes it in the window."""
 
     servo: Literal["orientation", "position"] = "orientation"
     """One servo on the rotation of each ball joint, or three on its components."""
@@ -112,6 +116,10 @@ class SceneOptions:
 
     record: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """Writes a recording that `sandbox replay` plays to the bit."""
+
+    dump: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path()
+    """Folder for a recording of the last states, should the simulation diverge; with --record it is
+    written beside that."""
 
     events: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """Appends events as JSON lines: listening, trial_start, trial_end, warning."""
@@ -225,6 +233,7 @@ def _settings(options: SceneOptions, recording: Recording | None) -> RunSettings
         "encoder": options.encoder,
         "servo": options.servo,
         "impulse": _impulse(options.impulse),
+        "contact": options.contact,
     }
     if options.encoder == "paper" or options.bare:
         values = bare(values)
@@ -248,7 +257,16 @@ def _settings(options: SceneOptions, recording: Recording | None) -> RunSettings
 def _defaults_apart_from_input(options: SceneOptions) -> bool:
     """Whether a recording is to be run just as it was."""
     plain = SceneOptions()
-    pipeline = ("encoder", "bare", "without", "impulse", "servo", "surface", "tell_labels")
+    pipeline = (
+        "encoder",
+        "bare",
+        "without",
+        "impulse",
+        "contact",
+        "servo",
+        "surface",
+        "tell_labels",
+    )
     person = ("hand", "hand_size", "turn", "profile")
     return all(getattr(options, k) == getattr(plain, k) for k in (*pipeline, *person))
 
