@@ -102,7 +102,9 @@ class Collapse:
 
 
 @cache
-def collapse(fingers: tuple[int, ...], degree: int, origin: int | None = None) -> Collapse:
+def collapse(
+    fingers: tuple[int, ...], degree: int, origin: int | None = None, lifted: float = LIFTED
+) -> Collapse:
     """The collapse of a polynomial of contact vectors for a set of fingers.
 
     Args:
@@ -110,6 +112,7 @@ def collapse(fingers: tuple[int, ...], degree: int, origin: int | None = None) -
         degree: Of the polynomial.
         origin: The finger of the set that is at (0, 0), as the leftmost one is, if that is to be
             made use of: 6, 15, 28 and 45 quadratic monomials are left for 2 to 5 fingers.
+        lifted: Both coordinates of a lifted finger.
     """
     coordinates = [2 * f + axis for f in fingers if f != origin for axis in range(2)]
     one = FLAGS + fingers[0]
@@ -124,7 +127,7 @@ def collapse(fingers: tuple[int, ...], degree: int, origin: int | None = None) -
                 continue
             places.append(one)
             if place < FLAGS:
-                factor *= 0.0 if place // 2 == origin else LIFTED
+                factor *= 0.0 if place // 2 == origin else lifted
             elif place - FLAGS not in fingers:
                 factor = 0.0
         monomial.append(row[tuple(sorted(places))])

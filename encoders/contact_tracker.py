@@ -8,6 +8,7 @@ that the system *cancelled* was not lifted by the person and lives on longer.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from math import expm1
 
 import numpy as np
 from numpy.typing import NDArray
@@ -113,9 +114,10 @@ class ContactTracker:
                 self._find(track, contact, dt)
             else:
                 moves.append(self._follow(track, contact, dt))
-        drift = np.mean(moves, axis=0) if moves else np.zeros(2)
-        for track in self.tracks.values():
-            if not track.active:
+        lost = [track for track in self.tracks.values() if not track.active]
+        if lost and moves:
+            drift = np.mean(moves, axis=0)
+            for track in lost:
                 track.xy = track.xy + drift
         new = [c for i, c in seen.items() if i not in by_device and i not in self._ignored_ids]
         for contact in sorted(new, key=lambda c: c.id):
@@ -136,7 +138,7 @@ class ContactTracker:
         before = track.xy
         track.raw = np.array([contact.x, contact.y])
         # A first-order low-pass, exact for a position held over the step.
-        share = 1.0 if self.settings.low_pass <= 0 else -np.expm1(-dt / self.settings.low_pass)
+        share = 1.0 if self.settings.low_pass <= 0 else -expm1(-dt / self.settings.low_pass)
         track.xy = before + share * (track.raw - before)
         track.device_label = contact.label if contact.label is not None else track.device_label
         return track.xy - before

@@ -8,6 +8,7 @@ Source: Chung, Kim, Han, Pollard (2015), section 2, and section 4 for the units.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import isfinite
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,6 +23,9 @@ LIFTED = -1.0
 """Both coordinates of a finger that does not touch; the paper found its value to matter little."""
 
 CONTACT_VECTOR_SIZE = 15
+
+_NOTHING = [LIFTED] * (2 * len(FINGERS)) + [0.0] * len(FINGERS)
+"""The numbers of a hand that touches nothing."""
 
 
 def leftmost(xy: ArrayLike, ids: ArrayLike | None = None) -> int:
@@ -49,18 +53,17 @@ def contact_vector(contacts: Mapping[int, tuple[float, float]]) -> Array:
     labels = sorted(contacts)
     if labels[0] < 0 or labels[-1] >= len(FINGERS):
         raise EncoderError("no such finger", got=labels, expected="labels 0 to 4")
-    xy = np.array([contacts[label] for label in labels], float)
-    if xy.shape != (len(labels), 2) or not np.isfinite(xy).all():
+    places = [tuple(contacts[label]) for label in labels]
+    if not all(len(p) == 2 and isfinite(p[0]) and isfinite(p[1]) for p in places):
         raise EncoderError(
-            "positions must be finite pairs", got=xy.tolist(), expected="(x, y) in inches"
+            "positions must be finite pairs", got=places, expected="(x, y) in inches"
         )
-    u = np.full(CONTACT_VECTOR_SIZE, LIFTED)
-    u[10:] = 0.0
-    xy = xy - xy[leftmost(xy)]
-    for label, (x, y) in zip(labels, xy, strict=True):
-        u[2 * label : 2 * label + 2] = x, y
+    u = list(_NOTHING)
+    left, top = min(places)
+    for label, (x, y) in zip(labels, places, strict=True):
+        u[2 * label : 2 * label + 2] = x - left, y - top
         u[10 + label] = 1.0
-    return u
+    return np.array(u, float)
 
 
 def contact_vectors(xy: ArrayLike) -> tuple[Array, Array]:

@@ -14,8 +14,11 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.linalg.lapack import dposv
 
+from models.errors import EncoderError
 from models.kinematics import Kinematics
+from models.one_pose import OnePose
 from models.pose import JOINTS
 
 Array = NDArray[np.float64]
@@ -32,6 +35,8 @@ _EXACT = 1e-10
 """rad2, variance with which a held joint is known."""
 _SLACK = 1e-6
 """rad, by which a joint may leave its range before it is held; the end clips it."""
+
+_NONE = np.zeros(0, bool)
 
 
 class Corrected(NamedTuple):
@@ -79,13 +84,14 @@ class FingertipCorrection:
         covariance: ArrayLike,
         settings: CorrectionSettings | None = None,
     ) -> None:
-        self._kinematics = kinematics
+        skeleton = kinematics.skeleton
+        self._kinematics = OnePose(skeleton)
         self.settings = settings or CorrectionSettings()
         floor = np.full(48, self.settings.floor_angle**2)
         floor[:3] = self.settings.floor_position**2
         self._covariance = np.asarray(covariance, float) + np.diag(floor)
-        skeleton = kinematics.skeleton
         self._lower, self._upper = skeleton.lower, skeleton.upper
+        self._last: tuple[Array, Array, Array] | None = None
 
     def correct(
         self,
@@ -93,6 +99,7 @@ class FingertipCorrection:
         labels: ArrayLike,
         targets: ArrayLike,
         start: ArrayLike | None = None,
+        settled: float | None = None,
     ) -> Corrected:
         """The likeliest pose near a guess whose tips are at their targets.
 
@@ -105,64 +112,105 @@ class FingertipCorrection:
             targets: (k, 3) m, where the centres of their fingertips belong.
             start: (48,) pose near which the result is expected, the last frame's; it saves steps
                 and does not pull the result towards itself.
+            settled: Instead of the settings'.
         """
         s = self.settings
+        settled = s.settled if settled is None else settled
         guess = np.array(guess, float)
         labels, targets = np.asarray(labels, int), np.asarray(targets, float)
         # The guess itself must be legal, or the first linearisation is taken at no hand at all.
-        guess[JOINTS] = np.clip(guess[JOINTS], self._lower, self._upper)
+        guess[JOINTS] = guess[JOINTS].clip(self._lower, self._upper)
         q = guess.copy() if start is None else np.array(start, float)
         best = Corrected(q, np.inf, 0)
         # A guess whose tips are right already is the likeliest pose itself.
         moved = 0.0 if start is None else np.inf
         for iteration in range(s.iterations + 1):
-            tips, jacobian = self._kinematics.tips_and_jacobian(q)
+            tips, jacobian = self._seen(q)
             off = targets - tips[labels]
-            error = float(np.sqrt(np.max(np.einsum("ij,ij->i", off, off))))
+            error = float(np.einsum("ij,ij->i", off, off).max()) ** 0.5
             # A start is where the last frame ended: exact perhaps, but not yet the likeliest pose.
             if error < max(best.error, s.tolerance) and (start is None or iteration > 0):
                 best = Corrected(q, error, iteration)
-            if (error < s.tolerance and moved < s.settled) or iteration == s.iterations:
+            if (error < s.tolerance and moved < settled) or iteration == s.iterations:
                 break
             J = jacobian[labels].reshape(-1, 48)
-            new = self._step(q, guess, off.ravel(), J)
+            known = start is not None or iteration > 0
+            new = self._step(guess, off.ravel() + J @ (q - guess), J, q[JOINTS] if known else None)
             moved = float(np.abs(new - q).max())
             q = new
         return best
 
-    def _step(self, q: Array, guess: Array, off: Array, J: Array) -> Array:
+    def _seen(self, q: Array) -> tuple[Array, Array]:
+        """Fingertips and Jacobian of a pose.
+
+        A frame begins at the pose where the last one ended, shifted with the touches: that moves
+        the tips alike and changes nothing else.
+        """
+        if self._last is not None:
+            before, tips, jacobian = self._last
+            if np.array_equal(before[3:], q[3:]):
+                return tips + (q[:3] - before[:3]), jacobian
+        tips, jacobian = self._kinematics.tips_and_jacobian(q)
+        self._last = (q.copy(), tips, jacobian)
+        return tips, jacobian
+
+    def _step(self, guess: Array, r: Array, J: Array, near: Array | None) -> Array:
         """One Gauss-Newton step within the ranges.
 
         An active-set search: a joint that would leave its range is held at its end, one whose hold
         pushes it outwards rather than keeping it in is let go again.
+
+        Args:
+            guess: (48,) legal guess.
+            r: (3 k,) m, from the guess's fingertips to their targets as seen from the pose now.
+            J: (3 k, 48) derivative of the fingertips at the pose now.
+            near: (42,) rad, the pose's joints, of which those at an end probably stay there; None
+                where that is not to be expected.
         """
-        C, variance = self._covariance, self.settings.tip_sigma**2
-        r = off + J @ (q - guess)
-        JC = J @ C
+        C, lower, upper = self._covariance, self._lower, self._upper
         k = len(J)
-        side = np.zeros(len(self._lower), int)
-        new = q
+        JC = J @ C
+        free = JC @ J.T
+        free.reshape(-1)[:: k + 1] += self.settings.tip_sigma**2
+        side = np.zeros(len(lower), np.int64)
+        if near is not None:
+            side += near >= upper
+            side -= near <= lower
+        new = guess
         for _ in range(_ACTIVE_SET_ROUNDS):
-            held = np.flatnonzero(side)
-            rows = held + _JOINT_OFFSET
-            bound = np.where(side[held] > 0, self._upper[held], self._lower[held])
-            # Exact measurements of held joints beside the measurements of the tips.
-            A = np.concatenate([JC, C[rows]])
-            S = np.empty((len(A), len(A)))
-            S[:, :k] = A @ J.T
-            S[:, k:] = A[:, rows]
-            S[range(k), range(k)] += variance
-            S[range(k, len(A)), range(k, len(A))] += _EXACT
-            weights = np.linalg.solve(S, np.concatenate([r, bound - guess[rows]]))
-            new = guess + A.T @ weights
+            held = side.nonzero()[0]
+            if not len(held):
+                weights = _solved(free, r)
+                new = guess + weights @ JC
+            else:
+                rows = held + _JOINT_OFFSET
+                bound = np.where(side[held] > 0, upper[held], lower[held])
+                # Exact measurements of held joints beside the measurements of the tips.
+                A = np.concatenate([JC, C[rows]])
+                S = np.empty((len(A), len(A)))
+                S[:k, :k] = free
+                S[k:] = A[:, rows].T
+                S[:k, k:] = S[k:, :k].T
+                S.reshape(-1)[k * (len(A) + 1) :: len(A) + 1] += _EXACT
+                weights = _solved(S, np.concatenate([r, bound - guess[rows]]))
+                new = guess + weights @ A
+                new[rows] = bound
             joints = new[JOINTS]
-            wrong = np.sign(weights[k:]) == side[held]
-            beyond = (joints > self._upper + _SLACK).astype(int)
-            beyond -= joints < self._lower - _SLACK
-            beyond[held] = 0
-            if not wrong.any() and not beyond.any():
+            legal = joints.clip(lower, upper)
+            beyond = joints - legal
+            wrong = np.sign(weights[k:]) == side[held] if len(held) else _NONE
+            if not wrong.any() and not (np.abs(beyond) > _SLACK).any():
                 break
             side[held[wrong]] = 0
-            side += beyond
-        new[JOINTS] = np.clip(new[JOINTS], self._lower, self._upper)
+            side += (beyond > _SLACK).astype(np.int64) - (beyond < -_SLACK)
+        new[JOINTS] = legal
         return new
+
+
+def _solved(S: Array, r: Array) -> Array:
+    """x with S x = r, for a covariance S (n, n)."""
+    _, x, trouble = dposv(S, r)
+    if trouble:
+        raise EncoderError("the covariance of the guess is none", got=f"LAPACK dposv: {trouble}")
+    found: Array = x
+    return found

@@ -10,7 +10,9 @@ Layouts are complex numbers here, x + iy with y up the screen: a product then tu
 
 from __future__ import annotations
 
+from cmath import phase
 from functools import cache
+from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -69,6 +71,7 @@ class NaturalLayout:
         ahead = np.angle(np.mean(np.exp(1j * np.angle(z @ mean.conj()))))
         self.places: Complex = mean * np.exp(1j * ahead)
         self.turns: Array = np.angle(z @ self.places.conj())
+        self._laid: dict[int, tuple[Complex, Array]] = {}
 
     def match(self, xy: ArrayLike) -> Match:
         """Which fingers touches are, for a right hand of any size and turn.
@@ -78,23 +81,31 @@ class NaturalLayout:
         """
         z = _complex(xy)
         labels = hypotheses(len(z))
-        way, likeness = self._laid(z, labels)
-        best = int(np.argmax(likeness))
-        return Match(labels[best].copy(), float(np.angle(way[best])), float(likeness[best]))
+        z = z - z.sum() / len(z)
+        there, lengths = self._hypothetical(len(z))
+        way = there @ z
+        lengths = lengths * sqrt(np.vdot(z, z).real)
+        likeness = np.abs(way) / np.maximum(lengths, 1e-12)
+        best = int(likeness.argmax())
+        return Match(labels[best].copy(), phase(way[best]), float(likeness[best]))
 
     def turn(self, xy: ArrayLike, labels: ArrayLike) -> float:
         """rad, turn of touches (k, 2), k from 2, whose fingers (k,) are known."""
-        way, _ = self._laid(_complex(xy), np.asarray(labels, int)[None])
-        return float(np.angle(way[0]))
+        z = _complex(xy).tolist()
+        there = self.places[np.asarray(labels, int)].tolist()
+        # As `match`, for one labelling: plain numbers are quicker than arrays of two or three.
+        middle, centre = sum(z) / len(z), sum(there) / len(there)
+        way = sum((b - centre).conjugate() * (a - middle) for a, b in zip(z, there, strict=True))
+        return phase(way)
 
-    def _laid(self, z: Complex, labels: NDArray[np.int64]) -> tuple[Complex, Array]:
-        """Covariances (P,) of touches (k,) with the places of labels (P, k), and correlations."""
-        z = z - z.mean()
-        there = self.places[labels]
-        there = there - there.mean(axis=1, keepdims=True)
-        way = there.conj() @ z
-        lengths = np.linalg.norm(there, axis=1) * np.linalg.norm(z)
-        return way, np.abs(way) / np.maximum(lengths, 1e-12)
+    def _hypothetical(self, count: int) -> tuple[Complex, Array]:
+        """Conjugate places (P, k) of all labellings about their middles, and their norms (P,)."""
+        found = self._laid.get(count)
+        if found is None:
+            there = self.places[hypotheses(count)]
+            there = there - there.mean(axis=1, keepdims=True)
+            found = self._laid[count] = there.conj(), np.linalg.norm(there, axis=1)
+        return found
 
 
 def of_capture(capture: Capture) -> NaturalLayout:

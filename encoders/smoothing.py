@@ -6,13 +6,15 @@ another finger becomes the leftmost.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from math import atan2, cos, expm1, sin
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from models.pose import ROOT_POSITION, ROOT_ROTATION
-from models.rotations import exp, log, unwrap_near
+from models.pose import ROOT_ROTATION
+from models.rotations import turned_about_normal, unwrapped
 
 Array = NDArray[np.float64]
 
@@ -46,6 +48,22 @@ def rigid_motion(before: ArrayLike, after: ArrayLike) -> Motion:
     # The surface's y points down, so the turn on the screen has the other sign.
     turn = -np.arctan2(np.sum(ax * by - ay * bx), np.sum(ax * bx + ay * by))
     return Motion(later - middle, float(turn), middle)
+
+
+def common_motion(before: Sequence[Sequence[float]], after: Sequence[Sequence[float]]) -> Motion:
+    """`rigid_motion` of a few touches [(x, y), ..] that are all known, in plain floats."""
+    if not before:
+        return Motion(np.zeros(2), 0.0, np.zeros(2))
+    n = len(before)
+    mx, my = sum(p[0] for p in before) / n, sum(p[1] for p in before) / n
+    lx, ly = sum(p[0] for p in after) / n, sum(p[1] for p in after) / n
+    across = along = 0.0
+    for (ax, ay), (bx, by) in zip(before, after, strict=True):
+        ax, ay, bx, by = ax - mx, ay - my, bx - lx, by - ly
+        across += ax * by - ay * bx
+        along += ax * bx + ay * by
+    # The surface's y points down, so the turn on the screen has the other sign.
+    return Motion(np.array([lx - mx, ly - my]), -atan2(across, along), np.array([mx, my]))
 
 
 class PoseFilter:
@@ -90,14 +108,14 @@ class PoseFilter:
             self._state = q
             return q.copy()
         state = self._state
+        x, y = float(state[0]), float(state[1])
         if abs(turn) > _LEAST_TURN:
-            x, y = np.asarray(about, float)
-            middle = np.array([x, -y, 0.0])
-            turned = exp([0.0, 0.0, turn])
-            state[ROOT_POSITION] = middle + turned @ (state[ROOT_POSITION] - middle)
-            state[ROOT_ROTATION] = log(turned @ exp(state[ROOT_ROTATION]))
-        state[0] += carried[0]  # type: ignore[index]
-        state[1] -= carried[1]  # type: ignore[index]
-        q[ROOT_ROTATION] = unwrap_near(q[ROOT_ROTATION], state[ROOT_ROTATION])
-        self._state = state + -np.expm1(-dt / self.tau) * (q - state)
+            c, s = cos(turn), sin(turn)
+            left, up = float(about[0]), -float(about[1])  # type: ignore[index, arg-type]
+            x, y = left + c * (x - left) - s * (y - up), up + s * (x - left) + c * (y - up)
+            state[ROOT_ROTATION] = turned_about_normal(state[ROOT_ROTATION], turn)
+        state[0] = x + carried[0]  # type: ignore[index]
+        state[1] = y - carried[1]  # type: ignore[index]
+        q[ROOT_ROTATION] = unwrapped(q[ROOT_ROTATION], state[ROOT_ROTATION])
+        self._state = state + -expm1(-dt / self.tau) * (q - state)
         return self._state.copy()

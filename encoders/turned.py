@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from encoders.contact_vector import CONTACT_VECTOR_SIZE
 from encoders.polynomial import PolynomialEncoder, QuadraticEncoder
+from encoders.turned_pose import TurnedPose
 from models.errors import EncoderError
 from models.frames import FINGERS
 from models.pose import POSE_SIZE, ROOT_POSITION, ROOT_ROTATION
@@ -115,6 +116,10 @@ class TurnedEncoder:
             raise EncoderError(
                 "wrong number of inputs", got=U.shape, expected=f"(T, {CONTACT_VECTOR_SIZE})"
             )
+        if U.ndim == 1:
+            pose = self._one(U)
+            if pose is not None:
+                return pose
         rows = U.reshape(-1, U.shape[-1])
         first, *others = self._stages
         Q = first.predict(rows)
@@ -128,6 +133,7 @@ class TurnedEncoder:
     def _made_of(self, stages: list[PolynomialEncoder]) -> TurnedEncoder:
         self._stages = stages
         self.coef_ = np.stack([s.coef_ for s in stages])
+        self._one = TurnedPose(self.coef_)
         return self
 
 

@@ -12,6 +12,7 @@ ever further after it has come down is noticed.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import pi, remainder
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,7 +61,7 @@ class YawRange:
 
     def turn(self, u: Array) -> float | None:
         """rad, how a contact vector's hand is turned; None where one touch cannot tell."""
-        fingers = np.flatnonzero(u[10:])
+        fingers = u[10:].nonzero()[0]
         xy = u[:10].reshape(5, 2)[fingers]
         if len(fingers) < 2:
             return None
@@ -73,8 +74,7 @@ class YawRange:
         if self.low <= turn <= self.high:
             return 0.0
         # The range has two ends, and from outside both can be reached.
-        apart = np.array([self.low, self.high]) - turn
-        return float(np.abs(np.angle(np.exp(1j * apart))).min())
+        return min(abs(remainder(end - turn, 2 * pi)) for end in (self.low, self.high))
 
 
 @dataclass(frozen=True)

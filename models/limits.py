@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import sqrt
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from models.pose import JOINTS, ROOT_ROTATION
-from models.rotations import unwrap_near
+from models.rotations import unwrapped
 from models.skeleton import Skeleton
 
 Array = NDArray[np.float64]
@@ -53,10 +54,9 @@ class RateLimit:
         if dt <= 0:
             return previous
         goal = target.copy()
-        goal[ROOT_ROTATION] = unwrap_near(target[ROOT_ROTATION], previous[ROOT_ROTATION])
+        goal[ROOT_ROTATION] = unwrapped(target[ROOT_ROTATION], previous[ROOT_ROTATION])
         step = goal - previous
-        vectors = np.linalg.norm(step.reshape(16, 3), axis=1)
-        allowed = np.full(16, self.angular * dt)
-        allowed[0] = self.linear * dt
-        share = np.max(vectors / allowed)
+        vectors = step.reshape(16, 3)
+        squares = np.einsum("ij,ij->i", vectors, vectors)
+        share = sqrt(max(squares[0] / self.linear**2, squares[1:].max() / self.angular**2)) / dt
         return previous + step / share if share > 1.0 else goal

@@ -23,6 +23,7 @@ ROOT_POSITION = slice(0, 3)
 ROOT_ROTATION = slice(3, 6)
 JOINTS = slice(6, 48)
 
+_FLAT = np.eye(3)
 _MIRROR = np.concatenate([[-1.0, 1.0, 1.0], np.tile([1.0, -1.0, -1.0], 1 + BALL_JOINTS)])
 
 
@@ -53,9 +54,11 @@ def world_to_surface(q: ArrayLike, surface: Surface) -> Array:
 
 def _moved(q: ArrayLike, rotation: Array, shift: Array) -> Array:
     q = np.array(q, float)
-    q[..., ROOT_POSITION] = q[..., ROOT_POSITION] @ rotation.T + shift
-    if not np.array_equal(rotation, np.eye(3)):
-        # Skipped for a flat surface, so that poses there pass through to the bit.
+    if (rotation == _FLAT).all():
+        # Poses of a flat surface pass through to the bit.
+        q[..., ROOT_POSITION] += shift
+    else:
+        q[..., ROOT_POSITION] = q[..., ROOT_POSITION] @ rotation.T + shift
         turned = log(rotation @ exp(q[..., ROOT_ROTATION]))
         q[..., ROOT_ROTATION] = turned
     return q

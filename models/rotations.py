@@ -6,6 +6,8 @@ of ten thousand frames take the same path.
 
 from __future__ import annotations
 
+from math import atan2, cos, pi, sin, sqrt
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -121,3 +123,44 @@ def unwrap_near(w: ArrayLike, reference: ArrayLike) -> Array:
     axis = np.where(t < _SMALL, 0.0, w / np.where(t < _SMALL, 1.0, t))
     turns = np.round(np.sum((reference - w) * axis, axis=-1, keepdims=True) / (2 * np.pi))
     return w + 2 * np.pi * turns * axis
+
+
+def turned_about_normal(w: ArrayLike, turn: float) -> tuple[float, float, float]:
+    """The rotation vector of exp((0, 0, turn)) exp(w) for a single w (3,), turn in rad.
+
+    In plain floats: for one vector that costs a tenth of what the batched functions do.
+    """
+    x, y, z = np.asarray(w, float).tolist()
+    t = sqrt(x * x + y * y + z * z)
+    s = sin(0.5 * t) / t if t > _SMALL else 0.5 - t * t / 48.0
+    a, x, y, z = cos(0.5 * t), s * x, s * y, s * z
+    c, s = cos(0.5 * turn), sin(0.5 * turn)
+    a, x, y, z = c * a - s * z, c * x - s * y, c * y + s * x, c * z + s * a
+    n = sqrt(x * x + y * y + z * z)
+    # The shorter way; atan2 of a negative cosine would go the longer one.
+    sign = -1.0 if a < 0 else 1.0
+    scale = sign * (2.0 * atan2(n, sign * a) / n if n > _SMALL else 2.0)
+    return scale * x, scale * y, scale * z
+
+
+def turn_about_normal(w: ArrayLike) -> float:
+    """rad, of the rotation about (0, 0, 1) that is nearest to exp(w), for a single w (3,)."""
+    x, y, z = np.asarray(w, float).tolist()
+    t2 = x * x + y * y + z * z
+    t = sqrt(t2)
+    a = sin(t) / t if t > _SMALL else 1.0 - t2 / 6.0
+    half = sin(0.5 * t) / t if t > _SMALL else 0.5 - t2 / 48.0
+    # exp(w) = I + a skew(w) + b skew(w)^2, of which four components count.
+    return atan2(2.0 * a * z, 2.0 - 2.0 * half * half * (t2 + z * z))
+
+
+def unwrapped(w: Array, reference: Array) -> Array:
+    """`unwrap_near` for a single vector (3,)."""
+    x, y, z = w.tolist()
+    t = sqrt(x * x + y * y + z * z)
+    if t < _SMALL:
+        return w
+    u, v, r = reference.tolist()
+    ahead = (u - x) * x + (v - y) * y + (r - z) * z
+    turns = round(ahead / (t * 2.0 * pi))
+    return w if not turns else w * (1.0 + 2.0 * pi * turns / t)
