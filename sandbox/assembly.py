@@ -58,7 +58,8 @@ def load_encoder(name: str) -> TrainedModel:
             "there is no such encoder",
             where="--encoder",
             got=name,
-            expected=", ".join((*BUILTIN, pca_ik_model.NAME)) + ", or a file made by `sandbox train`",
+            expected=", ".join((*BUILTIN, pca_ik_model.NAME))
+            + ", or a file made by `sandbox train`",
         )
     return load_model(Path(name))
 
