@@ -31,7 +31,7 @@ def configuration() -> dict[str, Any]:
         "reconstructor": asdict(reconstructor_settings(settings)),
         "user": UserConfiguration().as_json(),
         "digests": digests(settings),
-        "tasks": {settings.task: TASKS[settings.task].version},
+        "tasks": {name: task.version for name, task in TASKS.items()},
     }
 
 

@@ -1,10 +1,12 @@
-"""How often the simulated user succeeds, and what each part of the pipeline is worth.
+"""How often the simulated user succeeds, and what each encoder and each part is worth.
 
 Every row is the same judged seeds with one thing changed. Resumable: finished trials are kept in a
 file of JSON lines and not run again.
 
-    python -m benchmarks.success --seeds 300 --rows best --out out/success.jsonl
-    python -m benchmarks.success --seeds 100 --rows all --out out/success.jsonl --table
+    python -m benchmarks.success --tasks all --seeds 600 --rows best
+    python -m benchmarks.success --tasks all --seeds 100 --rows encoders
+    python -m benchmarks.success --tasks box-to-goal --fingers 2 3 5 --seeds 100 --rows parts
+    python -m benchmarks.success --tasks all --rows encoders --table
 """
 
 from __future__ import annotations
@@ -22,8 +24,26 @@ from rich.progress import Progress
 from scipy.stats import binomtest
 
 from benchmarks.judged import judged_seeds
+from tasks.registry import TASKS
 
-ROWS: dict[str, dict[str, Any]] = {
+ENCODERS: dict[str, dict[str, Any]] = {
+    "best": {},
+    "cubic": {"encoder": "cubic"},
+    "quadratic": {"encoder": "quadratic"},
+    "linear": {"encoder": "linear"},
+    "pca-ik": {"encoder": "pca-ik"},
+    "best --bare": {"bare": True},
+    "paper": {"encoder": "paper"},
+}
+"""Row -> options of `sandbox run` that differ from its defaults. `paper` is bare as well; both keep
+our rules of arrival."""
+
+CONTROLS: dict[str, dict[str, Any]] = {
+    "user does nothing": {"user": "idle"},
+    "user touches at random": {"user": "random"},
+}
+
+PARTS: dict[str, dict[str, Any]] = {
     "best": {},
     "best, true labels": {"tell_labels": True},
     "without fingertip correction": {"without": ("correction",)},
@@ -42,15 +62,16 @@ ROWS: dict[str, dict[str, Any]] = {
         "encoder": "paper",
         "without": ("arrival", "ghost", "distal", "stitch"),
     },
-    "user does nothing": {"user": "idle"},
-    "user touches at random": {"user": "random"},
 }
-"""Row of the table -> options of `sandbox run` that differ from its defaults."""
 
-FINGERS = (2, 3, 5)
+GROUPS = {"encoders": ENCODERS, "controls": CONTROLS, "parts": PARTS}
+ROWS = PARTS | ENCODERS | CONTROLS
+
+Job = tuple[str, str, int, int]
+"""Task, row, fingers, seed."""
 
 
-def trial(job: tuple[str, str, int, int]) -> dict[str, Any]:
+def trial(job: Job) -> dict[str, Any]:
     """Runs one trial: (task, row, fingers, seed)."""
     from sandbox.cli.scene_options import SceneOptions, plan
     from sandbox.headless import run_trial
@@ -69,7 +90,7 @@ def wilson(successes: int, n: int) -> tuple[float, float]:
     return 100 * interval.low, 100 * interval.high
 
 
-def load(path: Path) -> dict[tuple[str, str, int, int], dict[str, Any]]:
+def load(path: Path) -> dict[Job, dict[str, Any]]:
     """Finished trials by job; a torn last line is left out."""
     done = {}
     if path.exists():
@@ -79,45 +100,60 @@ def load(path: Path) -> dict[tuple[str, str, int, int], dict[str, Any]]:
     return done
 
 
-def table(done: dict[Any, dict[str, Any]], task: str, seeds: list[int]) -> Iterator[str]:
-    """The result as a Markdown table."""
-    yield "| | " + " | ".join(f"{f} fingers" for f in FINGERS) + " |"
-    yield "| --- |" + " --- |" * len(FINGERS)
+def cell(found: list[dict[str, Any]]) -> str:
+    """Successes of trials, their Wilson interval and the median time of those that succeeded."""
+    if not found:
+        return ""
+    won = sorted(r["time_s"] for r in found if r["success"])
+    low, high = wilson(len(won), len(found))
+    rate = f"{len(won)}/{len(found)} = {100 * len(won) / len(found):.1f} % [{low:.1f}, {high:.1f}]"
+    return f"{rate} {won[len(won) // 2]:.1f} s" if won else rate
+
+
+def table(
+    done: dict[Job, dict[str, Any]], tasks: list[str], fingers: list[int], seeds: list[int]
+) -> Iterator[str]:
+    """The result as a Markdown table: a column for each task and number of fingers."""
+    columns = [(task, f) for task in tasks for f in fingers]
+    names = [task if len(fingers) == 1 else f"{task}, {f} fingers" for task, f in columns]
+    yield "| | " + " | ".join(names) + " |"
+    yield "| --- |" + " --- |" * len(columns)
     for row in ROWS:
-        cells = []
-        for fingers in FINGERS:
-            jobs = [(task, row, fingers, s) for s in seeds]
-            found = [done[j] for j in jobs if j in done]
-            if not found:
-                cells.append("")
-                continue
-            won = [r for r in found if r["success"]]
-            low, high = wilson(len(won), len(found))
-            cell = f"{len(won)}/{len(found)} [{low:.0f}, {high:.0f}]"
-            if won:
-                times = sorted(r["time_s"] for r in won)
-                cell += f" {times[len(times) // 2]:.1f} s"
-            cells.append(cell)
-        if any(cells):
-            yield f"| {row} | " + " | ".join(cells) + " |"
+        found = [
+            [done[j] for s in seeds if (j := (task, row, f, s)) in done] for task, f in columns
+        ]
+        if any(found):
+            yield f"| {row} | " + " | ".join(map(cell, found)) + " |"
+
+
+def chosen_rows(text: str) -> list[str]:
+    """Rows by name, or by the name of their group; separated by ;."""
+    names = ROWS if text == "all" else [r for t in text.split(";") for r in GROUPS.get(t, [t])]
+    return list(names)
 
 
 def main() -> None:
     """Runs what is missing, then prints the table."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--task", default="box-to-goal")
-    parser.add_argument("--seeds", type=int, default=300, help="the first N judged seeds")
-    parser.add_argument("--rows", default="best", help="all, or names separated by ;")
-    parser.add_argument("--fingers", type=int, nargs="+", default=list(FINGERS))
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--tasks", nargs="+", default=["all"], help="all, or names")
+    parser.add_argument("--seeds", type=int, default=600, help="the first N judged seeds")
+    parser.add_argument(
+        "--rows", default="best", help="all, encoders, controls, parts, or names separated by ;"
+    )
+    parser.add_argument("--fingers", type=int, nargs="+", default=[3])
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--out", type=Path, default=Path("out/success.jsonl"))
     parser.add_argument("--table", action="store_true", help="only print what is there")
     args = parser.parse_args()
     seeds = judged_seeds(args.seeds)
-    rows = list(ROWS) if args.rows == "all" else args.rows.split(";")
+    tasks = list(TASKS) if args.tasks == ["all"] else args.tasks
     args.out.parent.mkdir(parents=True, exist_ok=True)
     done = load(args.out)
-    jobs = [(args.task, r, f, s) for r in rows for f in args.fingers for s in seeds]
+    rows = chosen_rows(args.rows)
+    # Seed by seed, so that what is cut short has all tasks and rows to the same extent.
+    jobs = [(t, r, f, s) for s in seeds for t in tasks for r in rows for f in args.fingers]
     missing = [] if args.table else [j for j in jobs if j not in done]
     # One thread a process: the machine's cores are the processes' already.
     os.environ["OMP_NUM_THREADS"] = "1"
@@ -128,7 +164,7 @@ def main() -> None:
     ):
         for result in progress.track(pool.map(trial, missing), total=len(missing)):
             file.write(json.dumps(result).encode() + b"\n")
-    print("\n".join(table(load(args.out), args.task, seeds)))
+    print("\n".join(table(load(args.out), tasks, args.fingers, seeds)))
 
 
 if __name__ == "__main__":
