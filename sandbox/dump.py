@@ -71,15 +71,13 @@ class BlackBox(RecordingLines):
         Raises:
             RecordingError: It cannot be written, or not wholly.
         """
+        self._put_track()
         writer = _new(path, {**self._header, "dump": {"states": len(self._last)}})
         dense = {s for s, _, _ in self._last}
         # In this order the file tells the same story twice: what came in, then how it ended.
         for line in self._lines:
             if not (line["kind"] == "keyframe" and line["step"] in dense) and line["kind"] != "end":
                 writer.put(line)
-        track = self._track.line()
-        if track:
-            writer.put(track)
         for s, state, state_hash in self._last:
             writer.put(keyframe_line(s, state, state_hash))
         writer.put(end_line(step, result))

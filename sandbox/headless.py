@@ -6,18 +6,14 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from models.errors import DivergenceError, RecordingError
+from models.errors import DivergenceError
 from sandbox.assembly import DeviceMaker, build, digests
-from sandbox.dump import BlackBox, dump_path
+from sandbox.keeping import Keeping
 from sandbox.messages import Snapshot
-from sandbox.recording import RecordingWriter
-from sandbox.session import Session, describe
+from sandbox.session import Session
 from sandbox.settings import RunSettings
 from sandbox.versions import versions
 from tasks.registry import origin
-
-SCHEMA = 1
-"""Version of a trial's JSON."""
 
 View = Callable[[Snapshot], None]
 """Gets every snapshot of a headless run, in order."""
@@ -54,36 +50,16 @@ def run_trial(
         The trial's JSON; after a divergence, `dump` in it tells the file that shows how.
     """
     header = trial_header(settings, about)
-    recorder = RecordingWriter(record, header) if record else None
-    box = BlackBox(header, recorder)
-    session = build(settings, make_device, box)
+    keeping = Keeping(header, record, dump)
     try:
-        play(session, make_views(session))
-        result = {**describe(session), **header, "schema": SCHEMA}
-        if session.diverged:
-            path = dump_path(dump, record, session.task.name, session.task.seed)
-            result |= write_dump(box, path, session.step, result)
-        box.end(session.step, result)
+        session = build(settings, make_device, keeping.recorder)
+        try:
+            play(session, make_views(session))
+            return keeping.end(session)
+        finally:
+            session.close()
     finally:
-        session.close()
-        if recorder:
-            recorder.close()
-    return result
-
-
-def write_dump(
-    box: BlackBox, path: Path | None, step: int, result: dict[str, Any]
-) -> dict[str, str]:
-    """Writes how a simulation diverged; what the result tells of it.
-
-    A file that cannot be written does not cost the result.
-    """
-    if path is None:
-        return {}
-    try:
-        return {"dump": str(box.dump(path, step, result))}
-    except RecordingError as error:
-        return {"dump": "", "dump_error": str(error)}
+        keeping.close()
 
 
 def play(session: Session, views: Sequence[View]) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from dataclasses import replace
 
 from models.errors import DivergenceError, HandSandboxError
 from models.scene import CONTROL_PERIOD
@@ -84,8 +85,10 @@ class LiveSession:
                 clock.wait(snapshot.time, self._news, CONTROL_PERIOD / self._speed)
                 self.lost = clock.lost
         except DivergenceError:
-            # The trial is marked and the score says so; there is nothing more to simulate.
-            self._newest = self.session.snapshot()
+            # The trial is marked and the score says so; there is nothing more to simulate, and what
+            # was simulated last is nothing to look at.
+            if self._newest is not None:
+                self._newest = replace(self._newest, score=self.session.scorer.score)
         except HandSandboxError as error:
             # A device broke. Whoever waits for this thread passes it on.
             self.failure = error

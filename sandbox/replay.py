@@ -8,6 +8,7 @@ from models.errors import DivergenceError, RecordingError
 from sandbox.assembly import build, digests
 from sandbox.devices.recorded import RecordedDevice
 from sandbox.headless import ViewMaker, no_views
+from sandbox.recorded_poses import RecordedPoses
 from sandbox.recorded_task import recorded_task
 from sandbox.recording import Recording
 from sandbox.session import Session
@@ -24,12 +25,16 @@ class Verification:
         first_difference: Physics step of the first hash that differs; None when all agree.
         complete: The recording's end was reached and its last hash compared.
         same_machine: Versions and kind of processor are the recording's, so that equality is owed.
+        shown_recorded: Views were shown the recorded poses, not those simulated here.
+        diverged: Why the simulation diverged in the replay, too; empty where it did not.
     """
 
     compared: int
     first_difference: int | None
     complete: bool
     same_machine: bool
+    shown_recorded: bool = False
+    diverged: str = ""
 
     @property
     def exact(self) -> bool:
@@ -58,27 +63,34 @@ def settings_of(recording: Recording) -> RunSettings:
 
 
 def replay(recording: Recording, make_views: ViewMaker = no_views) -> tuple[Session, Verification]:
-    """Plays a recording to its end, comparing hashes on the way."""
+    """Plays a recording to its end, comparing hashes on the way.
+
+    Where it was made with other versions or on another kind of processor, nothing promises the same
+    states: it is simulated and compared all the same, and views are shown the recorded poses.
+    """
     settings = settings_of(recording)
     session = build(settings, lambda task, surface: RecordedDevice(recording))
+    same = recording.header["versions"].get("fingerprint") == versions()["fingerprint"]
+    poses = RecordedPoses(session, recording) if recording.track.qpos and not same else None
     views = make_views(session)
-    expected = {i.step: i.state_hash for inputs in recording.inputs.values() for i in inputs}
-    if recording.end:
-        expected[recording.end["step"]] = recording.end["hash"]
     compared, difference = 0, None
     while True:
-        if session.step in expected:
+        if session.step in recording.hashes:
             compared += 1
-            if expected[session.step] != session.state_hash and difference is None:
+            if recording.hashes[session.step] != session.state_hash and difference is None:
                 difference = session.step
-        if session.over:
+        # A score may be won earlier or later elsewhere; what is shown goes on to its end.
+        if session.diverged or (session.over and not (poses and session.step < poses.last)):
             break
         try:
             snapshot = session.advance()
         except DivergenceError:
-            break
+            continue
+        if poses:
+            snapshot = poses.show(snapshot, scored=difference is None)
         for view in views:
             view(snapshot)
     complete = recording.end is not None and session.step == recording.end["step"]
-    same = recording.header["versions"].get("fingerprint") == versions()["fingerprint"]
-    return session, Verification(compared, difference, complete, same)
+    return session, Verification(
+        compared, difference, complete, same, poses is not None, session.diverged
+    )

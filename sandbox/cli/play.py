@@ -14,14 +14,14 @@ from sandbox.cli.demo import has_display
 from sandbox.cli.page_options import PageOptions
 from sandbox.cli.parse import parse
 from sandbox.cli.play_page import play_on_page
+from sandbox.cli.run import report_dump
 from sandbox.cli.scene_options import Plan, SceneOptions, plan
 from sandbox.events import EventLog, NoticeEvents
 from sandbox.headless import trial_header
+from sandbox.keeping import Keeping
 from sandbox.live import LiveSession
 from sandbox.messages import Snapshot
 from sandbox.profiles import DEFAULT, default_path, find_profile
-from sandbox.recording import RecordingWriter
-from sandbox.session import describe
 from sandbox.views.window import Window
 
 
@@ -92,16 +92,12 @@ def _trial(
     trial: int,
 ) -> tuple[Window, bool]:
     """One trial; returns the window and whether the person asked for another."""
-    recorder = None
-    if options.record:
-        # A second trial is another file: nothing recorded is ever written over.
-        path = (
-            options.record
-            if not trial
-            else options.record.with_stem(f"{options.record.stem}-{trial + 1}")
-        )
-        recorder = RecordingWriter(path, trial_header(chosen.settings, chosen.about))
-    session = build(chosen.settings, chosen.make_device, recorder)
+    # A second trial is another file: nothing recorded is ever written over.
+    record = options.record
+    if record and trial:
+        record = record.with_stem(f"{record.stem}-{trial + 1}")
+    keeping = Keeping(trial_header(chosen.settings, chosen.about), record, options.dump)
+    session = build(chosen.settings, chosen.make_device, keeping.recorder)
     device: Any = chosen.opened[-1]
     if window is not None:
         window.close()
@@ -133,18 +129,19 @@ def _trial(
     try:
         while window.pump(live.newest):
             live.pause(window.paused)
+            if window.take_contact():
+                session.set_contact(session.contact.next)
             if window.take_reset():
                 again = True
                 break
     finally:
         live.stop()
-        result = {**describe(session), **trial_header(chosen.settings, chosen.about), "schema": 1}
-        if recorder:
-            recorder.end(session.step, result)
-            recorder.close()
+        result = keeping.end(session)
+        keeping.close()
         session.close()
     if live.failure:
         raise live.failure
     events.tell("trial_end", **result)
+    report_dump(result, console)
     console.print(f"{session.task.name}: {result['status']} {result['reason']}")
     return window, again

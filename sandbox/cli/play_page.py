@@ -13,18 +13,19 @@ from rich.table import Table
 from models.errors import InputError
 from sandbox.assembly import build
 from sandbox.cli.page_options import PageOptions, open_page
+from sandbox.cli.run import report_dump
 from sandbox.cli.scene_options import Plan, SceneOptions, plan
 from sandbox.devices.web import WebDevice
 from sandbox.events import EventLog, NoticeEvents
 from sandbox.headless import trial_header
+from sandbox.keeping import Keeping
 from sandbox.live import LiveSession
 from sandbox.messages import Snapshot
-from sandbox.recording import RecordingWriter
 from sandbox.server.describe import describe_scene
 from sandbox.server.invitation import code, hints
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol import Ask, Screen
-from sandbox.session import Session, describe
+from sandbox.session import Session
 from tasks.registry import TASKS
 
 TICK = 0.02
@@ -93,15 +94,16 @@ class PagePlay:
 
     def _trial(self, wishes: Wishes) -> None:
         chosen = self._chosen(wishes)
-        recorder = None
-        if self.options.record:
-            header = trial_header(chosen.settings, chosen.about)
-            recorder = RecordingWriter(_numbered(self.options.record, wishes.trial), header)
+        record = self.options.record
+        keeping = Keeping(
+            trial_header(chosen.settings, chosen.about),
+            _numbered(record, wishes.trial) if record else None,
+            self.options.dump,
+        )
         try:
-            session = build(chosen.settings, chosen.make_device, recorder)
+            session = build(chosen.settings, chosen.make_device, keeping.recorder)
         except InputError as error:
-            if recorder:
-                recorder.close()
+            keeping.close()
             self._refuse(error)
             return
         device = chosen.opened[-1]
@@ -117,17 +119,15 @@ class PagePlay:
                 time.sleep(TICK)
         finally:
             live.stop()
-            result = {**describe(session), **trial_header(chosen.settings, chosen.about)}
-            result |= {"latency": self.server.latency.as_json(), "schema": 1}
-            if recorder:
-                recorder.end(session.step, result)
-                recorder.close()
+            result = keeping.end(session, latency=self.server.latency.as_json())
+            keeping.close()
             session.close()
         self.server.publish(session.snapshot())
         if live.failure:
             raise live.failure
         self.latest.update(result)
         self.events.tell("trial_end", **result)
+        report_dump(result, self.console)
         self.console.print(f"{session.task.name}: {result['status']} {result['reason']}")
 
     def _chosen(self, wishes: Wishes) -> Plan:

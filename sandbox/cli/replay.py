@@ -15,9 +15,12 @@ from sandbox.cli.films import open_film
 from sandbox.cli.parse import parse
 from sandbox.headless import View
 from sandbox.messages import Snapshot
+from sandbox.recorded_poses import recorded_score
 from sandbox.recording import load_recording
 from sandbox.replay import replay
 from sandbox.session import Session
+
+ELSEWHERE = "it was made with other versions or on another kind of processor"
 
 
 @dataclass(frozen=True)
@@ -61,14 +64,24 @@ def main(argv: list[str]) -> int:
     if found.exact:
         whole = "" if found.complete else ", up to where it breaks off"
         console.print(f"[green]exact[/]: {found.compared} states equal to the bit{whole}")
+        if not found.same_machine:
+            console.print(f"[yellow]{ELSEWHERE}; every state is the same here all the same[/]")
     elif found.compared == 0:
         console.print("[yellow]nothing to compare: it holds no input[/]")
     elif found.same_machine:
         console.print(f"[red]differs[/] from physics step {found.first_difference} on")
     else:
         console.print(
-            f"[yellow]differs[/] from physics step {found.first_difference} on, as it may: it was "
-            "made with other versions or on another kind of processor"
+            f"[yellow]differs[/] from physics step {found.first_difference} on, as it may: "
+            + ELSEWHERE
         )
+        if recording.end:
+            score = recorded_score(recording.end["result"])
+    if not found.same_machine:
+        shown = "its recorded poses" if found.shown_recorded else "what is simulated here"
+        why = "" if found.shown_recorded else ", since an older version recorded no poses"
+        console.print(f"shown: {shown}{why}")
+    if found.diverged:
+        console.print(f"[yellow]the simulation diverged: {found.diverged}[/]")
     console.print(f"{session.task.name}: {score.status.value} after {score.time:.1f} s")
     return 1 if found.first_difference is not None and found.same_machine else 0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import Annotated, Any
 
 import tyro
 from rich.console import Console
+from rich.markup import escape
 
 from models.errors import InputError
 from sandbox.cli.films import open_film
@@ -106,7 +108,9 @@ def _run(options: RunOptions, chosen: Plan, events: EventLog, console: Console) 
             return views
 
         caption = "simulated user" if options.device == "simulated" else ""
-        result = run_trial(chosen.settings, make_device, make_views, options.record, chosen.about)
+        result = run_trial(
+            chosen.settings, make_device, make_views, options.record, chosen.about, options.dump
+        )
     events.tell("trial_end", **result)
     if clock and clock[0].lost > 0:
         what = f"this machine fell behind real time by {clock[0].lost:.1f} s"
@@ -115,7 +119,19 @@ def _run(options: RunOptions, chosen: Plan, events: EventLog, console: Console) 
     return result
 
 
+def report_dump(result: dict[str, Any], console: Console) -> None:
+    """Says where the last states of a simulation are that diverged."""
+    if result["diverged"]:
+        console.print(f"[red]the simulation diverged: {result['diverged']}[/]")
+    if result.get("dump"):
+        line = shlex.join(["sandbox", "replay", result["dump"]])
+        console.print(f"its last states: {escape(line)}", soft_wrap=True)
+    elif result.get("dump_error"):
+        console.print(f"[yellow]{escape(result['dump_error'])}[/]", soft_wrap=True)
+
+
 def _report(result: dict[str, Any], console: Console) -> None:
+    report_dump(result, console)
     colour = "green" if result["success"] else "red"
     what = "done" if result["success"] else result["status"].replace("_", " ")
     line = f"[bold {colour}]{result['task']}: {what}[/] after {result['time_s']:.1f} s"

@@ -15,6 +15,7 @@ from sandbox.assembly import DeviceMaker
 from sandbox.devices.device import Device
 from sandbox.devices.recorded import RecordedDevice
 from sandbox.devices.simulated import SimulatedDevice
+from sandbox.devices.spoiled import SpoiledDevice
 from sandbox.devices.touch_capture import CaptureDevice, read_capture
 from sandbox.devices.tuio import DEFAULT_PORT, LOOPBACK, TuioDevice
 from sandbox.devices.web import WebDevice
@@ -22,6 +23,7 @@ from sandbox.profiles import find_profile
 from sandbox.recorded_task import recorded_task
 from sandbox.recording import Recording, is_recording, load_recording
 from sandbox.settings import RunSettings, bare
+from sandbox.variations import parse_variation
 from tasks.simulated_user.configuration import UserConfiguration
 from tasks.task import Task
 
@@ -107,6 +109,10 @@ class SceneOptions:
     drop_outs: float = 0.0
     """Times per second that the simulated user's screen loses each touch, for 0.1 s; it comes back
     under another id."""
+
+    vary: Annotated[str, tyro.conf.arg(metavar="NAME=VALUE,...")] = ""
+    """Another trial than the task draws, or a worse screen: size, mass, friction, hand-size (factors),
+    start, noise (mm), dropped, ghosts (a second), latency (ms). Such as size=0.8,latency=50."""
 
     port: int = DEFAULT_PORT
     """UDP port for TUIO; 0 takes a free one."""
@@ -195,10 +201,20 @@ def plan(options: SceneOptions) -> Plan:
 
 def _keeping(settings: RunSettings, about: dict[str, Any], live: bool, make: DeviceMaker) -> Plan:
     opened: list[Device] = []
+    variation = settings.variation
+    if not variation.neutral:
+        about["variation"] = variation.as_json()
 
     def open_device(task: Task, surface: Surface) -> Device:
-        opened.append(make(task, surface))
-        return opened[-1]
+        device = make(task, surface)
+        # What was recorded was spoiled then.
+        if variation.spoils and not isinstance(device, RecordedDevice):
+            spoiled = SpoiledDevice(device, variation, surface, settings.seed)
+            # Whoever shows snapshots has to do so through it; a window drives the device itself.
+            opened.append(spoiled if hasattr(device, "show") else device)
+            return spoiled
+        opened.append(device)
+        return device
 
     return Plan(settings, about, live, open_device, opened)
 
@@ -219,6 +235,11 @@ def _recording(device: str) -> Recording | None:
 
 
 def _settings(options: SceneOptions, recording: Recording | None) -> RunSettings:
+    variation, hand = parse_variation(options.vary)
+    if recording is not None and options.vary:
+        raise InputError(
+            "what is recorded cannot be varied", where="--vary", got=str(recording.path)
+        )
     if recording is not None:
         # A recording brings its own task, seed and surface; what is asked for otherwise is tried on
         # the recorded touches.
@@ -245,6 +266,9 @@ def _settings(options: SceneOptions, recording: Recording | None) -> RunSettings
         values |= asdict(find_profile(str(options.profile)).person)
     asked = {"hand": options.hand, "hand_size": options.hand_size, "turn": options.turn}
     values |= {name: value for name, value in asked.items() if value is not None}
+    if recording is None:
+        values["hand_size"] = hand * values.get("hand_size", base.hand_size)
+        values["variation"] = variation
     if options.surface:
         surface = parse_surface(options.surface)
         values["surface_in"] = (surface.width_in, surface.height_in)

@@ -21,9 +21,10 @@ class RecordedDevice:
         self.name = str(recording.path)
         self._timestep = float(recording.header["settings"]["timestep"])
         self._inputs = recording.inputs.get(hand, [])
-        self._next = 0
+        self._switches = [e for e in recording.events if e.what == "contact"]
+        self._next = self._next_switch = 0
         self._now = 0.0
-        last = self._inputs[-1].step if self._inputs else 0
+        last = max(recording.hashes, default=0)
         period = round(CONTROL_PERIOD / self._timestep)
         # The last control period begins one period before the end.
         self._last = recording.end["step"] - period if recording.end else last
@@ -37,6 +38,18 @@ class RecordedDevice:
             frames.append(self._inputs[self._next].frame)
             self._next += 1
         return frames
+
+    def switches(self, now: float) -> Sequence[str]:
+        """Contact modes that were asked for since the last call, up to now."""
+        step = round(now / self._timestep)
+        modes = []
+        while (
+            self._next_switch < len(self._switches)
+            and self._switches[self._next_switch].step <= step
+        ):
+            modes.append(str(self._switches[self._next_switch].details.get("mode")))
+            self._next_switch += 1
+        return modes
 
     @property
     def finished(self) -> bool:

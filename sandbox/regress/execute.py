@@ -14,6 +14,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
+from pathlib import Path
+from tempfile import gettempdir
 from typing import Any, Protocol
 
 from threadpoolctl import threadpool_limits
@@ -66,11 +68,17 @@ def run_job(job: TrialJob) -> Trial:
     with threadpool_limits(1), registered(job.own_task):
         planned = job.planned()
         result = run_trial(
-            planned.settings, planned.make_device, record=recording, about=planned.about
+            planned.settings,
+            planned.make_device,
+            record=recording,
+            about=planned.about,
+            dump=Path(gettempdir()),
         )
     if recording is not None and result["success"]:
         recording.unlink()
-    return {**{k: result[k] for k in KEPT}, "fingerprint": result["versions"]["fingerprint"]}
+    trial = {**{k: result[k] for k in KEPT}, "fingerprint": result["versions"]["fingerprint"]}
+    # Only of those that diverged: where their last states are.
+    return trial | {k: result[k] for k in ("dump", "dump_error") if k in result}
 
 
 def crashed(job: TrialJob, why: str) -> Trial:

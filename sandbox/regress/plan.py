@@ -72,7 +72,7 @@ class RegressionPlan:
 
     def __post_init__(self) -> None:
         unknown = set(self.scene) - {f.name for f in fields(SceneOptions)} | (
-            set(self.scene) & {"task", "seed", "device", "record", "events"}
+            set(self.scene) & {"task", "seed", "device", "record", "events", "dump"}
         )
         if unknown:
             raise InputError("no such option of a trial", got=", ".join(sorted(unknown)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from statistics import fmean, median
@@ -158,7 +159,9 @@ class Report:
         return not self.reasons
 
     def command(self, trial: Trial) -> str:
-        """The line that runs a trial again."""
+        """The line that runs a trial again, or shows how it diverged."""
+        if trial.get("dump"):
+            return shlex.join(["sandbox", "replay", trial["dump"]])
         return self.plan.command(trial["task"], trial["seed"])
 
     def noise_floor(self) -> dict[str, Any]:

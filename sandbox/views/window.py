@@ -56,6 +56,7 @@ HELP = (
     "space  lift all fingers",
     "right drag  look from elsewhere",
     "v  from above, and back",
+    "c  contact: hard, soft, none",
     "p  pause",
     "r  start again",
     "h  hide this",
@@ -92,7 +93,7 @@ class Window:
         self._caption = caption
         self._mouse: MouseDevice | None = None
         self._touching = self._looking = False
-        self._reset = self._help = self._above = False
+        self._reset = self._help = self._above = self._contact = False
         self._shown: object = None
         self._picture: Image.Image | None = None
         self._snapshot: Snapshot | None = None
@@ -146,6 +147,11 @@ class Window:
         asked, self._reset = self._reset, False
         return asked
 
+    def take_contact(self) -> bool:
+        """Whether the person wants the next contact mode; asked once, told once."""
+        asked, self._contact = self._contact, False
+        return asked
+
     def screenshot(self) -> Image.Image:
         """The picture that the window shows now, RGB."""
         if self._picture is None:
@@ -180,7 +186,7 @@ class Window:
         renderer.words = Words(
             self._caption,
             HELP if self._help else HINT,
-            "paused" if self.paused else "",
+            "paused" if self.paused else self._contact_word(),
         )
         camera = renderer.camera
         view = (camera.azimuth, camera.elevation, camera.distance) if camera else None
@@ -200,6 +206,11 @@ class Window:
         self._slow = self._slow + 1 if time.monotonic() - begun > SLOW else 0
         if self._slow >= PATIENCE:
             self._draw_more_plainly()
+
+    def _contact_word(self) -> str:
+        """How things touch, where that is not as usual."""
+        mode = self._snapshot.contact if self._snapshot else "hard"
+        return "" if mode == "hard" else f"contact: {mode}"
 
     def _draw_more_plainly(self) -> None:
         """Without a graphics card: first no shadows, then fewer pixels. Text stays sharp."""
@@ -296,6 +307,8 @@ class Window:
             self.paused = not self.paused
         elif key == glfw.KEY_R:
             self._reset = True
+        elif key == glfw.KEY_C:
+            self._contact = True
         elif key == glfw.KEY_V and self._renderer is not None:
             self._above = not self._above
             choose = camera_above if self._above else window_camera
