@@ -14,7 +14,7 @@ from models.hand import CONTACT_OBJECT, CONTACT_TABLE
 Array = NDArray[np.float64]
 
 RED = (0.86, 0.30, 0.24)
-STEEL = (0.58, 0.61, 0.65)
+STEEL, BRIGHT_STEEL, DARK_STEEL = (0.52, 0.55, 0.59), (0.74, 0.77, 0.80), (0.30, 0.32, 0.35)
 
 
 class Thing(Protocol):
@@ -133,7 +133,7 @@ class Wrench:
     """An open-ended wrench that lies flat, free to move or set on a bolt about which it turns.
 
     Its frame is at the middle of its length and thickness, x along the handle away from the jaws,
-    z up. The bolt's head only shows where the wrench turns; fingers pass through it.
+    z up. The bolt's head, which turns with it, only shows where it turns; fingers pass through it.
 
     Attributes:
         name: Of its body.
@@ -180,25 +180,24 @@ class Wrench:
         return self._on_bolt(body, quat)
 
     def _on_bolt(self, body: Element, quat: ArrayLike) -> Element:
-        """The bolt's body, which stands still, with the wrench's in it."""
+        """What the bolt goes into, which stands still, with the wrench's body in it."""
         x, y = bolt_place(self.position[:2], self.yaw)
-        bolt = Element("body", {"name": f"{self.name}_bolt",
-                                "pos": _text((x, y, 0.0)), "quat": _text(quat)})  # fmt: skip
-        top = self.position[2] + THICKNESS / 2 + 0.003
-        half = (BOLT_FLAT / np.sqrt(3.0), BOLT_FLAT, top / 2)
-        for third in range(3):
-            # Three boxes across each other make a hexagon.
-            angle = third * np.pi / 3
-            SubElement(bolt, "geom", {
-                "type": "box", "size": _text(half), "pos": _text((0.0, 0.0, top / 2)),
-                "quat": _text((np.cos(angle / 2), 0.0, 0.0, np.sin(angle / 2))),
-                "contype": "0", "conaffinity": "0", "rgba": _text((*STEEL, 1.0)),
-            })  # fmt: skip
-        # Within the bolt's frame, which is turned as the wrench is at the start.
+        plate = Element("body", {"name": f"{self.name}_bolt",
+                                 "pos": _text((x, y, 0.0)), "quat": _text(quat)})  # fmt: skip
+        _shown(plate, "cylinder", (0.012, BOLT_LIFT / 2), BOLT_LIFT / 2, DARK_STEEL)
+        # Within the plate's frame, which is turned as the wrench is at the start.
         body.set("pos", _text((-JAW, 0.0, self.position[2])))
         body.set("quat", "1 0 0 0")
-        bolt.append(body)
-        return bolt
+        head = SubElement(body, "body", {"name": f"{self.name}_head", "pos": _text((JAW, 0, 0))})
+        for third in range(3):
+            # Three boxes across each other make a hexagon; tops of one height would flicker.
+            half = THICKNESS / 2 + 0.0014 + 0.0001 * third
+            flats = (BOLT_FLAT / np.sqrt(3.0), BOLT_FLAT, half)
+            _shown(head, "box", flats, half - THICKNESS / 2, STEEL, third * np.pi / 3)
+        top = THICKNESS / 2 + 0.0036
+        _shown(head, "cylinder", (0.93 * BOLT_FLAT, 0.0004), top, BRIGHT_STEEL)
+        plate.append(body)
+        return plate
 
     def clearance(self, points: ArrayLike, position: Array, rotation: Array) -> Array:
         """(n,) m, signed distance of world points (n, 3) to the wrench, negative inside.
@@ -221,6 +220,22 @@ def bolt_place(middle: ArrayLike, yaw: float) -> tuple[float, float]:
     """(2,) m, where the jaws of a wrench are whose middle (2,) and yaw are these."""
     x, y = np.asarray(middle, float)
     return float(x + JAW * np.cos(yaw)), float(y + JAW * np.sin(yaw))
+
+
+def _shown(
+    body: Element,
+    kind: str,
+    size: ArrayLike,
+    height: float,
+    rgb: tuple[float, float, float],
+    turn: float = 0.0,
+) -> None:
+    """Adds a part that is seen and nothing else, m above the body's middle and turned by rad."""
+    SubElement(body, "geom", {
+        "type": kind, "size": _text(size), "pos": _text((0.0, 0.0, height)),
+        "quat": _text((np.cos(turn / 2), 0.0, 0.0, np.sin(turn / 2))), "mass": "0",
+        "contype": "0", "conaffinity": "0", "rgba": _text((*rgb, 1.0)),
+    })  # fmt: skip
 
 
 def _solid(mass: float, rgb: tuple[float, float, float]) -> dict[str, str]:

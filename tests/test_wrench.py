@@ -250,6 +250,22 @@ def test_a_bolt_yields_to_more_than_its_friction_and_then_holds_again(way):
     np.testing.assert_allclose(bolt_place(now.position[:2], now.yaw), bolt, atol=1e-9)
 
 
+def test_the_head_of_a_bolt_turns_with_its_wrench_and_nothing_of_it_can_be_touched():
+    trial = Trial(WrenchTurn)
+    trial.place(turn=20.0)
+    mujoco.mj_forward(trial.scene.model, trial.data)
+    head, wrench = (trial.data.body(name) for name in ("wrench_head", "wrench"))
+    np.testing.assert_allclose(head.xmat, wrench.xmat, atol=1e-12)
+    bolt = bolt_place(trial.goal.position[:2], trial.goal.yaw)
+    np.testing.assert_allclose(head.xpos[:2], bolt, atol=1e-12)
+    model = trial.scene.model
+    parts = [model.body(name).id for name in ("wrench_head", "wrench_bolt")]
+    shown = np.isin(model.geom_bodyid, parts)
+    assert shown.sum() == 5
+    assert not np.any(model.geom_contype[shown] | model.geom_conaffinity[shown])
+    assert model.body("wrench").subtreemass[0] == pytest.approx(trial.task.objects[0].mass)
+
+
 @pytest.mark.parametrize("speed", [-3.0, 0.4])
 def test_the_speed_of_a_wrench_on_a_bolt_is_that_of_its_middle(speed):
     trial = Trial(WrenchTurn)
