@@ -49,9 +49,10 @@ class Solidity:
         self._bodies = np.array([scene.model.body(name(last[f].name)).id for f in sorted(last)])
         self._reach = np.array([last[f].length for f in sorted(last)])
         self._radius = skeleton.tip_radius
-        # What has to be clear of things: the outer half, or what is solid of it if that is less.
+        # What has to be clear of things is all that is going to be solid, up to where it begins: a
+        # finger leans, and may be inside of a high thing with its tip well beside it.
         end = scene.spec.hands[hand].solid_end
-        self._inner = np.maximum(0.5, 1.0 - (np.inf if end is None else end) / self._reach)
+        self._inner = np.maximum(0.0, 1.0 - (np.inf if end is None else end) / self._reach)
         self.fingers = GHOST
 
     def tips(self, data: mujoco.MjData) -> Array:
@@ -59,8 +60,9 @@ class Solidity:
         return self._along(data, 1.0)
 
     def links(self, data: mujoco.MjData) -> Array:
-        """(10, 3) m, ends and middles of the last links."""
-        return np.concatenate([self._along(data, 1.0), self._along(data, self._inner)])
+        """(15, 3) m, both ends and middles of what is solid of the last links."""
+        shares = (1.0, 0.5 + 0.5 * self._inner, self._inner)
+        return np.concatenate([self._along(data, share) for share in shares])
 
     def update(
         self,
@@ -101,7 +103,7 @@ class Solidity:
         for thing in self._scene.spec.objects:
             position, rotation = self._scene.object_pose(data, thing.name)
             nearest = np.minimum(nearest, thing.clearance(points, position, rotation))
-        return nearest.reshape(2, -1).min(axis=0) - self._radius > CLEARANCE
+        return nearest.reshape(3, -1).min(axis=0) - self._radius > CLEARANCE
 
     def _along(self, data: mujoco.MjData, share: float | Array) -> Array:
         """(5, 3) m, points on the last links, from their joints (0) to their tips (1)."""
