@@ -16,13 +16,13 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from encoders.arrival import Phase
 from encoders.personal import Reconstructor
 from encoders.touch_reconstructor import Reconstruction
 from encoders.yaw_range import YawWatch
 from models.errors import DivergenceError
 from models.frames import TouchFrame
 from models.hand import Hand
-from models.kinematics import Kinematics
 from models.scene import Scene, SceneSpec
 from sandbox.contact_modes import ContactMode, ContactModes, contact_mode
 from sandbox.devices.device import Device
@@ -95,6 +95,7 @@ class Session:
         timestep: s of physics.
         recorder: Writes down inputs and states; None records nothing.
         contact: How hands and objects touch at the start.
+        friction: Factor on every coefficient of sliding friction.
 
     Attributes:
         diverged: Why the simulation cannot go on; empty while it can.
@@ -108,13 +109,14 @@ class Session:
         timestep: float = 0.002,
         recorder: Recorder | None = None,
         contact: str = ContactMode.HARD,
+        friction: float = 1.0,
     ) -> None:
         self.task, self.rigs = task, tuple(rigs)
         rules = rules or SolidityRules()
         hands = tuple(rig.hand for rig in rigs)
         self.scene = Scene(SceneSpec(hands, task.objects, task.table_friction, timestep))
+        self.scene.model.geom_friction[:, 0] *= friction
         self.data = mujoco.MjData(self.scene.model)
-        self._kinematics = [Kinematics(hand.skeleton) for hand in hands]
         self._solidity = [Solidity(self.scene, i, rules) for i in range(len(hands))]
         self._contact = ContactModes(self.scene, contact_mode(contact))
         self._asked: ContactMode | None = None
@@ -130,7 +132,11 @@ class Session:
         self._state = np.empty(mujoco.mj_stateSize(self.scene.model, STATE))
         self._hash = b""
         self._chain()
-        self.reconstructions: list[Reconstruction] = []
+        # Before the first step the hand waits where it starts; who looks sees it there.
+        self.reconstructions = [
+            Reconstruction(r.reconstructor.commanded, Phase.AWAY, frozenset(), None, 1.0, 0.0, ())
+            for r in self.rigs
+        ]
 
     @property
     def time(self) -> float:
@@ -250,8 +256,9 @@ class Session:
 
     def _bring_back(self) -> None:
         """Puts objects that have left back into the workspace."""
-        links = np.concatenate([s.links(self.data) for s in self._solidity])
-        names = self._respawn.step(self.data, links)
+        names = self._respawn.step(
+            self.data, lambda: np.concatenate([s.links(self.data) for s in self._solidity])
+        )
         if names:
             self._back = (self.time, f"out of reach, and put back: {', '.join(names)}")
             if self._recorder:
@@ -276,8 +283,7 @@ class Session:
         if rig.yaw:
             rig.yaw.step(self.time, reconstruction.u)
         self.data.ctrl[self.scene.control_slice(i)] = reconstruction.q
-        target = self._kinematics[i].tips(reconstruction.q)
-        self._solidity[i].update(self.data, reconstruction, target, self._contact.ghost)
+        self._solidity[i].update(self.data, reconstruction, self._contact.ghost)
         return reconstruction
 
     def _latest(self, i: int) -> TouchFrame:
@@ -303,8 +309,10 @@ class Session:
         mujoco.mj_getState(self.scene.model, self.data, self._state, STATE)
         # What is solid is no part of MuJoCo's state, and decides as much about what comes next.
         solid = bytes(sum(1 << f for f in s.fingers) for s in self._solidity)
-        decides = self._state.tobytes() + solid + self._contact.signature
-        self._hash = blake2b(self._hash + decides, digest_size=16).digest()
+        chained = blake2b(self._hash, digest_size=16)
+        chained.update(self._state)
+        chained.update(solid + self._contact.signature)
+        self._hash = chained.digest()
 
     def _diverge(self, wrong: str) -> None:
         """Marks the trial and gives up."""
@@ -320,10 +328,11 @@ class Session:
         )
 
     def _hand_view(self, i: int, reconstruction: Reconstruction) -> HandView:
-        surface = self.rigs[i].reconstructor.surface
+        found = reconstruction.contacts
+        places = self.rigs[i].reconstructor.surface.to_world([c.xy for c in found]) if found else ()
         contacts = tuple(
-            ContactView(c.id, surface.to_world(c.xy), c.label, c.state)
-            for c in reconstruction.contacts
+            ContactView(c.id, place, c.label, c.state)
+            for c, place in zip(found, places, strict=True)
         )
         return HandView(
             reconstruction.q,

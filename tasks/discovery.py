@@ -100,7 +100,8 @@ def load_place(text: str) -> type[Task]:
         raise InputError("there is nothing of this name", where=text, got=member,
                          expected=_names(_tasks_in(module)))  # fmt: skip
     check_task(found, text)
-    return found  # type: ignore[no-any-return]
+    kind: type[Task] = found
+    return kind
 
 
 def place_file(text: str) -> Path | None:
@@ -130,7 +131,7 @@ def check_task(kind: Any, where: str) -> None:
     if getattr(kind, "plane", None) not in ("table", "front"):
         raise InputError("a task's plane is missing or odd", where=where,
                          got=getattr(kind, "plane", None), expected="table or front")  # fmt: skip
-    missing = getattr(kind, "__abstractmethods__", frozenset())
+    missing: frozenset[str] = getattr(kind, "__abstractmethods__", frozenset())
     if missing:
         raise InputError("this task lacks something", where=where, got=", ".join(sorted(missing)))
 
@@ -144,9 +145,11 @@ def failure(error: BaseException) -> str:
     """An error of somebody else's code in a line: what, and in which line of which file."""
     trace = traceback.extract_tb(error.__traceback__)
     text = f"{type(error).__name__}: {' '.join(str(error).split())[:300]}"
-    if isinstance(error, SyntaxError) or not trace:
+    # The machinery of imports says nothing to anybody.
+    theirs = [step for step in trace if not step.filename.startswith("<frozen")]
+    if isinstance(error, SyntaxError | ImportError) or not theirs:
         return text
-    return f"{text} ({trace[-1].filename}:{trace[-1].lineno})"
+    return f"{text} ({theirs[-1].filename}:{theirs[-1].lineno})"
 
 
 def _guarded(load: Any, where: str) -> Any:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, Literal
+from typing import Any, Literal, cast
 
 import gymnasium
 import numpy as np
@@ -76,7 +76,7 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
         InputError: There is no such task, setting, kind of action or reward.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {
+    metadata = {  # noqa: RUF012 as the base class has it
         "render_modes": ["rgb_array"],
         "render_fps": 1.0 / CONTROL_PERIOD,
     }
@@ -111,7 +111,7 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
         hands = self._make_hands()
         self.action_space = spaces.Box(hands.low, hands.high, dtype=np.float64)
         self._space = observation_space(draw_task(self._kind, 0, self._surface))
-        self.observation_space = self._space
+        self.observation_space = cast("spaces.Space[Observation]", self._space)
         self.session: Session | None = None
         self._renderer: Any = None
 

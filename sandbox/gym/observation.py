@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -58,12 +59,12 @@ def observe(
         touch_ids: Contact of every slot.
         space: Its bounds.
     """
-    scene, data = session.scene, session.data
+    scene, data, hand = session.scene, session.data, snapshot.hands[0]
     joints = data.qpos[scene.qpos_slice(0)]
     turns = quaternion_log(joints[3:].reshape(15, 4)).ravel()
     found = {
         "pose": np.concatenate([joints[:3], turns]),
-        "tips": np.zeros((SLOTS, 3)),
+        "tips": hand.tips,
         "solid": np.zeros(SLOTS),
         "labels": np.full(SLOTS, -1.0),
         "objects": np.array([_object(session, t.name) for t in session.task.objects]),
@@ -74,17 +75,17 @@ def observe(
         found["goals"] = np.array(
             [[*g.position, yaw] for g, yaw in zip(snapshot.goals, yaws, strict=True)], float
         )
-    if snapshot.hands:
-        hand = snapshot.hands[0]
-        found["tips"] = np.array(hand.tips)
-        found["solid"][sorted(hand.solid)] = 1.0
-        labels = {c.id: c.label for c in hand.contacts}
-        for slot, id in enumerate(touch_ids):
-            label = None if id is None else labels.get(id)
-            found["labels"][slot] = -1.0 if label is None else label
-    return {
-        name: np.clip(values, space[name].low, space[name].high) for name, values in found.items()
-    }
+    found["solid"][sorted(hand.solid)] = 1.0
+    labels = {c.id: c.label for c in hand.contacts}
+    for slot, id in enumerate(touch_ids):
+        label = None if id is None else labels.get(id)
+        found["labels"][slot] = -1.0 if label is None else label
+    return {name: _within(values, space[name]) for name, values in found.items()}
+
+
+def _within(values: Array, space: spaces.Space[Any]) -> Array:
+    assert isinstance(space, spaces.Box)
+    return np.clip(values, space.low, space.high)
 
 
 def _object(session: Session, name: str) -> Array:
