@@ -27,6 +27,7 @@ from sandbox.settings import RunSettings
 from sandbox.solidity import SolidityRules
 from tasks.registry import draw_task, find_task
 from tasks.task import Task
+from tasks.variation import vary
 
 DeviceMaker = Callable[[Task, Surface], Device]
 """Opens a device for a drawn task on a placed surface."""
@@ -127,7 +128,7 @@ def build(
     """
     task_type = find_task(settings.task)
     surface = place_surface(settings.surface, task_type)
-    task = draw_task(task_type, settings.seed, surface)
+    task = vary(draw_task(task_type, settings.seed, surface), settings.variation, surface)
     person = settings.person
     hand = Hand(
         person.hand,
@@ -152,7 +153,8 @@ def build(
         reconstructor = wear(reconstructor)
     rules = SolidityRules(settings.ghost_until_clear, settings.distal_only)
     rig = Rig(make_device(task, surface), reconstructor, hand, _yaw_watch(model))
-    return Session(task, [rig], rules, settings.timestep, recorder, settings.contact)
+    friction = settings.variation.friction
+    return Session(task, [rig], rules, settings.timestep, recorder, settings.contact, friction)
 
 
 def _yaw_watch(model: TrainedModel) -> YawWatch | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, field, fields
 from typing import Any
 
 from models.errors import InputError
@@ -10,6 +10,7 @@ from models.hand import IMPULSE_PROFILES, SERVOS
 from models.person import HANDS, Person
 from models.surface import PRESETS, Surface
 from sandbox.contact_modes import ContactMode, contact_mode
+from tasks.variation import Variation
 
 LABELS = ("history", "paper", "device")
 """`history`: a belief carried from contact to contact; `paper`: nearest training pose; `device`:
@@ -41,6 +42,7 @@ class RunSettings:
         hand: `right` or `left`.
         hand_size: Length of the person's hand against the trained one.
         turn: degrees, where the person sits (see `models.person.Person`).
+        variation: How the trial differs from the one that is drawn, and touches from those made.
     """
 
     task: str = "box-to-goal"
@@ -63,6 +65,7 @@ class RunSettings:
     hand: str = HANDS[0]
     hand_size: float = 1.0
     turn: int = 0
+    variation: Variation = field(default_factory=Variation)
 
     def __post_init__(self) -> None:
         if self.labels not in LABELS:
@@ -83,8 +86,11 @@ class RunSettings:
         return Surface(*self.surface_in, calibrated=self.surface_calibrated)
 
     def as_json(self) -> dict[str, Any]:
-        """For headers and results."""
-        return asdict(self)
+        """For headers and results; they tell a variation only where there is one."""
+        values = asdict(self)
+        if self.variation.neutral:
+            del values["variation"]
+        return values
 
     @classmethod
     def from_json(cls, values: dict[str, Any]) -> RunSettings:
@@ -94,7 +100,7 @@ class RunSettings:
             InputError: A setting is missing or unknown: another version wrote it.
         """
         # What older recordings do not tell was so before it could be chosen.
-        values = {**asdict(Person()), "contact": ContactMode.HARD.value, **values}
+        values = {**asdict(Person()), "contact": ContactMode.HARD.value, "variation": {}, **values}
         names = {f.name for f in fields(cls)}
         if set(values) != names:
             raise InputError(
@@ -104,7 +110,11 @@ class RunSettings:
                 remedy="Use the version that the header names",
             )
         width, height = values["surface_in"]
-        return cls(**{**values, "surface_in": (float(width), float(height))})
+        definite = {
+            "surface_in": (float(width), float(height)),
+            "variation": Variation.from_json(values["variation"]),
+        }
+        return cls(**{**values, **definite})
 
 
 def bare(settings: dict[str, Any]) -> dict[str, Any]:

@@ -111,8 +111,8 @@ class SceneOptions:
     under another id."""
 
     vary: Annotated[str, tyro.conf.arg(metavar="NAME=VALUE,...")] = ""
-    """Another trial than the task draws, or a worse screen: size, mass, friction, hand-size (factors),
-    start, noise (mm), dropped, ghosts (a second), latency (ms). Such as size=0.8,latency=50."""
+    """Another trial than the task draws, or a worse screen, such as size=0.8,latency=50: factors
+    size, mass, friction, hand-size; mm start, noise; a second dropped, ghosts; ms latency."""
 
     port: int = DEFAULT_PORT
     """UDP port for TUIO; 0 takes a free one."""
