@@ -140,7 +140,7 @@ def test_time_ends_an_episode_without_terminating_it_and_then_it_is_over(env):
     nothing = np.zeros(env.action_space.shape)
     steps = 0
     while True:
-        _, reward, terminated, truncated, info = env.step(nothing)
+        _, _, terminated, truncated, info = env.step(nothing)
         steps += 1
         assert not terminated
         if truncated:

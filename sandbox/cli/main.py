@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import sys
+from importlib.metadata import entry_points
 
 from models.errors import HandSandboxError, InputError
 
@@ -73,6 +74,7 @@ def overview() -> str:
         "  wrench-turn   turn a wrench on its bolt onto its twin",
         "  wrench-slide  turn and slide a free wrench onto its twin",
     ]
+    lines += _own_tasks()
     lines += [
         "",
         "devices",
@@ -90,6 +92,18 @@ def overview() -> str:
         "  sandbox run box-to-goal --fingers 5 --seed 7 --record run.jsonl",
     ]
     return "\n".join(lines)
+
+
+def _own_tasks() -> list[str]:
+    """What installed packages add to the tasks, and why not where they cannot."""
+    if not entry_points(group="hand_sandbox.tasks"):
+        # Nobody has any: nothing heavy is imported for a page of text.
+        return []
+    from tasks.registry import TASKS, task_names, unusable_tasks
+
+    broken = unusable_tasks()
+    own = [f"  {name}" for name in task_names() if name not in TASKS and name not in broken]
+    return own + [f"  {name}: {why}" for name, why in sorted(broken.items())]
 
 
 if __name__ == "__main__":
