@@ -1,8 +1,9 @@
-"""Which of the ways to grasp a box leaves room for the fingers beside its neighbours."""
+"""Which way to grasp a box leaves room for the fingers, beside neighbours and at its goal."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,17 +17,39 @@ from tasks.simulated_user.sight import SeenObject
 Array = NDArray[np.float64]
 
 _ROOM = 0.014
-"""m that a fingertip's middle should stay away from a neighbour's face, or 7 mm from the border."""
+"""m that the middle of a fingertip should stay away from a neighbour's face."""
+_EDGE = 0.003
+"""m that a finger should stay away from the border of the screen."""
 _CROWDED = 150.0
 """rad/m: how much turning of the wrist a person accepts for room."""
+_AGAIN = 2.0
+"""rad that they accept rather than trying once more what has just failed."""
+_LINK = ((0.010, 0.010), (0.018, 0.020))
+"""m from a fingertip towards the palm, and up: where the rest of a finger is, which leans over
+whatever is on that side."""
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """What a person sees around a box that they are about to grasp.
+
+    Attributes:
+        surface: Where fingers can touch.
+        neighbours: What else stands there.
+        goal: (2,) m, where the box is to go; None where that does not matter.
+    """
+
+    surface: Surface
+    neighbours: tuple[SeenObject, ...] = ()
+    goal: Array | None = None
 
 
 def roomiest_grasp(
     box: SeenObject,
     turn: float,
     c: UserConfiguration,
-    neighbours: Iterable[SeenObject],
-    surface: Surface,
+    around: Surroundings,
+    failed: Grasp | None = None,
 ) -> Grasp:
     """The pair of faces, and the side for the thumb, with the best of room and comfort.
 
@@ -34,8 +57,8 @@ def roomiest_grasp(
         box: As it is seen, upright.
         turn: rad by which it is to be turned.
         c: Whose comfort.
-        neighbours: What else stands around.
-        surface: Where fingers can touch.
+        around: What may be in the way.
+        failed: A grasp that has just come to nothing.
     """
     assert isinstance(box.shape, Box)
     half = box.shape.half_size
@@ -45,27 +68,40 @@ def roomiest_grasp(
         start, end = axis - c.natural_axis, axis + turn - c.natural_axis
         width, face = (half[0], half[1]) if quarter % 2 == 0 else (half[1], half[0])
         grasp = Grasp(axis, 2 * width, 2 * face)
-        short = max(_ROOM - _room(grasp, box, c, neighbours, surface), 0.0)
-        cost = max(abs(_wrapped(start)), abs(_wrapped(end))) + _CROWDED * short
+        cost = max(abs(_wrapped(start)), abs(_wrapped(end)))
+        cost += _CROWDED * _short_of_room(grasp, turn, box, c, around)
+        if failed and abs(_wrapped(axis - failed.axis)) < np.pi / 4:
+            cost += _AGAIN
         options.append((cost, quarter, grasp))
     return min(options, key=lambda o: o[:2])[2]
 
 
-def _room(
-    grasp: Grasp,
-    box: SeenObject,
-    c: UserConfiguration,
-    neighbours: Iterable[SeenObject],
-    surface: Surface,
+def _short_of_room(
+    grasp: Grasp, turn: float, box: SeenObject, c: UserConfiguration, around: Surroundings
 ) -> float:
-    """m, least distance of the opened fingers' middles to neighbours, or to 7 mm off the border."""
+    """m that are missing beside neighbours, at the border, and at the border at the goal."""
     places = grasp.places(np.asarray(box.position[:2]), c.opening, c)
-    points = np.column_stack([places, np.full(len(places), box.position[2])])
-    xy = surface.to_surface(points)
-    room = float(min(xy.min(), (surface.size - xy).min())) + 0.007
-    for other in neighbours:
-        room = min(room, float(other.shape.clearance(points, other.position, other.rotation).min()))
-    return room
+    short = max(_ROOM - _nearest(places, grasp.axis, float(box.position[2]), around.neighbours), 0)
+    short += _beyond(places, around.surface)
+    if around.goal is not None:
+        there = replace(grasp, axis=grasp.axis + turn)
+        short += _beyond(there.places(around.goal, -c.squeeze, c), around.surface)
+    return short
+
+
+def _nearest(places: Array, axis: float, height: float, neighbours: Iterable[SeenObject]) -> float:
+    """m, least distance of the middles of the fingers' last links to what stands around."""
+    palm = np.array([np.sin(axis), -np.cos(axis)])
+    links = [(places + along * palm, height + up) for along, up in ((0.0, 0.0), *_LINK)]
+    points = np.vstack([np.column_stack([xy, np.full(len(xy), z)]) for xy, z in links])
+    distances = [float(o.shape.clearance(points, o.position, o.rotation).min()) for o in neighbours]
+    return min(distances, default=np.inf)
+
+
+def _beyond(places: Array, surface: Surface) -> float:
+    """m by which fingers would have to touch beyond the border."""
+    xy = surface.to_surface(np.column_stack([places, np.zeros(len(places))]))
+    return float(max(_EDGE - min(xy.min(), (surface.size - xy).min()), 0.0))
 
 
 def _wrapped(angle: float) -> float:

@@ -20,7 +20,7 @@ from tasks.simulated_user.configuration import UserConfiguration
 from tasks.simulated_user.grasp import Grasp
 from tasks.simulated_user.handling import BoxHandling
 from tasks.simulated_user.lift import Slider
-from tasks.simulated_user.room import roomiest_grasp
+from tasks.simulated_user.room import Surroundings, roomiest_grasp
 from tasks.simulated_user.sight import SeenObject, Sight
 from tasks.simulated_user.user import SkilledUser
 from tasks.task import Goal
@@ -60,16 +60,16 @@ class StackHandling(BoxHandling):
 
     good = (_IN_PLACE, _STRAIGHT)
     enough = (0.0, 0.0)
+    patience = 8
 
     def __init__(self, surface: Surface) -> None:
-        self._surface = surface
-        self.neighbours: tuple[SeenObject, ...] = ()
+        self.around = Surroundings(surface)
 
     def grasp(
         self, seen: SeenObject, turn: float, c: UserConfiguration, failed: Grasp | None = None
     ) -> Grasp:
         """Across the faces beside which there is most room, comfort permitting."""
-        return roomiest_grasp(seen, turn, c, self.neighbours, self._surface)
+        return roomiest_grasp(seen, turn, c, self.around, failed)
 
 
 class Stacker(SkilledUser):
@@ -107,9 +107,13 @@ class Stacker(SkilledUser):
                 return
             if wrong[0] != self._name:
                 self._name, self._grasps = wrong[0], 0
-        self._boxes.neighbours = tuple(o for name, o in seen.items() if name != self._name)
-        goals = tuple(g for g in sight.goals if g.object == self._name)
-        super()._act(replace(sight, objects=seen, goals=goals), now)
+        goal = next(g for g in sight.goals if g.object == self._name)
+        self._boxes.around = replace(
+            self._boxes.around,
+            neighbours=tuple(o for name, o in seen.items() if name != self._name),
+            goal=np.asarray(goal.position[:2]),
+        )
+        super()._act(replace(sight, objects=seen, goals=(goal,)), now)
 
     def _reach(self, sight: Sight, box: SeenObject, now: float) -> None:
         """Brings the slider to where the box stands, and then the fingers down around it."""
@@ -139,7 +143,7 @@ class Stacker(SkilledUser):
 
     def _raise(self, box: SeenObject, now: float) -> None:
         self._from, self._stood = self._slider.height(now), _bottom(box)
-        highest = max(_top(other) for other in self._boxes.neighbours)
+        highest = max(_top(other) for other in self._boxes.around.neighbours)
         self._stage = _Stage.RAISED
         self._slide(self._from + max(highest + _OVER - self._stood, 0.0), now)
 
