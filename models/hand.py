@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from models.errors import SceneError
 from models.rotations import matrix_to_quaternion
-from models.skeleton import ADULT, Skeleton
+from models.skeleton import ADULT, Bone, Skeleton
 
 IMPULSE_PERIOD = 1.0 / 60.0
 """s, the step of the paper's physics engine, over which its impulse limit is counted."""
@@ -54,6 +54,8 @@ class Hand:
         servo: One of `SERVOS`.
         impulse: Impulse limit of every servo, N s (or N m s) per 1/60 s.
         stiffness: Factor on the servo stiffnesses of the skeleton and the root.
+        solid_end: m of a last link, from the middle of its fingertip, that are solid where not the
+            whole hand is; None is all of it.
     """
 
     name: str = "right"
@@ -61,6 +63,7 @@ class Hand:
     servo: str = "orientation"
     impulse: float = IMPULSE_PROFILES["paper"]
     stiffness: float = 2.0
+    solid_end: float | None = None
 
     def __post_init__(self) -> None:
         if self.servo not in SERVOS:
@@ -80,6 +83,10 @@ class Hand:
     def element_name(self, part: str) -> str:
         """Name in the model of one of this hand's parts, `palm` or a bone's name."""
         return f"{self.name}_{part}"
+
+    def solid_name(self, bone: Bone) -> str:
+        """Name of the geom of a last link that meets objects."""
+        return self.element_name(bone.name) + ("" if self.solid_end is None else "_end")
 
 
 def hand_default() -> Element:
@@ -131,6 +138,13 @@ def hand_body(hand: Hand) -> Element:
             "name": hand.element_name(bone.name), "fromto": _text(0, 0, 0, 0, bone.length, 0),
             "size": _text(bone.radius), "contype": str(CONTACT_HAND),
         })  # fmt: skip
+        if hand.solid_end is not None and bone is hand.skeleton.last_bones[bone.finger]:
+            # It has no mass and is never seen: only its collisions count.
+            start = bone.length - min(max(hand.solid_end, 1e-4), bone.length)
+            SubElement(body, "geom", {
+                "name": hand.solid_name(bone), "fromto": _text(0, start, 0, 0, bone.length, 0),
+                "size": _text(bone.radius), "contype": str(CONTACT_HAND), "mass": "0", "group": "3",
+            })  # fmt: skip
         parents[bone.finger] = body
     return palm
 

@@ -78,6 +78,10 @@ class Scene:
             {b.name: self.model.geom(h.element_name(b.name)).id for b in h.skeleton.bones}
             for h in spec.hands
         ]
+        self._ends = [
+            {f: self.model.geom(h.solid_name(b)).id for f, b in h.skeleton.last_bones.items()}
+            for h in spec.hands
+        ]
 
     def control_slice(self, hand: int) -> slice:
         """Where in `ctrl` the pose of a hand goes."""
@@ -92,13 +96,11 @@ class Scene:
             whole: Makes every bone solid instead (an ablation: the rest of the hand only gets in
                 the way, since nobody sees where it is).
         """
-        bones = self.spec.hands[hand].skeleton.bones
-        last = {b.finger: b.name for b in bones}
-        for bone in bones:
-            solid = bool(fingers) and (
-                whole or (bone.finger in fingers and last[bone.finger] == bone.name)
-            )
-            geom = self._geoms[hand][bone.name]
+        for geom in self._geoms[hand].values():
+            self.model.geom_contype[geom] = CONTACT_HAND if whole and fingers else 0
+        # What is solid of a last link is that link, or a geom of its own.
+        for finger, geom in self._ends[hand].items():
+            solid = finger in fingers or (whole and bool(fingers))
             self.model.geom_contype[geom] = CONTACT_HAND if solid else 0
 
     def object_pose(self, data: mujoco.MjData, name: str) -> tuple[Array, Array]:
@@ -126,9 +128,11 @@ def scene_xml(spec: SceneSpec) -> str:
     root = Element("mujoco", {"model": "hand sandbox"})
     SubElement(root, "compiler", {"angle": "degree", "autolimits": "true"})
     # impratio 100: friction otherwise creeps, and a held box sinks by millimetres.
+    # A hand's tree makes the constraints' matrices sparse: a grasp costs a third less that way, and
+    # the states are the same up to rounding.
     option = SubElement(root, "option", {
         "timestep": f"{spec.timestep:.9g}", "integrator": "implicitfast", "cone": "elliptic",
-        "impratio": "100",
+        "impratio": "100", "jacobian": "sparse",
     })  # fmt: skip
     # A silent reset would look like a hand that jumped home; we stop and say so instead.
     SubElement(option, "flag", {"autoreset": "disable"})

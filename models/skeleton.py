@@ -82,6 +82,11 @@ class Skeleton:
         )
 
     @cached_property
+    def last_bones(self) -> dict[int, Bone]:
+        """Each finger's last bone, which ends in its fingertip."""
+        return {bone.finger: bone for bone in self.bones}
+
+    @cached_property
     def lower(self) -> Array:
         """(42,) rad, least legal rotation-vector components of all bones."""
         return np.concatenate([b.lower for b in self.bones])

@@ -74,6 +74,20 @@ class Surface:
             self.calibrated,
         )
 
+    def upright(self, depth: float, low: float) -> Surface:
+        """The same rectangle upright before the person, who sees it as a picture on a wall.
+
+        Its x is the world's, up the surface is up, and out of it is towards the person.
+
+        Args:
+            depth: m, world y of its plane.
+            low: m, world z of its lower edge; left and right are as far from the world's x = 0.
+        """
+        w, h = self.size
+        turn = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+        origin = (-float(w) / 2, float(depth), float(low + h))
+        return Surface(self.width_in, self.height_in, origin, turn, self.calibrated)
+
     def to_world(self, xy: ArrayLike, height: float = 0.0) -> NDArray[np.float64]:
         """World positions (..., 3) of surface points (..., 2), `height` metres off the surface."""
         points = np.asarray(xy, float)

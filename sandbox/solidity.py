@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.touch_reconstructor import Reconstruction
+from models.one_pose import OnePose
 from models.scene import Scene
 
 Array = NDArray[np.float64]
@@ -49,6 +50,7 @@ class Solidity:
         self._bodies = np.array([scene.model.body(name(last[f].name)).id for f in sorted(last)])
         self._reach = np.array([last[f].length for f in sorted(last)])
         self._radius = skeleton.tip_radius
+        self._commanded = OnePose(skeleton)
         # What has to be clear of things is all that is going to be solid, up to where it begins: a
         # finger leans, and may be inside of a high thing with its tip well beside it.
         end = scene.spec.hands[hand].solid_end
@@ -68,7 +70,6 @@ class Solidity:
         self,
         data: mujoco.MjData,
         reconstruction: Reconstruction,
-        target: Array,
         ghost: bool = False,
     ) -> None:
         """Chooses the solid fingers for the next step.
@@ -76,13 +77,13 @@ class Solidity:
         Args:
             data: The simulation now.
             reconstruction: What the touches say now.
-            target: (5, 3) m, fingertips of the commanded pose.
             ghost: Nothing is to be solid, whatever the touches say.
         """
         wanted = reconstruction.fingers if reconstruction.down and not ghost else GHOST
         staying = self.fingers & wanted
         joining = wanted - staying
         if joining:
+            target = self._commanded.tips(reconstruction.q)
             near = np.linalg.norm(self.tips(data) - target, axis=1) < ARRIVED
             free = near & (self._clear(data) if self._rules.ghost_until_clear else True)
             fit = frozenset(f for f in joining if free[f])

@@ -16,11 +16,14 @@ from tasks.discovery import (
     package,
     place_file,
 )
+from tasks.stack_vertical import StackVertical
 from tasks.task import Task
 from tasks.wrench_slide import WrenchSlide
 from tasks.wrench_turn import WrenchTurn
 
-TASKS: dict[str, type[Task]] = {task.name: task for task in (BoxToGoal, WrenchTurn, WrenchSlide)}
+TASKS: dict[str, type[Task]] = {
+    task.name: task for task in (BoxToGoal, WrenchTurn, WrenchSlide, StackVertical)
+}
 
 
 def find_task(name: str) -> type[Task]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from models.errors import InputError
 from models.frames import TouchFrame
 from models.person import Person
 from models.surface import Surface
@@ -12,6 +13,8 @@ from sandbox.devices.drop_outs import DropOuts
 from sandbox.messages import Snapshot
 from tasks.simulated_user.configuration import UserConfiguration
 from tasks.simulated_user.control_arms import IdleUser, RandomUser
+from tasks.simulated_user.front_stacker import FrontStacker
+from tasks.simulated_user.front_view import FrontUser, FrontView, stands_upright
 from tasks.simulated_user.lift import IdleLiftUser, RandomLiftUser
 from tasks.simulated_user.seated import Seat, SeatedUser, User
 from tasks.simulated_user.sight import SeenObject, Sight
@@ -63,17 +66,33 @@ class SimulatedDevice:
         self._tell_labels = tell_labels
         self._screen = DropOuts(drop_outs, seed)
         person = person or Person()
+        upright = stands_upright(surface)
+        view = FrontView(surface)
+        surface = view.surface if upright else surface
         seat = Seat(person, surface)
         plain = Person(hand_size=person.hand_size) == person
         make = _USERS[configuration.kind]
+        if upright and make is SkilledUser:
+            make = FrontStacker
         used = surface if plain else seat.surface
+        own = getattr(type(task), "user", None) if configuration.kind == "skilled" else None
+        if own is None and configuration.kind == "skilled" and not task.goals:
+            raise InputError(
+                "the simulated user brings things to goals, and this task has none",
+                where=task.name,
+                remedy="Give the task goals, or a user of its own",
+            )
         self.user: User = (
-            _LIFTING[configuration.kind](configuration, used, seed, task.lift_range)
+            own(configuration, used, seed)
+            if own is not None
+            else _LIFTING[configuration.kind](configuration, used, seed, task.lift_range)
             if task.lift_range > 0
             else make(configuration, used, seed)
         )
         # Who looks and touches: the user where they are, or from another seat.
         self._seated: User = self.user if plain else SeatedUser(self.user, seat)
+        if upright:
+            self._seated = FrontUser(self._seated, view)
 
     def show(self, snapshot: Snapshot) -> None:
         """Lets the user look at the screen."""
