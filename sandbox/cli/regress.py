@@ -17,6 +17,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from models.errors import InputError
 from sandbox.cli.parse import parse
+from sandbox.cli.regress_vary import check_vary, run_vary
 
 if TYPE_CHECKING:
     from sandbox.regress.baseline import Baseline
@@ -41,6 +42,7 @@ class RegressOptions:
 
     Try: sandbox regress --seeds 0:20 --json report.json
     then: sandbox regress --baseline base.json --update-baseline, and later without the last option
+    or: sandbox regress --tasks box-to-goal --seeds 0:30 --vary size latency=50,100 --plot worse.png
     """
 
     tasks: Annotated[tuple[str, ...], tyro.conf.arg(metavar="all|NAME")] = ("all",)
@@ -82,6 +84,13 @@ class RegressOptions:
     across_encoders: tyro.conf.FlagCreatePairsOff[bool] = False
     """The baseline may be another encoder's: whether this one is worse is the question."""
 
+    vary: Annotated[tuple[str, ...], tyro.conf.arg(metavar="NAME[=V1,V2]")] = ()
+    """Success against size, mass, friction, start, hand-size, noise, dropped, ghosts or latency,
+    with the values given, or with ever worse ones until it breaks. Instead of a baseline."""
+
+    plot: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Draws what --vary found, .png or .svg; the extra `plots`."""
+
     record: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
     """Keeps a recording of every trial that fails in a new or empty folder."""
 
@@ -103,6 +112,9 @@ def main(argv: list[str]) -> int:
     console = Console(stderr=quiet)
     console = Console(stderr=quiet, width=max(console.width, 100))
     executor = _executor(options)
+    if options.vary:
+        done = run_vary(options, plan, executor, lambda p: _run(p, executor), console)
+        return 0 if done else STOPPED
     loaded, old = _baselines(options, plan, console)
     if options.record is not None:
         _empty_folder(options.record)
@@ -155,6 +167,7 @@ def _scene(options: RegressOptions, more: Sequence[str]) -> dict[str, Any]:
 
 def _check(options: RegressOptions) -> None:
     """Refuses, before anything is run, what would fail at the end."""
+    check_vary(options)
     if options.workers < 1:
         raise InputError("nobody works", where="--workers", got=options.workers, expected="1 ...")
     if options.baseline is None:
