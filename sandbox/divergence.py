@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import isfinite
+
 import mujoco
 import numpy as np
 
@@ -12,6 +14,9 @@ FASTEST = 50.0
 things without ever being seen to touch them."""
 FASTEST_TURN = 5000.0
 """rad/s of anything, hand or object: more than a whole turn in a step of 2 ms."""
+
+_SLOW = 40.0
+"""m/s and rad/s of all joints together, at which nothing moves as fast as `FASTEST`."""
 
 _WARNINGS = {
     mujoco.mjtWarning.mjWARN_BADQPOS: "positions are not finite",
@@ -24,6 +29,15 @@ _WARNINGS = {
 
 def nonsense(scene: Scene, data: mujoco.MjData) -> str:
     """What is wrong with a simulation, in words; empty where nothing is."""
+    # Nearly always nothing is, which a few sums tell: whatever is not finite makes one of them so,
+    # and nothing is fast where no joint is.
+    if (
+        not data.warning.number.any()
+        and isfinite(data.ctrl.sum())
+        and isfinite(data.qpos.sum())
+        and np.vdot(data.qvel, data.qvel) < _SLOW**2
+    ):
+        return ""
     for kind, words in _WARNINGS.items():
         if data.warning[kind].number:
             return words

@@ -7,7 +7,7 @@ and counted. Tasks only read the simulation: what moves things is the session.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import mujoco
 import numpy as np
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from models.objects import Thing
 from models.scene import CONTROL_PERIOD, Scene
-from models.surface import Surface
+from models.surface import METRES_PER_INCH, Surface
 
 Array = NDArray[np.float64]
 
@@ -55,12 +55,12 @@ class Respawn:
         self._away = {place.name: 0 for place in self._things}
         self.counts: dict[str, int] = {}
 
-    def step(self, data: mujoco.MjData, tips: Array) -> list[str]:
+    def step(self, data: mujoco.MjData, tips: Callable[[], Array]) -> list[str]:
         """Puts back what has been away for long enough; once per control period.
 
         Args:
             data: The simulation; changed, and brought up to date, where something comes back.
-            tips: (n, 3) m, points of fingers beside which nothing is put down.
+            tips: Gives (n, 3) m, points of fingers beside which nothing is put down.
 
         Returns:
             Names of what came back.
@@ -69,7 +69,7 @@ class Respawn:
         for place in self._things:
             out = not any(self._within(data, place, s) for s in self._surfaces)
             self._away[place.name] = self._away[place.name] + 1 if out else 0
-            if self._away[place.name] * CONTROL_PERIOD >= AWAY and self._put(data, place, tips):
+            if self._away[place.name] * CONTROL_PERIOD >= AWAY and self._put(data, place, tips()):
                 self._away[place.name] = 0
                 self.counts[place.name] = self.counts.get(place.name, 0) + 1
                 back.append(place.name)
@@ -81,12 +81,12 @@ class Respawn:
         """Whether a finger on a surface could reach an object where it is now."""
         position = data.xpos[place.body]
         reach = place.radius + FINGERTIP
-        xy = surface.to_surface(position)
-        off = float(surface.rotation[:, 2] @ (position - np.asarray(surface.origin)))
+        x, up, off = ((position - surface.origin) @ surface.rotation).tolist()
+        width, height = METRES_PER_INCH * surface.width_in, METRES_PER_INCH * surface.height_in
         return bool(
             position[2] > FLOOR
-            and np.all(xy > -reach)
-            and np.all(xy < surface.size + reach)
+            and -reach < x < width + reach
+            and -reach < -up < height + reach
             and abs(off) < (CEILING if _flat(surface) else reach)
         )
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import dist
 from typing import ClassVar
 
 import numpy as np
@@ -95,8 +96,8 @@ class BoxToGoal:
     def measure(self, sensing: Sensing) -> Measure:
         """Whether the box is at its goal now."""
         box, goal = sensing.object("box"), self.goals[0]
-        target = np.asarray(goal.position)
-        off = float(np.linalg.norm(box.position - target))
+        target = goal.position
+        off = dist(box.position.tolist(), target)
         # Seen from above, a cube repeats every 90 degrees.
         quarter = np.pi / 2
         turn = abs((box.yaw - goal.yaw + quarter / 2) % quarter - quarter / 2)
@@ -113,9 +114,8 @@ class BoxToGoal:
             reason = "a hand still touches the box"
         elif box.speed > SPEED_TOLERANCE:
             reason = "the box is still moving"
-        start = np.asarray(self.objects[0].position)
-        way = max(float(np.linalg.norm(target - start)) - POSITION_TOLERANCE, 1e-9)
+        way = max(dist(target, self.objects[0].position) - POSITION_TOLERANCE, 1e-9)
         travelled = 1.0 - max(off - POSITION_TOLERANCE, 0.0) / way
         # Nothing but success is 1: a box on its way, tilted or still held, is short of it.
-        progress = 1.0 if not reason else float(np.clip(travelled, 0.0, 0.99))
+        progress = 1.0 if not reason else min(max(travelled, 0.0), 0.99)
         return Measure(not reason, progress, reason)

@@ -7,6 +7,7 @@ defined.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import acos, atan2, hypot
 
 import mujoco
 import numpy as np
@@ -42,12 +43,12 @@ class ObjectState:
     @property
     def yaw(self) -> float:
         """rad about the vertical of the object's x axis, seen from above."""
-        return float(np.arctan2(self.rotation[1, 0], self.rotation[0, 0]))
+        return atan2(self.rotation[1, 0], self.rotation[0, 0])
 
     @property
     def tilt(self) -> float:
         """rad between the object's z axis and the vertical."""
-        return float(np.arccos(np.clip(self.rotation[2, 2], -1.0, 1.0)))
+        return acos(min(max(self.rotation[2, 2], -1.0), 1.0))
 
     @property
     def lean(self) -> float:
@@ -90,15 +91,17 @@ class Sensing:
         return ObjectState(
             position,
             rotation,
-            self._levers[name] * float(np.linalg.norm(self._data.qvel[v : v + self._moves[name]])),
+            self._levers[name] * hypot(*self._data.qvel[v : v + self._moves[name]].tolist()),
             self.touching(name, TABLE),
             any(self.touching(name, hand) for hand in self._hands),
         )
 
     def touching(self, name: str, other: str) -> bool:
         """Whether a force passes between an object and the table, a hand or another object."""
-        found, force = self._contact(name, other)
-        return bool(found and np.linalg.norm(force) > 0)
+        adr = self._sensors.get((name, other))
+        adr = self._sensors[other, name] if adr is None else adr
+        found, *force = self._data.sensordata[adr : adr + 4].tolist()
+        return found > 0 and any(force)
 
     def force(self, name: str, other: str) -> Array:
         """(3,) N in the world, with which the table, a hand or another object pushes an object."""

@@ -271,6 +271,6 @@ def test_a_surface_of_another_size_changes_nothing_but_its_middle():
     session = build(settings, lambda task, surface: None)
     reconstructor = session.rigs[0].reconstructor
     assert reconstructor.surface.size == pytest.approx(Surface(9.0, 7.0).size)
-    tips = session._kinematics[0].tips(reconstructor.commanded)
+    tips = Kinematics(session.rigs[0].hand.skeleton).tips(reconstructor.commanded)
     middle = reconstructor.surface.to_world(reconstructor.surface.size / 2)
     np.testing.assert_allclose(tips.mean(axis=0)[:2], middle[:2], atol=0.02)

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from models.frames import Contact, TouchFrame
+from models.kinematics import Kinematics
 from sandbox.assembly import build
 from sandbox.cli.scene_options import SceneOptions, plan
 from sandbox.devices.drop_outs import DropOuts
@@ -186,7 +187,7 @@ def test_fingertips_are_within_a_millimetre_of_resting_touches():
         session.advance()
     reconstruction = session.reconstructions[0]
     assert reconstruction.down
-    tips = session._kinematics[0].tips(reconstruction.q)
+    tips = Kinematics(session.rigs[0].hand.skeleton).tips(reconstruction.q)
     surface = session.rigs[0].reconstructor.surface
     for contact in reconstruction.contacts:
         off = surface.to_surface(tips[contact.label]) - [contact.xy[0], contact.xy[1]]

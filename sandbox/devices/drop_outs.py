@@ -34,6 +34,8 @@ class DropOuts:
     def spoil(self, frame: TouchFrame) -> TouchFrame:
         """The frame as the bad screen reports it."""
         dt, self._time = frame.time - self._time, frame.time
+        if self._rate <= 0.0:
+            return frame
         contacts = []
         for contact in frame.contacts:
             own = contact.id

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import exp, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -107,16 +108,26 @@ class Fingers:
         """What the screen feels now."""
         self._shake(now)
         noise = self._rng.normal(0.0, self._c.noise, self._tremor.shape)
-        world = self.places(now) + self._tremor + noise
-        z = np.full((len(world), 1), surface.origin[2])
-        xy = surface.to_surface(np.hstack([world, z]))
-        xy = np.clip(xy, _MARGIN, surface.size - _MARGIN)
-        touching = (now >= self._down_at - 1e-9) & (now < self._up_at - 1e-9)
-        order = np.argsort(self._ids)
+        span = zip(self._ids.tolist(), self._down_at.tolist(), self._up_at.tolist(), strict=True)
+        touching = sorted(
+            (contact, finger)
+            for finger, (contact, down, up) in enumerate(span)
+            if down - 1e-9 <= now < up - 1e-9
+        )
+        if not touching:
+            return ()
+        world = np.empty((len(noise), 3))
+        world[:, :2] = self.places(now) + self._tremor + noise
+        world[:, 2] = surface.origin[2]
+        xy = surface.to_surface(world).tolist()
+        right, bottom = (surface.size - _MARGIN).tolist()
         return tuple(
-            Contact(int(self._ids[i]), float(xy[i, 0]), float(xy[i, 1]))
-            for i in order
-            if touching[i]
+            Contact(
+                contact,
+                min(max(xy[finger][0], _MARGIN), right),
+                min(max(xy[finger][1], _MARGIN), bottom),
+            )
+            for contact, finger in touching
         )
 
     def _go(self, movement: _Movement) -> float:
@@ -136,7 +147,7 @@ class Fingers:
         return end + self._rng.normal(0.0, self._c.end_noise * length, 2)
 
     def _shake(self, now: float) -> None:
-        keep = np.exp(-(now - self._last) / self._c.tremor_time)
+        keep = exp(-(now - self._last) / self._c.tremor_time)
         self._last = now
         fresh = self._rng.normal(0.0, self._c.tremor, self._tremor.shape)
-        self._tremor = keep * self._tremor + np.sqrt(1.0 - keep * keep) * fresh
+        self._tremor = keep * self._tremor + sqrt(1.0 - keep * keep) * fresh
