@@ -16,6 +16,7 @@ from sandbox.cli.parse import parse
 from sandbox.cli.play_page import play_on_page
 from sandbox.cli.run import report_dump
 from sandbox.cli.scene_options import Plan, SceneOptions, plan
+from sandbox.devices.lift_keys import with_lift
 from sandbox.events import EventLog, NoticeEvents
 from sandbox.headless import trial_header
 from sandbox.keeping import Keeping
@@ -97,7 +98,7 @@ def _trial(
     if record and trial:
         record = record.with_stem(f"{record.stem}-{trial + 1}")
     keeping = Keeping(trial_header(chosen.settings, chosen.about), record, options.dump)
-    session = build(chosen.settings, chosen.make_device, keeping.recorder)
+    session = build(chosen.settings, with_lift(chosen.make_device, keys=True), keeping.recorder)
     device: Any = chosen.opened[-1]
     if window is not None:
         window.close()
@@ -109,7 +110,7 @@ def _trial(
         title=f"Hand Sandbox: {session.task.name}",
         caption="simulated user" if simulated else "",
     )
-    window.attach(device)
+    window.attach(session.rigs[0].device)
     address = getattr(device, "address", None)
     if address:
         console.print(f"listening for TUIO on [bold]{address}[/] (UDP)")

@@ -17,6 +17,7 @@ from models.errors import InputError
 from sandbox.cli.films import open_film
 from sandbox.cli.parse import parse
 from sandbox.cli.scene_options import Plan, SceneOptions, plan
+from sandbox.devices.lift_keys import with_lift
 from sandbox.events import EventLog, NoticeEvents
 from sandbox.headless import View, run_trial
 from sandbox.messages import Snapshot
@@ -85,7 +86,7 @@ def _run(options: RunOptions, chosen: Plan, events: EventLog, console: Console) 
         console.print(f"[yellow]{notice}[/]", soft_wrap=True)
 
     def make_device(task: Any, surface: Any) -> Any:
-        device = chosen.make_device(task, surface)
+        device = with_lift(chosen.make_device, keys=False)(task, surface)
         address = getattr(device, "address", None)
         if address:
             console.print(f"listening for TUIO on [bold]{address}[/] (UDP)")

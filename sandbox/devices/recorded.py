@@ -17,6 +17,8 @@ class RecordedDevice:
         hand: Whose frames.
     """
 
+    has_lift = True
+
     def __init__(self, recording: Recording, hand: int = 0) -> None:
         self.name = str(recording.path)
         self._timestep = float(recording.header["settings"]["timestep"])

@@ -19,11 +19,13 @@ from models.errors import HandSandboxError
 from models.scene import Scene
 from models.surface import Surface
 from sandbox.devices.device import Device
+from sandbox.devices.lift_keys import LiftKeys
 from sandbox.devices.mouse import MouseDevice
 from sandbox.messages import Snapshot
 from sandbox.views import palette
 from sandbox.views.cameras import camera_above, window_camera
 from sandbox.views.errors import DEBIAN_PACKAGES, GraphicsError
+from sandbox.views.keys import HINT, keys
 from sandbox.views.overlay import Words
 from sandbox.views.renderer import LARGEST, Renderer
 
@@ -43,24 +45,7 @@ SLOW, PATIENCE = 0.045, 4
 PLAIN_SHRINK = 1.6
 """Drawn smaller by this where there is no graphics card, and stretched."""
 
-HINT = ("h  keys",)
-HELP = (
-    "drag  one finger",
-    "shift + click  pin a finger, or lift it",
-    "drag a pin  moves it",
-    "1 to 5  a hand of so many fingers",
-    "drag beside it  moves the hand",
-    "ctrl + drag  moves all pins",
-    "wheel  open and close",
-    "shift + wheel  turn",
-    "space  lift all fingers",
-    "right drag  look from elsewhere",
-    "v  from above, and back",
-    "c  contact: hard, soft, none",
-    "p  pause",
-    "r  start again",
-    "h  hide this",
-)
+LIFT = {glfw.KEY_UP: 1.0, glfw.KEY_DOWN: -1.0}
 
 
 class Window:
@@ -92,6 +77,7 @@ class Window:
         self._surface = surface
         self._caption = caption
         self._mouse: MouseDevice | None = None
+        self._lift: LiftKeys | None = None
         self._touching = self._looking = False
         self._reset = self._help = self._above = self._contact = False
         self._shown: object = None
@@ -115,7 +101,9 @@ class Window:
         self._listen()
 
     def attach(self, device: Device) -> None:
-        """Lets the mouse drive a device, if it is one that a mouse can drive."""
+        """Lets mouse and keys drive a device, as far as it is one that they can drive."""
+        self._lift = device if isinstance(device, LiftKeys) else None
+        device = self._lift.device if self._lift else device
         self._mouse = device if isinstance(device, MouseDevice) else None
 
     def pump(self, snapshot: Snapshot | None) -> bool:
@@ -185,7 +173,7 @@ class Window:
         size, window = self._drawn_size(), glfw.get_framebuffer_size(self._context.handle)
         renderer.words = Words(
             self._caption,
-            HELP if self._help else HINT,
+            keys(lift=self._lift is not None) if self._help else HINT,
             "paused" if self.paused else self._contact_word(),
         )
         camera = renderer.camera
@@ -294,6 +282,9 @@ class Window:
             self._mouse.wheel(steps or sideways, turn=self._down(glfw.KEY_LEFT_SHIFT))
 
     def _on_key(self, key: int, _code: int, action: int, _mods: int) -> None:
+        if self._lift is not None and key in LIFT:
+            self._lift.hold(LIFT[key] if action != glfw.RELEASE else 0.0)
+            return
         if action != glfw.PRESS:
             return
         if self._mouse is not None and glfw.KEY_1 <= key <= glfw.KEY_5:
@@ -319,6 +310,8 @@ class Window:
             # A button's release that goes to another window is never heard of here.
             self._looking = False
             self._release()
+            if self._lift is not None:
+                self._lift.hold(0.0)
 
     def _release(self) -> None:
         if self._touching and self._mouse is not None:

@@ -1,0 +1,29 @@
+"""What the window says about its keys."""
+
+from __future__ import annotations
+
+HINT = ("h  keys",)
+HELP = (
+    "drag  one finger",
+    "shift + click  pin a finger, or lift it",
+    "drag a pin  moves it",
+    "1 to 5  a hand of so many fingers",
+    "drag beside it  moves the hand",
+    "ctrl + drag  moves all pins",
+    "wheel  open and close",
+    "shift + wheel  turn",
+    "space  lift all fingers",
+    "right drag  look from elsewhere",
+    "v  from above, and back",
+    "c  contact: hard, soft, none",
+    "p  pause",
+    "r  start again",
+    "h  hide this",
+)
+
+LIFT_HELP = ("up, down  lift and lower the hand",)
+
+
+def keys(lift: bool) -> tuple[str, ...]:
+    """One line for each key; those that lift only where there is something to lift."""
+    return (*LIFT_HELP, *HELP) if lift else HELP
