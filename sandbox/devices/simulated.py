@@ -50,6 +50,7 @@ class SimulatedDevice:
     """
 
     name = "simulated"
+    has_lift = True
     finished = False
 
     def __init__(
