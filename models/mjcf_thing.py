@@ -7,7 +7,7 @@ with names or settings of the scene, and what is wrong with it is said before th
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -63,6 +63,7 @@ class MjcfThing:
             matter.
         looks_alike: How often it looks the same in one full turn about its z axis: 1 for a thing
             with a front, 4 for a square one, 0 for a round one. The simulated user goes by it.
+        size: Factor on all lengths of the description.
 
     Raises:
         InputError: MuJoCo does not understand it, or it is not one rigid body.
@@ -74,14 +75,17 @@ class MjcfThing:
     position: tuple[float, float, float] = (0.0, 0.0, 0.0)
     yaw: float = 0.0
     looks_alike: int = 1
+    size: float = 1.0
 
     def __post_init__(self) -> None:
         if not self.name or self.name in _WORLD_NAMES:
             raise InputError("no thing can have this name", where="MjcfThing", got=self.name)
-        if not 0.0 < self.mass < float("inf"):
-            raise InputError(
-                "its mass is out of range", where=self._where, got=self.mass, expected="above 0 kg"
-            )
+        for what, value in (("mass", self.mass), ("size", self.size)):
+            if not 0.0 < value < float("inf"):
+                raise InputError(
+                    f"its {what} is out of range", where=self._where, got=value, expected="above 0"
+                )
+        _ = self._compiled
 
     @classmethod
     def on_table(
@@ -114,9 +118,9 @@ class MjcfThing:
         body = Element("body", {"name": self.name, "pos": _text(self.position),
                                 "quat": _text(quat)})  # fmt: skip
         SubElement(body, "freejoint", {"name": self.name})
-        share = self.mass / model.body_mass[1]
+        share = self.size**2 * self.mass / model.body_mass[1]
         SubElement(body, "inertial", {
-            "pos": _text(model.body_ipos[1]), "quat": _text(model.body_iquat[1]),
+            "pos": _text(self.size * model.body_ipos[1]), "quat": _text(model.body_iquat[1]),
             "mass": f"{self.mass:.9g}", "diaginertia": _text(share * model.body_inertia[1]),
         })  # fmt: skip
         for number, geom in enumerate(self._geoms):
@@ -127,7 +131,9 @@ class MjcfThing:
         """MJCF of its meshes, with their points written out."""
         model, found = self._compiled, []
         for mesh in sorted({int(model.geom_dataid[g]) for g in self._geoms} - {-1}):
-            points = model.mesh_vert[_part(model.mesh_vertadr, model.mesh_vertnum, mesh)]
+            points = (
+                self.size * model.mesh_vert[_part(model.mesh_vertadr, model.mesh_vertnum, mesh)]
+            )
             faces = model.mesh_face[_part(model.mesh_faceadr, model.mesh_facenum, mesh)]
             found.append(Element("mesh", {
                 "name": f"{self.name}_mesh{mesh}", "vertex": _text(points.ravel()),
@@ -145,20 +151,26 @@ class MjcfThing:
             position: (3,) m, where its origin is now.
             rotation: (3, 3) how it is turned now.
         """
-        local = (np.atleast_2d(np.asarray(points, float)) - position) @ rotation
+        local = (np.atleast_2d(np.asarray(points, float)) - position) @ rotation / self.size
         distances = np.full(len(local), np.inf)
         for i, point in enumerate(local):
             self._measuring.mocap_pos[0] = point
             mujoco.mj_kinematics(self._compiled, self._measuring)
             for geom in self._solid:
                 distances[i] = min(distances[i], self._distance(geom, "probe") + _PROBE)
-        return distances
+        return self.size * distances
+
+    def scaled(self, size: float) -> MjcfThing:
+        """The same of another size and the same mass, standing where it stood."""
+        x, y, z = self.position
+        return replace(self, size=size * self.size, position=(x, y, z + (size - 1.0) * self.height))
 
     @cached_property
     def height(self) -> float:
         """m, its origin above the table when it stands there as it is described."""
         mujoco.mj_kinematics(self._compiled, self._measuring)
-        return _FLOOR - min(self._distance(geom, "floor") for geom in self._solid)
+        lowest = min(self._distance(geom, "floor") for geom in self._solid) - _FLOOR
+        return -self.size * lowest
 
     @cached_property
     def bounds(self) -> tuple[Array, Array]:
@@ -172,7 +184,7 @@ class MjcfThing:
             turn = turned.reshape(3, 3)
             centre = model.geom_pos[geom] + turn @ middle
             corners += [centre - np.abs(turn) @ half, centre + np.abs(turn) @ half]
-        return np.min(corners, axis=0), np.max(corners, axis=0)
+        return self.size * np.min(corners, axis=0), self.size * np.max(corners, axis=0)
 
     @property
     def _where(self) -> str:
@@ -251,11 +263,11 @@ class MjcfThing:
         material = int(model.geom_matid[geom])
         rgba = model.geom_rgba[geom] if material < 0 else model.mat_rgba[material]
         found = Element("geom", {
-            "name": f"{self.name}_{number}", "type": kind, "pos": _text(model.geom_pos[geom]),
-            "quat": _text(model.geom_quat[geom]), "rgba": _text(rgba),
+            "name": f"{self.name}_{number}", "type": kind, "rgba": _text(rgba),
+            "pos": _text(self.size * model.geom_pos[geom]), "quat": _text(model.geom_quat[geom]),
         })  # fmt: skip
         if sizes:
-            found.set("size", _text(model.geom_size[geom, :sizes]))
+            found.set("size", _text(self.size * model.geom_size[geom, :sizes]))
         else:
             # Its points were shifted to its middle, and so was the geom; a second time nothing is.
             found.set("mesh", f"{self.name}_mesh{int(model.geom_dataid[geom])}")

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, cast
+from dataclasses import replace
+from typing import Any, Literal
 
 import gymnasium
 import numpy as np
@@ -111,7 +112,8 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
         hands = self._make_hands()
         self.action_space = spaces.Box(hands.low, hands.high, dtype=np.float64)
         self._space = observation_space(draw_task(self._kind, 0, self._surface))
-        self.observation_space = cast("spaces.Space[Observation]", self._space)
+        shown: Any = self._space
+        self.observation_space = shown
         self.session: Session | None = None
         self._renderer: Any = None
 
@@ -128,7 +130,7 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
         trial = int(self.np_random.integers(SEEDS)) if seed is None else seed
         self.close()
         self._hands = hands = self._make_hands()
-        settings = RunSettings(**{**self.settings.as_json(), "seed": trial})
+        settings = replace(self.settings, seed=trial)
         self.session = build(settings, lambda task, surface: hands, wear=hands.worn)
         self._snapshot = self.session.snapshot()
         sensing = Sensing(self.session.scene, self.session.data)

@@ -1,0 +1,422 @@
+"""A lab's own task: a thing from MJCF is what it says, and a task of anybody's runs like ours."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+from xml.etree.ElementTree import tostring
+
+import mujoco
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+
+from models.errors import InputError, RecordingError
+from models.hand import Hand
+from models.mjcf_thing import MjcfThing
+from models.objects import Box
+from models.scene import Scene, SceneSpec
+from models.surface import Surface
+from sandbox.cli.main import main
+from sandbox.recording import load_recording
+from sandbox.replay import settings_of
+from tasks.own_task import OwnTask, judge, two_places
+from tasks.registry import TASKS, draw_task, find_task, origin
+from tasks.task import Goal
+from tests.processes import ROOT
+
+pytest_plugins = ["sandbox.regression"]
+
+MUG = ROOT / "examples" / "push_the_mug.py"
+SURFACE = Surface().centred_at((0.0, 0.0, 0.015))
+
+SPHERE = '<geom type="sphere" size=".03"/>'
+CAPSULE = '<geom type="capsule" size=".02 .03"/>'
+BLOCK = '<geom type="box" size=".02 .03 .01"/>'
+MESH_BLOCK = '<geom type="mesh" mesh="block"/>'
+BLOCK_ASSET = (
+    '<mesh name="block" vertex=".02 .03 .01 -.02 .03 .01 .02 -.03 .01 -.02 -.03 .01 '
+    '.02 .03 -.01 -.02 .03 -.01 .02 -.03 -.01 -.02 -.03 -.01"/>'
+)
+
+
+def mjcf(inside: str, asset: str = "") -> str:
+    return f"<mujoco><asset>{asset}</asset><worldbody><body>{inside}</body></worldbody></mujoco>"
+
+
+def from_block(points: np.ndarray) -> np.ndarray:
+    far = np.abs(points) - (0.02, 0.03, 0.01)
+    return np.linalg.norm(np.maximum(far, 0), axis=1) + np.minimum(far.max(axis=1), 0)
+
+
+def from_capsule(points: np.ndarray) -> np.ndarray:
+    rest = points.copy()
+    rest[:, 2] -= np.clip(rest[:, 2], -0.03, 0.03)
+    return np.linalg.norm(rest, axis=1) - 0.02
+
+
+KNOWN = {
+    "sphere": (mjcf(SPHERE), lambda p: np.linalg.norm(p, axis=1) - 0.03),
+    "capsule": (mjcf(CAPSULE), from_capsule),
+    "box": (mjcf(BLOCK), from_block),
+    "mesh": (mjcf(MESH_BLOCK, BLOCK_ASSET), from_block),
+    "two": (
+        mjcf(BLOCK + f'<body pos="0 0 0">{CAPSULE}</body>'),
+        lambda p: np.minimum(from_block(p), from_capsule(p)),
+    ),
+}
+
+POINTS = hnp.arrays(float, (4, 3), elements=st.floats(-0.08, 0.08))
+TURNS = hnp.arrays(float, 4, elements=st.floats(-1, 1)).filter(
+    lambda q: np.linalg.norm(q) > 0.1
+)
+
+
+@pytest.mark.parametrize("shape", KNOWN)
+@given(local=POINTS, turn=TURNS, size=st.sampled_from([1.0, 0.5, 2.0]))
+def test_clearance_is_the_distance_that_geometry_gives(shape, local, turn, size):
+    text, distance = KNOWN[shape]
+    thing = MjcfThing("thing", text, 0.1, size=size)
+    rotation = np.empty(9)
+    mujoco.mju_quat2Mat(rotation, turn / np.linalg.norm(turn))
+    rotation, position = rotation.reshape(3, 3), np.array([0.1, -0.2, 0.05])
+    found = thing.clearance(size * local @ rotation.T + position, position, rotation)
+    expected = size * distance(local)
+    # Far inside a hull MuJoCo may name another way out than the nearest; outside it is exact.
+    outside = expected > 0
+    assert found[outside] == pytest.approx(expected[outside], abs=2e-5)
+    assert np.all(found[~outside] < 2e-5)
+    if shape in ("sphere", "box"):
+        assert found == pytest.approx(expected, abs=2e-5)
+
+
+@pytest.mark.parametrize("size", [1.0, 1.5])
+def test_in_a_scene_it_is_the_body_that_was_described(size):
+    inside = (
+        '<geom type="cylinder" size=".02 .03" friction=".7"/><body pos=".04 0 .01" euler="0 90 10">'
+        f'{BLOCK}<geom type="mesh" mesh="block" pos="0 .05 0" euler="20 30 40"/></body>'
+    )
+    thing = MjcfThing("thing", mjcf(inside, BLOCK_ASSET), 0.2, (0.1, 0.0, 0.3), 0.7, size=size)
+    model = Scene(SceneSpec((Hand(),), (thing,))).model
+    text = mjcf("<freejoint/>" + inside, BLOCK_ASSET)
+    alone = mujoco.MjModel.from_xml_string(text)
+    body = model.body("thing").id
+    assert model.body_mass[body] == pytest.approx(0.2)
+    # Two bodies there, one here: what they weigh and how they turn is compared as a whole.
+    both = []
+    for m, first in ((model, body), (alone, 1)):
+        data = mujoco.MjData(m)
+        start = m.jnt_qposadr[m.body_jntadr[first]]
+        data.qpos[start : start + 7] = (0, 0, 0, 1, 0, 0, 0)
+        mujoco.mj_forward(m, data)
+        inertia, mass = np.zeros((6, 6)), m.body_subtreemass[first]
+        dof = m.body_dofadr[first]
+        full = np.zeros((m.nv, m.nv))
+        mujoco.mj_fullM(m, full, data.qM) if hasattr(data, "qM") else mujoco.mj_fullM(m, data, full)
+        inertia = full[dof : dof + 6, dof : dof + 6] / mass
+        both.append((data.subtree_com[first], inertia))
+    scale = np.repeat([1.0, size], 3)
+    assert both[0][0] == pytest.approx(size * both[1][0])
+    assert np.allclose(both[0][1], np.outer(scale, scale) * both[1][1], atol=1e-9)
+    first = next(g for g in range(model.ngeom) if model.geom_bodyid[g] == body)
+    assert model.geom_friction[first, 0] == pytest.approx(0.7)
+
+
+@pytest.mark.parametrize("shape", KNOWN)
+@pytest.mark.parametrize("size", [1.0, 1.7])
+def test_on_the_table_it_rests_where_it_was_put(shape, size):
+    thing = MjcfThing.on_table("thing", KNOWN[shape][0], 0.1, (0.03, 0.02), 0.4).scaled(size)
+    scene = Scene(SceneSpec((Hand(),), (thing,)))
+    data = mujoco.MjData(scene.model)
+    # The hand is out of the way.
+    data.qpos[scene.qpos_slice(0)][2] = data.ctrl[2] = 0.5
+    mujoco.mj_step(scene.model, data, 250)
+    position, _ = scene.object_pose(data, "thing")
+    assert position == pytest.approx((0.03, 0.02, size * {"two": 0.05, "sphere": 0.03,
+                                      "capsule": 0.05}.get(shape, 0.01)), abs=5e-4)  # fmt: skip
+
+
+def test_what_is_only_seen_is_solid_to_nobody():
+    ghost = '<geom type="sphere" size=".2" contype="0" conaffinity="0"/>'
+    thing = MjcfThing("thing", mjcf(SPHERE + ghost), 0.1)
+    assert thing.clearance([[0.1, 0, 0]], np.zeros(3), np.eye(3)) == pytest.approx(0.07)
+    assert thing.height == pytest.approx(0.03)
+    model = Scene(SceneSpec((), (thing,))).model
+    assert sorted(model.geom_contype[model.geom_bodyid == model.body("thing").id]) == [0, 6]
+
+
+def test_a_file_with_its_mesh_beside_it_is_the_same_from_any_folder(tmp_path, monkeypatch):
+    corners = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
+    lines = [f"v {0.02 * x} {0.03 * y} {0.01 * z}" for x, y, z in corners]
+    quads = ["1 2 4 3", "5 7 8 6", "1 5 6 2", "3 4 8 7", "1 3 7 5", "2 6 8 4"]
+    (tmp_path / "block.obj").write_text("\n".join([*lines, *(f"f {q}" for q in quads)]) + "\n")
+    path = tmp_path / "thing.xml"
+    floor = '<geom type="plane" size="1 1 .1"/><light pos="0 0 1"/>'
+    text = mjcf(MESH_BLOCK, '<mesh name="block" file="block.obj"/>')
+    path.write_text(text.replace("<worldbody>", f"<worldbody>{floor}"))
+    monkeypatch.chdir("/")
+    thing = MjcfThing("thing", path, 0.1)
+    point = [[0.05, 0.0, 0.0]]
+    assert thing.clearance(point, np.zeros(3), np.eye(3)) == pytest.approx(0.03, abs=1e-6)
+    assert b"file" not in b"".join(map(tostring, thing.assets()))
+    assert Scene(SceneSpec((), (thing,))).model.nmesh == 1
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("<mujoco>", "cannot read"),
+        (mjcf(""), "cannot read|nothing of it"),
+        (mjcf('<geom type="sphere" size="-1"/>'), "cannot read"),
+        (mjcf('<geom type="mesh" mesh="none"/>'), "cannot read"),
+        ("<mujoco><worldbody/></mujoco>", "one rigid body"),
+        (mjcf(SPHERE).replace("</worldbody>", f"<body>{SPHERE}</body></worldbody>"), "one rigid"),
+        (mjcf(SPHERE + f'<body><joint type="hinge"/>{SPHERE}</body>'), "one rigid body"),
+        (mjcf('<joint type="slide"/>' + SPHERE), "one rigid body"),
+        (mjcf('<geom size=".1" contype="0" conaffinity="0"/>'), "nothing of it is solid"),
+        ("/no/such/file.xml", "no such file"),
+    ],
+)
+def test_what_is_no_rigid_body_is_refused_in_a_line(text, says):
+    with pytest.raises(InputError, match=says) as error:
+        MjcfThing("thing", text, 0.1)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("wrong", [{"mass": 0.0}, {"mass": np.nan}, {"size": -1.0}, {"name": ""},
+                                   {"name": "table"}])  # fmt: skip
+def test_impossible_things_are_refused(wrong):
+    with pytest.raises(InputError):
+        MjcfThing(**{"name": "thing", "mjcf": mjcf(SPHERE), "mass": 0.1, **wrong})
+
+
+class Slide(OwnTask):
+    name = "test-slide"
+
+    @classmethod
+    def place(cls, rng, surface):
+        start, end = two_places(rng, surface)
+        box = Box("it", (0.02, 0.02, 0.02), 0.1, (start[0], start[1], 0.02))
+        return [box], [Goal("it", (end[0], end[1], 0.02), 0.0)]
+
+    def measure(self, sensing):
+        return judge(0.5, (True, "never"))
+
+
+def test_a_seed_and_a_version_are_one_trial():
+    class Second(Slide):
+        version = 2
+
+    class Renamed(Slide):
+        name = "test-slide-too"
+
+    first = draw_task(Slide, 3, SURFACE)
+    assert first == draw_task(Slide, 3, SURFACE)
+    starts = {draw_task(k, s, SURFACE).objects[0].position
+              for k, s in ((Slide, 3), (Slide, 4), (Second, 3), (Renamed, 3))}  # fmt: skip
+    assert len(starts) == 4
+
+
+@given(seed=st.integers(0, 10_000))
+def test_two_places_are_apart_and_off_the_border(seed):
+    a, b = two_places(np.random.default_rng(seed), SURFACE, (0.05, 0.06), 0.03)
+    assert 0.05 <= np.linalg.norm(a - b) <= 0.06
+    assert a[2] == b[2] == 0.0
+    for place in (a, b):
+        xy = SURFACE.to_surface(place)
+        assert np.all(xy >= 0.03 - 1e-9) and np.all(xy <= SURFACE.size - 0.03 + 1e-9)
+
+
+def test_the_first_lack_is_told_and_only_success_is_all():
+    assert judge(2.0, (False, "a"), (True, "b"), (True, "c")).reason == "b"
+    assert judge(2.0, (True, "b")).progress < 1.0
+    assert judge(-1.0, (True, "b")).progress == 0.0
+    assert judge(0.2, (False, "b")).reached and judge(0.2).progress == 1.0
+
+
+def broken(**parts):
+    return type("Broken", (Slide,), {"name": "test-broken", **parts})
+
+
+def fails(cls, rng, surface):
+    raise ZeroDivisionError("a lab's own bug")
+
+
+BOX = Box("it", (0.02, 0.02, 0.02), 0.1, (0.0, 0.0, 0.02))
+
+
+@pytest.mark.parametrize(
+    ("place", "says"),
+    [
+        (fails, "ZeroDivisionError: a lab's own bug .*test_own_task.py:"),
+        (lambda cls, rng, surface: ([], []), "different names"),
+        (lambda cls, rng, surface: ([BOX, BOX], []), "different names"),
+        (lambda cls, rng, surface: ([BOX], [Goal("that", (0, 0, 0), 0)]), "no thing of the task"),
+        (lambda cls, rng, surface: ([BOX], [Goal("it", (0, 0, np.nan), 0)]), "not finite"),
+        (lambda cls, rng, surface: 5, "TypeError"),
+        (lambda cls, rng, surface: two_places(rng, surface, (9.0, 9.5)), "too small"),
+    ],
+)
+def test_a_trial_that_cannot_be_drawn_is_refused_in_a_line(place, says):
+    with pytest.raises(InputError, match=says) as error:
+        draw_task(broken(place=classmethod(place)), 0, SURFACE)
+    assert "\n" not in str(error.value)
+
+
+def write(path: Path, body: str) -> Path:
+    path.write_text("from tests.test_own_task import Slide\n" + body)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("body", "says"),
+    [
+        ("1/0", "ZeroDivisionError.*lab.py:2"),
+        ("def", "SyntaxError"),
+        ("import nobody_has_this", "No module named"),
+        ("", "which task .*no task"),
+        ("class A(Slide): name = 'a'\nclass B(Slide): name = 'b'", "which task .*A, B"),
+        ("class A(Slide): name = 'box-to-goal'", "another task has this name"),
+        ("class A(Slide): name = 'Too Nice'", "name is missing or odd"),
+        ("class A(Slide): name = 'a'; hold_time = 'long'", "hold_time is missing or odd"),
+        ("class A(Slide): name = 'a'; plane = 'ceiling'", "plane is missing or odd"),
+        ("from tasks.own_task import OwnTask\nclass A(OwnTask): name = 'a'", "lacks .*measure"),
+    ],
+)
+def test_a_file_without_a_sound_task_is_refused_in_a_line(tmp_path, body, says):
+    with pytest.raises(InputError, match=says) as error:
+        find_task(str(write(tmp_path / "lab.py", body)))
+    assert "\n" not in str(error.value)
+
+
+def test_places_are_found_by_class_too(tmp_path):
+    path = write(tmp_path / "lab.py", "class A(Slide): name = 'a'\nclass B(Slide): name = 'b'")
+    assert find_task(f"{path}:B").name == "b"
+    assert origin(f"{path}:B") == {"file": str(path), "member": "B"}
+    assert find_task("tests.regress_tasks:Quick").name == "quick"
+    assert all(origin(name) == {} for name in TASKS)
+    with pytest.raises(InputError, match=r"nothing of this name.*A, B"):
+        find_task(f"{path}:C")
+    with pytest.raises(InputError, match="no such file"):
+        find_task(str(tmp_path / "other.py"))
+
+
+def test_the_example_has_forty_lines_of_code_and_is_done_by_the_simulated_user(tmp_path, capsys):
+    code = [line for line in MUG.read_text().split('"""', 2)[2].splitlines() if line.strip()]
+    assert len(code) <= 40
+    record, out = tmp_path / "mug.jsonl", tmp_path / "mug.json"
+    arguments = ["run", str(MUG), "--seed", "2", "--record", str(record), "--json", str(out)]
+    assert main(arguments) == 0
+    result = json.loads(out.read_text())
+    assert result["success"] and result["task"] == "my-lab-push-the-mug"
+    assert main(["replay", str(record)]) == 0
+    assert "exact" in capsys.readouterr().out
+
+
+def test_without_a_touch_the_example_is_not_done(regression):
+    report = regression(str(MUG), "0:2", user="idle")
+    assert [t["success"] for t in report.trials] == [False, False]
+    assert {t["task"] for t in report.trials} == {"my-lab-push-the-mug"}
+    assert f"sandbox run {MUG}" in report.command(report.trials[0])
+
+
+def test_a_recording_whose_task_is_gone_says_what_to_install(tmp_path):
+    path = tmp_path / "run.jsonl"
+    header = {"kind": "header", "schema": 1, "settings": {"task": "my-lab-gone"},
+              "task_from": {"entry_point": "gone_lab.tasks:Gone", "package": "gone-lab",
+                            "version": "1.2"}}  # fmt: skip
+    from sandbox.settings import RunSettings
+
+    header["settings"] = RunSettings(task="my-lab-gone").as_json()
+    path.write_text(json.dumps(header) + "\n")
+    with pytest.raises(RecordingError, match=r"pip install 'gone-lab==1\.2'"):
+        settings_of(load_recording(path))
+
+
+LAB = """
+from tests.test_own_task import Slide
+from tasks.simulated_user.control_arms import IdleUser
+from tasks.own_task import judge
+class Timed(Slide):
+    name = "tiny-lab-timed"
+    time_limit = 0.2
+    hold_time = 0.05
+    user = lambda configuration, surface, seed: IdleUser(configuration, surface, seed)
+    def measure(self, sensing):
+        return judge(1.0, (self.seed == 1, "seed one fails"))
+class Renamed(Timed):
+    name = "tiny-lab-other"
+"""
+
+METADATA = {
+    "METADATA": "Metadata-Version: 2.1\nName: tiny-lab\nVersion: 0.3\n",
+    "WHEEL": "Wheel-Version: 1.0\nGenerator: a test\nRoot-Is-Purelib: true\nTag: py3-none-any\n",
+    "RECORD": "",
+    "entry_points.txt": """[hand_sandbox.tasks]
+tiny-lab-timed = tiny_lab:Timed
+tiny-lab-renamed = tiny_lab:Renamed
+tiny-lab-missing = tiny_lab_nowhere:Gone
+box-to-goal = tiny_lab:Timed
+""",
+}
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a package of a lab, installed by pip from a wheel."""
+    target = tmp_path_factory.mktemp("site")
+    wheel = tmp_path_factory.mktemp("wheel") / "tiny_lab-0.3-py3-none-any.whl"
+    with zipfile.ZipFile(wheel, "w") as archive:
+        archive.writestr("tiny_lab.py", LAB)
+        for name, text in METADATA.items():
+            archive.writestr(f"tiny_lab-0.3.dist-info/{name}", text)
+    subprocess.run(
+        [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--no-index",
+         "--disable-pip-version-check", "--target", str(target), str(wheel)],
+        check=True,
+    )  # fmt: skip
+    return target
+
+
+def sandbox(site: Path | None, *arguments: str) -> subprocess.CompletedProcess[str]:
+    path = [str(site)] if site else []
+    return subprocess.run(
+        [sys.executable, "-c",
+         f"import sys; sys.path[:0] = {[str(ROOT), *path]!r}\n"
+         f"from sandbox.cli.main import main; sys.exit(main({list(arguments)!r}))"],
+        capture_output=True, text=True, cwd=ROOT, check=False,
+    )  # fmt: skip
+
+
+def test_an_installed_package_s_task_is_listed_run_recorded_and_replayed(installed, tmp_path):
+    record = str(tmp_path / "run.jsonl")
+    listed = sandbox(installed).stdout
+    assert "  tiny-lab-timed\n" in listed
+    assert "tiny-lab-missing: " in listed and "No module named 'tiny_lab_nowhere'" in listed
+    assert "tiny-lab-renamed: " in listed and "different names" in listed
+    assert "box-to-goal: tiny-lab 0.3 offers a task of the same name as ours" in listed
+    ran = sandbox(installed, "run", "tiny-lab-timed", "--record", record)
+    assert ran.returncode == 0, ran.stderr
+    assert "done" in ran.stdout
+    again = sandbox(installed, "replay", record)
+    assert again.returncode == 0 and "exact" in again.stdout
+    without = sandbox(None, "replay", record)
+    assert without.returncode == 2
+    assert "pip install 'tiny-lab==0.3'" in without.stderr and without.stderr.count("\n") == 1
+
+
+def test_an_installed_task_that_is_broken_is_refused_alone(installed, tmp_path):
+    out = tmp_path / "out.json"
+    ran = sandbox(installed, "regress", "--tasks", "tiny-lab-timed", "--seeds", "0:2",
+                  "--json", str(out))  # fmt: skip
+    assert ran.returncode == 0, ran.stderr
+    found = json.loads(out.read_text())["tasks"]["tiny-lab-timed"]
+    assert (found["n"], found["successes"]) == (2, 1)
+    refused = sandbox(installed, "regress", "--tasks", "all", "--seeds", "0:1")
+    assert refused.returncode == 2 and refused.stderr.count("\n") == 1
+    assert "entry point tiny-lab-" in refused.stderr
