@@ -8,6 +8,7 @@ and counted. Tasks only read the simulation: what moves things is the session.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 
 import mujoco
 import numpy as np
@@ -83,12 +84,19 @@ class Respawn:
         reach = place.radius + FINGERTIP
         x, up, off = ((position - surface.origin) @ surface.rotation).tolist()
         width, height = METRES_PER_INCH * surface.width_in, METRES_PER_INCH * surface.height_in
-        return bool(
+        near = bool(
             position[2] > FLOOR
             and -reach < x < width + reach
             and -reach < -up < height + reach
             and abs(off) < (CEILING if _flat(surface) else reach)
         )
+        if not near or not _flat(surface) or (0.0 < x < width and 0.0 < -up < height):
+            return near
+        # Its middle is off the surface: a finger at the border would only push away what does not
+        # come in over it.
+        points = surface.to_world(_border(width, height), off)
+        rotation = data.xmat[place.body].reshape(3, 3)
+        return bool(place.thing.clearance(points, position, rotation).min() < 0.0)
 
     def _put(self, data: mujoco.MjData, place: _Place, tips: Array) -> bool:
         """Puts an object at the free place nearest to its start; False where there is none now."""
@@ -165,6 +173,14 @@ def _inside(surface: Surface, position: Array) -> bool:
         # What stands on the table is at the lower edge of an upright surface.
         xy, size = xy[:1], size[:1]
     return bool(np.all(xy > BORDER) and np.all(xy < size - BORDER))
+
+
+def _border(width: float, height: float) -> Array:
+    """(n, 2) m, places along the border of a surface of this size."""
+    share = np.linspace(0.0, 1.0, 50)[:, None]
+    corners = np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height], [0.0, 0.0]])
+    sides = [a + share * (b - a) for a, b in pairwise(corners)]
+    return np.concatenate(sides)
 
 
 def _shifts() -> Array:

@@ -27,8 +27,9 @@ from tasks.task import Goal
 
 Array = NDArray[np.float64]
 
-_OVER = 0.014
-"""m, how high a box is carried above everything that stands around."""
+_OVER, _HARDLY_OVER = 0.014, 0.006
+"""m, how high a box is carried above everything that stands around, and below which it is raised
+again."""
 _IN_PLACE = 0.004
 """m, from its goal seen from above, at which a carried box is lowered."""
 _STRAIGHT = float(np.deg2rad(8.0))
@@ -91,7 +92,7 @@ class Stacker(SkilledUser):
         self._handling = self._boxes
         self._name: str | None = None
         self._stage = _Stage.GRASPED
-        self._from = self._stood = 0.0
+        self._from = self._stood = self._lowest = 0.0
 
     def touch(self, now: float) -> TouchFrame:
         """What the fingers do on the screen, and where the slider is, now, s."""
@@ -113,6 +114,7 @@ class Stacker(SkilledUser):
             neighbours=tuple(o for name, o in seen.items() if name != self._name),
             goal=np.asarray(goal.position[:2]),
         )
+        self._lowest = _lowest(sight.objects[goal.object])
         super()._act(replace(sight, objects=seen, goals=(goal,)), now)
 
     def _reach(self, sight: Sight, box: SeenObject, now: float) -> None:
@@ -143,11 +145,20 @@ class Stacker(SkilledUser):
 
     def _raise(self, box: SeenObject, now: float) -> None:
         self._from, self._stood = self._slider.height(now), _bottom(box)
-        highest = max(_top(other) for other in self._boxes.around.neighbours)
         self._stage = _Stage.RAISED
-        self._slide(self._from + max(highest + _OVER - self._stood, 0.0), now)
+        self._slide(self._from + max(self._highest() + _OVER - self._stood, 0.0), now)
+
+    def _highest(self) -> float:
+        """m, top of what stands around."""
+        return max(_top(other) for other in self._boxes.around.neighbours)
 
     def _carry(self, sight: Sight, box: SeenObject, now: float) -> None:
+        low = self._highest() + _HARDLY_OVER - self._lowest
+        if low > 0.0 and self._tries < _DRAGS:
+            # It hangs askew, or has slipped a little: as it is, it would push the others over.
+            self._tries += 1
+            self._slide(self._slider.height(now) + low + _OVER - _HARDLY_OVER, now)
+            return
         off, turn = self._missing(sight, box)
         near = np.linalg.norm(off) < _IN_PLACE and abs(turn) < _STRAIGHT
         if near or self._tries >= _DRAGS:
@@ -193,6 +204,11 @@ def _half(seen: SeenObject) -> float:
 
 def _bottom(seen: SeenObject) -> float:
     return float(seen.position[2]) - _half(seen)
+
+
+def _lowest(seen: SeenObject) -> float:
+    """m, height of a box's lowest corner, however it is turned."""
+    return float(seen.position[2] - np.abs(seen.rotation[2]).sum() * _half(seen))
 
 
 def _top(seen: SeenObject) -> float:
