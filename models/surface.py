@@ -74,7 +74,12 @@ class Surface:
             self.calibrated,
         )
 
-    def upright(self, depth: float, low: float) -> Surface:
+    @property
+    def upright(self) -> bool:
+        """Whether it is looked at from the front, and up on it is up in the world."""
+        return bool(abs(self.rotation[2, 2]) < 0.5)
+
+    def stood_up(self, depth: float, low: float) -> Surface:
         """The same rectangle upright before the person, who sees it as a picture on a wall.
 
         Its x is the world's, up the surface is up, and out of it is towards the person.

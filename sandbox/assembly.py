@@ -108,7 +108,7 @@ def place_surface(surface: Surface, task: type[Task]) -> Surface:
     the table, or in front of world y = 0, the depth at which things of an upright task are.
     """
     if task.plane == "front":
-        return surface.upright(-task.touch_height, -BELOW_TABLE)
+        return surface.stood_up(-task.touch_height, -BELOW_TABLE)
     return surface.centred_at((0.0, 0.0, task.touch_height))
 
 
@@ -130,6 +130,13 @@ def build(
     surface = place_surface(settings.surface, task_type)
     task = vary(draw_task(task_type, settings.seed, surface), settings.variation, surface)
     person = settings.person
+    if surface.upright and person.turn:
+        raise InputError(
+            "before an upright surface one sits at its lower edge",
+            where="--turn",
+            got=person.turn,
+            expected=f"0 for {settings.task}",
+        )
     hand = Hand(
         person.hand,
         person.skeleton(ADULT),

@@ -14,7 +14,7 @@ from sandbox.messages import Snapshot
 from tasks.simulated_user.configuration import UserConfiguration
 from tasks.simulated_user.control_arms import IdleUser, RandomUser
 from tasks.simulated_user.front_stacker import FrontStacker
-from tasks.simulated_user.front_view import FrontUser, FrontView, stands_upright
+from tasks.simulated_user.front_view import FrontUser, FrontView
 from tasks.simulated_user.lift import IdleLiftUser, RandomLiftUser
 from tasks.simulated_user.seated import Seat, SeatedUser, User
 from tasks.simulated_user.sight import SeenObject, Sight
@@ -67,8 +67,7 @@ class SimulatedDevice:
         self._tell_labels = tell_labels
         self._screen = DropOuts(drop_outs, seed)
         person = person or Person()
-        upright = stands_upright(surface)
-        view = FrontView(surface)
+        upright, view = surface.upright, FrontView(surface)
         surface = view.surface if upright else surface
         seat = Seat(person, surface)
         plain = Person(hand_size=person.hand_size) == person

@@ -16,9 +16,19 @@ WINDOW_AZIMUTH, WINDOW_ELEVATION, WINDOW_DISTANCE = 58.0, -50.0, 0.40
 """deg, deg, m. Nearer to the view of a person whose hand it is, so that right and away mean right
 and away for the mouse; turned as far as the thumb and what it touches need to be seen."""
 
+FRONT_FILM_AZIMUTH, FRONT_FILM_ELEVATION, FRONT_FILM_DISTANCE = 64.0, -14.0, 0.42
+"""deg, deg, m. Before an upright surface: as far round to the thumb's side as it takes to see a box
+between thumb and fingers, and from above, so that one sees the table and who stands on what."""
+
+FRONT_AZIMUTH, FRONT_ELEVATION, FRONT_DISTANCE = 90.0, -8.0, 0.36
+"""deg, deg, m. As the person sees it: right is right, and up is up. Hands have to be drawn so that
+one sees through them, since they are before all that they hold."""
+
 
 def film_camera(snapshot: Snapshot, surface: Surface) -> mujoco.MjvCamera:
     """A camera that has the objects, their goals and the hand over them in its picture."""
+    if surface.upright:
+        return _front(surface, FRONT_FILM_AZIMUTH, FRONT_FILM_ELEVATION, FRONT_FILM_DISTANCE)
     places = [o.position for o in snapshot.objects.values()]
     places += [np.asarray(goal.position) for goal in snapshot.goals]
     middle = np.mean(places, axis=0) if places else _middle(surface)
@@ -31,6 +41,8 @@ def film_camera(snapshot: Snapshot, surface: Surface) -> mujoco.MjvCamera:
 
 def window_camera(surface: Surface) -> mujoco.MjvCamera:
     """A camera that has the whole surface in its picture, from a person's side."""
+    if surface.upright:
+        return _front(surface, FRONT_AZIMUTH, FRONT_ELEVATION, FRONT_DISTANCE)
     size = float(np.max(surface.size))
     camera = _free(WINDOW_AZIMUTH, WINDOW_ELEVATION, WINDOW_DISTANCE * max(size / 0.197, 0.6))
     camera.lookat[:] = _middle(surface) + np.array([0.0, -0.01, 0.012])
@@ -38,9 +50,16 @@ def window_camera(surface: Surface) -> mujoco.MjvCamera:
 
 
 def camera_above(surface: Surface) -> mujoco.MjvCamera:
-    """Straight down on the surface, x to the right, without perspective."""
-    camera = _free(90.0, -90.0, 0.6)
+    """Straight on the surface, x to the right, without perspective."""
+    camera = _free(90.0, 0.0 if surface.upright else -90.0, 0.6)
     camera.orthographic = 1
+    camera.lookat[:] = _middle(surface)
+    return camera
+
+
+def _front(surface: Surface, azimuth: float, elevation: float, distance: float) -> mujoco.MjvCamera:
+    size = float(np.max(surface.size))
+    camera = _free(azimuth, elevation, distance * max(size / 0.197, 0.6))
     camera.lookat[:] = _middle(surface)
     return camera
 

@@ -1,0 +1,35 @@
+"""What is seen of the table before an upright surface: a shelf that ends in front of the things.
+
+The hand comes from the front and from below, where an endless table would hide all of it.
+"""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from models.scene import TABLE
+
+Array = NDArray[np.float64]
+
+FRONT, BACK, HALF_WIDTH, THICKNESS = -0.042, 0.16, 0.30, 0.014
+"""m: world y of its front edge and of its back one, x of its sides, and how thick it is. The front
+edge is just before the largest thing's."""
+PANE = 0.040
+"""m before the touch surface, where touches are marked: before all things, which would hide marks
+among them, as on a pane of glass."""
+
+SHELF = (0.31, 0.37, 0.41)
+
+
+def hide_table(model: mujoco.MjModel, group: int) -> None:
+    """Puts the endless table, and the mat on it, into a group that is not drawn."""
+    for name in (TABLE, "mat"):
+        model.geom_group[model.geom(name).id] = group
+
+
+def shelf() -> tuple[Array, Array]:
+    """Half size (3,) and middle (3,) of what is drawn in its place, m."""
+    half = np.array([HALF_WIDTH, (BACK - FRONT) / 2, THICKNESS / 2])
+    return half, np.array([0.0, (BACK + FRONT) / 2, -THICKNESS / 2])
