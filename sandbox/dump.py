@@ -24,6 +24,7 @@ from sandbox.recording import (
     end_line,
     keyframe_line,
 )
+from sandbox.track import TrackWriter
 
 LAST = 100
 """Control states in a dump: 1.6 s."""
@@ -42,7 +43,7 @@ class BlackBox(RecordingLines):
     def __init__(self, header: dict[str, Any], recording: RecordingWriter | None = None) -> None:
         super().__init__()
         self._header, self._recording = header, recording
-        self._lines: list[Line] = []
+        self._lines: list[Line | TrackWriter] = []
         self._last: deque[tuple[int, NDArray[np.float64], str]] = deque(maxlen=LAST)
 
     def state(
@@ -75,8 +76,13 @@ class BlackBox(RecordingLines):
         writer = _new(path, {**self._header, "dump": {"states": len(self._last)}})
         dense = {s for s, _, _ in self._last}
         # In this order the file tells the same story twice: what came in, then how it ended.
-        for line in self._lines:
-            if not (line["kind"] == "keyframe" and line["step"] in dense) and line["kind"] != "end":
+        for kept in self._lines:
+            line = (kept.line() or {}) if isinstance(kept, TrackWriter) else kept
+            if (
+                line
+                and not (line["kind"] == "keyframe" and line["step"] in dense)
+                and line["kind"] != "end"
+            ):
                 writer.put(line)
         for s, state, state_hash in self._last:
             writer.put(keyframe_line(s, state, state_hash))
@@ -84,6 +90,14 @@ class BlackBox(RecordingLines):
         path = writer.path
         writer.close()
         return path
+
+    def _put_track(self) -> None:
+        if self._recording:
+            super()._put_track()
+            return
+        # Packing it takes longer than all else here, and only a simulation that diverges needs it.
+        self._lines.append(self._track)
+        self._track = TrackWriter()
 
     def _put(self, line: Line) -> None:
         self._lines.append(line)

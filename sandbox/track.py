@@ -41,33 +41,33 @@ class TrackWriter:
 
     def __init__(self) -> None:
         self._steps: list[int] = []
-        self._rows: list[NDArray[np.int64]] = []
-        self._hands = 0
+        self._poses: list[Array] = []
+        self._solid: list[list[int]] = []
 
     def add(self, step: int, qpos: Array, solid: Sequence[frozenset[int]]) -> None:
         """Takes in a pose (nq,) and who is solid at a physics step."""
-        with np.errstate(invalid="ignore"):
-            rounded = np.rint(np.clip(np.nan_to_num(qpos), -1e4, 1e4) / GRAIN).astype(np.int64)
-        bits = [sum(1 << f for f in fingers) for fingers in solid]
-        self._hands = len(bits)
         self._steps.append(step)
-        self._rows.append(np.concatenate([rounded, bits]).astype(np.int64))
+        self._poses.append(qpos.copy())
+        self._solid.append([sum(1 << f for f in fingers) for fingers in solid])
 
     def line(self) -> dict[str, Any] | None:
         """What was collected since the last line; None where there is nothing."""
         if not self._steps:
             return None
-        rows = np.array(self._rows)
+        with np.errstate(invalid="ignore"):
+            poses = np.clip(np.nan_to_num(np.array(self._poses)), -1e4, 1e4) / GRAIN
+        solid = np.array(self._solid, np.int64).reshape(len(self._steps), -1)
+        rows = np.hstack([np.rint(poses).astype(np.int64), solid])
         changes = np.diff(rows, axis=0, prepend=0 * rows[:1])
         # Zigzag: small changes of either sign become small numbers, whose upper bytes are 0.
         folded = ((changes << 1) ^ (changes >> 63)).astype("<u4")
         planes = np.ascontiguousarray(folded.T).view(np.uint8).reshape(-1, 4).T
         data = base64.b64encode(zlib.compress(planes.tobytes(), 9)).decode()
         line = {
-            "kind": "track", "steps": _runs(self._steps), "hands": self._hands,
-            "joints": rows.shape[1] - self._hands, "poses": data,
+            "kind": "track", "steps": _runs(self._steps), "hands": solid.shape[1],
+            "joints": poses.shape[1], "poses": data,
         }  # fmt: skip
-        self._steps, self._rows = [], []
+        self._steps, self._poses, self._solid = [], [], []
         return line
 
 
