@@ -1,0 +1,325 @@
+"""Violent random touches on every task: what becomes of hands and objects.
+
+Touches land on and beside objects, jump, swap their ids, vanish and come back inside of things,
+come as palms and by the dozen, and the lift control jumps with them. Penetrations are read at every
+physics step, the deepest of each kind. A trial begins anew every 30 s of simulated time.
+
+    python -m benchmarks.soak --minutes 30
+    python -m benchmarks.soak --minutes 2 --tasks box-to-goal --profiles safe
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+from rich.console import Console
+from rich.progress import Progress
+
+from benchmarks.machine import describe_machine
+from models.errors import DivergenceError
+from models.frames import Contact, TouchFrame
+from models.hand import IMPULSE_PROFILES
+from models.scene import CONTROL_PERIOD
+from models.surface import Surface
+from sandbox.assembly import build
+from sandbox.messages import Snapshot
+from sandbox.respawn import AWAY
+from sandbox.session import Session
+from sandbox.settings import RunSettings
+from tasks.registry import task_names
+
+Array = NDArray[np.float64]
+
+TRIAL = 30.0
+"""s of simulated time, after which another seed begins."""
+PATIENCE = AWAY + 1.0
+"""s out of reach after which an object counts as lost for good."""
+DEEPEST = 0.004
+"""m, aim for `safe`."""
+KINDS = ("hand-object", "object-table", "object-object")
+
+
+class Violent:
+    """A device with the worst of hands on it.
+
+    Args:
+        surface: Where it touches.
+        seed: Of its chance.
+    """
+
+    name = "violent"
+    finished = False
+
+    def __init__(self, surface: Surface, seed: int) -> None:
+        self._surface, self._rng = surface, np.random.default_rng([seed, 66])
+        self._contacts: list[Contact] = []
+        self._things: Array = np.zeros((0, 2))
+        self._until = 0.0
+        self._ids = 0
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Sees where the objects are, to land on them."""
+        self._things = np.array(
+            [self._surface.to_surface(o.position) for o in snapshot.objects.values()]
+        )
+
+    def poll(self, now: float) -> Sequence[TouchFrame]:
+        """The touches now."""
+        if now >= self._until:
+            self._act(now)
+        lift = float(self._rng.random()) if self._rng.random() < 0.3 else None
+        cancelled = frozenset({self._ids + 1}) if self._rng.random() < 0.05 else frozenset()
+        return [TouchFrame(now, tuple(self._contacts), lift, cancelled)]
+
+    def close(self) -> None:
+        """Nothing to give back."""
+
+    def _act(self, now: float) -> None:
+        """The next thing to do; having landed, the touches rest until the hand is down."""
+        rng = self._rng
+        self._until = now + float(rng.uniform(0.02, 0.4))
+        match int(rng.choice(7, p=(0.12, 0.25, 0.25, 0.18, 0.08, 0.06, 0.06))):
+            case 0:
+                self._land(int(rng.integers(1, 6)))
+                self._until = now + float(rng.uniform(0.6, 1.2))
+            case 1:
+                # All of them jump, and stay the same contacts.
+                shift = rng.uniform(-0.08, 0.08, 2)
+                self._contacts = [self._moved(c, shift) for c in self._contacts]
+            case 2:
+                # Together, through whatever lies between, or apart.
+                middle = np.mean([(c.x, c.y) for c in self._contacts] or [(0, 0)], axis=0)
+                share = rng.uniform(-0.5, 1.0)
+                self._contacts = [
+                    self._moved(c, share * (middle - np.array([c.x, c.y]))) for c in self._contacts
+                ]
+            case 3:
+                # The same places under each other's ids, or under new ones.
+                ids = [c.id for c in self._contacts]
+                if rng.random() < 0.5:
+                    ids = rng.permutation(ids).tolist()
+                else:
+                    ids = [self._new() for _ in ids]
+                self._contacts = [
+                    replace(c, id=int(i)) for c, i in zip(self._contacts, ids, strict=True)
+                ]
+            case 4:
+                keep = rng.random(len(self._contacts)) < 0.5
+                self._contacts = [c for c, k in zip(self._contacts, keep, strict=True) if k]
+            case 5:
+                self._contacts = []
+                self._until = now + float(rng.uniform(0.02, 0.2))
+            case _:
+                # A forearm on the screen.
+                self._land(int(rng.integers(6, 13)))
+
+    def _land(self, count: int) -> None:
+        """Touches around an object, or anywhere."""
+        rng, size = self._rng, self._surface.size
+        if len(self._things) and rng.random() < 0.7:
+            middle = self._things[rng.integers(len(self._things))]
+        else:
+            middle = rng.uniform(0.0, size)
+        places = middle + rng.uniform(-0.06, 0.06, (count, 2))
+        palm = 0.05 if rng.random() < 0.1 else None
+        self._contacts = [
+            Contact(self._new(), *np.clip(xy, 0.0, size).tolist(), size=palm) for xy in places
+        ]
+
+    def _moved(self, contact: Contact, shift: Array) -> Contact:
+        x, y = np.clip(np.array([contact.x, contact.y]) + shift, 0.0, self._surface.size).tolist()
+        return replace(contact, x=x, y=y)
+
+    def _new(self) -> int:
+        self._ids += 1
+        return self._ids
+
+
+@dataclass
+class Found:
+    """What became of it all.
+
+    Attributes:
+        seconds: Of simulated time.
+        diverged: Trials that did, with seed and reason.
+        lost: Objects that were out of reach and did not come back, with seed.
+        respawned: Objects that came back.
+        fastest: m/s, of any object.
+        hand_table: Contacts between hand and table, of which there must be none.
+        steps: Physics steps.
+        depth: Deepest penetration at every physics step that had one, m, by kind.
+        worst: Seed and time of the deepest of each kind.
+    """
+
+    seconds: float = 0.0
+    diverged: list[str] = field(default_factory=list)
+    lost: list[str] = field(default_factory=list)
+    respawned: int = 0
+    fastest: float = 0.0
+    hand_table: int = 0
+    steps: int = 0
+    depth: dict[str, list[float]] = field(default_factory=lambda: {k: [] for k in KINDS})
+    worst: dict[str, tuple[float, int, float]] = field(default_factory=dict)
+
+    def deepest(self, kind: str) -> float:
+        """m."""
+        return max(self.depth[kind], default=0.0)
+
+
+class Depths:
+    """Reads the contacts of every physics step, through MuJoCo's control callback."""
+
+    def __init__(self, session: Session, seed: int, found: Found) -> None:
+        model = session.scene.model
+        self._hand = np.zeros(model.ngeom, bool)
+        for hand in session.scene.spec.hands:
+            palm = model.body(hand.element_name("palm")).id
+            self._hand |= model.body_rootid[model.geom_bodyid] == palm
+        self._fixed = model.geom_bodyid == 0
+        self._seed, self._found = seed, found
+
+    def __call__(self, _model: mujoco.MjModel, data: mujoco.MjData) -> None:
+        contact = data.contact
+        self._found.steps += 1
+        if not data.ncon:
+            return
+        geoms, dist = contact.geom, contact.dist
+        hand = self._hand[geoms].any(axis=1)
+        table = self._fixed[geoms].any(axis=1)
+        self._found.hand_table += int(np.sum(hand & table))
+        for kind, which in zip(KINDS, (hand, table & ~hand, ~hand & ~table), strict=True):
+            if np.any(which):
+                depth = float(-dist[which].min())
+                if depth > 0.0:
+                    self._found.depth[kind].append(depth)
+                    if depth > self._found.worst.get(kind, (0.0, 0, 0.0))[0]:
+                        self._found.worst[kind] = (depth, self._seed, float(data.time))
+
+
+def soak(
+    task: str,
+    seconds: float,
+    first_seed: int = 0,
+    told: Callable[[float], None] = lambda seconds: None,
+    **settings: object,
+) -> Found:
+    """Violent touches on a task for so long.
+
+    Args:
+        task: Its name.
+        seconds: Of simulated time.
+        first_seed: Of the first trial; the next ones follow.
+        told: Is called with the simulated time that has passed since the last call, s.
+        settings: Others than the defaults of `RunSettings`.
+    """
+    found = Found()
+    seed = first_seed
+    while found.seconds < seconds - 1e-9:
+        _trial(task, seed, min(TRIAL, seconds - found.seconds), found, told, settings)
+        seed += 1
+    return found
+
+
+def _trial(
+    task: str,
+    seed: int,
+    seconds: float,
+    found: Found,
+    told: Callable[[float], None],
+    settings: dict[str, object],
+) -> None:
+    devices: list[Violent] = []
+
+    def device(_task: object, surface: Surface) -> Violent:
+        devices.append(Violent(surface, seed))
+        return devices[-1]
+
+    session = build(RunSettings(task=task, seed=seed, **settings), device)  # type: ignore[arg-type]
+    names = list(session.scene.object_bodies)
+    bodies = list(session.scene.object_bodies.values())
+    away = np.zeros(len(names))
+    steps = round(seconds / CONTROL_PERIOD)
+    mujoco.set_mjcb_control(Depths(session, seed, found))
+    try:
+        for _ in range(steps):
+            # A trial that is over goes on: nothing is to break then, either.
+            devices[0].show(session.advance())
+            told(CONTROL_PERIOD)
+            speeds = np.linalg.norm(session.data.cvel[bodies][:, 3:], axis=1)
+            found.fastest = max(found.fastest, float(speeds.max()))
+            position = session.data.xpos[bodies]
+            off = np.abs(position - [0.0, 0.0, 0.2]).max(axis=1) > 0.5
+            away = np.where(off, away + CONTROL_PERIOD, 0.0)
+            if np.any(away > PATIENCE):
+                found.lost += [f"{names[i]}, seed {seed}" for i in np.flatnonzero(away > PATIENCE)]
+                away[:] = -np.inf
+    except DivergenceError as error:
+        found.diverged.append(f"seed {seed}: {error.got}")
+    finally:
+        mujoco.set_mjcb_control(None)
+        session.close()
+    found.seconds += seconds
+    found.respawned += session.respawned
+
+
+def main() -> None:
+    """Prints a table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--minutes", type=float, default=30.0, help="simulated, of every row")
+    parser.add_argument("--tasks", nargs="+", default=list(task_names()))
+    parser.add_argument("--profiles", nargs="+", default=["safe", "paper"])
+    parser.add_argument("--servo", default="orientation")
+    parser.add_argument("--contact", default="hard")
+    parser.add_argument("--seed", type=int, default=0, help="of the first trial")
+    args = parser.parse_args()
+    console = Console(stderr=True)
+    print(describe_machine())
+    print(
+        f"{args.minutes:g} simulated minutes a row, {args.servo} servos, {args.contact} contacts;"
+    )
+    print("penetration in mm at physics steps that had one: median, 99th percentile, deepest")
+    print("| task | profile | diverged | lost | came back | touching, % | " + " | ".join(KINDS)
+          + " | fastest, m/s | hand-table |")  # fmt: skip
+    print("|" + " --- |" * 11)
+    rows = [(task, profile) for task in args.tasks for profile in args.profiles]
+    with Progress(console=console) as progress:
+        bar = progress.add_task("soaking", total=60.0 * args.minutes * len(rows))
+        for task, profile in rows:
+            progress.update(bar, description=f"{task}, {profile}")
+            found = soak(
+                task,
+                60.0 * args.minutes,
+                args.seed,
+                lambda seconds: progress.advance(bar, seconds),
+                impulse=IMPULSE_PROFILES[profile],
+                servo=args.servo,
+                contact=args.contact,
+            )
+            _print_row(task, profile, found)
+
+
+def _print_row(task: str, profile: str, found: Found) -> None:
+    cells = []
+    for kind in KINDS:
+        depth = 1000.0 * np.array(found.depth[kind] or [0.0])
+        cells.append(f"{np.median(depth):.2f}, {np.percentile(depth, 99):.2f}, {depth.max():.2f}")
+    print(
+        f"| {task} | {profile} | {len(found.diverged)} | {len(found.lost)} | {found.respawned} | "
+        f"{100 * len(found.depth['hand-object']) / max(found.steps, 1):.0f} | "
+        + " | ".join(cells)
+        + f" | {found.fastest:.1f} | {found.hand_table} |",
+        flush=True,
+    )
+    for kind, (depth, seed, time) in found.worst.items():
+        print(f"<!-- deepest {kind}: {1000 * depth:.2f} mm, seed {seed}, {time:.2f} s -->")
+    for line in (*found.diverged, *found.lost):
+        print(f"<!-- {line} -->", flush=True)
+
+
+if __name__ == "__main__":
+    main()
