@@ -287,3 +287,11 @@ def test_what_is_no_action_is_refused_and_the_episode_goes_on(env, wrong):
     with pytest.raises(InputError, match="no action"):
         env.step(wrong)
     env.step(np.zeros(15))
+
+
+def test_the_documentation_s_example_runs():
+    page = (Path(__file__).parent.parent / "docs" / "gymnasium.md").read_text(encoding="utf-8")
+    example = page.split("```python\n")[1].split("```")[0]
+    names: dict[str, Any] = {}
+    exec(example, names)
+    assert names["observation"] in names["env"].observation_space

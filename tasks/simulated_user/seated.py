@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.frames import TouchFrame
+from models.mjcf_thing import MjcfThing
 from models.objects import Wrench
 from models.person import Person, PersonFrame
 from models.surface import Surface
@@ -80,7 +81,7 @@ class Seat:
 
     def sight(self, sight: Sight) -> Sight:
         """All that is on the screen."""
-        long = {name: isinstance(o.shape, Wrench) for name, o in sight.objects.items()}
+        long = {n: isinstance(o.shape, Wrench | MjcfThing) for n, o in sight.objects.items()}
         objects = {
             name: replace(
                 o, position=self.point(o.position), rotation=self.rotation(o.rotation, long[name])
