@@ -76,13 +76,8 @@ class BlackBox(RecordingLines):
         writer = _new(path, {**self._header, "dump": {"states": len(self._last)}})
         dense = {s for s, _, _ in self._last}
         # In this order the file tells the same story twice: what came in, then how it ended.
-        for kept in self._lines:
-            line = (kept.line() or {}) if isinstance(kept, TrackWriter) else kept
-            if (
-                line
-                and not (line["kind"] == "keyframe" and line["step"] in dense)
-                and line["kind"] != "end"
-            ):
+        for line in self._packed():
+            if not (line["kind"] == "keyframe" and line["step"] in dense) and line["kind"] != "end":
                 writer.put(line)
         for s, state, state_hash in self._last:
             writer.put(keyframe_line(s, state, state_hash))
@@ -90,6 +85,13 @@ class BlackBox(RecordingLines):
         path = writer.path
         writer.close()
         return path
+
+    def _packed(self) -> list[Line]:
+        """What was kept, as lines."""
+        lines = [kept.line() if isinstance(kept, TrackWriter) else kept for kept in self._lines]
+        found = [line for line in lines if line is not None]
+        self._lines = list(found)
+        return found
 
     def _put_track(self) -> None:
         if self._recording:
