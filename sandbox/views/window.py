@@ -187,7 +187,7 @@ class Window:
             self._picture = self._blank(window)
         else:
             renderer.resize(size)
-            renderer.see_through = self._above
+            renderer.see_through = self._above or self._surface.upright
             self._picture = renderer.frame(self._snapshot, stretched=window)
         renderer.put_on_screen(self._picture)
         self._context.swap()
