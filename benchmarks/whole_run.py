@@ -1,73 +1,198 @@
-"""What one control step costs, part by part, and a whole run against real time.
+"""What a whole regression trial costs against real time, and where its time goes.
 
     python -m benchmarks.whole_run
 
-Every time is a median; the ratio beside it is against the physics of the same run, which is the
-peer: the rest of the program is to cost less than the simulation it feeds.
+A trial is what `sandbox regress` runs for one seed, from its settings to its result: making the
+scene, the simulated user, the best encoder, reconstruction, physics, score and hash. Each number is
+a median over trials. Processor time is what the trial itself used; wall time also waits for others
+on the same cores. In the table of parts every part's own time is counted, without those it calls,
+and physics is the peer: the rest of the program is to cost less than a few times the simulation.
 """
 
 from __future__ import annotations
 
+import argparse
 import os
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
 from statistics import median
+from tempfile import gettempdir
 from typing import Any
 
 import mujoco
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
+GOAL = 20.0
+"""Times real time that a whole trial is to be on one core."""
 
-def timed(owner: Any, name: str, into: dict[str, list[float]]) -> None:
-    """Replaces a method by itself with a stopwatch."""
-    method: Callable[..., Any] = getattr(owner, name)
+PARTS = (
+    "physics",
+    "simulated user",
+    "contacts and labels",
+    "encoder",
+    "fingertip correction",
+    "rest of the reconstruction",
+    "watching for turned hands",
+    "solid fingers",
+    "score",
+    "state hash",
+    "what views get",
+    "what a diverged trial keeps",
+    "rest",
+)
 
-    def measured(*args: Any, **kwargs: Any) -> Any:
-        begin = time.perf_counter()
-        try:
-            return method(*args, **kwargs)
-        finally:
-            into.setdefault(name, []).append(time.perf_counter() - begin)
 
-    setattr(owner, name, measured)
+class Clock:
+    """Processor time of nested parts, each without the others inside it."""
+
+    def __init__(self) -> None:
+        self.spent = dict.fromkeys(PARTS, 0.0)
+        self._stack = ["rest"]
+        self._since = time.process_time()
+
+    def enter(self, part: str) -> None:
+        """A part begins."""
+        self._stop()
+        self._stack.append(part)
+
+    def leave(self) -> None:
+        """It ends."""
+        self._stop()
+        self._stack.pop()
+
+    def _stop(self) -> None:
+        now = time.process_time()
+        self.spent[self._stack[-1]] += now - self._since
+        self._since = now
+
+
+@contextmanager
+def timed(clock: Clock, places: Sequence[tuple[Any, str, str]]) -> Iterator[None]:
+    """Replaces methods (owner, name, part) by themselves with a stopwatch."""
+    methods = [getattr(owner, name) for owner, name, _ in places]
+
+    def measured(method: Callable[..., Any], part: str) -> Callable[..., Any]:
+        def call(*args: Any, **kwargs: Any) -> Any:
+            clock.enter(part)
+            try:
+                return method(*args, **kwargs)
+            finally:
+                clock.leave()
+
+        return call
+
+    for (owner, name, part), method in zip(places, methods, strict=True):
+        setattr(owner, name, measured(method, part))
+    try:
+        yield
+    finally:
+        for (owner, name, _), method in zip(places, methods, strict=True):
+            setattr(owner, name, method)
+
+
+def whole_trial(seed: int, fingers: int) -> tuple[float, float, float]:
+    """Simulated s, processor s and wall s of a trial, from settings to result."""
+    from sandbox.cli.scene_options import SceneOptions, plan
+    from sandbox.headless import run_trial
+    from sandbox.session import Session
+
+    sessions: list[Session] = []
+
+    def remember(session: Session) -> list[Any]:
+        sessions.append(session)
+        return []
+
+    wall, own = time.perf_counter(), time.process_time()
+    chosen = plan(SceneOptions(seed=seed, fingers=fingers))
+    run_trial(
+        chosen.settings,
+        chosen.make_device,
+        remember,
+        about=chosen.about,
+        dump=Path(gettempdir()),
+    )
+    return sessions[0].time, time.process_time() - own, time.perf_counter() - wall
+
+
+def parts_of_trial(seed: int, fingers: int) -> dict[str, float]:
+    """Processor s of every part in one control step, on average over a trial."""
+    from sandbox.assembly import build
+    from sandbox.cli.scene_options import SceneOptions, plan
+    from sandbox.dump import BlackBox
+    from sandbox.headless import play
+
+    chosen = plan(SceneOptions(seed=seed, fingers=fingers))
+    box = BlackBox({})
+    session: Any = build(chosen.settings, chosen.make_device, box)
+    rig: Any = session.rigs[0]
+    hand = getattr(rig.reconstructor, "trained", rig.reconstructor)
+    clock = Clock()
+    places = [
+        (mujoco, "mj_step", "physics"),
+        (rig.device, "poll", "simulated user"),
+        (rig.device, "show", "simulated user"),
+        (rig.reconstructor, "step", "rest of the reconstruction"),
+        (hand._tracker, "step", "contacts and labels"),
+        (hand, "_name", "contacts and labels"),
+        (hand.model.encoder, "predict", "encoder"),
+        (hand._correction, "correct", "fingertip correction"),
+        (rig.yaw, "step", "watching for turned hands"),
+        (session._solidity[0], "update", "solid fingers"),
+        (type(session.task), "measure", "score"),
+        (session.scorer, "update", "score"),
+        (session, "_chain", "state hash"),
+        (session, "snapshot", "what views get"),
+        (box, "state", "what a diverged trial keeps"),
+        (box, "input", "what a diverged trial keeps"),
+    ]
+    with timed(clock, places):
+        play(session, [])
+    steps = session.step / session.scene.substeps
+    return {part: spent / steps for part, spent in clock.spent.items()}
 
 
 def main() -> None:
-    """Prints the table."""
+    """Prints the tables."""
     from benchmarks.machine import describe_machine
-    from sandbox.assembly import build
-    from sandbox.cli.scene_options import SceneOptions, plan
 
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--fingers", type=int, nargs="+", default=[2, 3, 5])
+    parser.add_argument("--seeds", type=int, default=8, help="trials of each")
+    args = parser.parse_args()
+    seeds = range(args.seeds)
     print(describe_machine())
-    print("| fingers | control step | reconstruction | physics | labels, an event | real time |")
-    print("| --- | --- | --- | --- | --- | --- |")
-    for fingers in (2, 3, 5):
-        steps: dict[str, list[float]] = {}
-        physics: list[float] = []
-        simulated = wall = 0.0
-        for seed in range(4):
-            chosen = plan(SceneOptions(seed=seed, fingers=fingers))
-            session = build(chosen.settings, chosen.make_device)
-            rig: Any = session.rigs[0]
-            timed(rig.reconstructor, "step", steps)
-            timed(rig.reconstructor.labeller, "assign", steps)
-            begin = time.perf_counter()
-            while not session.over:
-                snapshot = session.advance()
-                rig.device.show(snapshot)
-            wall += time.perf_counter() - begin
-            simulated += session.time
-            # The peer: the same model stepped alone, from where the run ended.
-            for _ in range(50):
-                start = time.perf_counter()
-                mujoco.mj_step(session.scene.model, session.data, session.scene.substeps)
-                physics.append(time.perf_counter() - start)
-        control = wall / (simulated / 0.016)
-        peer = median(physics)
-        cells = [control, median(steps["step"]), peer, median(steps["assign"])]
-        text = " | ".join(f"{1e3 * c:.2f} ms ({c / peer:.1f})" for c in cells)
-        print(f"| {fingers} | {text} | {simulated / wall:.1f} x |")
+    print(f"box-to-goal, medians of {args.seeds} trials, one core\n")
+    print(
+        "| fingers | simulated | processor time | wall time | times real time (processor) | "
+        "times real time (wall) |"
+    )
+    print("|" + " --- |" * 6)
+    for fingers in args.fingers:
+        whole_trial(0, fingers)
+        trials = [whole_trial(seed, fingers) for seed in seeds]
+        simulated, own, wall = (median(t[i] for t in trials) for i in range(3))
+        real = [median(t[0] / t[i] for t in trials) for i in (1, 2)]
+        print(
+            f"| {fingers} | {simulated:.2f} s | {own:.3f} s | {wall:.3f} s "
+            f"| {real[0]:.1f} (goal {GOAL:.0f}) | {real[1]:.1f} |"
+        )
+    columns = []
+    for fingers in args.fingers:
+        found = [parts_of_trial(seed, fingers) for seed in seeds]
+        columns.append({part: median(f[part] for f in found) for part in PARTS})
+    print("\nProcessor time in one control step of 16 ms, us (and against physics):\n")
+    print("| part | " + " | ".join(f"{n} fingers" for n in args.fingers) + " |")
+    print("|" + " --- |" * (1 + len(columns)))
+    for part in (*PARTS, "all"):
+        cells = []
+        for column in columns:
+            spent = sum(column.values()) if part == "all" else column[part]
+            cells.append(f"{1e6 * spent:.0f} ({spent / column['physics']:.2f})")
+        print(f"| {part} | " + " | ".join(cells) + " |")
+    print(f"\n{describe_machine()}, at the end")
 
 
 if __name__ == "__main__":
