@@ -29,12 +29,15 @@ def recorded_task(header: dict[str, Any], where: str) -> str:
         if not candidate:
             continue
         try:
-            find_task(candidate)
-            return candidate
+            version = find_task(candidate).version
         except InputError as error:
             reasons.append(str(error))
+            continue
+        if version == source.get("task_version", version):
+            return candidate
+        reasons.append(f"version {version} of the task, not {source['task_version']}")
     raise RecordingError(
-        "its task is not on this machine",
+        "its task is not on this machine as it was",
         where=where,
         got=reasons[-1],
         expected=f"{name} from {_place(source)}",

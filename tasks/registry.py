@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from models.errors import HandSandboxError, InputError
@@ -96,19 +98,22 @@ def draw_task(kind: type[Task], seed: int, surface: Surface) -> Task:
     return task
 
 
-def origin(name: str) -> dict[str, str]:
+def origin(name: str) -> dict[str, Any]:
     """Where a task comes from that is not ours, for whoever wants to run it again; else empty.
 
     Returns:
         `entry_point` as `module:Class`, with `package` and `version` where one is installed; or
-        `file`, absolute, and `member`.
+        `file`, absolute, and `member`. Either way with the task's version as `task_version`.
     """
     kind = find_task(name)
     if kind.__module__.partition(".")[0] == __name__.partition(".")[0]:
         return {}
     file = place_file(name)
     if file is not None:
-        return {"file": str(file), "member": kind.__qualname__}
-    found = {"entry_point": f"{kind.__module__}:{kind.__qualname__}"}
+        return {"file": str(file), "member": kind.__qualname__, "task_version": kind.version}
+    found = {
+        "entry_point": f"{kind.__module__}:{kind.__qualname__}",
+        "task_version": kind.version,
+    }
     dist = next((e.dist for e in offered().get(name, []) if e.dist), None)
     return {**found, "package": dist.name, "version": dist.version} if dist else found

@@ -25,6 +25,7 @@ from models.surface import Surface
 from sandbox.cli.main import main
 from sandbox.recording import load_recording
 from sandbox.replay import settings_of
+from sandbox.settings import RunSettings
 from tasks.own_task import OwnTask, judge, two_places
 from tasks.registry import TASKS, draw_task, find_task, origin
 from tasks.task import Goal
@@ -72,9 +73,7 @@ KNOWN = {
 }
 
 POINTS = hnp.arrays(float, (4, 3), elements=st.floats(-0.08, 0.08))
-TURNS = hnp.arrays(float, 4, elements=st.floats(-1, 1)).filter(
-    lambda q: np.linalg.norm(q) > 0.1
-)
+TURNS = hnp.arrays(float, 4, elements=st.floats(-1, 1)).filter(lambda q: np.linalg.norm(q) > 0.1)
 
 
 @pytest.mark.parametrize("shape", KNOWN)
@@ -297,7 +296,7 @@ def test_a_file_without_a_sound_task_is_refused_in_a_line(tmp_path, body, says):
 def test_places_are_found_by_class_too(tmp_path):
     path = write(tmp_path / "lab.py", "class A(Slide): name = 'a'\nclass B(Slide): name = 'b'")
     assert find_task(f"{path}:B").name == "b"
-    assert origin(f"{path}:B") == {"file": str(path), "member": "B"}
+    assert origin(f"{path}:B") == {"file": str(path), "member": "B", "task_version": 1}
     assert find_task("tests.regress_tasks:Quick").name == "quick"
     assert all(origin(name) == {} for name in TASKS)
     with pytest.raises(InputError, match=r"nothing of this name.*A, B"):
@@ -325,15 +324,24 @@ def test_without_a_touch_the_example_is_not_done(regression):
     assert f"sandbox run {MUG}" in report.command(report.trials[0])
 
 
+def recorded(path: Path, task: str, **source: object) -> None:
+    """A recording's header, with where its task is from."""
+    header = {"kind": "header", "schema": 1, "settings": RunSettings(task=task).as_json()}
+    path.write_text(json.dumps({**header, "task_from": source}) + "\n")
+
+
+def test_a_recording_of_another_version_of_its_task_is_refused(tmp_path):
+    path = tmp_path / "run.jsonl"
+    recorded(path, "tests.regress_tasks:Quick", entry_point="tests.regress_tasks:Quick",
+             task_version=7)  # fmt: skip
+    with pytest.raises(RecordingError, match="version 1 of the task, not 7"):
+        settings_of(load_recording(path))
+
+
 def test_a_recording_whose_task_is_gone_says_what_to_install(tmp_path):
     path = tmp_path / "run.jsonl"
-    header = {"kind": "header", "schema": 1, "settings": {"task": "my-lab-gone"},
-              "task_from": {"entry_point": "gone_lab.tasks:Gone", "package": "gone-lab",
-                            "version": "1.2"}}  # fmt: skip
-    from sandbox.settings import RunSettings
-
-    header["settings"] = RunSettings(task="my-lab-gone").as_json()
-    path.write_text(json.dumps(header) + "\n")
+    recorded(path, "my-lab-gone", entry_point="gone_lab.tasks:Gone", package="gone-lab",
+             version="1.2")  # fmt: skip
     with pytest.raises(RecordingError, match=r"pip install 'gone-lab==1\.2'"):
         settings_of(load_recording(path))
 
