@@ -197,7 +197,8 @@ def sweep(plan: RegressionPlan, wanted: Sequence[Wanted], run: Runner) -> Sweep:
                 for value in direction if complete else ():
                     points.append(_point(own, each.kind, value, nominal, run))
                     complete = bool(points[-1].refused) or points[-1].result.n == nominal.n
-                    if not each.values and (points[-1].breaks or points[-1].refused):
+                    ends = points[-1].breaks or points[-1].refused
+                    if not complete or (ends and not each.values):
                         break
             curves.append(Curve(name, each.kind, tuple(sorted(points, key=lambda p: p.value))))
             if not complete:
