@@ -18,7 +18,7 @@ HEADROOM = 0.045
 """m by which a surface is higher than the middle of the upper box on the lower one: what of it is
 below the table, how high the box is carried, and the fingers above its middle."""
 
-_TRIES = 20_000
+_TRIES = 4_000
 """Draws before a surface is said to be too small."""
 
 
