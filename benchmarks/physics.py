@@ -1,7 +1,12 @@
 """What one physics step costs, with a hand alone and with boxes that it holds and that lie around.
 
 The peer is the bare hand in the same run: what a task adds is the ratio to it. Scenes take turns,
-so that a machine that gets busier does so for all of them, and every time is a median.
+so that a machine that gets busier does so for all of them, and every time is a median. Processor
+time is what the steps themselves used; wall time also waits for others on the same cores.
+
+The last scene is that of the simulation notes (a box pinched, boxes around, nv 66), which were
+measured on another machine with another table and other boxes: 34 us a step on one core. It runs
+on one and on two threads (`mujoco.rollout`), beside the notes' figures.
 
     python -m benchmarks.physics
 """
@@ -10,10 +15,12 @@ from __future__ import annotations
 
 import argparse
 import time
+from copy import copy
 from statistics import median
 
 import mujoco
 import numpy as np
+from mujoco import rollout
 
 from benchmarks.machine import describe_machine
 from benchmarks.pinch import pinch_poses
@@ -30,6 +37,10 @@ LIFT = 0.05
 """m."""
 STEPS = 500
 """Physics steps in one round of one scene."""
+COPIES = 4
+"""Of the scene that is run on one and two threads."""
+NOTES = {1: 29_700, 2: 56_000}
+"""steps/s on one and on two threads, from the simulation notes (section 4, a quiet machine)."""
 
 
 class Bench:
@@ -51,6 +62,7 @@ class Bench:
         self.scene = Scene(SceneSpec((Hand(servo=servo),), boxes, timestep=timestep))
         self.model, self.data = self.scene.model, mujoco.MjData(self.scene.model)
         self.times: list[float] = []
+        self.own: list[float] = []
         up = LIFT * np.eye(48)[2]
         if held:
             opened, closed = pinch_poses(boxes[0])
@@ -72,9 +84,45 @@ class Bench:
 
     def round(self) -> None:
         """Times one round of steps."""
-        begin = time.perf_counter()
+        begin, own = time.perf_counter(), time.process_time()
         mujoco.mj_step(self.model, self.data, STEPS)
         self.times.append((time.perf_counter() - begin) / STEPS)
+        self.own.append((time.process_time() - own) / STEPS)
+
+
+class Threads:
+    """Many copies of one scene stepped side by side.
+
+    Args:
+        bench: The scene, in the state from which all start.
+        threads: How many at once.
+    """
+
+    def __init__(self, bench: Bench, threads: int) -> None:
+        self.threads, self._model = threads, bench.model
+        self._data = [copy(bench.data) for _ in range(threads)]
+        kind = mujoco.mjtState.mjSTATE_FULLPHYSICS
+        state = np.empty(mujoco.mj_stateSize(bench.model, kind))
+        mujoco.mj_getState(bench.model, bench.data, state, kind)
+        self._start = np.tile(state, (COPIES, 1))
+        self._warm = np.tile(bench.data.qacc_warmstart, (COPIES, 1))
+        self._control = np.tile(bench.data.ctrl, (COPIES, STEPS, 1))
+        self._pool = rollout.Rollout(nthread=threads)
+        self.times: list[float] = []
+        self.own: list[float] = []
+
+    def round(self) -> None:
+        """Times one round of steps of all copies."""
+        begin, own = time.perf_counter(), time.process_time()
+        self._pool.rollout(
+            self._model, self._data, self._start, self._control, initial_warmstart=self._warm
+        )
+        self.times.append((time.perf_counter() - begin) / (COPIES * STEPS))
+        self.own.append((time.process_time() - own) / (COPIES * STEPS))
+
+    def close(self) -> None:
+        """Ends the threads."""
+        self._pool.close()
 
 
 def main() -> None:
@@ -92,23 +140,40 @@ def main() -> None:
         Bench("3 boxes on the table", (CUBE, *OTHERS), False, *common),
         Bench("3 boxes, 1 of them held", (CUBE, *OTHERS), True, *common),
     ]
+    threads = [Threads(benches[-1], n) for n in NOTES]
     for _ in range(args.rounds):
-        for bench in benches:
+        for bench in (*benches, *threads):
             bench.round()
-    print(describe_machine())
+    for thread in threads:
+        thread.close()
+    print(describe_machine(), end="\n\n")
     print(
         f"{args.servo} servos, {1000 * args.timestep:g} ms; "
-        f"medians of {args.rounds} rounds of {STEPS} steps, one core"
+        f"medians of {args.rounds} rounds of {STEPS} steps; in brackets: against hand alone\n"
     )
-    print("| scene | contacts | steps/s | times real time | time of a step against hand alone |")
-    print("|" + " --- |" * 5)
-    alone = median(benches[0].times)
+    print("| scene | nv | contacts | step, processor | step, wall | times real time (processor) |")
+    print("|" + " --- |" * 6)
+    alone = median(benches[0].own)
     for bench in benches:
-        step = median(bench.times)
+        own, wall = median(bench.own), median(bench.times)
         print(
-            f"| {bench.name} | {bench.data.ncon} | {1 / step:.0f} | {args.timestep / step:.0f} "
-            f"| {step / alone:.2f} |"
+            f"| {bench.name} | {bench.model.nv} | {bench.data.ncon} "
+            f"| {1e6 * own:.1f} us ({own / alone:.2f}) | {1e6 * wall:.1f} us "
+            f"| {args.timestep / own:.0f} |"
         )
+    print(f"\n{benches[-1].name}, steps of {COPIES} copies by `mujoco.rollout`; in brackets: times")
+    print("one thread of the same column\n")
+    print("| threads | steps/s, wall | steps/s of a thread's processor time | the notes' steps/s |")
+    print("|" + " --- |" * 4)
+    first = threads[0]
+    for thread in threads:
+        cells = [
+            (1 / median(thread.times), 1 / median(first.times)),
+            (1 / median(thread.own), 1 / median(first.own)),
+            (float(NOTES[thread.threads]), float(NOTES[1])),
+        ]
+        text = " | ".join(f"{each:.0f} ({each / one:.2f})" for each, one in cells)
+        print(f"| {thread.threads} | {text} |")
 
 
 if __name__ == "__main__":
