@@ -34,6 +34,7 @@ def _cross_table() -> Array:
 
 
 _CROSS = _cross_table()
+_SKEW = -_CROSS
 
 
 class OnePose:
@@ -61,7 +62,7 @@ class OnePose:
                 rest[slot], anchor[slot] = bone.rest, bone.anchor
             self._reach[finger, 1] = chain[-1][1].length
         self._place, self._rest = place, rest[:, None]
-        self._padded = np.zeros(POSE_SIZE + 1)
+        self._padded, self._vectors = np.zeros(POSE_SIZE + 1), np.empty(place.shape)
         # A turn and its left Jacobian are both x I + y cross(w) + z w w', with other x, y and z.
         self._shares = np.empty((1 + slots, 2, 3))
         self._basis = np.zeros((1 + slots, 3, 9))
@@ -101,7 +102,8 @@ class OnePose:
         The latter after the bones' rest rotations. Frames stay in their buffer.
         """
         self._padded[:POSE_SIZE] = q
-        turned = self._turned(self._padded[self._place])
+        # With a mode other than "raise", numbers go to their places without a copy between.
+        turned = self._turned(self._padded.take(self._place, None, self._vectors, "clip"))
         bones = np.matmul(self._rest, turned[1:])
         local, frames = self._local, self._frames
         local[..., :3, :3] = bones[:, 0].reshape(_LEVELS, -1, 3, 3)
@@ -116,14 +118,13 @@ class OnePose:
         """(n, 2, 3, 3) exp(w) and left Jacobian of rotation vectors (n, 3); Rodrigues."""
         shares, basis, products = self._shares, self._basis, self._products
         np.multiply(w[:, :, None], w[:, None, :], products)
-        np.matmul(w, -_CROSS, basis[:, 1])
+        np.matmul(w, _SKEW, basis[:, 1])
         t2 = np.einsum("ij,ij->i", w, w)
         t2 += _TINY
         t = np.sqrt(t2)
         # 1 - cos loses half the digits for small angles; 2 sin^2(t/2) does not.
         half = np.sin(0.5 * t) / t
-        b = 2.0 * half * half
-        a = np.sin(t) / t
+        a, b = np.sin(t) / t, 2.0 * half * half
         shares[:, 0, 0] = 1.0 - b * t2
         shares[:, 0, 1] = shares[:, 1, 0] = a
         shares[:, 0, 2] = shares[:, 1, 1] = b

@@ -294,11 +294,7 @@ class Session:
         """
         frames = self.rigs[i].device.poll(self.time)
         if frames:
-            cancelled = frozenset().union(*(f.cancelled for f in frames))
-            present = {c.id for c in frames[-1].contacts}
-            self._frames[i] = replace(
-                frames[-1], time=self.time, cancelled=frozenset(cancelled - present)
-            )
+            self._frames[i] = _stamped(frames, self.time)
             if self._recorder:
                 self._recorder.input(self.step, i, self._frames[i], self.state_hash)
         else:
@@ -341,6 +337,16 @@ class Session:
             reconstruction.phase.value,
             contacts,
         )
+
+
+def _stamped(frames: Sequence[TouchFrame], time: float) -> TouchFrame:
+    """The last of some frames, at a time, with the touches that were cancelled in any of them."""
+    last = frames[-1]
+    if len(frames) == 1 and last.time == time and not last.cancelled:
+        return last
+    cancelled = frozenset().union(*(f.cancelled for f in frames))
+    present = {c.id for c in last.contacts}
+    return replace(last, time=time, cancelled=frozenset(cancelled - present))
 
 
 def describe(session: Session) -> dict[str, Any]:

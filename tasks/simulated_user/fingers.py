@@ -107,7 +107,7 @@ class Fingers:
     def touches(self, now: float, surface: Surface) -> tuple[Contact, ...]:
         """What the screen feels now."""
         self._shake(now)
-        noise = self._rng.normal(0.0, self._c.noise, self._tremor.shape)
+        noise = self._c.noise * self._rng.standard_normal(self._tremor.shape)
         span = zip(self._ids.tolist(), self._down_at.tolist(), self._up_at.tolist(), strict=True)
         touching = sorted(
             (contact, finger)
@@ -149,5 +149,5 @@ class Fingers:
     def _shake(self, now: float) -> None:
         keep = exp(-(now - self._last) / self._c.tremor_time)
         self._last = now
-        fresh = self._rng.normal(0.0, self._c.tremor, self._tremor.shape)
+        fresh = self._c.tremor * self._rng.standard_normal(self._tremor.shape)
         self._tremor = keep * self._tremor + sqrt(1.0 - keep * keep) * fresh
