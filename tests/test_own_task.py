@@ -1,4 +1,4 @@
-"""A lab's own task: a thing from MJCF is what it says, and a task of anybody's runs like ours."""
+"""A lab's own task, in a file or in an installed package, is drawn, played and found like ours."""
 
 from __future__ import annotations
 
@@ -7,20 +7,14 @@ import subprocess
 import sys
 import zipfile
 from pathlib import Path
-from xml.etree.ElementTree import tostring
 
-import mujoco
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from hypothesis.extra import numpy as hnp
 
 from models.errors import InputError, RecordingError
-from models.hand import Hand
-from models.mjcf_thing import MjcfThing
 from models.objects import Box
-from models.scene import Scene, SceneSpec
 from models.surface import Surface
 from sandbox.cli.main import main
 from sandbox.recording import load_recording
@@ -35,163 +29,6 @@ pytest_plugins = ["sandbox.regression"]
 
 MUG = ROOT / "examples" / "push_the_mug.py"
 SURFACE = Surface().centred_at((0.0, 0.0, 0.015))
-
-SPHERE = '<geom type="sphere" size=".03"/>'
-CAPSULE = '<geom type="capsule" size=".02 .03"/>'
-BLOCK = '<geom type="box" size=".02 .03 .01"/>'
-MESH_BLOCK = '<geom type="mesh" mesh="block"/>'
-BLOCK_ASSET = (
-    '<mesh name="block" vertex=".02 .03 .01 -.02 .03 .01 .02 -.03 .01 -.02 -.03 .01 '
-    '.02 .03 -.01 -.02 .03 -.01 .02 -.03 -.01 -.02 -.03 -.01"/>'
-)
-
-
-def mjcf(inside: str, asset: str = "") -> str:
-    return f"<mujoco><asset>{asset}</asset><worldbody><body>{inside}</body></worldbody></mujoco>"
-
-
-def from_block(points: np.ndarray) -> np.ndarray:
-    far = np.abs(points) - (0.02, 0.03, 0.01)
-    return np.linalg.norm(np.maximum(far, 0), axis=1) + np.minimum(far.max(axis=1), 0)
-
-
-def from_capsule(points: np.ndarray) -> np.ndarray:
-    rest = points.copy()
-    rest[:, 2] -= np.clip(rest[:, 2], -0.03, 0.03)
-    return np.linalg.norm(rest, axis=1) - 0.02
-
-
-KNOWN = {
-    "sphere": (mjcf(SPHERE), lambda p: np.linalg.norm(p, axis=1) - 0.03),
-    "capsule": (mjcf(CAPSULE), from_capsule),
-    "box": (mjcf(BLOCK), from_block),
-    "mesh": (mjcf(MESH_BLOCK, BLOCK_ASSET), from_block),
-    "two": (
-        mjcf(BLOCK + f'<body pos="0 0 0">{CAPSULE}</body>'),
-        lambda p: np.minimum(from_block(p), from_capsule(p)),
-    ),
-}
-
-POINTS = hnp.arrays(float, (4, 3), elements=st.floats(-0.08, 0.08))
-TURNS = hnp.arrays(float, 4, elements=st.floats(-1, 1)).filter(lambda q: np.linalg.norm(q) > 0.1)
-
-
-@pytest.mark.parametrize("shape", KNOWN)
-@given(local=POINTS, turn=TURNS, size=st.sampled_from([1.0, 0.5, 2.0]))
-def test_clearance_is_the_distance_that_geometry_gives(shape, local, turn, size):
-    text, distance = KNOWN[shape]
-    thing = MjcfThing("thing", text, 0.1, size=size)
-    rotation = np.empty(9)
-    mujoco.mju_quat2Mat(rotation, turn / np.linalg.norm(turn))
-    rotation, position = rotation.reshape(3, 3), np.array([0.1, -0.2, 0.05])
-    found = thing.clearance(size * local @ rotation.T + position, position, rotation)
-    expected = size * distance(local)
-    # Far inside a hull MuJoCo may name another way out than the nearest; outside it is exact.
-    outside = expected > 0
-    assert found[outside] == pytest.approx(expected[outside], abs=2e-5)
-    assert np.all(found[~outside] < 2e-5)
-    if shape in ("sphere", "box"):
-        assert found == pytest.approx(expected, abs=2e-5)
-
-
-@pytest.mark.parametrize("size", [1.0, 1.5])
-def test_in_a_scene_it_is_the_body_that_was_described(size):
-    inside = (
-        '<geom type="cylinder" size=".02 .03" friction=".7"/><body pos=".04 0 .01" euler="0 90 10">'
-        f'{BLOCK}<geom type="mesh" mesh="block" pos="0 .05 0" euler="20 30 40"/></body>'
-    )
-    thing = MjcfThing("thing", mjcf(inside, BLOCK_ASSET), 0.2, (0.1, 0.0, 0.3), 0.7, size=size)
-    model = Scene(SceneSpec((Hand(),), (thing,))).model
-    text = mjcf("<freejoint/>" + inside, BLOCK_ASSET)
-    alone = mujoco.MjModel.from_xml_string(text)
-    body = model.body("thing").id
-    assert model.body_mass[body] == pytest.approx(0.2)
-    # Two bodies there, one here: what they weigh and how they turn is compared as a whole.
-    both = []
-    for m, first in ((model, body), (alone, 1)):
-        data = mujoco.MjData(m)
-        start = m.jnt_qposadr[m.body_jntadr[first]]
-        data.qpos[start : start + 7] = (0, 0, 0, 1, 0, 0, 0)
-        mujoco.mj_forward(m, data)
-        inertia, mass = np.zeros((6, 6)), m.body_subtreemass[first]
-        dof = m.body_dofadr[first]
-        full = np.zeros((m.nv, m.nv))
-        mujoco.mj_fullM(m, full, data.qM) if hasattr(data, "qM") else mujoco.mj_fullM(m, data, full)
-        inertia = full[dof : dof + 6, dof : dof + 6] / mass
-        both.append((data.subtree_com[first], inertia))
-    scale = np.repeat([1.0, size], 3)
-    assert both[0][0] == pytest.approx(size * both[1][0])
-    assert np.allclose(both[0][1], np.outer(scale, scale) * both[1][1], atol=1e-9)
-    first = next(g for g in range(model.ngeom) if model.geom_bodyid[g] == body)
-    assert model.geom_friction[first, 0] == pytest.approx(0.7)
-
-
-@pytest.mark.parametrize("shape", KNOWN)
-@pytest.mark.parametrize("size", [1.0, 1.7])
-def test_on_the_table_it_rests_where_it_was_put(shape, size):
-    thing = MjcfThing.on_table("thing", KNOWN[shape][0], 0.1, (0.03, 0.02), 0.4).scaled(size)
-    scene = Scene(SceneSpec((Hand(),), (thing,)))
-    data = mujoco.MjData(scene.model)
-    # The hand is out of the way.
-    data.qpos[scene.qpos_slice(0)][2] = data.ctrl[2] = 0.5
-    mujoco.mj_step(scene.model, data, 250)
-    position, _ = scene.object_pose(data, "thing")
-    assert position == pytest.approx((0.03, 0.02, size * {"two": 0.05, "sphere": 0.03,
-                                      "capsule": 0.05}.get(shape, 0.01)), abs=5e-4)  # fmt: skip
-
-
-def test_what_is_only_seen_is_solid_to_nobody():
-    ghost = '<geom type="sphere" size=".2" contype="0" conaffinity="0"/>'
-    thing = MjcfThing("thing", mjcf(SPHERE + ghost), 0.1)
-    assert thing.clearance([[0.1, 0, 0]], np.zeros(3), np.eye(3)) == pytest.approx(0.07)
-    assert thing.height == pytest.approx(0.03)
-    model = Scene(SceneSpec((), (thing,))).model
-    assert sorted(model.geom_contype[model.geom_bodyid == model.body("thing").id]) == [0, 6]
-
-
-def test_a_file_with_its_mesh_beside_it_is_the_same_from_any_folder(tmp_path, monkeypatch):
-    corners = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
-    lines = [f"v {0.02 * x} {0.03 * y} {0.01 * z}" for x, y, z in corners]
-    quads = ["1 2 4 3", "5 7 8 6", "1 5 6 2", "3 4 8 7", "1 3 7 5", "2 6 8 4"]
-    (tmp_path / "block.obj").write_text("\n".join([*lines, *(f"f {q}" for q in quads)]) + "\n")
-    path = tmp_path / "thing.xml"
-    floor = '<geom type="plane" size="1 1 .1"/><light pos="0 0 1"/>'
-    text = mjcf(MESH_BLOCK, '<mesh name="block" file="block.obj"/>')
-    path.write_text(text.replace("<worldbody>", f"<worldbody>{floor}"))
-    monkeypatch.chdir("/")
-    thing = MjcfThing("thing", path, 0.1)
-    point = [[0.05, 0.0, 0.0]]
-    assert thing.clearance(point, np.zeros(3), np.eye(3)) == pytest.approx(0.03, abs=1e-6)
-    assert b"file" not in b"".join(map(tostring, thing.assets()))
-    assert Scene(SceneSpec((), (thing,))).model.nmesh == 1
-
-
-@pytest.mark.parametrize(
-    ("text", "says"),
-    [
-        ("<mujoco>", "cannot read"),
-        (mjcf(""), "cannot read|nothing of it"),
-        (mjcf('<geom type="sphere" size="-1"/>'), "cannot read"),
-        (mjcf('<geom type="mesh" mesh="none"/>'), "cannot read"),
-        ("<mujoco><worldbody/></mujoco>", "one rigid body"),
-        (mjcf(SPHERE).replace("</worldbody>", f"<body>{SPHERE}</body></worldbody>"), "one rigid"),
-        (mjcf(SPHERE + f'<body><joint type="hinge"/>{SPHERE}</body>'), "one rigid body"),
-        (mjcf('<joint type="slide"/>' + SPHERE), "one rigid body"),
-        (mjcf('<geom size=".1" contype="0" conaffinity="0"/>'), "nothing of it is solid"),
-        ("/no/such/file.xml", "no such file"),
-    ],
-)
-def test_what_is_no_rigid_body_is_refused_in_a_line(text, says):
-    with pytest.raises(InputError, match=says) as error:
-        MjcfThing("thing", text, 0.1)
-    assert "\n" not in str(error.value)
-
-
-@pytest.mark.parametrize("wrong", [{"mass": 0.0}, {"mass": np.nan}, {"size": -1.0}, {"name": ""},
-                                   {"name": "table"}])  # fmt: skip
-def test_impossible_things_are_refused(wrong):
-    with pytest.raises(InputError):
-        MjcfThing(**{"name": "thing", "mjcf": mjcf(SPHERE), "mass": 0.1, **wrong})
 
 
 class Slide(OwnTask):
