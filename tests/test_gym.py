@@ -77,6 +77,19 @@ def test_every_task_has_an_id_with_its_version_for_touches_and_for_poses():
             assert spec.kwargs["task"] == task.name
 
 
+@pytest.mark.parametrize("action", ["touch", "pose"])
+def test_every_task_takes_steps_and_shows_all_its_things_and_goals(action):
+    for name, task in TASKS.items():
+        env = HandSandboxEnv(name, action)
+        lifts = action == "touch" and task.lift_range > 0
+        assert env.action_space.shape == ({"touch": 15, "pose": 53}[action] + lifts,)
+        for seen in (env.reset(seed=1)[0], env.step(actions(env, 1)[0])[0]):
+            assert seen in env.observation_space
+            assert len(seen["objects"]) == len(env.session.task.objects)
+            assert len(seen["goals"]) == len(env.session.task.goals)
+        env.close()
+
+
 @pytest.mark.parametrize("id", [TOUCH, POSE])
 def test_gymnasium_s_own_check_finds_nothing(id):
     env = RescaleAction(gymnasium.make(f"sandbox.gym:{id}").unwrapped, -1.0, 1.0)
