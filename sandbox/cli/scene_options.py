@@ -49,7 +49,7 @@ class SceneOptions:
     """What runs, and how."""
 
     task: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="TASK")] = "box-to-goal"
-    """Task to do; `sandbox` lists them."""
+    """Task to do; `sandbox` lists them. Or FILE.py with one of your own."""
 
     device: Annotated[str, tyro.conf.arg(metavar="{simulated,tuio,mouse,FILE}")] = "simulated"
     """Where touches come from: the simulated user, a TUIO sender, the mouse in the window, or a
