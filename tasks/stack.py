@@ -54,7 +54,10 @@ class Stack(Stacking):
             InputError: The surface has no room for the boxes.
         """
         rng = np.random.default_rng([seed, cls.version, 10 + cls.count])
-        for _ in range(_TRIES):
+        # With the smallest boxes at opposite corners there has to be room, or no draw is any good.
+        widest = surface.size - EDGE[0] - 2 * SIDE
+        possible = np.all(widest > 0) and np.linalg.norm(widest) > EDGE[0] + GAP
+        for _ in range(_TRIES if possible else 0):
             edges = rng.uniform(*EDGE, cls.count)
             shares = rng.uniform(0.0, 1.0, (cls.count, 2))
             low = edges[:, None] / 2 + SIDE
