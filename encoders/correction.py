@@ -125,7 +125,7 @@ class FingertipCorrection:
         # A guess whose tips are right already is the likeliest pose itself.
         moved = 0.0 if start is None else np.inf
         for iteration in range(s.iterations + 1):
-            tips, jacobian = self._seen(q)
+            tips, jacobian = self._carried(q) if iteration == 0 else self._seen(q)
             off = targets - tips[labels]
             error = float(np.einsum("ij,ij->i", off, off).max()) ** 0.5
             # A start is where the last frame ended: exact perhaps, but not yet the likeliest pose.
@@ -140,16 +140,20 @@ class FingertipCorrection:
             q = new
         return best
 
-    def _seen(self, q: Array) -> tuple[Array, Array]:
-        """Fingertips and Jacobian of a pose.
+    def _carried(self, q: Array) -> tuple[Array, Array]:
+        """Fingertips and Jacobian of the pose where a frame begins.
 
-        A frame begins at the pose where the last one ended, shifted with the touches: that moves
-        the tips alike and changes nothing else.
+        Mostly it is the pose where the last one ended, shifted with the touches: that moves the
+        tips alike and changes nothing else.
         """
         if self._last is not None:
             before, tips, jacobian = self._last
-            if np.array_equal(before[3:], q[3:]):
+            if (before[3:] == q[3:]).all():
                 return tips + (q[:3] - before[:3]), jacobian
+        return self._seen(q)
+
+    def _seen(self, q: Array) -> tuple[Array, Array]:
+        """Fingertips and Jacobian of a pose."""
         tips, jacobian = self._kinematics.tips_and_jacobian(q)
         self._last = (q.copy(), tips, jacobian)
         return tips, jacobian

@@ -31,12 +31,9 @@ def nonsense(scene: Scene, data: mujoco.MjData) -> str:
     """What is wrong with a simulation, in words; empty where nothing is."""
     # Nearly always nothing is, which a few sums tell: whatever is not finite makes one of them so,
     # and nothing is fast where no joint is.
-    if (
-        not data.warning.number.any()
-        and isfinite(data.ctrl.sum())
-        and isfinite(data.qpos.sum())
-        and np.vdot(data.qvel, data.qvel) < _SLOW**2
-    ):
+    ctrl, qpos, qvel = data.ctrl, data.qpos, data.qvel
+    finite = isfinite(ctrl.dot(ctrl)) and isfinite(qpos.dot(qpos))
+    if finite and qvel.dot(qvel) < _SLOW**2 and not any(data.warning.number.tolist()):
         return ""
     for kind, words in _WARNINGS.items():
         if data.warning[kind].number:
