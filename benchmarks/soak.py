@@ -88,12 +88,12 @@ class Violent:
                 self._land(int(rng.integers(1, 6)))
                 self._until = now + float(rng.uniform(0.6, 1.2))
             case 1:
-                # All of them jump, and stay the same contacts.
-                shift = rng.uniform(-0.08, 0.08, 2)
+                # All of them jump to or through an object, and stay the same contacts.
+                shift = self._middle() - self._mean() + rng.uniform(-0.05, 0.05, 2)
                 self._contacts = [self._moved(c, shift) for c in self._contacts]
             case 2:
                 # Together, through whatever lies between, or apart.
-                middle = np.mean([(c.x, c.y) for c in self._contacts] or [(0, 0)], axis=0)
+                middle = self._mean() if rng.random() < 0.3 else self._middle()
                 share = rng.uniform(-0.5, 1.0)
                 self._contacts = [
                     self._moved(c, share * (middle - np.array([c.x, c.y]))) for c in self._contacts
@@ -121,15 +121,24 @@ class Violent:
     def _land(self, count: int) -> None:
         """Touches around an object, or anywhere."""
         rng, size = self._rng, self._surface.size
-        if len(self._things) and rng.random() < 0.7:
-            middle = self._things[rng.integers(len(self._things))]
-        else:
-            middle = rng.uniform(0.0, size)
-        places = middle + rng.uniform(-0.06, 0.06, (count, 2))
+        angles = rng.uniform(-np.pi, np.pi, count)
+        # Mostly around the object, where fingers become solid, and sometimes on it.
+        far = rng.uniform(0.0 if rng.random() < 0.2 else 0.035, 0.08, count)
+        places = self._middle() + far[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
         palm = 0.05 if rng.random() < 0.1 else None
         self._contacts = [
             Contact(self._new(), *np.clip(xy, 0.0, size).tolist(), size=palm) for xy in places
         ]
+
+    def _middle(self) -> Array:
+        """(2,) m, of an object, or a place anywhere."""
+        if len(self._things) and self._rng.random() < 0.8:
+            return np.asarray(self._things[self._rng.integers(len(self._things))])
+        return self._rng.uniform(0.0, 1.0, 2) * self._surface.size
+
+    def _mean(self) -> Array:
+        """(2,) m, the middle of the touches."""
+        return np.mean([(c.x, c.y) for c in self._contacts] or [(0.0, 0.0)], axis=0)
 
     def _moved(self, contact: Contact, shift: Array) -> Contact:
         x, y = np.clip(np.array([contact.x, contact.y]) + shift, 0.0, self._surface.size).tolist()
