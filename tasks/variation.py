@@ -130,7 +130,7 @@ def vary(task: Task, variation: Variation, surface: Surface) -> Task:
     raised = {t.name: t.position[2] - u.position[2] for t, u in zip(things, task.objects,
                                                                     strict=True)}  # fmt: skip
     goals = tuple(_goal(goal, variation.size, raised[goal.object]) for goal in task.goals)
-    changed: Task = replace(task, objects=things, goals=goals)  # type: ignore[type-var]
+    changed: Task = replace(task, objects=things, goals=goals)
     return changed
 
 
@@ -141,7 +141,7 @@ def _changed(thing: Thing, variation: Variation, where: str) -> Thing:
     if variation.mass != 1.0:
         if not is_dataclass(thing):
             raise InputError("this thing's mass cannot be varied", where=where, got=thing.name)
-        heavier: Thing = replace(thing, mass=thing.mass * variation.mass)  # type: ignore[type-var]
+        heavier: Thing = replace(thing, mass=thing.mass * variation.mass)
         return heavier
     return thing
 
