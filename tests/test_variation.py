@@ -263,6 +263,14 @@ def test_a_dropped_touch_comes_back_under_another_id_at_its_place():
     assert {(c.x, c.y) for f in out for c in f.contacts} == {(0.05, 0.05)}
 
 
+def test_a_touch_that_came_back_is_cancelled_under_the_id_it_came_back_with():
+    frames = frames_of(2000, Contact(3, 0.05, 0.05))
+    frames.append(TouchFrame(2000 * STEP, cancelled=frozenset({3})))
+    out = played(Variation(dropped=1.0), frames)
+    last = [c.id for f in out for c in f.contacts][-1]
+    assert last != 3 and out[-1].cancelled == {last}
+
+
 def test_spoiling_follows_from_the_seed():
     bad = Variation(noise=1e-3, dropped=1.0, ghosts=3.0, latency=0.05)
     frames = frames_of(300, Contact(1, 0.05, 0.05), Contact(2, 0.08, 0.05))

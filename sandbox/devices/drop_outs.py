@@ -49,7 +49,8 @@ class DropOuts:
                 self._back_at[own] = frame.time + LENGTH
                 continue
             contacts.append(replace(contact, id=self._alias.get(own, own)))
-        return replace(frame, contacts=tuple(contacts))
+        cancelled = frozenset(self._alias.get(own, own) for own in frame.cancelled)
+        return replace(frame, contacts=tuple(contacts), cancelled=cancelled)
 
     def own_id(self, reported: int) -> int:
         """Whose touch a reported id is."""
