@@ -14,6 +14,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from encoders.correction import PAD_HEIGHT
 from models.objects import Thing
 from models.scene import CONTROL_PERIOD, Scene
 from models.surface import METRES_PER_INCH, Surface
@@ -24,6 +25,8 @@ AWAY = 0.5
 """s for which an object has to be out of reach: the person sees where it went."""
 FINGERTIP = 0.010
 """m, about the radius of a fingertip: it reaches so far beyond its touch."""
+GRIP = 0.005
+"""m, how far into an object the plane in which fingers close before an upright surface must go."""
 CEILING = 0.5
 """m above a flat surface, beyond which no hand lifts anything."""
 FLOOR = -0.05
@@ -90,7 +93,12 @@ class Respawn:
             and -reach < -up < height + reach
             and abs(off) < (CEILING if _flat(surface) else reach)
         )
-        if not near or not _flat(surface) or (0.0 < x < width and 0.0 < -up < height):
+        if near and not _flat(surface):
+            # Nobody sees how deep it is, and fingers close in one plane only: they must meet it.
+            foot = position - (off - PAD_HEIGHT) * surface.rotation[:, 2]
+            rotation = data.xmat[place.body].reshape(3, 3)
+            return bool(place.thing.clearance(foot[None], position, rotation)[0] < -GRIP)
+        if not near or (0.0 < x < width and 0.0 < -up < height):
             return near
         # Its middle is off the surface: a finger at the border would only push away what does not
         # come in over it.
@@ -101,7 +109,9 @@ class Respawn:
     def _put(self, data: mujoco.MjData, place: _Place, tips: Array) -> bool:
         """Puts an object at the free place nearest to its start; False where there is none now."""
         others = [p for p in self._things if p is not place]
-        for shift in _SHIFTS if place.free else _SHIFTS[_SHIFTS[:, 1] == 0.0]:
+        # Before an upright surface, as on rails, what is put down elsewhere keeps its depth.
+        anywhere = place.free and any(_flat(s) for s in self._surfaces)
+        for shift in _SHIFTS if anywhere else _SHIFTS[_SHIFTS[:, 1] == 0.0]:
             where = place.home + shift
             beside = [float(np.linalg.norm(where - data.xpos[p.body])) for p in others]
             if (
@@ -179,8 +189,8 @@ def _border(width: float, height: float) -> Array:
     """(n, 2) m, places along the border of a surface of this size."""
     share = np.linspace(0.0, 1.0, 50)[:, None]
     corners = np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height], [0.0, 0.0]])
-    sides = [a + share * (b - a) for a, b in pairwise(corners)]
-    return np.concatenate(sides)
+    sides: list[Array] = [a + share * (b - a) for a, b in pairwise(corners)]
+    return np.asarray(np.concatenate(sides), float)
 
 
 def _shifts() -> Array:

@@ -18,13 +18,16 @@ from sandbox.cli.scene_options import SceneOptions, plan
 from sandbox.headless import run_trial
 from sandbox.recording import load_recording
 from sandbox.replay import replay
+from sandbox.respawn import AWAY
 from tasks.sensing import Sensing
 from tasks.stack_vertical import GAP, SIDE, StackVertical
 from tasks.stacking import EDGE, MASS
 from tasks.task import Measure
+from tests.scripted import run as proceed
+from tests.scripted import scripted
 from tests.simulation import no_warning, put, run
 
-AWAY = np.concatenate([[0.0, -0.3, 0.10], np.zeros(45)])
+FAR = np.concatenate([[0.0, -0.3, 0.10], np.zeros(45)])
 seeds = st.integers(0, 10**6)
 sizes = st.tuples(st.floats(7.0, 12.0), st.floats(5.5, 9.0))
 UPRIGHT = place_surface(Surface(), StackVertical)
@@ -73,7 +76,7 @@ class Stack:
         self.task = StackVertical.draw(seed, UPRIGHT)
         self.scene = Scene(SceneSpec((Hand(),), self.task.objects, self.task.table_friction))
         self.data = mujoco.MjData(self.scene.model)
-        put(self.scene, self.data, AWAY)
+        put(self.scene, self.data, FAR)
         self.scene.set_solid(0, frozenset())
         self.sensing = Sensing(self.scene, self.data)
         self.edge = 2 * min(box.half_size[0] for box in self.task.objects)
@@ -129,6 +132,37 @@ def test_a_box_in_the_air_is_not_stacked():
     stack.data.joint("second").qpos[2] += 0.02
     mujoco.mj_forward(stack.scene.model, stack.data)
     assert not stack.task.measure(stack.sensing).reached
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+@pytest.mark.parametrize("taken", [False, True])
+def test_a_box_that_fingers_can_no_longer_meet_comes_back_into_their_plane(sign, taken):
+    session = scripted(lambda now: (), task="stack-vertical", seed=3)
+    base, second = session.task.objects
+    start = int(session.scene.model.joint("second").qposadr[0])
+    depth = sign * (second.half_size[0] + base.half_size[0] + 0.005)
+    session.data.qpos[start + 1] = depth
+    if taken:
+        other = int(session.scene.model.joint("base").qposadr[0])
+        session.data.qpos[other] = second.position[0] + 0.01
+    proceed(session, AWAY - 0.1)
+    assert np.isclose(session.data.qpos[start + 1], depth, atol=1e-3)
+    proceed(session, 0.4)
+    assert session.respawned == 1
+    back = session.scene.object_pose(session.data, "second")[0]
+    assert np.isclose(back[1], 0.0, atol=1e-3)
+    aside = abs(back[0] - second.position[0])
+    assert 0.02 < aside < 0.15 if taken else aside < 1e-3
+
+
+@pytest.mark.parametrize("deeper", [-0.012, 0.012])
+def test_a_box_that_fingers_still_meet_is_left_at_its_depth(deeper):
+    session = scripted(lambda now: (), task="stack-vertical", seed=3)
+    start = int(session.scene.model.joint("second").qposadr[0])
+    session.data.qpos[start + 1] = deeper
+    proceed(session, 1.0)
+    assert session.respawned == 0
+    assert np.isclose(session.data.qpos[start + 1], deeper, atol=1e-3)
 
 
 @pytest.mark.parametrize(("seed", "hand", "fingers"), [(0, "right", 3), (3, "left", 2)])
