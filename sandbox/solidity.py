@@ -23,6 +23,11 @@ CLEARANCE = 0.0005
 ARRIVED = 0.008
 """m, farthest the simulated fingertips may lag behind the commanded ones when they become solid."""
 
+ALONG = np.linspace(0.0, 1.0, 7)
+"""Shares of a last link's length at which its distance to objects is looked at. The thumb's is
+52 mm long: between two places far apart, the corner of a box goes 6 mm deep unseen; between these,
+half a millimetre."""
+
 GHOST: frozenset[int] = frozenset()
 
 
@@ -62,8 +67,8 @@ class Solidity:
         return self._along(data, 1.0)
 
     def links(self, data: mujoco.MjData) -> Array:
-        """(15, 3) m, both ends and middles of what is solid of the last links."""
-        shares = (1.0, 0.5 + 0.5 * self._inner, self._inner)
+        """(35, 3) m, points along what is solid of the last links, all fingers at each place."""
+        shares = self._inner + ALONG[:, None] * (1.0 - self._inner)
         return np.concatenate([self._along(data, share) for share in shares])
 
     def update(
@@ -104,7 +109,7 @@ class Solidity:
         for thing in self._scene.spec.objects:
             position, rotation = self._scene.object_pose(data, thing.name)
             nearest = np.minimum(nearest, thing.clearance(points, position, rotation))
-        return nearest.reshape(3, -1).min(axis=0) - self._radius > CLEARANCE
+        return nearest.reshape(len(ALONG), -1).min(axis=0) - self._radius > CLEARANCE
 
     def _along(self, data: mujoco.MjData, share: float | Array) -> Array:
         """(5, 3) m, points on the last links, from their joints (0) to their tips (1)."""
