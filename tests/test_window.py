@@ -15,6 +15,7 @@ import pytest
 from numpy.typing import NDArray
 
 from models.errors import HandSandboxError
+from sandbox.devices.lift_keys import SPEED, LiftKeys
 from sandbox.devices.mouse import MouseDevice
 from sandbox.messages import ContactView, Snapshot
 from sandbox.views import window
@@ -169,6 +170,22 @@ def test_keys_put_down_a_hand_around_the_pointer_and_space_lifts_it(desk: Desk) 
     assert np.allclose(middle, desk.v.surface.size / 2, atol=PIXEL)
     desk.do("key", "space")
     assert desk.touches()[-1].size == 0
+
+
+def test_keys_lift_the_hand_where_the_task_lets_them(desk: Desk) -> None:
+    keys = LiftKeys(desk.mouse)
+    desk.window.attach(keys)
+    desk.do("mousemove", *desk.at((0.5, 0.5)), "key", "2")
+    placed = keys.poll(0.0)[-1]
+    assert len(placed.contacts) == 2 and placed.lift == 0.0
+    desk.do("keydown", "Up")
+    lifted = keys.poll(1.0)[-1]
+    assert lifted.lift == pytest.approx(SPEED) and lifted.contacts == placed.contacts
+    desk.do("keyup", "Up")
+    assert keys.poll(2.0) == []
+    desk.do("keydown", "Down")
+    assert keys.poll(10.0)[-1].lift == 0.0
+    desk.do("keyup", "Down")
 
 
 def test_shift_pins_control_moves_together_and_the_wheel_opens(desk: Desk) -> None:
