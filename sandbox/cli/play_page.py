@@ -25,6 +25,7 @@ from sandbox.server.describe import describe_scene
 from sandbox.server.invitation import code, hints
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol import Ask, Screen
+from sandbox.server.senses import senses
 from sandbox.session import Session
 from tasks.registry import TASKS
 
@@ -109,12 +110,16 @@ class PagePlay:
         device = chosen.opened[-1]
         live = LiveSession(session, self._on_step(session, wishes), news=_news(device))
         self._show(session, chosen)
+        # A person's time begins with their first touch: before, they look at the scene.
+        waiting = isinstance(device, WebDevice)
+        live.pause(waiting)
         live.start()
         try:
             while not live.over and not wishes.again:
                 wishes.hear(self.server.asked())
-                live.pause(wishes.paused)
-                if wishes.paused:
+                waiting = waiting and not device.touched
+                live.pause(waiting or wishes.paused)
+                if waiting or wishes.paused:
                     self.server.publish(session.snapshot(), True)
                 time.sleep(TICK)
         finally:
@@ -168,7 +173,7 @@ class PagePlay:
             notices.show(snapshot)
             if looking:
                 looking(snapshot)
-            self.server.publish(snapshot)
+            self.server.publish(snapshot, senses=senses(session))
 
         return on_step
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import mujoco
@@ -20,6 +21,7 @@ from sandbox.server.protocol import (
     State,
     SurfaceView,
 )
+from sandbox.server.senses import HandSense
 from tasks.task import Task
 
 _KINDS: dict[Any, Any] = {
@@ -90,9 +92,10 @@ def summary(task: type[Task]) -> str:
     return (task.__doc__ or task.name).strip().splitlines()[0]
 
 
-def state_of(snapshot: Snapshot, paused: bool) -> State:
-    """What a moment says besides poses."""
+def state_of(snapshot: Snapshot, paused: bool, senses: Sequence[HandSense] = ()) -> State:
+    """What a moment says besides poses; without senses, hands press nothing and are sure."""
     score = snapshot.score
+    senses = senses or [HandSense()] * len(snapshot.hands)
     return State(
         snapshot.time,
         score.status.value,
@@ -100,7 +103,7 @@ def state_of(snapshot: Snapshot, paused: bool) -> State:
         score.reason,
         score.final if score.status.value != "running" else not score.reason,
         score.held,
-        [_hand(hand) for hand in snapshot.hands],
+        [_hand(hand, sense) for hand, sense in zip(snapshot.hands, senses, strict=True)],
         [GoalState(g.object, _floats(g.position), float(g.yaw)) for g in snapshot.goals],
         snapshot.notice,
         paused,
@@ -123,11 +126,13 @@ class BodyPoses:
         return self._out
 
 
-def _hand(hand: HandView) -> HandState:
+def _hand(hand: HandView, sense: HandSense) -> HandState:
     contacts = [
-        ContactState(int(c.id), _label(c), _state(c), _force(hand, c.label)) for c in hand.contacts
+        ContactState(int(c.id), _label(c), _state(c), _force(sense, c.label), _floats(c.position))
+        for c in hand.contacts
     ]
-    return HandState(hand.phase, sorted(int(f) for f in hand.solid), contacts)
+    solid = sorted(int(f) for f in hand.solid)
+    return HandState(hand.phase, solid, contacts, round(sense.probability, 3))
 
 
 def _label(contact: ContactView) -> int | None:
@@ -138,9 +143,8 @@ def _state(contact: ContactView) -> Any:
     return contact.state
 
 
-def _force(hand: HandView, label: int | None) -> float:
-    forces = getattr(hand, "forces", None)
-    return 0.0 if forces is None or label is None else round(float(forces[label]), 2)
+def _force(sense: HandSense, label: int | None) -> float:
+    return 0.0 if label is None else round(float(sense.forces[label]), 2)
 
 
 def _part(scene: SimulatedScene, root: str, things: set[str]) -> Any:

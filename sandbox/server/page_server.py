@@ -27,6 +27,7 @@ from sandbox.server.describe import BodyPoses, state_of
 from sandbox.server.frames import pack
 from sandbox.server.latency import LatencyLog
 from sandbox.server.protocol import LARGEST_MESSAGE, Ask, Scene, Screen, TaskName, Trouble, encode
+from sandbox.server.senses import HandSense
 from sandbox.server.static import StaticFiles, plain
 
 
@@ -49,6 +50,7 @@ class PageServer:
         version: Of the program.
         tls: Certificate and key for https.
         files: The page.
+        token: That of a server before this one, so that its pages find back; empty: a new one.
 
     Raises:
         DeviceError: The address or port cannot be had.
@@ -67,14 +69,15 @@ class PageServer:
         version: str = "",
         tls: ssl.SSLContext | None = None,
         files: StaticFiles | None = None,
+        token: str = "",
     ) -> None:
         self.counters, self.latency = Counters(), LatencyLog()
-        self._tls = tls
+        self._tls, self._token = tls, token
         self._files = files or StaticFiles()
         self._audience = Audience(tasks, version, self.counters, self.latency)
         self._shown: _Shown | None = None
         self._scenes = 0
-        self._moment: tuple[_Shown, Snapshot, int, bool] | None = None
+        self._moment: tuple[_Shown, int, Snapshot, bool, Sequence[HandSense]] | None = None
         self._scheduled = False
         self._ready: queue.Queue[Access | OSError] = queue.Queue()
         self._loop = asyncio.new_event_loop()
@@ -143,13 +146,15 @@ class PageServer:
         """Says something to everybody who looks."""
         self._loop.call_soon_threadsafe(self._audience.say, encode(Trouble(text)))
 
-    def publish(self, snapshot: Snapshot, paused: bool = False) -> None:
+    def publish(
+        self, snapshot: Snapshot, paused: bool = False, senses: Sequence[HandSense] = ()
+    ) -> None:
         """The newest moment of the session; called from its thread, and never waits."""
         shown = self._shown
         if shown is None:
             return
         touch = shown.device.applied if shown.device else 0
-        self._moment = (shown, snapshot, touch, paused)
+        self._moment = (shown, touch, snapshot, paused, senses)
         if not self._scheduled:
             self._scheduled = True
             with contextlib.suppress(RuntimeError):  # the loop is closed: nobody looks any more
@@ -194,7 +199,8 @@ class PageServer:
             self._ready.put(error)
             return
         bound = next(iter(server.sockets)).getsockname()
-        self.access = Access(bound[0], bound[1], self._tls is not None)
+        known = {"token": self._token} if self._token else {}
+        self.access = Access(bound[0], bound[1], self._tls is not None, **known)
         self._ready.put(self.access)
         watch = asyncio.create_task(self._audience.watch())
         await self._closing.wait()
@@ -222,7 +228,7 @@ class PageServer:
                 return plain(HTTPStatus.SERVICE_UNAVAILABLE, "Too many pages are open.")
             return None
         origin = f"{'wss' if self._tls else 'ws'}://{hosts[0]}"
-        return self._files.response(urlsplit(request.path).path, origin)
+        return self._files.response(urlsplit(request.path).path, origin, self.access.token)
 
     def _open_scene(self, shown: _Shown) -> None:
         self._shown = shown
@@ -233,8 +239,8 @@ class PageServer:
         self._scheduled = False
         if self._moment is None or self._moment[0] is not self._shown or not len(self._audience):
             return
-        shown, snapshot, touch, paused = self._moment
-        poses, state = shown.poses(snapshot.qpos), state_of(snapshot, paused)
+        shown, touch, snapshot, *more = self._moment
+        poses, state = shown.poses(snapshot.qpos), state_of(snapshot, *more)
         self._audience.show(pack(shown.message.scene, touch, snapshot.time, poses, state))
 
 

@@ -179,12 +179,14 @@ Down = Welcome | Scene | Trouble | Echo
 
 
 class ContactState(Struct, frozen=True):
-    """A contact as the session knows it; `force` (N) is what its fingertip presses with."""
+    """A contact as the session knows it: place (m) in the world, for those whose fingers are not on
+    this screen; `force` (N) is what its fingertip presses things with."""
 
     id: int
     label: int | None
     state: Literal["active", "lost", "ignored"]
     force: float
+    position: tuple[float, float, float]
 
 
 class HandState(Struct, frozen=True):
@@ -193,6 +195,7 @@ class HandState(Struct, frozen=True):
     phase: str
     solid: list[int]
     contacts: list[ContactState]
+    probability: float
 
 
 class GoalState(Struct, frozen=True):

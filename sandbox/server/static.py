@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from http import HTTPStatus
 from pathlib import Path
+from urllib.parse import quote
 
 from websockets.datastructures import Headers
 from websockets.http11 import Response
@@ -11,6 +12,8 @@ from websockets.http11 import Response
 from models.errors import HandSandboxError
 
 STATIC = Path(__file__).resolve().parents[1] / "views" / "static"
+
+TOKEN_PLACE = b"{{token}}"
 
 _TYPES = {
     ".html": "text/html; charset=utf-8",
@@ -48,17 +51,21 @@ class StaticFiles:
                 remedy="Install Hand Sandbox anew, or build the page: see docs/write-a-device.md",
             )
 
-    def response(self, path: str, websocket_origin: str) -> Response:
+    def response(self, path: str, websocket_origin: str, token: str = "") -> Response:
         """What a GET of a path gets.
 
         Args:
             path: Without query.
             websocket_origin: Such as ws://127.0.0.1:8000; some browsers do not take it for 'self'.
+            token: Is written into the links of index.html, which was asked for with it: what they
+                lead to is refused without it, like everything.
         """
         name = "/index.html" if path == "/" else path
         body = self._files.get(name)
         if body is None:
             return plain(HTTPStatus.NOT_FOUND, "There is nothing here.")
+        if name == "/index.html":
+            body = body.replace(TOKEN_PLACE, quote(token).encode())
         headers = {
             "Content-Type": _TYPES[Path(name).suffix],
             "Content-Security-Policy": (

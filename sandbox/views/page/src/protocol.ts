@@ -129,12 +129,13 @@ export interface Echo {
   t: number;
 }
 
-/** A contact as the session knows it; `force` (N) is what its fingertip presses with. */
+/** A contact as the session knows it: place (m) in the world, for those whose fingers are not on this screen; `force` (N) is what its fingertip presses things with. */
 export interface ContactState {
   id: number;
   label: number | null;
   state: "active" | "ignored" | "lost";
   force: number;
+  position: [number, number, number];
 }
 
 /** A hand: phase of its arrival, fingers that are solid, contacts, sureness of the labels. */
@@ -142,6 +143,7 @@ export interface HandState {
   phase: string;
   solid: (number)[];
   contacts: (ContactState)[];
+  probability: number;
 }
 
 /** Where a thing should go now: position (m) and turn about the vertical (rad). */
