@@ -109,3 +109,10 @@ def test_a_grasp_is_chosen_that_fits_on_the_screen_at_the_goal_as_well():
     places = grasp.places(goal, -USER.squeeze, USER)
     xy = TABLET.to_surface(np.column_stack([places, np.zeros(len(places))]))
     assert np.all(xy > 0.0) and np.all(xy < TABLET.size)
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("task", ["stack", "stack-three"])
+def test_random_touches_with_a_random_slider_hardly_ever_stack(task):
+    done = [trial(task=task, seed=seed, user="random")["success"] for seed in range(100)]
+    assert sum(done) < 5
