@@ -18,7 +18,8 @@ from encoders.touch_reconstructor import ReconstructorSettings, TouchReconstruct
 from encoders.trained import BUILTIN, TrainedModel, builtin, load_model
 from encoders.yaw_range import YawRange, YawWatch
 from models.errors import CaptureError, InputError
-from models.hand import Hand
+from models.hand import IMPULSE_PROFILES, Hand
+from models.limits import GENTLE, RateLimit
 from models.skeleton import ADULT
 from models.surface import Surface
 from sandbox.devices.device import Device
@@ -92,6 +93,7 @@ def reconstructor_settings(settings: RunSettings, lift_range: float = 0.0) -> Re
         lift=LiftSettings(reach=lift_range / settings.hand_size),
         correction=CorrectionSettings() if settings.correction else None,
         encode=settings.encode,
+        rate=GENTLE if settings.impulse <= IMPULSE_PROFILES["safe"] else RateLimit(),
     )
     return chosen if settings.smoothing else replace(chosen, posture_tau=0.0)
 
