@@ -96,12 +96,11 @@ class Scene:
             whole: Makes every bone solid instead (an ablation: the rest of the hand only gets in
                 the way, since nobody sees where it is).
         """
-        for geom in self._geoms[hand].values():
-            self.model.geom_contype[geom] = CONTACT_HAND if whole and fingers else 0
-        # What is solid of a last link is that link, or a geom of its own.
-        for finger, geom in self._ends[hand].items():
-            solid = finger in fingers or (whole and bool(fingers))
-            self.model.geom_contype[geom] = CONTACT_HAND if solid else 0
+        links, ends = self._geoms[hand].values(), self._ends[hand]
+        # What is solid of a last link is that link itself, or a geom of its own.
+        solid = set(links) if whole and fingers else {ends[f] for f in fingers}
+        for geom in {*links, *ends.values()}:
+            self.model.geom_contype[geom] = CONTACT_HAND if geom in solid else 0
 
     def object_pose(self, data: mujoco.MjData, name: str) -> tuple[Array, Array]:
         """Position (3,) and rotation (3, 3) of an object in the world."""

@@ -137,6 +137,9 @@ def test_before_an_upright_surface_only_the_balls_of_fingertips_are_solid():
         assert names == {hand.solid_name(ADULT.last_bones[f]) for f in fingers}
         # A capsule's second size is half its length without the round ends.
         assert np.all(scene.model.geom_size[solid, 1] < 1e-3)
+    scene.set_solid(0, frozenset({0}), whole=True)
+    solid = np.flatnonzero(scene.model.geom_contype == CONTACT_HAND)
+    assert len(solid) == len(ADULT.bones), "all links, and no end a second time"
     data = mujoco.MjData(scene.model)
     mujoco.mj_forward(scene.model, data)
     for f, bone in ADULT.last_bones.items():

@@ -13,7 +13,7 @@ from models.scene import TABLE
 
 Array = NDArray[np.float64]
 
-FRONT, BACK, HALF_WIDTH, THICKNESS = -0.042, 0.16, 0.30, 0.014
+FRONT, BACK, HALF_WIDTH, THICKNESS = -0.034, 0.16, 0.30, 0.014
 """m: world y of its front edge and of its back one, x of its sides, and how thick it is. The front
 edge is just before the largest thing's."""
 PANE = 0.040
