@@ -142,8 +142,8 @@ def main() -> None:
     ]
     threads = [Threads(benches[-1], n) for n in NOTES]
     for _ in range(args.rounds):
-        for bench in (*benches, *threads):
-            bench.round()
+        for each in [*(b.round for b in benches), *(t.round for t in threads)]:
+            each()
     for thread in threads:
         thread.close()
     print(describe_machine(), end="\n\n")

@@ -108,14 +108,15 @@ class PoseFilter:
             self._state = q
             return q.copy()
         state = self._state
-        x, y = float(state[0]), float(state[1])
+        x, y = state[:2].tolist()
+        along, down = np.asarray(carried, float).tolist()
         if abs(turn) > _LEAST_TURN:
             c, s = cos(turn), sin(turn)
-            left, up = float(about[0]), -float(about[1])  # type: ignore[index, arg-type]
+            left, up = np.asarray(about, float).tolist()
+            up = -up
             x, y = left + c * (x - left) - s * (y - up), up + s * (x - left) + c * (y - up)
             state[ROOT_ROTATION] = turned_about_normal(state[ROOT_ROTATION], turn)
-        state[0] = x + carried[0]  # type: ignore[index]
-        state[1] = y - carried[1]  # type: ignore[index]
+        state[0], state[1] = x + along, y - down
         q[ROOT_ROTATION] = unwrapped(q[ROOT_ROTATION], state[ROOT_ROTATION])
         self._state = state + -expm1(-dt / self.tau) * (q - state)
         return self._state.copy()

@@ -306,7 +306,7 @@ class Session:
         # What is solid is no part of MuJoCo's state, and decides as much about what comes next.
         solid = bytes(sum(1 << f for f in s.fingers) for s in self._solidity)
         chained = blake2b(self._hash, digest_size=16)
-        chained.update(self._state)
+        chained.update(self._state.data)
         chained.update(solid + self._contact.signature)
         self._hash = chained.digest()
 
