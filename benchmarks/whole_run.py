@@ -12,7 +12,6 @@ and physics is the peer: the rest of the program is to cost less than a few time
 from __future__ import annotations
 
 import argparse
-import os
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -22,8 +21,7 @@ from tempfile import gettempdir
 from typing import Any
 
 import mujoco
-
-os.environ.setdefault("OMP_NUM_THREADS", "1")
+from threadpoolctl import threadpool_limits
 
 GOAL = 20.0
 """Times real time that a whole trial is to be on one core."""
@@ -164,35 +162,41 @@ def parts_of_trial(seed: int, fingers: int) -> dict[str, float]:
 
 def main() -> None:
     """Prints the tables."""
-    from benchmarks.machine import describe_machine
-
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--fingers", type=int, nargs="+", default=[2, 3, 5])
     parser.add_argument("--seeds", type=int, default=8, help="trials of each")
     args = parser.parse_args()
-    seeds = range(args.seeds)
+    # As every executor of regression runs does.
+    with threadpool_limits(1):
+        tables(args.fingers, range(args.seeds))
+
+
+def tables(fingers: Sequence[int], seeds: Sequence[int]) -> None:
+    """Measures and prints."""
+    from benchmarks.machine import describe_machine
+
     print(describe_machine())
-    print(f"box-to-goal, medians of {args.seeds} trials, one core\n")
+    print(f"box-to-goal, medians of {len(seeds)} trials, one core\n")
     print(
         "| fingers | simulated | processor time | wall time | times real time (processor) | "
         "times real time (wall) |"
     )
     print("|" + " --- |" * 6)
-    for fingers in args.fingers:
-        whole_trial(0, fingers)
-        trials = [whole_trial(seed, fingers) for seed in seeds]
+    for count in fingers:
+        whole_trial(0, count)
+        trials = [whole_trial(seed, count) for seed in seeds]
         simulated, own, wall = (median(t[i] for t in trials) for i in range(3))
         real = [median(t[0] / t[i] for t in trials) for i in (1, 2)]
         print(
-            f"| {fingers} | {simulated:.2f} s | {own:.3f} s | {wall:.3f} s "
+            f"| {count} | {simulated:.2f} s | {own:.3f} s | {wall:.3f} s "
             f"| {real[0]:.1f} (goal {GOAL:.0f}) | {real[1]:.1f} |"
         )
     columns = []
-    for fingers in args.fingers:
-        found = [parts_of_trial(seed, fingers) for seed in seeds]
+    for count in fingers:
+        found = [parts_of_trial(seed, count) for seed in seeds]
         columns.append({part: median(f[part] for f in found) for part in PARTS})
     print("\nProcessor time in one control step of 16 ms, us (and against physics):\n")
-    print("| part | " + " | ".join(f"{n} fingers" for n in args.fingers) + " |")
+    print("| part | " + " | ".join(f"{n} fingers" for n in fingers) + " |")
     print("|" + " --- |" * (1 + len(columns)))
     for part in (*PARTS, "all"):
         cells = []
