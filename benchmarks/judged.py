@@ -35,19 +35,24 @@ def configuration() -> dict[str, Any]:
     }
 
 
-def judged_seeds(n: int) -> list[int]:
-    """The first n seeds of the frozen configuration.
+def judged_seeds(n: int, task: str = "box-to-goal") -> list[int]:
+    """The first n seeds of a task; they follow from what is frozen of it and of all tasks' runs.
 
     Raises:
         InputError: The code's configuration is no longer the frozen one.
     """
-    text = FROZEN.read_text()
-    if json.loads(text) != json.loads(json.dumps(configuration())):
+    frozen = json.loads(FROZEN.read_text())
+    now = json.loads(json.dumps(configuration()))
+    # Another task that comes or changes draws no new seeds for this one.
+    for each in (frozen, now):
+        each["tasks"] = {task: each["tasks"].get(task)}
+    if frozen != now or frozen["tasks"][task] is None:
         raise InputError(
             "the configuration has changed since it was frozen",
-            where=str(FROZEN),
+            where=f"{FROZEN}, {task}",
             remedy="`python -m benchmarks.judged --freeze` freezes it anew and draws new seeds",
         )
+    text = json.dumps(frozen, sort_keys=True)
     return [int.from_bytes(sha256(f"{text}\n{i}".encode()).digest()[:4], "big") for i in range(n)]
 
 
@@ -61,4 +66,5 @@ if __name__ == "__main__":
     parser.add_argument("--freeze", action="store_true", help="write frozen.json")
     if parser.parse_args().freeze:
         freeze()
-    print(*judged_seeds(10))
+    for name in TASKS:
+        print(name, *judged_seeds(10, name))

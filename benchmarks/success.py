@@ -111,16 +111,17 @@ def cell(found: list[dict[str, Any]]) -> str:
 
 
 def table(
-    done: dict[Job, dict[str, Any]], tasks: list[str], fingers: list[int], seeds: list[int]
+    done: dict[Job, dict[str, Any]], fingers: list[int], seeds: dict[str, list[int]]
 ) -> Iterator[str]:
-    """The result as a Markdown table: a column for each task and number of fingers."""
-    columns = [(task, f) for task in tasks for f in fingers]
+    """The result as a Markdown table: a column for each task (with its seeds) and finger count."""
+    columns = [(task, f) for task in seeds for f in fingers]
     names = [task if len(fingers) == 1 else f"{task}, {f} fingers" for task, f in columns]
     yield "| | " + " | ".join(names) + " |"
     yield "| --- |" + " --- |" * len(columns)
     for row in ROWS:
         found = [
-            [done[j] for s in seeds if (j := (task, row, f, s)) in done] for task, f in columns
+            [done[j] for s in seeds[task] if (j := (task, row, f, s)) in done]
+            for task, f in columns
         ]
         if any(found):
             yield f"| {row} | " + " | ".join(map(cell, found)) + " |"
@@ -147,13 +148,19 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("out/success.jsonl"))
     parser.add_argument("--table", action="store_true", help="only print what is there")
     args = parser.parse_args()
-    seeds = judged_seeds(args.seeds)
     tasks = list(TASKS) if args.tasks == ["all"] else args.tasks
+    seeds = {task: judged_seeds(args.seeds, task) for task in tasks}
     args.out.parent.mkdir(parents=True, exist_ok=True)
     done = load(args.out)
     rows = chosen_rows(args.rows)
     # Seed by seed, so that what is cut short has all tasks and rows to the same extent.
-    jobs = [(t, r, f, s) for s in seeds for t in tasks for r in rows for f in args.fingers]
+    jobs = [
+        (t, r, f, seeds[t][i])
+        for i in range(args.seeds)
+        for t in tasks
+        for r in rows
+        for f in args.fingers
+    ]
     missing = [] if args.table else [j for j in jobs if j not in done]
     # One thread a process: the machine's cores are the processes' already.
     os.environ["OMP_NUM_THREADS"] = "1"
@@ -164,7 +171,7 @@ def main() -> None:
     ):
         for result in progress.track(pool.map(trial, missing), total=len(missing)):
             file.write(json.dumps(result).encode() + b"\n")
-    print("\n".join(table(load(args.out), tasks, args.fingers, seeds)))
+    print("\n".join(table(load(args.out), args.fingers, seeds)))
 
 
 if __name__ == "__main__":

@@ -22,9 +22,10 @@ from tasks.stack import Stack, StackThree
 from tasks.stack_vertical import StackVertical
 from tasks.task import Task
 from tasks.wrench_slide import WrenchSlide
+from tasks.wrench_turn import WrenchTurn
 
 TASKS: dict[str, type[Task]] = {
-    task.name: task for task in (BoxToGoal, WrenchSlide, Stack, StackThree, StackVertical)
+    task.name: task for task in (BoxToGoal, WrenchTurn, WrenchSlide, Stack, StackThree, StackVertical)
 }
 
 

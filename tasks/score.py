@@ -12,11 +12,12 @@ AFTERMATH = 1.0
 
 
 class Status(StrEnum):
-    """How a trial ended; `running` until then."""
+    """How a trial ended; `running` until then. `failed`: something was done that ends it."""
 
     RUNNING = "running"
     HELD = "held"
     TIMEOUT = "timeout"
+    FAILED = "failed"
     DIVERGED = "diverged"
     INPUT_ENDED = "input_ended"
 
@@ -86,6 +87,8 @@ class Scorer:
         )
         if self._held_at is not None and time - self._held_at >= AFTERMATH - 5e-7:
             self._end(Status.HELD)
+        elif not held and measure.lost:
+            self._end(Status.FAILED)
         elif not held and time >= self._task.time_limit:
             self._end(Status.TIMEOUT)
         return self.score

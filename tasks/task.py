@@ -42,11 +42,13 @@ class Measure:
         reached: All conditions of success hold right now.
         progress: 0 (as at the start, or worse) to 1 (reached).
         reason: The first condition that does not hold, for a person; empty when all hold.
+        lost: What was done cannot be undone: the trial ends here, unless it was won before.
     """
 
     reached: bool
     progress: float
     reason: str
+    lost: bool = False
 
 
 class Task(Protocol):

@@ -108,11 +108,15 @@ class WrenchTask(ABC):
         reason = self._missing(wrench) or _restless(wrench)
         # Nothing but success is 1.
         progress = 1.0 if not reason else float(min(self._progress(wrench), 0.99))
-        return Measure(not reason, progress, reason)
+        return Measure(not reason, progress, reason, self._lost(wrench))
 
     @abstractmethod
     def _missing(self, wrench: ObjectState) -> str:
         """What is missing of its being at the goal, were it let go and at rest; empty: nothing."""
+
+    def _lost(self, wrench: ObjectState) -> bool:
+        """Whether the wrench was turned in a way that ends the trial."""
+        return False
 
     @abstractmethod
     def _progress(self, wrench: ObjectState) -> float:
@@ -139,6 +143,11 @@ def _restless(wrench: ObjectState) -> str:
     return "the wrench is still moving" if wrench.speed > SPEED_TOLERANCE else ""
 
 
+def wrapped(angle: float) -> float:
+    """An angle, rad, from -pi to pi."""
+    return float((angle + np.pi) % (2 * np.pi) - np.pi)
+
+
 def _apart(a: float, b: float) -> float:
     """rad between two yaws."""
-    return abs(float((a - b + np.pi) % (2 * np.pi) - np.pi))
+    return abs(wrapped(a - b))

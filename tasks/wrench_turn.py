@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from models.objects import BOLT_LIFT, HANDLE, JAW, THICKNESS
 from models.surface import Surface
 from tasks.sensing import ObjectState
-from tasks.wrench_base import END_BORDER, Place, WrenchTask
+from tasks.wrench_base import END_BORDER, Place, WrenchTask, wrapped
 
 Array = NDArray[np.float64]
 
@@ -28,6 +28,9 @@ the handle."""
 YAW_TOLERANCE = float(np.deg2rad(5.0))
 """rad within which the wrench counts as turned."""
 
+TOO_FAR = float(np.deg2rad(15.0))
+"""rad past the goal at which the nut is overtightened."""
+
 
 @dataclass(frozen=True)
 class WrenchTurn(WrenchTask):
@@ -35,21 +38,25 @@ class WrenchTurn(WrenchTask):
 
     Scene: an open-ended wrench of 12 cm, 60 to 150 g, on a bolt that stands still and is being
     tightened or loosened: dry friction of 2.0 to 2.5 N m, at which it stays wherever it is let go.
-    Nothing stops it at the goal.
+    Nothing stops it at the goal; more than 15 degrees past it the nut is spoiled, and the trial
+    with it.
     Goal: the wrench's ghost, turned by 40 to 90 degrees, either way.
     Success: yaw within 5 degrees of the goal, the wrench's middle slower than 1 cm/s and touched by
-    no hand, all for 0.5 s without a break, within 30 s.
+    no hand, all for 2 s without a break, within 20 s.
     Start: bolt uniform over the surface less a border of 18 mm, so that it can be seen; yaw uniform
     over the full circle, turn uniform over both ranges; redrawn until the place of the handle where
     fingers close stays 34 mm, and the handle's end 4 mm, away from the border all the way.
-    History: version 2, in no registry: random touches leave the wrench at its goal in 4 of 38
-    trials, where fewer than 5 % may. Version 1, in none either: its bolt of 0.02 to 0.10 N m turned
-    at every brush, and random touches did it in 3 of 25 trials.
+    History: version 3. Version 2, in no registry, held for 0.5 s within 30 s and let the nut be
+    turned past the goal: random touches left the wrench at its goal in 4 of 38 trials, where fewer
+    than 5 % may. Version 1, in none either: its bolt of 0.02 to 0.10 N m turned at every brush, and
+    random touches did it in 3 of 25 trials.
     """
 
     name: ClassVar[str] = "wrench-turn"
-    version: ClassVar[int] = 2
+    version: ClassVar[int] = 3
     stream: ClassVar[int] = 2
+    time_limit: ClassVar[float] = 20.0
+    hold_time: ClassVar[float] = 2.0
     border: ClassVar[float] = 0.018
     room: ClassVar[str] = "the way of a wrench's handle, as on 7.76x5.82in"
 
@@ -72,9 +79,17 @@ class WrenchTurn(WrenchTask):
 
     def _missing(self, wrench: ObjectState) -> str:
         off = self._turn_left(wrench)
+        if self._lost(wrench):
+            return "the nut is overtightened"
         if off > YAW_TOLERANCE:
             return f"the wrench is {np.rad2deg(off):.0f} degrees from the goal"
         return ""
+
+    def _lost(self, wrench: ObjectState) -> bool:
+        start, goal = self.objects[0].yaw, self.goals[0].yaw
+        # As far past the goal as half a turn; from there on it is too far the other way round.
+        past = np.sign(wrapped(goal - start)) * wrapped(wrench.yaw - goal)
+        return bool(past > TOO_FAR)
 
     def _progress(self, wrench: ObjectState) -> float:
         return self._turned(wrench, YAW_TOLERANCE)

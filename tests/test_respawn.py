@@ -14,8 +14,6 @@ from sandbox.replay import replay
 from sandbox.respawn import AWAY
 from sandbox.session import describe
 from sandbox.settings import RunSettings
-from tasks.registry import TASKS
-from tasks.wrench_turn import WrenchTurn
 from tests.scripted import Script, run, scripted
 
 
@@ -97,8 +95,7 @@ def test_where_a_finger_is_in_the_way_the_nearest_free_place_is_taken():
     assert box.clearance(tip[None], at, session.scene.object_pose(session.data, "box")[1])[0] > 0.01
 
 
-def test_an_object_hinged_to_the_table_never_moves(monkeypatch):
-    monkeypatch.setitem(TASKS, WrenchTurn.name, WrenchTurn)
+def test_an_object_hinged_to_the_table_never_moves():
     session = idle("wrench-turn")
     run(session, 1.0)
     assert session.respawned == 0 and not session._respawn._things

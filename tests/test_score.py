@@ -121,6 +121,22 @@ def test_a_hold_in_the_last_second_still_gets_its_second_of_aftermath():
     assert scorer.score.status is Status.HELD
 
 
+LOST = Measure(False, 0.2, "it is spoiled", lost=True)
+
+
+def test_what_cannot_be_undone_ends_a_trial_at_once():
+    scorer = play([True] * 3)
+    scorer.update(4 * CONTROL_PERIOD, LOST)
+    assert (scorer.score.status, scorer.score.reason) == (Status.FAILED, LOST.reason)
+    assert scorer.score.instant and not scorer.score.success
+
+
+def test_what_was_won_is_not_lost_any_more():
+    scorer = play([True] * (HOLD_STEPS + 1))
+    scorer.update((HOLD_STEPS + 2) * CONTROL_PERIOD, LOST)
+    assert scorer.score.success and not scorer.over
+
+
 ended = st.sampled_from([Status.DIVERGED, Status.INPUT_ENDED])
 
 

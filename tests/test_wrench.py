@@ -18,6 +18,7 @@ from models.surface import PRESETS, Surface
 from tasks import wrench_base, wrench_slide, wrench_turn
 from tasks.sensing import Sensing
 from tasks.task import Measure
+from tasks.wrench_base import wrapped
 from tasks.wrench_slide import WrenchSlide
 from tasks.wrench_turn import WrenchTurn
 from tests.simulation import put, run
@@ -309,3 +310,14 @@ def test_clearance_is_the_distance_to_the_nearest_solid_part_of_the_model(shares
         depth = np.min(half - np.abs(own), axis=1)
         nearest = np.minimum(nearest, np.where(depth > 0, -depth, outside))
     np.testing.assert_allclose(wrench.clearance(points, position, rotation), nearest, atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("past", [-40.0, -6.0, 0.0, 4.0, 14.0, 16.0, 100.0])
+def test_a_nut_turned_far_past_its_goal_is_spoiled(seed, past):
+    trial = Trial(WrenchTurn, seed)
+    way = np.sign(wrapped(trial.goal.yaw - trial.task.objects[0].yaw))
+    trial.place(turn=way * past)
+    measure = trial.measure()
+    assert measure.lost == (past > 15.0)
+    assert measure.reached == (abs(past) <= 5.0)

@@ -71,6 +71,7 @@ def overview() -> str:
         "",
         "tasks",
         "  box-to-goal     bring a box onto its translucent twin",
+        "  wrench-turn     turn a wrench on its bolt, and no further than its twin",
         "  wrench-slide    turn and slide a free wrench onto its twin",
         "  stack           put a box on another one, with a second control that lifts",
         "  stack-three     a third box on the second",
