@@ -54,7 +54,8 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
     at which success is certain, so that an episode's sum is the progress made plus success. With
     `reward="sparse"` only the latter.
 
-    `terminated`: success was held for the task's hold time and looked at a second later, or the
+    `terminated`: success was held for the task's hold time and looked at a second later, or what
+    was done cannot be undone (`info["trial"]["status"]` is then `failed`), or the
     simulation diverged (`info["trial"]["status"]` is then `diverged`, and the last sound
     observation is repeated). `truncated`: the task's time limit is over.
 
