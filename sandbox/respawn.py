@@ -198,8 +198,7 @@ def _shifts() -> Array:
     steps = np.arange(-round(FARTHEST / GRID), round(FARTHEST / GRID) + 1)
     x, y = (a.ravel() for a in np.meshgrid(steps, steps))
     order = np.lexsort((y, x, x * x + y * y))
-    shifts: Array = GRID * np.column_stack([x, y, np.zeros_like(x)])[order]
-    return shifts
+    return np.asarray(GRID * np.column_stack([x, y, np.zeros_like(x)])[order], float)
 
 
 _SHIFTS = _shifts()
