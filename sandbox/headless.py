@@ -8,6 +8,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from threadpoolctl import threadpool_limits
+
 from models.errors import DivergenceError
 from sandbox.assembly import DeviceMaker, build, digests
 from sandbox.keeping import Keeping
@@ -56,7 +58,8 @@ def run_trial(
     try:
         session = build(settings, make_device, keeping.recorder)
         try:
-            with _old_objects_left_alone():
+            # More threads gain nothing on such small matrices, and would wait for each other.
+            with threadpool_limits(1), _old_objects_left_alone():
                 play(session, make_views(session))
             return keeping.end(session)
         finally:
