@@ -36,6 +36,8 @@ RATE = 60
 RATES = (60, 120, 240)
 """Steps a second of Bullet."""
 GAINS = (0.1, 0.2, 0.3, 0.5, 0.7, 0.85, 1.0)
+DEFAULT_ERP = 0.2
+"""Of pybullet, by which the motors of its ball joints multiply their gain; else it is 1 here."""
 LIMITS = (100.0, 10.0, 3.0, 1.0, 0.3, 0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5)
 """N s of the slides, N m s of the turns, per 1/60 s."""
 COSTS, LEAST_COST = 1.1, 0.05
@@ -115,9 +117,11 @@ def ours(commands: Array, hand: Hand, timestep: float) -> Play:
     return np.array(poses), force[:, :3], force[:, 3:].reshape(-1, 15, 3), timestep
 
 
-def bullets(commands: Array, hand: Hand, rate: int, gain: float, loaded: bool = True) -> Play:
+def bullets(
+    commands: Array, hand: Hand, rate: int, gain: float, loaded: bool = True, erp: float = 1.0
+) -> Play:
     """Plays commands (T, 48) to Bullet's hand; see `BulletHand`."""
-    bullet = BulletHand(hand, rate, gain, loaded)
+    bullet = BulletHand(hand, rate, gain, loaded, erp)
     bullet.place(commands[0])
     steps = []
     for command in commands:
@@ -195,6 +199,8 @@ def print_search(commands: Array, hand: Hand, late: float) -> tuple[int, float]:
         print(f"| {rate} | {gain:g}{marks.get((rate, gain), '')} | {row}")
     bare = compare(commands, bullets(commands, hand, *best, loaded=False))
     print(f"| {best[0]} | {best[1]:g}, no armature at the fingers | {bare}", flush=True)
+    row = compare(commands, bullets(commands, hand, RATES[0], 1.0, erp=DEFAULT_ERP))
+    print(f"| {RATES[0]} | 1, `erp` {DEFAULT_ERP:g} | {row}", flush=True)
     return best
 
 

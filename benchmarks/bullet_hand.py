@@ -168,18 +168,19 @@ class BulletHand:
         rate: Steps a second.
         gain: Share of the remaining turn, or way, that every motor asks for in one step.
         loaded: See `inertias`.
+        erp: Of Bullet's world: the motors of its ball joints multiply their gain by it.
 
     Raises:
         InputError: pybullet is not installed.
     """
 
-    def __init__(self, hand: Hand, rate: float, gain: float = 1.0, loaded: bool = True) -> None:
+    def __init__(
+        self, hand: Hand, rate: float, gain: float = 1.0, loaded: bool = True, erp: float = 1.0
+    ) -> None:
         self._world = pybullet = bullet_world()
         self._world.resetSimulation()
         self._world.setGravity(0.0, 0.0, 0.0)
-        # A ball joint's motor works with the product of its gain and `erp`, which is 0.2 unless it
-        # is set: measured here, gain 5 did then what gain 1 does with `erp` 1.
-        self._world.setPhysicsEngineParameter(fixedTimeStep=1.0 / rate, numSubSteps=0, erp=1.0)
+        self._world.setPhysicsEngineParameter(fixedTimeStep=1.0 / rate, numSubSteps=0, erp=erp)
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "hand.urdf"
             path.write_text(hand_urdf(hand, loaded))
