@@ -65,7 +65,9 @@ def draw(found: Sweep) -> Figure:
         for panel in panels[::across]:
             panel.set_ylabel("success, %")
         if kinds:
-            panels[0].legend(loc="lower left")
+            # Within a panel it would hide where something breaks.
+            lines, names = panels[0].get_legend_handles_labels()
+            made.legend(lines, names, loc="outside lower center", ncols=min(len(names), 4))
         encoder = found.plan.configuration()["encoder"]
         made.suptitle(
             f"SIMULATED user, {len(found.plan.seeds)} seeds, encoder {encoder}; 95 % intervals; "
