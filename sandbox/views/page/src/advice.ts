@@ -1,0 +1,34 @@
+// What has to be known before play: an iPad takes gestures of four fingers away, and a phone is
+// small. Each is told once.
+
+import { make } from "./dom";
+import { recall, remember } from "./memory";
+import { ipad, small, touchable } from "./screen";
+import type { Sheets } from "./sheet";
+
+/** @param done Is called when everything has been read, or there is nothing to tell. */
+export function advise(sheets: Sheets, done: () => void): void {
+  if (!touchable || recall("advised") === "yes") {
+    done();
+    return;
+  }
+  const lines: string[] = [];
+  if (ipad)
+    lines.push(
+      "Settings, Multitasking & Gestures: switch off Four & Five Finger Gestures. Else the iPad " +
+        "takes your fingers away in the middle of a task.",
+      "Settings, Display & Brightness: set Auto-Lock to Never while you play.",
+    );
+  else lines.push("Switch off gestures of three or more fingers, if your device has any.");
+  if (small())
+    lines.push("This screen is small for your hand: play with two or three fingers, or on a tablet.");
+  sheets.open(
+    "Before you play",
+    [make("ul", "", {}, ...lines.map((text) => make("li", "", { text })))],
+    "I have done that",
+    () => {
+      remember("advised", "yes");
+      done();
+    },
+  );
+}

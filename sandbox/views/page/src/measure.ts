@@ -1,0 +1,51 @@
+// How large is this screen? An outline is fitted to a bank card, which is the same size everywhere.
+
+import { make, write } from "./dom";
+import { CARD_HEIGHT, CARD_WIDTH, FEWEST, MOST, calibrate, pxPerInch } from "./screen";
+import type { Sheets } from "./sheet";
+
+/** @param done Is called once the size is known, or the person did not want to tell. */
+export function measureScreen(sheets: Sheets, done: () => void): void {
+  let value = pxPerInch();
+  const card = make("div", "card", {}, make("span", "", { text: "your card" }));
+  const inches = make("p", "quiet-words");
+  const slider = make("input", "slider", { label: "Width of the card" });
+  slider.type = "range";
+  slider.min = String(FEWEST);
+  slider.max = String(MOST);
+  slider.step = "0.25";
+  const fit = (px: number): void => {
+    value = Math.min(Math.max(px, FEWEST), MOST);
+    slider.value = String(value);
+    card.style.width = `${CARD_WIDTH * value}px`;
+    card.style.height = `${CARD_HEIGHT * value}px`;
+    const [w, h] = [window.innerWidth / value, window.innerHeight / value];
+    write(inches, `This page is then ${w.toFixed(2)} by ${h.toFixed(2)} inches.`);
+  };
+  slider.addEventListener("input", () => fit(Number(slider.value)));
+  const step = (text: string, by: number): HTMLElement =>
+    make("button", "button step", { text, onTap: () => fit(value + by) });
+  fit(value);
+  const save = make("button", "button large primary", {
+    text: "It fits",
+    onTap: () => {
+      calibrate(value);
+      sheets.close();
+      done();
+    },
+  });
+  sheets.open(
+    "How large is this screen?",
+    [
+      make("p", "", {
+        text: "Hold a bank card to the screen and move the slider until the outline is as large.",
+      }),
+      card,
+      make("div", "row", {}, step("−", -0.5), slider, step("+", 0.5)),
+      inches,
+      make("div", "row", {}, save),
+    ],
+    "Skip: guess the size",
+    done,
+  );
+}

@@ -1,0 +1,73 @@
+// Rings under the fingers, on a canvas of their own above the scene. They follow the glass, not the
+// network: what the computer adds is the finger's name, colour and force.
+
+import { FINGER_COLOURS, UNKNOWN, fingerName } from "./colours";
+
+export interface Ring {
+  x: number;
+  y: number;
+  /** Thumb 0 to little finger 4; null while it has no name. */
+  label: number | null;
+  /** N. */
+  force: number;
+  ignored: boolean;
+}
+
+/** In, of the ring: it has to be seen round a fingertip. */
+const RADIUS = 0.42;
+const NAME_ABOVE = 0.3;
+
+export class Rings {
+  private readonly pen: CanvasRenderingContext2D;
+  private empty = true;
+
+  constructor(private readonly canvas: HTMLCanvasElement) {
+    this.pen = canvas.getContext("2d")!;
+    this.resize();
+  }
+
+  resize(): void {
+    const ratio = Math.min(window.devicePixelRatio, 2);
+    this.canvas.width = Math.round(window.innerWidth * ratio);
+    this.canvas.height = Math.round(window.innerHeight * ratio);
+    this.pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+    this.empty = true;
+  }
+
+  draw(rings: Ring[], pxPerInch: number): void {
+    if (this.empty && !rings.length) return;
+    this.pen.clearRect(0, 0, window.innerWidth, window.innerHeight);
+    this.empty = !rings.length;
+    for (const ring of rings) this.drawOne(ring, pxPerInch);
+  }
+
+  private drawOne(ring: Ring, pxPerInch: number): void {
+    const pen = this.pen;
+    const radius = Math.max(RADIUS * pxPerInch, 22);
+    const known = !ring.ignored && ring.label !== null;
+    const colour = known ? (FINGER_COLOURS[ring.label!] ?? UNKNOWN) : UNKNOWN;
+    // From a thin line in the air to a thick one at 3 N.
+    const thick = 3 + 7 * Math.min(ring.force / 3, 1);
+    pen.lineWidth = thick + 3;
+    pen.strokeStyle = "rgba(8, 12, 15, 0.55)";
+    pen.beginPath();
+    pen.arc(ring.x, ring.y, radius, 0, 2 * Math.PI);
+    pen.stroke();
+    pen.lineWidth = thick;
+    pen.strokeStyle = colour;
+    pen.stroke();
+    if (ring.ignored) return;
+    const name = fingerName(ring.label);
+    const y = ring.y - radius - NAME_ABOVE * Math.min(pxPerInch, 90);
+    pen.font = "600 15px system-ui, sans-serif";
+    pen.textAlign = "center";
+    pen.textBaseline = "middle";
+    const half = pen.measureText(name).width / 2 + 9;
+    pen.fillStyle = "rgba(8, 12, 15, 0.72)";
+    pen.beginPath();
+    pen.roundRect?.(ring.x - half, y - 12, 2 * half, 24, 12);
+    pen.fill();
+    pen.fillStyle = colour;
+    pen.fillText(name, ring.x, y + 1);
+  }
+}

@@ -1,0 +1,78 @@
+// Sends touches: every change, and while fingers are down something ten times a second, since a
+// page that falls silent loses them.
+
+import type { Connection } from "./connection";
+import type { Change, Finger } from "./fingers";
+
+const REPEAT_MS = 100;
+const REMEMBERED = 240;
+
+export class Sender {
+  private seq = 0;
+  private last = 0;
+  private fingers: Finger[] = [];
+  private unsent: number[] = [];
+  private lift: number | null = null;
+  private readonly times = new Map<number, number>();
+  /** Top left corner of the touch rectangle in CSS pixels. */
+  corner = { x: 0, y: 0 };
+  /** Whether touches are wanted: somebody plays, and is no spectator. */
+  active = false;
+
+  constructor(private readonly connection: Connection) {
+    window.setInterval(() => this.repeat(), REPEAT_MS / 2);
+  }
+
+  touch(change: Change): void {
+    const moves = change.fingers.length === this.fingers.length && !change.cancelled.length;
+    this.fingers = change.fingers;
+    this.unsent.push(...change.cancelled);
+    // Of moves only the newest counts; going down and up is never held back.
+    if (moves && this.connection.stalled) return;
+    this.send(change.at);
+  }
+
+  /** The lift control, 0 to 1; null where the task has none. */
+  setLift(lift: number | null): void {
+    this.lift = lift;
+    if (lift !== null) this.send(performance.now());
+  }
+
+  /** ms since the touch event of a message happened; null if it has been asked for before. */
+  since(seq: number): number | null {
+    const at = this.times.get(seq);
+    if (at === undefined) return null;
+    for (const old of this.times.keys()) if (old <= seq) this.times.delete(old);
+    return performance.now() - at;
+  }
+
+  private repeat(): void {
+    if (this.fingers.length && performance.now() - this.last >= REPEAT_MS) this.send(null);
+  }
+
+  private send(at: number | null): void {
+    if (!this.active) return;
+    this.seq += 1;
+    const sent = this.connection.say({
+      type: "touches",
+      seq: this.seq,
+      t: performance.now(),
+      contacts: this.fingers.map((f) => [
+        f.id,
+        round(f.x - this.corner.x),
+        round(f.y - this.corner.y),
+        round(f.width),
+      ]),
+      cancelled: this.unsent.slice(0, 20),
+      lift: this.lift,
+    });
+    if (!sent) return;
+    this.unsent = [];
+    this.last = performance.now();
+    if (at === null) return;
+    this.times.set(this.seq, at);
+    if (this.times.size > REMEMBERED) this.times.delete(this.times.keys().next().value!);
+  }
+}
+
+const round = (value: number): number => Math.round(value * 100) / 100;

@@ -1,0 +1,186 @@
+// The scene in three.js: built once per trial, moved by every frame. World: x right, y away, z up.
+
+import {
+  Color,
+  DirectionalLight,
+  Group,
+  HemisphereLight,
+  Mesh,
+  MeshBasicMaterial,
+  MeshStandardMaterial,
+  type Object3D,
+  PCFShadowMap,
+  Scene as World,
+  WebGLRenderer,
+} from "three";
+import { BACKGROUND, SKIN } from "./colours";
+import type { Frame } from "./frame";
+import { Ghost } from "./ghost";
+import { matMaterial, outline } from "./ground";
+import { Lens } from "./lens";
+import type { Geom, Scene } from "./protocol";
+import { Quality } from "./quality";
+import { geometry, place } from "./shapes";
+
+/** How much of a hand shows that passes through things. */
+const GHOSTLY = 0.5;
+const NO_COLOUR = new MeshBasicMaterial({ colorWrite: false, transparent: true });
+
+export class Stage {
+  readonly lens = new Lens();
+  private readonly renderer: WebGLRenderer;
+  private readonly quality: Quality;
+  private readonly world = new World();
+  private content = new Group();
+  private bodies: Group[] = [];
+  private ghosts = new Map<string, Ghost>();
+  private skin = handMaterial();
+  private key = keyLight();
+
+  constructor(canvas: HTMLCanvasElement, reload: () => void) {
+    this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: "default" });
+    this.renderer.shadowMap.enabled = true;
+    this.renderer.shadowMap.type = PCFShadowMap;
+    this.quality = new Quality(this.renderer, () => {
+      this.resize();
+      this.world.traverse((o) => {
+        if (o instanceof Mesh) (o.material as MeshStandardMaterial).needsUpdate = true;
+      });
+    });
+    // A lost context comes back empty; to load the page anew is simpler than to fill it again.
+    canvas.addEventListener("webglcontextlost", (event) => {
+      event.preventDefault();
+      window.setTimeout(reload, 500);
+    });
+    this.world.background = new Color(BACKGROUND);
+    const sky = new HemisphereLight(0xdfe8f2, 0x6b6560, 1.5);
+    sky.position.set(0, 0, 1);
+    this.world.add(sky, this.key, this.key.target);
+    this.resize();
+  }
+
+  resize(): void {
+    this.renderer.setSize(window.innerWidth, window.innerHeight, false);
+  }
+
+  /** Builds a new scene, and lets go of the last one. */
+  open(scene: Scene): void {
+    this.world.remove(this.content);
+    this.content.traverse(dispose);
+    this.content = new Group();
+    this.skin = handMaterial();
+    this.bodies = scene.bodies.map(() => new Group());
+    for (const geom of scene.geoms) {
+      const mesh = this.mesh(geom);
+      this.bodies[geom.body]?.add(mesh);
+      if (geom.part === "hand") this.bodies[geom.body]?.add(this.veil(mesh));
+    }
+    this.content.add(...this.bodies, outline(scene.surface));
+    this.ghosts = new Map(
+      scene.bodies.map((name, i) => [
+        name,
+        new Ghost(scene.geoms.filter((g) => g.body === i && g.part === "object")),
+      ]),
+    );
+    this.world.add(this.content);
+    this.light(scene);
+  }
+
+  /** Puts everything where a frame has it. */
+  move(frame: Frame): void {
+    const poses = frame.poses;
+    this.bodies.forEach((body, i) => {
+      const at = 7 * i;
+      if (at + 7 > poses.length) return;
+      body.position.set(poses[at]!, poses[at + 1]!, poses[at + 2]!);
+      body.quaternion.set(poses[at + 4]!, poses[at + 5]!, poses[at + 6]!, poses[at + 3]!);
+    });
+    const { goals, hands, reached, held } = frame.state;
+    for (const goal of goals) {
+      const ghost = this.ghosts.get(goal.object);
+      if (!ghost) continue;
+      if (!ghost.group.parent) this.content.add(ghost.group);
+      ghost.show(goal, reached, held);
+    }
+    this.skin.opacity = hands.some((hand) => hand.solid.length) ? 1 : GHOSTLY;
+  }
+
+  draw(now: number): void {
+    this.renderer.render(this.world, this.lens.camera);
+    this.quality.note(now);
+  }
+
+  private mesh(geom: Geom): Mesh {
+    const hand = geom.part === "hand";
+    const mesh = new Mesh(geometry(geom, hand), hand ? this.skin : material(geom));
+    place(mesh, geom);
+    mesh.castShadow = geom.kind !== "plane";
+    mesh.receiveShadow = true;
+    if (hand) mesh.renderOrder = 4;
+    return mesh;
+  }
+
+  /** A hand's nearest surface, written to depth alone and before its colour: of a translucent hand
+   * one sees one skin, not every bone inside. */
+  private veil(mesh: Mesh): Mesh {
+    const veil = new Mesh(mesh.geometry, NO_COLOUR);
+    veil.position.copy(mesh.position);
+    veil.quaternion.copy(mesh.quaternion);
+    veil.renderOrder = 3;
+    return veil;
+  }
+
+  /** The sun, and the part of the world where it casts shadows: round the touch rectangle. */
+  private light(scene: Scene): void {
+    const [x, y] = scene.surface.origin;
+    const reach = 0.2;
+    this.key.target.position.set(x + 0.1, y - 0.08, 0.02);
+    this.key.position.copy(this.key.target.position);
+    this.key.position.x += scene.hand === "right" ? -0.35 : 0.35;
+    this.key.position.y -= 0.2;
+    this.key.position.z += 0.8;
+    const eye = this.key.shadow.camera;
+    eye.left = eye.bottom = -reach;
+    eye.right = eye.top = reach;
+    eye.near = 0.3;
+    eye.far = 1.6;
+    eye.updateProjectionMatrix();
+  }
+}
+
+function keyLight(): DirectionalLight {
+  const light = new DirectionalLight(0xfff1e0, 2.3);
+  light.castShadow = true;
+  light.shadow.mapSize.set(1024, 1024);
+  light.shadow.bias = -0.0004;
+  light.shadow.normalBias = 0.0015;
+  return light;
+}
+
+function handMaterial(): MeshStandardMaterial {
+  return new MeshStandardMaterial({ color: SKIN, roughness: 0.6, transparent: true });
+}
+
+function material(geom: Geom): MeshStandardMaterial {
+  if (geom.kind === "plane") {
+    const [a, b] = geom.size;
+    return matMaterial(2 * (a || 2), 2 * (b || 2));
+  }
+  const [r, g, b, a] = geom.rgba;
+  const colour = new Color().setRGB(r, g, b, "srgb");
+  return new MeshStandardMaterial({
+    color: colour,
+    roughness: 0.55,
+    transparent: a < 1,
+    opacity: a,
+  });
+}
+
+function dispose(object: Object3D): void {
+  if (!(object instanceof Mesh)) return;
+  object.geometry.dispose();
+  for (const m of [object.material].flat()) {
+    m.map?.dispose();
+    m.dispose();
+  }
+}
