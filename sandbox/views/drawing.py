@@ -5,12 +5,11 @@ simulation. What the model does not have (goals, contacts) is added to MuJoCo's 
 the model's own geoms.
 
 A hand that can touch nothing is drawn as a ghost by mixing two pictures, one with and one without
-it. Geoms drawn translucent would show each other: a palm of many capsules becomes a cloud.
+it. Drawn translucent, it would show its own far side through the near one.
 """
 
 from __future__ import annotations
 
-import copy
 from dataclasses import dataclass
 from typing import Literal
 
@@ -18,12 +17,14 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from models.frames import FINGERS
 from models.scene import Scene
+from models.skin_colours import PALE
 from models.surface import Surface
 from sandbox.messages import ContactView, HandView, Snapshot
 from sandbox.views import palette
+from sandbox.views.hand_look import HIDDEN_GROUP, TARGET_GROUP, part_colour, skinned_model
 from sandbox.views.palette import Colour
+from sandbox.views.shelf import PANE, SHELF, hide_table, shelf
 from tasks.task import Goal
 
 Array = NDArray[np.float64]
@@ -42,22 +43,14 @@ LIFT = 0.0007
 OUTLINE_WIDTH = 0.0012
 """m, of the line around the touch surface."""
 
-FIRST_HIDDEN_GROUP = 3
-"""MuJoCo shows the geoms of groups 0 to 2, unless told otherwise."""
-HAND_GROUPS = (4, 5)
-"""Geom groups of the first and the second hand in the copy that is drawn."""
-
 ORTHOGRAPHIC_HEIGHT = 1.6
 """Visible height of a camera without perspective, in heights of the touch surface."""
 
 SHADOW_REACH = 0.25
 """m around the middle of the table in which shadows are drawn: the narrower, the sharper."""
 
-CASTER_WIDTH = 0.75
-"""Width of what casts a hand's shadow, to that of what is seen of the hand."""
-
-SKIN_SPECULAR, SKIN_SHININESS = 0.12, 0.3
-"""Skin has a dull gloss; MuJoCo's default would make it plastic."""
+CASTER_WIDTH = 0.64
+"""Width of what casts a hand's shadow, to that of the hand's flesh."""
 
 
 @dataclass(frozen=True)
@@ -84,33 +77,37 @@ class Drawing:
     Attributes:
         view: The drawing list, up to date after `update`.
         model: The copy that is drawn.
+        looks: Its hands.
     """
 
     def __init__(self, scene: Scene, surface: Surface, rings_on_table: bool = True) -> None:
         self.surface = surface
-        self.model = copy.copy(scene.model)
+        self.model, self.looks = skinned_model(scene)
         self._fovy = float(self.model.vis.global_.fovy)
         self.model.vis.map.shadowclip = SHADOW_REACH / self.model.stat.extent
         self.view = mujoco.MjvScene(self.model, MAX_GEOMS)
         self._data = mujoco.MjData(self.model)
         self._option = mujoco.MjvOption()
-        self._hand_geoms, self._casters = self._group_hands(scene)
-        self._last_bones = [
-            {
-                bone.finger: (self.model.body(hand.element_name(bone.name)).id, bone)
-                for bone in hand.skeleton.bones
-            }
-            for hand in scene.spec.hands
-        ]
+        self._option.geomgroup[HIDDEN_GROUP:] = 0
+        self._owners = {n: (i, part) for i, look in enumerate(self.looks)
+                        for part, n in look.parts.items()}  # fmt: skip
         self._parts = {n: self._parts_of(body) for n, body in scene.object_bodies.items()}
         flat = surface.rotation[2, 2] > 0.999
         height = surface.origin[2] - LIFT if flat and rings_on_table else 0.0
         # Marks lie on a plane parallel to the surface, towards the table where there is one below.
-        self.drop = -surface.rotation[:, 2] * height
-        self._outline_drop = -surface.rotation[:, 2] * (surface.origin[2] - LIFT if flat else 0.0)
+        pane = PANE if surface.upright and rings_on_table else 0.0
+        self.drop = surface.rotation[:, 2] * (pane - height)
+        ground = surface.origin[2] - LIFT if flat else 0.0
+        self._outline_drop = surface.rotation[:, 2] * (pane - ground)
+        if surface.upright:
+            hide_table(self.model, HIDDEN_GROUP)
 
     def update(
-        self, snapshot: Snapshot, camera: mujoco.MjvCamera, hidden: Hidden | None = None
+        self,
+        snapshot: Snapshot,
+        camera: mujoco.MjvCamera,
+        hidden: Hidden | None = None,
+        targets: bool = False,
     ) -> None:
         """Fills the drawing list.
 
@@ -118,6 +115,7 @@ class Drawing:
             snapshot: What is to be seen.
             camera: From where.
             hidden: Which hands are left out: `ghosts`, those that can touch nothing, or all.
+            targets: Adds where the hands should be, for those that something holds back.
         """
         model, data = self.model, self._data
         data.qpos[:] = snapshot.qpos
@@ -125,8 +123,10 @@ class Drawing:
         mujoco.mj_comPos(model, data)
         mujoco.mj_camlight(model, data)
         drawn = [hidden is None or (hidden == "ghosts" and bool(h.solid)) for h in snapshot.hands]
-        for group, shown in zip(HAND_GROUPS, drawn, strict=False):
-            self._option.geomgroup[group] = shown
+        held_back = self.held_back(snapshot) if targets else []
+        self._option.skingroup[:] = 0
+        self._option.skingroup[: len(drawn)] = drawn
+        self._option.skingroup[TARGET_GROUP] = bool(held_back)
         # For a camera without perspective, MuJoCo takes the visible height, in metres, from here.
         model.vis.global_.fovy = (
             ORTHOGRAPHIC_HEIGHT * self.surface.size[1] if camera.orthographic else self._fovy
@@ -134,15 +134,18 @@ class Drawing:
         mujoco.mjv_updateScene(
             model, data, self._option, None, camera, mujoco.mjtCatBit.mjCAT_ALL, self.view
         )
-        self._finish_model()
+        self._finish_model(snapshot)
+        self._pose_targets(snapshot, held_back)
         self._draw_outline()
+        if self.surface.upright:
+            half, place = shelf()
+            self._add(mujoco.mjtGeom.mjGEOM_BOX, half, place, np.eye(3), SHELF, 1.0)
         colour = goal_colour(snapshot)
         for goal in snapshot.goals:
             self._draw_goal(goal, snapshot, colour)
         for i, hand in enumerate(snapshot.hands):
             if drawn[i]:
-                self._draw_casters(self._casters[i])
-                self._draw_nails(i, hand)
+                self._draw_casters(self.looks[i].casters)
                 self._draw_threads(hand)
             for contact in hand.contacts:
                 self._draw_contact(contact, hand)
@@ -156,24 +159,13 @@ class Drawing:
         highest = camera.forward + camera.up * (camera.frustum_top / camera.frustum_near)
         return bool(highest[2] > 0.0)
 
-    def _group_hands(self, scene: Scene) -> tuple[set[int], list[list[int]]]:
-        """Puts what is seen of each hand into a group of its own.
-
-        Returns:
-            All those geoms, and for each hand the geoms in whose place its shadow is cast.
-        """
-        model, found, casters = self.model, set(), []
-        for i, hand in enumerate(scene.spec.hands):
-            root = int(model.body(hand.element_name("palm")).rootid[0])
-            mine = model.body_rootid[model.geom_bodyid] == root
-            seen = mine & (model.geom_group < FIRST_HIDDEN_GROUP)
-            # The simulation's own capsules have names; of the rest, cuff and sleeve count.
-            named = np.array([bool(model.geom(g).name) for g in range(model.ngeom)])
-            sleeve = seen & (model.geom_type == mujoco.mjtGeom.mjGEOM_CYLINDER)
-            casters.append(np.flatnonzero((mine & named) | sleeve).tolist())
-            model.geom_group[seen] = HAND_GROUPS[i]
-            found |= set(np.flatnonzero(seen).tolist())
-        return found, casters
+    def held_back(self, snapshot: Snapshot) -> list[int]:
+        """The solid hands whose fingers are visibly away from where they should be."""
+        return [
+            i
+            for i, (look, hand) in enumerate(zip(self.looks, snapshot.hands, strict=True))
+            if hand.solid and look.is_held_back(hand)
+        ]
 
     def _parts_of(self, body: int) -> list[_Part]:
         model = self.model
@@ -192,16 +184,35 @@ class Drawing:
             )
         return parts
 
-    def _finish_model(self) -> None:
+    def _finish_model(self, snapshot: Snapshot) -> None:
         """Changes in the drawing list what the model does not say."""
         for i in range(self.view.ngeom):
             geom = self.view.geoms[i]
             if geom.type == mujoco.mjtGeom.mjGEOM_PLANE:
                 # An endless plane casts no shadow that anyone sees, but specks of one on itself.
                 geom.category = mujoco.mjtCatBit.mjCAT_DECOR
-            if geom.objtype == mujoco.mjtObj.mjOBJ_GEOM and geom.objid in self._hand_geoms:
-                geom.specular, geom.shininess = SKIN_SPECULAR, SKIN_SHININESS
+            if geom.objtype == mujoco.mjtObj.mjOBJ_SKIN:
                 geom.category = mujoco.mjtCatBit.mjCAT_DECOR
+                if geom.objid in self._owners:
+                    index, part = self._owners[geom.objid]
+                    colour = part_colour(part, snapshot.hands[index])
+                    if colour is not None:
+                        geom.rgba[:3] = colour
+
+    def _pose_targets(self, snapshot: Snapshot, held_back: list[int]) -> None:
+        """Puts the skins of commanded poses in their places; of other hands, out of sight."""
+        if not self._option.skingroup[TARGET_GROUP]:
+            return
+        view = self.view
+        for i, look in enumerate(self.looks):
+            start, count = view.skinvertadr[look.target], view.skinvertnum[look.target]
+            place = slice(3 * start, 3 * (start + count))
+            if i not in held_back:
+                view.skinvert[place] = 0.0
+                continue
+            vertices, normals = look.commanded(snapshot.hands[i])
+            view.skinvert[place] = vertices.ravel()
+            view.skinnormal[place] = normals.ravel()
 
     def _draw_casters(self, casters: list[int]) -> None:
         """What casts a hand's shadow: thin capsules inside of what is seen of it.
@@ -215,9 +226,11 @@ class Drawing:
             # A little shorter as well: the sleeve's end would show through in its own caster's.
             size = self.model.geom_size[g] * np.array([CASTER_WIDTH, 0.98, 1.0])
             place, turn = self._data.geom_xpos[g], self._data.geom_xmat[g]
-            caster = self._add(self.model.geom_type[g], size, place, turn, palette.NAIL, 1.0)
+            caster = self._add(self.model.geom_type[g], size, place, turn, PALE, 1.0)
             if caster is not None:
                 caster.category = mujoco.mjtCatBit.mjCAT_DYNAMIC
+                # Lit like skin: should one ever come through, nobody sees it.
+                caster.emission = 0.0
 
     def _draw_outline(self) -> None:
         width, height = self.surface.size
@@ -279,24 +292,6 @@ class Drawing:
                 ends[:, axis] = -half[axis], half[axis]
                 a, b = place + ends @ turn.T
                 self._add_line(a, b, radius, colour, 1.0)
-
-    def _draw_nails(self, index: int, hand: HandView) -> None:
-        """Nails in the colours of the fingers that touch, so that one sees which is which."""
-        touching = {c.label for c in hand.contacts if c.state != "ignored"}
-        for finger in range(len(FINGERS)):
-            body, bone = self._last_bones[index][finger]
-            rotation = self._data.xmat[body].reshape(3, 3)
-            local = np.array([0.0, bone.length + 0.12 * bone.radius, 0.62 * bone.radius])
-            colour = palette.finger_colour(finger) if finger in touching else palette.NAIL
-            size = bone.radius * np.array([0.66, 0.86, 0.45])
-            self._add(
-                mujoco.mjtGeom.mjGEOM_ELLIPSOID,
-                size,
-                self._data.xpos[body] + rotation @ local,
-                rotation,
-                colour,
-                1.0,
-            )
 
     def _draw_threads(self, hand: HandView) -> None:
         """From every touch to its fingertip: where a hovering finger will land."""

@@ -27,7 +27,8 @@ HELD: Colour = (1.00, 0.84, 0.30)
 OUTLINE: Colour = (0.62, 0.74, 0.80)
 """The border of the touch surface."""
 
-NAIL: Colour = (0.93, 0.74, 0.68)
+TARGET: Colour = (0.62, 0.82, 0.98)
+"""Where a hand should be, while something holds it back."""
 
 PANEL: Colour = (0.09, 0.12, 0.15)
 TEXT: Colour = (0.95, 0.96, 0.97)

@@ -24,6 +24,9 @@ GHOST_OPACITY = 0.5
 SEE_THROUGH_OPACITY, SEE_THROUGH_GHOST = 0.6, 0.3
 """How much is seen of a solid hand and of a ghost where hands hide what they hold."""
 
+TARGET_OPACITY = 0.35
+"""How much is seen of where a hand should be."""
+
 SHADOW_SIZE, SAMPLES = 1024, 4
 """px of the shadow map, and samples per pixel. By software at 640x360, 2048 px take 1.2 times as
 long and look no better; no samples take 0.6 times as long, and edges are jagged."""
@@ -125,6 +128,9 @@ class Renderer:
             return Image.blend(self._behind(snapshot, "hands"), picture, opacity)
         if not solid:
             return Image.blend(self._behind(snapshot, "ghosts"), picture, GHOST_OPACITY)
+        if self._drawing.held_back(snapshot):
+            # Only what of it sticks out of the hand itself is seen.
+            return Image.blend(picture, self._draw(snapshot, None, True), TARGET_OPACITY)
         return picture
 
     def resize(self, size: tuple[int, int]) -> None:
@@ -169,11 +175,13 @@ class Renderer:
             self._kept = seen, self._draw(snapshot, hidden)
         return self._kept[1]
 
-    def _draw(self, snapshot: Snapshot, hidden: Hidden | None) -> Image.Image:
+    def _draw(
+        self, snapshot: Snapshot, hidden: Hidden | None, targets: bool = False
+    ) -> Image.Image:
         assert self.camera is not None
         drawing = self._drawing
         drawing.view.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = self.shadows
-        drawing.update(snapshot, self.camera, hidden)
+        drawing.update(snapshot, self.camera, hidden, targets)
         sky = drawing.sees_sky()
         drawing.view.flags[mujoco.mjtRndFlag.mjRND_SKYBOX] = sky
         drawing.view.flags[mujoco.mjtRndFlag.mjRND_HAZE] = sky
