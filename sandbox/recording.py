@@ -14,6 +14,7 @@ import json
 import queue
 import threading
 import zlib
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -39,7 +40,7 @@ _STOP = None
 Line = dict[str, Any]
 
 
-class RecordingLines:
+class RecordingLines(ABC):
     """Makes the lines of a recording from what a session tells; who inherits keeps them."""
 
     def __init__(self) -> None:
@@ -84,8 +85,9 @@ class RecordingLines:
         if line:
             self._put(line)
 
+    @abstractmethod
     def _put(self, line: Line) -> None:
-        raise NotImplementedError
+        """Keeps a line."""
 
 
 def keyframe_line(step: int, state: NDArray[np.float64], state_hash: str) -> Line:
