@@ -153,7 +153,7 @@ def test_the_command_prints_a_table_writes_a_report_and_draws_a_picture(tmp_path
     assert heavy_regress("--vary", "mass=4", "start=20", "--json", report, "--plot", plot) == 0
     printed = capsys.readouterr().out
     assert "heavy breaks at mass 4" in printed
-    assert "does not break from start 0 mm to 20 mm" in printed
+    assert "heavy: no break found from start 0 mm to 20 mm" in printed
     assert "sandbox run heavy --seed 0 --vary mass=4 --record" in printed
     read = json.loads(report.read_text())
     assert [(c["task"], c["varied"], c["breaks_above"]) for c in read["curves"]] == [

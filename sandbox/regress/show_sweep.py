@@ -43,7 +43,7 @@ def said(curve: Curve) -> list[str]:
         lines.append(f"{curve.task} breaks at {kind.name} {kind.text(above)}")
     if below is None and above is None and len(curve.run) > 1:
         lowest, highest = kind.text(curve.run[0].value), kind.text(curve.run[-1].value)
-        lines.append(f"{curve.task} does not break from {kind.name} {lowest} to {highest}")
+        lines.append(f"{curve.task}: no break found from {kind.name} {lowest} to {highest}")
     return lines
 
 
