@@ -211,7 +211,7 @@ def test_shift_pins_control_moves_together_and_the_wheel_opens(desk: Desk) -> No
     assert not np.allclose(turned, moved, atol=1e-4)
 
 
-def test_pause_reset_and_help_are_asked_for_with_keys(desk: Desk) -> None:
+def test_pause_reset_contact_and_help_are_asked_for_with_keys(desk: Desk) -> None:
     assert not desk.window.paused and not desk.window.take_reset()
     plain = np.asarray(desk.window.screenshot(), float)
     desk.do("key", "p")
@@ -219,6 +219,9 @@ def test_pause_reset_and_help_are_asked_for_with_keys(desk: Desk) -> None:
     desk.do("key", "p", "key", "r")
     assert not desk.window.paused
     assert desk.window.take_reset() and not desk.window.take_reset()
+    assert not desk.window.take_contact()
+    desk.do("key", "c")
+    assert desk.window.take_contact() and not desk.window.take_contact()
     desk.do("key", "h")
     helped = np.asarray(desk.window.screenshot(), float)
     assert (np.abs(helped - plain).max(axis=-1) > 12).sum() > 5000
