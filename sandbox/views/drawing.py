@@ -49,8 +49,9 @@ ORTHOGRAPHIC_HEIGHT = 1.6
 SHADOW_REACH = 0.25
 """m around the middle of the table in which shadows are drawn: the narrower, the sharper."""
 
-CASTER_WIDTH = 0.64
-"""Width of what casts a hand's shadow, to that of the hand's flesh."""
+CASTER_WIDTH, CASTER_DEPTH = 0.62, 0.20
+"""Width of what casts a hand's shadow, to that of the hand's flesh, and how far it lies towards the
+pad, in radii: on a bent finger's back there is little flesh."""
 
 
 @dataclass(frozen=True)
@@ -225,7 +226,9 @@ class Drawing:
         for g in casters:
             # A little shorter as well: the sleeve's end would show through in its own caster's.
             size = self.model.geom_size[g] * np.array([CASTER_WIDTH, 0.98, 1.0])
-            place, turn = self._data.geom_xpos[g], self._data.geom_xmat[g]
+            back = self._data.xmat[self.model.geom_bodyid[g]].reshape(3, 3)[:, 2]
+            depth = CASTER_DEPTH * self.model.geom_size[g, 0]
+            place, turn = self._data.geom_xpos[g] - depth * back, self._data.geom_xmat[g]
             caster = self._add(self.model.geom_type[g], size, place, turn, PALE, 1.0)
             if caster is not None:
                 caster.category = mujoco.mjtCatBit.mjCAT_DYNAMIC

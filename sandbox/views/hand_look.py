@@ -40,8 +40,10 @@ GLOSS: dict[str, tuple[float, float]] = {
 """Specular and shininess: skin is dull, a nail is not."""
 PALETTE_SIZE = 64
 """Colours along each side of the palette of tones."""
-TARGET_OFF = 0.006
-"""m between a fingertip and its target from which the target is shown."""
+TARGET_OFF, TARGET_THIN = 0.012, 0.0012
+"""m between a fingertip and its target from which the target is shown (fingers that hold something
+are always commanded a little into it), and how much thinner it is, so that it hides where it is in
+place."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +73,8 @@ class Look:
         """Vertices and normals (n, 3) of the skin at the commanded pose."""
         part = self.skin.part("skin").vertices
         bones = frames(self.hand.skeleton, hand.target)
-        return self.skin.posed(*bones)[part], self.skin.normals(*bones)[part]
+        normals = self.skin.normals(*bones)[part]
+        return self.skin.posed(*bones)[part] - TARGET_THIN * normals, normals
 
 
 def skinned_model(scene: Scene) -> tuple[mujoco.MjModel, list[Look]]:
