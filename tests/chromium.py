@@ -10,10 +10,11 @@ import signal
 import subprocess
 import time
 from collections.abc import Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
-from websockets.sync.client import ClientConnection, connect
+from websockets.sync.client import connect
 
 BINARY = shutil.which("chromium") or "/usr/bin/chromium"
 
@@ -47,7 +48,10 @@ class Browser:
             assert time.monotonic() < until, "the browser does not start"
             time.sleep(0.02)
         port, path = said.read_text().split("\n")[:2]
-        self._socket = connect(f"ws://127.0.0.1:{port}{path}", max_size=None, compression=None)
+        self._stack = ExitStack()
+        self._socket = self._stack.enter_context(
+            connect(f"ws://127.0.0.1:{port}{path}", max_size=None, compression=None)
+        )
         self._last = 0
         self.events: list[dict[str, Any]] = []
 
@@ -64,16 +68,12 @@ class Browser:
                 return result
             self.events.append(told)
 
-    @property
-    def socket(self) -> ClientConnection:
-        return self._socket
-
     def open(self, url: str, **screen: Any) -> Tab:
         """A new tab."""
         return Tab(self, url, **screen)
 
     def close(self) -> None:
-        self._socket.close()
+        self._stack.close()
         os.killpg(self._process.pid, signal.SIGKILL)
         self._process.wait()
 

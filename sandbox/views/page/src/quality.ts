@@ -1,42 +1,57 @@
-// Draws less on a device that cannot keep up: first no shadows, then fewer pixels.
+// Draws less on a device that cannot keep up: first no shadows, then fewer pixels. What a device can
+// do is remembered, so that it begins there the next time.
 
 import type { WebGLRenderer } from "three";
+import { recall, remember } from "./memory";
 
 /** ms a picture may take in the mean; 60 Hz leaves 17, and one more step is too much at 30 Hz. */
 const TOO_LONG = 24;
 const PICTURES = 45;
+/** ms without a picture that are no sign of slowness: the stream has paused. */
+const PAUSE = 1000;
+/** Levels: everything; no shadows; one pixel per CSS pixel; fewer, and rough edges. */
+const LOWEST = 3;
+const PIXELS = [2, 2, 1, 0.7];
 
 export class Quality {
-  private level = 0;
+  private level = Math.min(Math.max(Number(recall("quality")) || 0, 0), LOWEST);
   private sum = 0;
   private n = 0;
   private last = 0;
+  private renderer: WebGLRenderer | null = null;
 
-  constructor(
-    private readonly renderer: WebGLRenderer,
-    private readonly changed: () => void,
-  ) {
-    renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+  constructor(private readonly changed: () => void) {}
+
+  /** Whether edges are to be smoothed; has to be known when the canvas is made. */
+  get smooth(): boolean {
+    return this.level < LOWEST;
+  }
+
+  /** Sets a renderer to what this device can do. */
+  apply(renderer: WebGLRenderer): void {
+    this.renderer = renderer;
+    renderer.shadowMap.enabled = this.level === 0;
+    const most = PIXELS[this.level] ?? 1;
+    renderer.setPixelRatio(most < 1 ? most : Math.min(window.devicePixelRatio, most));
   }
 
   /** One more picture has been drawn, at a time in ms. */
   note(now: number): void {
     const passed = now - this.last;
     this.last = now;
-    // A pause of the stream says nothing about how fast this device draws.
-    if (passed > 250) return;
+    if (passed > PAUSE) return;
     this.sum += passed;
     this.n += 1;
     if (this.n < PICTURES) return;
     const mean = this.sum / this.n;
     this.sum = this.n = 0;
-    if (mean > TOO_LONG && this.level < 3) this.lower();
+    if (mean > TOO_LONG && this.level < LOWEST) this.lower();
   }
 
   private lower(): void {
     this.level += 1;
-    if (this.level === 1) this.renderer.shadowMap.enabled = false;
-    else this.renderer.setPixelRatio(this.level === 2 ? 1 : 0.7);
+    remember("quality", String(this.level));
+    if (this.renderer) this.apply(this.renderer);
     this.changed();
   }
 }

@@ -38,15 +38,15 @@ export class Stage {
   private key = keyLight();
 
   constructor(canvas: HTMLCanvasElement, reload: () => void) {
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: "default" });
-    this.renderer.shadowMap.enabled = true;
-    this.renderer.shadowMap.type = PCFShadowMap;
-    this.quality = new Quality(this.renderer, () => {
+    this.quality = new Quality(() => {
       this.resize();
       this.world.traverse((o) => {
         if (o instanceof Mesh) (o.material as MeshStandardMaterial).needsUpdate = true;
       });
     });
+    this.renderer = new WebGLRenderer({ canvas, antialias: this.quality.smooth });
+    this.renderer.shadowMap.type = PCFShadowMap;
+    this.quality.apply(this.renderer);
     // A lost context comes back empty; to load the page anew is simpler than to fill it again.
     canvas.addEventListener("webglcontextlost", (event) => {
       event.preventDefault();
