@@ -187,14 +187,14 @@ def test_one_wrong_message_refuses_its_whole_packet() -> None:
 
 def test_other_profiles_are_passed_over_without_complaint() -> None:
     table = Table()
-    blob = [message("/tuio/2Dblb", "alive", 4), message("/tuio/2Dblb", "fseq", 12)]
-    blob.append(message("/tuio/2Dblb", "set", 4, *[0.5] * 12))
-    mixed = bundle(*blob, cur("alive", 1), cur("set", 1, *A), cur("fseq", 3), *blob)
-    assert table.feed(bundle(*blob)) == []
+    thing = [message("/tuio/2Dobj", "alive", 4), message("/tuio/2Dobj", "fseq", 12)]
+    thing.append(message("/tuio/2Dobj", "set", 4, *[0.5] * 12))
+    mixed = bundle(*thing, cur("alive", 1), cur("set", 1, *A), cur("fseq", 3), *thing)
+    assert table.feed(bundle(*thing)) == []
     assert table.feed(mixed, frame(4, {1: B})) == [{1: A}, {1: B}]
     counts = table.tuio.statistics
     assert (counts.malformed, counts.late, counts.unfinished) == (0, 0, 0)
-    assert (counts.ignored, counts.ignored_address) == (9, "/tuio/2Dblb")
+    assert (counts.ignored, counts.ignored_address) == (9, "/tuio/2Dobj")
 
 
 FINGERS = st.dictionaries(

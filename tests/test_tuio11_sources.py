@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from sandbox.devices.tuio11 import MAX_SOURCES, MAX_TOUCHES
 from sandbox.devices.tuio11_frames import MAX_IDS
+from sandbox.devices.tuio_senders import MAX_SOURCES, MAX_TOUCHES
 from tests.tuio_packets import bundle, cur, frame, message
 from tests.tuio_table import A, B, C, Table
 

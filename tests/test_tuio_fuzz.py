@@ -19,7 +19,7 @@ import pytest
 from models.surface import Surface
 from sandbox.devices.osc import MAX_PACKET_BYTES
 from sandbox.devices.tuio import TuioDevice, touch_frame
-from sandbox.devices.tuio11 import MAX_SOURCES, MAX_TOUCHES, Commit, Tuio11
+from sandbox.devices.tuio_senders import MAX_SOURCES, MAX_TOUCHES, Commit, Tuio
 from tests.tuio_packets import MALFORMED, bundle, cur, frame, message
 
 QUICK, FULL = 3_000, 100_000
@@ -153,9 +153,9 @@ def check(commit: Commit) -> None:
     touch_frame(commit, Surface(), 0.0)  # refuses ids that are not unique
 
 
-def fuzz_decoder(seed: int, count: int, corpus: list[bytes]) -> Tuio11:
+def fuzz_decoder(seed: int, count: int, corpus: list[bytes]) -> Tuio:
     """Feeds mutants of several senders, and a good packet of another one after every 50."""
-    tuio = Tuio11(stale_after=0.5)
+    tuio = Tuio(stale_after=0.5)
     for n, data in enumerate(mutants(seed, count, corpus)):
         now = n * 0.01
         for commit in tuio.feed(data, f"192.0.2.{n % 7}:1", now) + tuio.expire(now):

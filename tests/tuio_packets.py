@@ -165,3 +165,49 @@ def reference_frames(packets: Sequence[bytes]) -> list[dict[int, tuple[float, fl
         }
         for now, living in enumerate(alive)
     ]
+
+
+def blb(*arguments: object) -> bytes:
+    """One message of profile 2Dblb."""
+    return message("/tuio/2Dblb", *arguments)
+
+
+def blobs(fseq: int, ellipses: dict[int, tuple[float, float, float, float]]) -> bytes:
+    """A frame of blobs: x, y, width and height by id."""
+    sets = [
+        blb("set", i, x, y, 0.0, w, h, w * h, 0.0, 0.0, 0.0, 0.0, 0.0)
+        for i, (x, y, w, h) in ellipses.items()
+    ]
+    return bundle(blb("alive", *ellipses), *sets, blb("fseq", fseq))
+
+
+def frm(number: int, source: str = "two") -> bytes:
+    """The message that opens a frame of TUIO 2.0; its time is that of the epoch."""
+    address = b"/tuio2/frm\x00\x00,itis\x00\x00\x00"
+    name = source.encode() + b"\x00" * (4 - len(source.encode()) % 4)
+    return address + struct.pack(">iQi", number, 0x83AA7E80 << 32, (1024 << 16) | 768) + name
+
+
+def ptr(touch: int, x: float, y: float, kind: int = 0) -> bytes:
+    """A pointer; `kind` is its type, and its user in the upper half."""
+    return message("/tuio2/ptr", touch, kind, 0, float(x), float(y), 0.0, 0.0, 0.0, 0.0)
+
+
+def alv(*ids: int) -> bytes:
+    return message("/tuio2/alv", *ids)
+
+
+def bnd(touch: int, width: float, height: float) -> bytes:
+    return message("/tuio2/bnd", touch, 0.5, 0.5, 0.0, width, height, width * height)
+
+
+def frame20(
+    number: int,
+    touches: dict[int, tuple[float, float]],
+    *,
+    alive: Sequence[int] | None = None,
+    source: str = "two",
+) -> bytes:
+    """A complete frame of TUIO 2.0."""
+    pointers = [ptr(i, x, y) for i, (x, y) in touches.items()]
+    return bundle(frm(number, source), *pointers, alv(*(touches if alive is None else alive)))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from sandbox.devices.tuio11 import Commit, Tuio11
+from sandbox.devices.tuio_senders import Commit, Tuio
 
 A, B, C = (0.125, 0.25), (0.5, 0.75), (0.875, 0.5)
 """Positions that 32-bit floats hold exactly."""
@@ -18,7 +18,7 @@ class Table:
     """A decoder, and the time: every packet comes 10 ms after the last."""
 
     def __init__(self, stale_after: float = 2.0) -> None:
-        self.tuio = Tuio11(stale_after)
+        self.tuio = Tuio(stale_after)
         self.now = 0.0
 
     def feed(self, *packets: bytes, peer: str = PEER) -> list[dict[int, tuple[float, float]]]:

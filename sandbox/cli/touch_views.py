@@ -17,7 +17,7 @@ from models.frames import FINGERS, TouchFrame
 from models.surface import METRES_PER_INCH, Surface
 from sandbox.devices.touch_capture import CaptureDevice
 from sandbox.devices.tuio import TuioDevice
-from sandbox.devices.tuio11 import Statistics
+from sandbox.devices.tuio_senders import Statistics
 
 Source = TuioDevice | CaptureDevice
 """What touches can be shown of."""

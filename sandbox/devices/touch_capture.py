@@ -18,7 +18,7 @@ from models.frames import TouchFrame
 from models.surface import Surface
 from sandbox.devices.osc import MAX_PACKET_BYTES
 from sandbox.devices.tuio import touch_frame
-from sandbox.devices.tuio11 import Commit, Statistics, Tuio11
+from sandbox.devices.tuio_senders import Commit, Statistics, Tuio
 
 _MAX_LINE = 2 * MAX_PACKET_BYTES + 4096
 """Bytes of a line: the largest packet in hex, and room for other keys."""
@@ -138,7 +138,7 @@ class CaptureDevice:
         self._packets = capture.packets
         self._surface = surface
         self._stale_after = stale_after
-        self._tuio = Tuio11(stale_after)
+        self._tuio = Tuio(stale_after)
         self._next = 0
 
     @property

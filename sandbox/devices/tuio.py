@@ -1,30 +1,39 @@
-"""Touch surfaces and tablet apps that send TUIO 1.1 over UDP.
+"""Touch surfaces and tablet apps that send TUIO 1.1 or 2.0 over UDP, TCP or WebSocket.
 
-One thread and one plain socket: a thread per packet, as ready-made OSC servers have it, neither
-keeps the order of packets nor keeps up with a few thousand of them a second.
+UDP has one thread and one plain socket: a thread per packet, as ready-made OSC servers have it,
+neither keeps the order of packets nor keeps up with a few thousand of them a second. Connections
+live in a second thread (see `sandbox.devices.tuio_streams`), which is there only if asked for.
 """
 
 from __future__ import annotations
 
 import errno
+import math
 import socket
 import threading
 import time
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from types import TracebackType
-from typing import Self
+from typing import Literal, Self, get_args
 
 from models.errors import DeviceError
 from models.frames import Contact, TouchFrame
 from models.surface import Surface
-from sandbox.devices.tuio11 import Commit, SourceStatus, Statistics, Tuio11
+from sandbox.devices.tuio_senders import Commit, SourceStatus, Statistics, Tuio
+from sandbox.devices.tuio_streams import DEFAULT_WEBSOCKET_PORT, Streams, parse_target
 
 DEFAULT_PORT = 3333
 """The UDP port that TUIO senders use unless told otherwise."""
 
 LOOPBACK = "127.0.0.1"
+
+Transport = Literal["udp", "tcp", "websocket", "all"]
+"""How packets come: each in a datagram, with its length before it in a TCP stream, or as a binary
+message of a WebSocket."""
+
+Tap = Callable[[float, str, bytes | None], None]
 
 QUEUE_FRAMES = 2048
 """Frames that wait for `poll`: 17 seconds of a device of 120 Hz."""
@@ -37,7 +46,7 @@ _SOCKET_BUFFER = 1 << 20
 
 
 class TuioDevice:
-    """A UDP port on which any number of TUIO 1.1 senders report touches.
+    """A port on which any number of TUIO senders report touches, in version 1.1 or 2.0.
 
     All senders share the surface, so every frame holds the touches of all of them; their ids are
     made unique. What is wrong with packets is counted in `statistics`, never raised.
@@ -46,7 +55,14 @@ class TuioDevice:
         surface: Gives the size of what the senders call 0 to 1.
         bind: IPv4 address of the network card to listen on. The default can only be reached from
             this machine; 0.0.0.0 listens to everybody who can reach it.
-        port: UDP port; 0 lets the system choose, and `port` tells which.
+        port: UDP or TCP port; 0 lets the system choose, and `port` tells which.
+        transport: What to listen for. `all` takes TCP at the same port, and WebSockets at theirs.
+        websocket_port: Port for WebSockets; 0 lets the system choose.
+        connect: A sender that waits to be called, as the reference implementations do for TCP and
+            WebSockets: `tcp://HOST:PORT` or `ws://HOST:PORT`. It is called again until it answers.
+            Empty: listen.
+        tap: Is told of every packet: time (s), peer, bytes; None: the connection has ended. Called
+            from a thread that must not be held up.
         stale_after: Seconds of silence after which the touches of a source are lifted.
         queue_frames: Frames kept for `poll`; when full, the oldest is dropped and counted.
 
@@ -62,9 +78,19 @@ class TuioDevice:
         *,
         bind: str = LOOPBACK,
         port: int = DEFAULT_PORT,
+        transport: Transport = "udp",
+        websocket_port: int = DEFAULT_WEBSOCKET_PORT,
+        connect: str = "",
         stale_after: float = 2.0,
         queue_frames: int = QUEUE_FRAMES,
+        tap: Tap | None = None,
     ) -> None:
+        if transport not in get_args(Transport):
+            raise DeviceError(
+                "there is no such transport",
+                got=transport,
+                expected=", ".join(get_args(Transport)),
+            )
         if not 0.0 < stale_after < float("inf"):
             raise DeviceError(
                 "a source cannot be stale after this time", got=stale_after, expected="seconds > 0"
@@ -74,22 +100,52 @@ class TuioDevice:
                 "the queue must hold a frame at least", got=queue_frames, expected="1 or more"
             )
         self._surface = surface
-        self._tuio = Tuio11(stale_after)
+        self._tuio = Tuio(stale_after)
         self._queue: deque[TouchFrame] = deque(maxlen=queue_frames)
         self._dropped = 0
         self._failure: DeviceError | None = None
         self._closing = threading.Event()
         self._news = threading.Condition()
-        self._socket = _listen(bind, port)
-        self.bind, self.port = self._socket.getsockname()
+        self._tap = tap
         self._start = time.monotonic()
-        self._thread = threading.Thread(target=self._receive, name="tuio", daemon=True)
-        self._thread.start()
+        self._next_look = 0.0
+        self._socket: socket.socket | None = None
+        self._thread: threading.Thread | None = None
+        self._streams: Streams | None = None
+        self.bind, self.port, self.websocket_port = bind, port, websocket_port
+        self._open(transport, connect)
+
+    def _open(self, transport: Transport, connect: str) -> None:
+        """Listens, or calls the sender."""
+        if connect:
+            self._streams = Streams(self, target=parse_target(connect))
+            self._address = connect
+            return
+        try:
+            if transport in ("udp", "all"):
+                self._socket = _listen(self.bind, self.port)
+                self.bind, self.port = self._socket.getsockname()
+            if transport != "udp":
+                ports = (
+                    self.port if transport in ("tcp", "all") else None,
+                    self.websocket_port if transport in ("websocket", "all") else None,
+                )
+                self._streams = Streams(self, self.bind, *ports)
+                self.port = self._streams.tcp_port or self.port
+                self.websocket_port = self._streams.websocket_port or self.websocket_port
+        except DeviceError:
+            self.close()
+            raise
+        shown = self.websocket_port if transport == "websocket" else self.port
+        self._address = f"{self.bind}:{shown}"
+        if self._socket is not None:
+            self._thread = threading.Thread(target=self._receive, name="tuio", daemon=True)
+            self._thread.start()
 
     @property
     def address(self) -> str:
-        """Where it listens, as HOST:PORT."""
-        return f"{self.bind}:{self.port}"
+        """Where it listens, as HOST:PORT, or whom it calls."""
+        return self._address
 
     @property
     def statistics(self) -> Statistics:
@@ -107,7 +163,7 @@ class TuioDevice:
     def finished(self) -> bool:
         """True once closed or broken, and every frame fetched."""
         with self._news:
-            return not self._queue and not self._thread.is_alive()
+            return not self._queue and not self._alive
 
     def poll(self, now: float = 0.0) -> Sequence[TouchFrame]:
         """Every frame committed since the last call, oldest first; `now` is ignored.
@@ -132,8 +188,57 @@ class TuioDevice:
     def close(self) -> None:
         """Stops listening; frames received before can still be polled."""
         self._closing.set()
-        self._thread.join()
-        self._socket.close()
+        if self._streams is not None:
+            self._streams.close()
+        if self._thread is not None:
+            self._thread.join()
+        if self._socket is not None:
+            self._socket.close()
+
+    def receive(self, data: bytes, peer: str) -> None:
+        """Takes in a packet; called from any thread."""
+        with self._news:
+            now = self._now()
+            if self._tap is not None:
+                self._tap(now, peer, data)
+            self._publish(self._tuio.feed(data, peer, now), now)
+
+    def hung_up(self, peer: str) -> None:
+        """A connection has ended: the touches of those who spoke through it are cancelled."""
+        with self._news:
+            now = self._now()
+            if self._tap is not None:
+                self._tap(now, peer, None)
+            self._publish(self._tuio.leave(peer), now)
+
+    def look(self) -> None:
+        """Lifts the touches of those who have been silent for too long."""
+        with self._news:
+            now = self._now()
+            if now >= self._next_look:
+                self._next_look = now + _TICK
+                self._publish(self._tuio.expire(now), now)
+
+    def refuse(self, reason: str, packet: bool = False) -> None:
+        """Counts a connection that was not let in, or a packet that no reader ever saw."""
+        with self._news:
+            counts = self._tuio.statistics
+            if packet:
+                counts.packets += 1
+                counts.refuse_packet(reason)
+            else:
+                counts.refuse_connection(reason)
+
+    def fail(self, error: Exception, where: str) -> None:
+        """What was listening is broken; the next `poll` says so."""
+        with self._news:
+            self._failure = DeviceError(
+                f"listening to touches has failed: {error}",
+                where=where,
+                remedy="Start again; if it stays, check the network connection",
+            )
+            self._failure.__cause__ = error
+            self._news.notify_all()
 
     def __enter__(self) -> Self:
         return self
@@ -146,31 +251,28 @@ class TuioDevice:
     ) -> None:
         self.close()
 
+    @property
+    def _alive(self) -> bool:
+        threads = [self._thread, self._streams]
+        return any(thread is not None and thread.is_alive() for thread in threads)
+
+    def _now(self) -> float:
+        return time.monotonic() - self._start
+
     def _receive(self) -> None:
-        """The thread: takes packets until closed."""
+        """The thread of UDP: takes packets until closed."""
+        assert self._socket is not None
         try:
-            next_look = 0.0
             while not self._closing.is_set():
                 try:
                     data, (host, port) = self._socket.recvfrom(65_536)
                 except TimeoutError:
-                    data = None
-                now = time.monotonic() - self._start
-                with self._news:
-                    commits = [] if data is None else self._tuio.feed(data, f"{host}:{port}", now)
-                    if now >= next_look:
-                        commits += self._tuio.expire(now)
-                        next_look = now + _TICK
-                    self._publish(commits, now)
+                    pass
+                else:
+                    self.receive(data, f"{host}:{port}")
+                self.look()
         except Exception as error:  # a thread must not die unheard: the next poll raises this
-            with self._news:
-                self._failure = DeviceError(
-                    f"listening to touches has failed: {error}",
-                    where=f"UDP {self.address}",
-                    remedy="Start again; if it stays, check the network connection",
-                )
-                self._failure.__cause__ = error
-                self._news.notify_all()
+            self.fail(error, f"UDP {self.address}")
 
     def _publish(self, commits: list[Commit], now: float) -> None:
         for commit in commits:
@@ -185,12 +287,17 @@ def touch_frame(commit: Commit, surface: Surface, now: float) -> TouchFrame:
 
     Touches of a silent source leave like lifted ones, not as cancelled: the likeliest story is a
     lifted finger whose last packet was lost, and what it held must be let go of.
+
+    A touch that is measured as wide and high is as large as the circle of the same area.
     """
     width, height = (float(length) for length in surface.size)
-    contacts = tuple(
-        Contact(touch.id, touch.x * width, touch.y * height) for touch in commit.touches
-    )
-    return TouchFrame(now, contacts, source=commit.source)
+    contacts = []
+    for touch in commit.touches:
+        size = None
+        if touch.width and touch.height:
+            size = math.sqrt(touch.width * width * touch.height * height)
+        contacts.append(Contact(touch.id, touch.x * width, touch.y * height, size, touch.label))
+    return TouchFrame(now, tuple(contacts), None, commit.cancelled, commit.source)
 
 
 def _listen(bind: str, port: int) -> socket.socket:

@@ -1,60 +1,41 @@
-"""What one datagram says in TUIO 1.1, profile 2Dcur: messages become frames, and nothing is kept.
+"""What one datagram says in TUIO 1.1, profiles 2Dcur and 2Dblb: messages become frames, no more.
 
 A sender counts the frames of a profile (`fseq`), lists in each the ids of all living touches
 (`alive`), and gives the position of those that changed (`set`); `source` names the sender.
-Positions are 0 to 1 over the sensor, origin top left, y down. Specification: TUIO 1.1 (tuio.org).
+Positions are 0 to 1 over the sensor, origin top left, y down. Cursors (2Dcur) are the touches;
+blobs (2Dblb) tell how large they are. Specification: TUIO 1.1 (tuio.org).
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence, Sized
-from dataclasses import dataclass, field
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from sandbox.devices.osc import MalformedPacket, Message, Packet
+from sandbox.devices.tuio_values import (
+    MAX_FRAMES,
+    MAX_IDS,
+    Frame,
+    Place,
+    check_count,
+    check_frames,
+    read_coordinate,
+    read_int32,
+    read_name,
+    read_size,
+    short,
+)
 
-PROFILE = "/tuio/2Dcur"
+__all__ = ["BLOBS", "CURSORS", "MAX_FRAMES", "MAX_IDS", "Reading", "read_frames"]
 
-MAX_IDS = 64
-"""Living touches of one source. More than a room full of hands; bounds our memory."""
-
-MAX_FRAMES = 16
-"""Frames of one packet. Honest senders put one into each; bounds the work of a packet."""
-
-LOWEST, HIGHEST = -0.1, 1.1
-"""Where a position may lie, in widths of the surface: sensors see a little beyond their edge."""
-
-_SINGLE_PRECISION = 1e-6
-"""Positions travel as 32-bit floats, in which 1.1 is a little more than 1.1."""
-
-MAX_NAME = 200
-"""Characters of a source's name."""
-
-
-@dataclass(slots=True)
-class Frame:
-    """What the messages up to one `fseq` say; positions in 0..1, None is "not said"."""
-
-    source: str | None
-    alive: tuple[int, ...] | None = None
-    positions: dict[int, tuple[float, float]] = field(default_factory=dict)
-    fseq: int | None = None
-
-    def take(self, later: Frame) -> None:
-        """Adds what a later part of the same frame says."""
-        self.alive = self.alive if later.alive is None else later.alive
-        for touch, position in later.positions.items():
-            self.positions.pop(touch, None)
-            self.positions[touch] = position
-        self.fseq = later.fseq
+CURSORS, BLOBS = "/tuio/2Dcur", "/tuio/2Dblb"
 
 
 class Reading(NamedTuple):
     """The frames of a datagram in their order, and what else it tells.
 
     Attributes:
-        frames: An unclosed one has no `fseq`.
+        frames: An unclosed one has no number.
         names: The sources that spoke, in the order of their last word (None: no name was given).
         ignored: Addresses of the messages that are not for us.
     """
@@ -71,12 +52,13 @@ def read_frames(packet: Packet) -> Reading:
     first `source` also names what stands before it.
 
     Raises:
-        MalformedPacket: A message of the profile breaks the protocol; nothing of the packet counts.
+        MalformedPacket: A message about cursors breaks the protocol; nothing of the packet counts.
+            A blob that cannot be understood is passed over: a size is no reason to lose a touch.
     """
     named = [_source_name(message) for message in packet.messages]
     name = next((n for n in named if n is not None), None)
     frames: list[Frame] = []
-    unclosed: dict[str | None, Frame] = {}
+    unclosed: dict[tuple[str | None, str], Frame] = {}
     names: dict[str | None, None] = {}
     ignored: list[str] = []
     for message, new_name in zip(packet.messages, named, strict=True):
@@ -84,25 +66,32 @@ def read_frames(packet: Packet) -> Reading:
             name = name if new_name is None else new_name
             names.pop(name, None)
             names[name] = None  # in the order of their last word
-        if message.address != PROFILE:
-            ignored.append(ascii(message.address[:40]).strip("'"))
-        elif new_name is None:
-            frame = unclosed.setdefault(name, Frame(name))
+        if new_name is not None:
+            if message.address not in (CURSORS, BLOBS):
+                ignored.append(_named(message))
+            continue
+        if message.address not in (CURSORS, BLOBS):
+            ignored.append(_named(message))
+            continue
+        key = (name, message.address)
+        frame = unclosed.setdefault(key, Frame(*key))
+        try:
             _read_command(message.arguments, frame)
-            if frame.fseq is not None:
-                frames.append(unclosed.pop(name))
-    for name, rest in unclosed.items():
-        closed = next((f for f in reversed(frames) if f.source == name), None)
+        except MalformedPacket:
+            if message.address == CURSORS:
+                raise
+            ignored.append(_named(message))
+        if frame.number is not None:
+            frames.append(unclosed.pop(key))
+    for key, rest in unclosed.items():
+        closed = next((f for f in reversed(frames) if (f.source, f.profile) == key), None)
         if closed is None:
             frames.append(rest)
         else:
-            rest.fseq = closed.fseq
+            rest.number = closed.number
             closed.take(rest)
-            _check_count(closed.positions)
-    if len(frames) > MAX_FRAMES:
-        raise MalformedPacket(
-            "a packet has too many frames", got=len(frames), expected=f"{MAX_FRAMES} at most"
-        )
+            check_count(closed.places)
+    check_frames(frames)
     return Reading(frames, list(names), ignored)
 
 
@@ -110,68 +99,42 @@ def _source_name(message: Message) -> str | None:
     """The name in a `source` message of any profile: a sender has one name for all of them."""
     if not message.address.startswith("/tuio/") or message.arguments[:1] != ("source",):
         return None
-    name = message.arguments[1] if len(message.arguments) > 1 else None
-    if not isinstance(name, str) or len(name) > MAX_NAME or not name.isprintable():
-        raise MalformedPacket(
-            "the name of a source must be a short printable text", got=_short(name)
-        )
-    return name
+    return read_name(message.arguments[1] if len(message.arguments) > 1 else None)
+
+
+def _named(message: Message) -> str:
+    return ascii(message.address[:40]).strip("'")
 
 
 def _read_command(arguments: Sequence[object], frame: Frame) -> None:
     """Adds one alive, set or fseq message to a frame."""
     command, values = (arguments[0], arguments[1:]) if arguments else (None, ())
     if command == "alive":
-        frame.alive = tuple(dict.fromkeys(_int32(value, "alive") for value in values))
-        _check_count(frame.alive)
+        alive = tuple(dict.fromkeys(read_int32(value, "alive") for value in values))
+        check_count(alive)
+        frame.alive = alive
     elif command == "set":
         # Some senders leave out speed and acceleration; we use neither and do not judge them.
         if len(values) < 3:
             raise MalformedPacket(
                 "a set message is too short", got=f"{len(values)} values", expected="id x y"
             )
-        touch = _int32(values[0], "set")
-        frame.positions[touch] = (_coordinate(values[1], "x"), _coordinate(values[2], "y"))
-        _check_count(frame.positions)
+        touch = read_int32(values[0], "set")
+        check_count({*frame.places, touch})
+        frame.places[touch] = _place(values, frame.profile)
     elif command == "fseq":
-        frame.fseq = _int32(values[0] if values else None, "fseq")
+        frame.number = read_int32(values[0] if values else None, "fseq")
     else:
         raise MalformedPacket(
             "this is no command of TUIO 1.1",
-            got=_short(command),
+            got=short(command),
             expected="source, alive, set or fseq",
         )
 
 
-def _check_count(touches: Sized) -> None:
-    if len(touches) > MAX_IDS:
-        raise MalformedPacket(
-            "a frame has too many touches", got=len(touches), expected=f"{MAX_IDS} at most"
-        )
-
-
-def _int32(value: object, where: str) -> int:
-    if isinstance(value, bool) or not isinstance(value, int) or not -(2**31) <= value < 2**31:
-        raise MalformedPacket(
-            "a whole number is missing", where=where, got=_short(value), expected="an int32"
-        )
-    return value
-
-
-def _coordinate(value: object, axis: str) -> float:
-    """A position on the surface, moved to 0..1 where it lies in the margin."""
-    number = value if isinstance(value, (int, float)) and not isinstance(value, bool) else math.nan
-    slack = _SINGLE_PRECISION
-    if not LOWEST - slack <= number <= HIGHEST + slack:  # false for what is not a number, too
-        raise MalformedPacket(
-            "a position is not on the surface",
-            where=f"set, {axis}",
-            got=_short(value),
-            expected=f"{LOWEST} to {HIGHEST}",
-        )
-    return min(max(float(number), 0.0), 1.0)
-
-
-def _short(value: object) -> object:
-    """The value as an error message may show it."""
-    return value if value is None or isinstance(value, (int, float)) else str(value)[:60]
+def _place(values: Sequence[object], profile: str) -> Place:
+    """Of a cursor: id x y ...; of a blob: id x y angle width height area ..."""
+    x, y = read_coordinate(values[1], "set, x"), read_coordinate(values[2], "set, y")
+    if profile == CURSORS or len(values) < 6:
+        return Place(x, y)
+    return Place(x, y, read_size(values[4]), read_size(values[5]))
