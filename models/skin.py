@@ -114,7 +114,7 @@ class Skin:
         """(..., n, 3) unit vectors out of the posed skin: those of the zero pose, turned along.
 
         Where skin stretches they are a few degrees off; `normals_of` gives the posed surface's own,
-        in fifty times the time.
+        in about ten times the time.
         """
         blended = self._blended(positions, rotations)
         out = np.einsum("...nij,nj->...ni", blended[..., :3], self._normals)

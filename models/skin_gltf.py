@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from models.errors import InputError
 from models.pose import POSE_SIZE
 from models.rotations import matrix_to_quaternion
-from models.skeleton import Skeleton
+from models.skeleton import ADULT, Skeleton
 from models.skin import Skin, frames, normals_of
 from models.skin_colours import CUFF, NAIL, SLEEVE, Colour, linear, tone_colours
 
@@ -175,12 +175,19 @@ def write_glb(path: Path, skeleton: Skeleton) -> None:
         ) from error
 
 
-if __name__ == "__main__":
-    from models.skeleton import ADULT
-
-    if len(sys.argv) != 2:
-        sys.exit("usage: python -m models.skin_gltf FILE.glb")
+def main(arguments: list[str]) -> int:
+    """Writes the built-in hand; 2 where that cannot be done."""
     try:
-        write_glb(Path(sys.argv[1]), ADULT)
+        if len(arguments) != 1:
+            raise InputError(
+                "one file is to be written", got=" ".join(arguments) or None, expected="FILE.glb"
+            )
+        write_glb(Path(arguments[0]), ADULT)
     except InputError as error:
-        sys.exit(str(error))
+        print(f"skin_gltf: {error}", file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -15,7 +15,7 @@ from models.errors import InputError
 from models.pose import POSE_SIZE
 from models.skeleton import ADULT
 from models.skin import Skin, frames
-from models.skin_gltf import glb, write_glb
+from models.skin_gltf import glb, main, write_glb
 from models.skin_weights import trial_poses
 
 
@@ -96,3 +96,13 @@ def test_the_same_hand_gives_the_same_file() -> None:
 def test_a_place_that_cannot_be_written_is_one_clear_error(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="cannot be written"):
         write_glb(tmp_path / "nowhere" / "hand.glb", ADULT)
+
+
+def test_the_command_writes_the_file_or_says_in_one_line_why_not(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([str(tmp_path / "hand.glb")]) == 0
+    assert (tmp_path / "hand.glb").read_bytes() == glb(Skin.builtin(), "right hand")
+    for wrong in ([], ["a.glb", "b.glb"], [str(tmp_path / "nowhere" / "hand.glb")]):
+        assert main(wrong) == 2
+        assert len(capsys.readouterr().err.splitlines()) == 1
