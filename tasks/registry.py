@@ -25,7 +25,8 @@ from tasks.wrench_slide import WrenchSlide
 from tasks.wrench_turn import WrenchTurn
 
 TASKS: dict[str, type[Task]] = {
-    task.name: task for task in (BoxToGoal, WrenchTurn, WrenchSlide, Stack, StackThree, StackVertical)
+    task.name: task
+    for task in (BoxToGoal, WrenchTurn, WrenchSlide, Stack, StackThree, StackVertical)
 }
 
 
