@@ -1,0 +1,144 @@
+"""Linux multitouch events, protocol B, become contacts: a state machine without any hardware.
+
+The kernel keeps a fixed number of slots. `ABS_MT_SLOT` says which slot the following values are
+for; a tracking id of -1 empties it, another one puts a new contact in; `SYN_REPORT` ends a frame.
+Only what has changed is sent, and what a slot held stays in it when its finger leaves: the next
+finger in it that comes down at the same x is never told its x. Source: the kernel's document on
+multi-touch (input/multi-touch-protocol), and that on event codes for `SYN_DROPPED`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from models.frames import Contact
+
+EV_SYN, EV_ABS = 0x00, 0x03
+SYN_REPORT, SYN_DROPPED = 0, 3
+ABS_MT_SLOT = 0x2F
+ABS_MT_TOUCH_MAJOR = 0x30
+ABS_MT_POSITION_X = 0x35
+ABS_MT_POSITION_Y = 0x36
+ABS_MT_TOOL_TYPE = 0x37
+ABS_MT_TRACKING_ID = 0x39
+ABS_MT_DISTANCE = 0x3B
+
+MT_TOOL_PALM = 2
+MAX_SLOTS = 64
+"""More than any hardware has; bounds what a broken driver can make us keep."""
+
+SLOT_CODES = (
+    ABS_MT_TOUCH_MAJOR,
+    ABS_MT_POSITION_X,
+    ABS_MT_POSITION_Y,
+    ABS_MT_TOOL_TYPE,
+    ABS_MT_TRACKING_ID,
+    ABS_MT_DISTANCE,
+)
+"""What is kept of a slot."""
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One axis as the driver describes it; `resolution` is in units per mm, 0 if not known."""
+
+    low: int
+    high: int
+    resolution: int = 0
+
+    @property
+    def length(self) -> float | None:
+        """How long the surface is along this axis, m; None: the driver does not know."""
+        if self.resolution <= 0 or self.high <= self.low:
+            return None
+        return (self.high - self.low) / self.resolution / 1000.0
+
+    def fraction(self, value: int) -> float:
+        """Where a value lies, 0 to 1."""
+        return min(max((value - self.low) / max(self.high - self.low, 1), 0.0), 1.0)
+
+
+@dataclass
+class Slots:
+    """What a device's slots hold now: by slot, values by code; and the slot that is spoken of."""
+
+    values: dict[int, dict[int, int]] = field(default_factory=dict)
+    current: int = 0
+
+
+class MultiTouch:
+    """Follows the slots of a device.
+
+    Args:
+        x: Axis.
+        y: Axis.
+        size: (2,) m, of the surface; what the axes span.
+        state: What the slots hold at the beginning. Whoever opens a device while fingers rest on it
+            hears nothing of them otherwise.
+
+    Attributes:
+        lost: Events were lost: `resync` must follow before anything counts again.
+        dropped: How often events were lost.
+    """
+
+    def __init__(
+        self, x: Axis, y: Axis, size: tuple[float, float], state: Slots | None = None
+    ) -> None:
+        self._x, self._y, self._size = x, y, size
+        # Contacts are as round as fingers; the larger axis has units for both.
+        self._metres = size[0] / max(x.high - x.low, 1)
+        self._slots = state or Slots()
+        self._skipping = False
+        self.lost = False
+        self.dropped = 0
+
+    def feed(self, kind: int, code: int, value: int) -> bool:
+        """Takes one event in; True where it ends a frame that counts."""
+        if kind == EV_SYN and code == SYN_DROPPED:
+            # Everything up to the next report belongs to a frame that is not whole.
+            self._skipping = self.lost = True
+            self.dropped += 1
+            return False
+        if self._skipping:
+            self._skipping = not (kind == EV_SYN and code == SYN_REPORT)
+            return False
+        if kind == EV_SYN and code == SYN_REPORT:
+            return not self.lost
+        if kind == EV_ABS and code == ABS_MT_SLOT:
+            self._slots.current = value
+        elif kind == EV_ABS and code in SLOT_CODES and 0 <= self._slots.current < MAX_SLOTS:
+            self._slots.values.setdefault(self._slots.current, {})[code] = value
+        return False
+
+    def resync(self, state: Slots) -> None:
+        """Begins anew from what the kernel says the slots hold."""
+        self._slots, self.lost, self._skipping = state, False, False
+
+    def contacts(self) -> tuple[Contact, ...]:
+        """The fingers on the surface: no palms, and nothing that hovers over it."""
+        found: dict[int, Contact] = {}
+        for _, slot in sorted(self._slots.values.items()):
+            id_ = slot.get(ABS_MT_TRACKING_ID, -1)
+            if not _is_finger(slot) or id_ in found:
+                continue
+            x = self._x.fraction(slot.get(ABS_MT_POSITION_X, self._x.low)) * self._size[0]
+            y = self._y.fraction(slot.get(ABS_MT_POSITION_Y, self._y.low)) * self._size[1]
+            major = slot.get(ABS_MT_TOUCH_MAJOR, 0)
+            found[id_] = Contact(id_, x, y, major * self._metres if major > 0 else None)
+        return tuple(found.values())
+
+    def palms(self) -> frozenset[int]:
+        """Ids of contacts that turned out to be a palm: they were never meant."""
+        return frozenset(
+            slot[ABS_MT_TRACKING_ID]
+            for slot in self._slots.values.values()
+            if slot.get(ABS_MT_TRACKING_ID, -1) >= 0 and slot.get(ABS_MT_TOOL_TYPE) == MT_TOOL_PALM
+        )
+
+
+def _is_finger(slot: dict[int, int]) -> bool:
+    return (
+        slot.get(ABS_MT_TRACKING_ID, -1) >= 0
+        and slot.get(ABS_MT_TOOL_TYPE) != MT_TOOL_PALM
+        and slot.get(ABS_MT_DISTANCE, 0) <= 0
+    )
