@@ -1,4 +1,4 @@
-"""Touch frames: all contacts of one device at one moment."""
+"""Touch frames and hand frames: all contacts, or all 3-D hands, of one device at one moment."""
 
 from __future__ import annotations
 
@@ -72,3 +72,134 @@ class TouchFrame:
             )
         if self.lift is not None and not 0.0 <= self.lift <= 1.0:
             raise FrameError("the lift control is out of range", got=self.lift, expected="0 to 1")
+
+
+Vector = tuple[float, float, float]
+
+SIDES = ("right", "left")
+"""Which hand of a person."""
+
+_UNIT = 1e-3
+"""By how much the length of a direction may differ from 1; devices send six digits."""
+
+
+@dataclass(frozen=True, slots=True)
+class SeenFinger:
+    """A finger as a 3-D device sees it, in the frame of its `HandFrame`.
+
+    Attributes:
+        id: Lives from appearing to vanishing; unique among the fingers of one hand.
+        tip: m, place of the fingertip.
+        direction: Unit vector, where the device says that the finger points.
+        length: m, what the device calls the finger's length: the length that it sees (the first
+            Leap software), or that of the bones.
+        finger: Thumb 0 .. little 4 where the *device* knows it; None otherwise.
+        joints: m, (knuckle, PIP, DIP, tip) where the device models bones; None otherwise. Of the
+            thumb: (CMC, MCP, IP, tip).
+        extended: Whether the device holds the finger for stretched; None where it does not say.
+    """
+
+    id: int
+    tip: Vector
+    direction: Vector
+    length: float
+    finger: int | None = None
+    joints: tuple[Vector, Vector, Vector, Vector] | None = None
+    extended: bool | None = None
+
+    def __post_init__(self) -> None:
+        where = f"finger {self.id}"
+        for name in ("tip", "direction"):
+            _finite(getattr(self, name), where, name)
+        for joint in self.joints or ():
+            _finite(joint, where, "joints")
+        _unit(self.direction, where, "direction")
+        if not (math.isfinite(self.length) and self.length > 0.0):
+            raise FrameError(
+                "a finger has a length", where=where, got=self.length, expected="metres above 0"
+            )
+        if self.finger is not None and self.finger not in range(len(FINGERS)):
+            raise FrameError("no such finger", where=where, got=self.finger, expected="0 to 4")
+
+
+@dataclass(frozen=True, slots=True)
+class SeenHand:
+    """A hand as a 3-D device sees it, in the frame of its `HandFrame`.
+
+    Attributes:
+        id: Lives from appearing to vanishing; unique in its frame.
+        palm: m, centre of the palm.
+        normal: Unit vector out of the palm (down, where the palm faces down).
+        direction: Unit vector from the palm towards the fingers.
+        fingers: Those that are seen, in no order.
+        side: `right`, `left`, or None where the device does not know.
+        confidence: 0 to 1, the device's own; 1 where it has none.
+        sphere_radius: m, of the ball that the hand could hold; None where the device has none.
+        wrist: m, where the device knows it.
+    """
+
+    id: int
+    palm: Vector
+    normal: Vector
+    direction: Vector
+    fingers: tuple[SeenFinger, ...] = ()
+    side: str | None = None
+    confidence: float = 1.0
+    sphere_radius: float | None = None
+    wrist: Vector | None = None
+
+    def __post_init__(self) -> None:
+        where = f"hand {self.id}"
+        for name in ("palm", "normal", "direction"):
+            _finite(getattr(self, name), where, name)
+        _unit(self.normal, where, "normal")
+        _unit(self.direction, where, "direction")
+        if abs(sum(a * b for a, b in zip(self.normal, self.direction, strict=True))) > 0.9:
+            raise FrameError(
+                "the palm's normal and direction are nearly parallel", where=where, got=self.normal
+            )
+        if self.side is not None and self.side not in SIDES:
+            raise FrameError("no such side", where=where, got=self.side, expected="right or left")
+        ids = [f.id for f in self.fingers]
+        if len(set(ids)) != len(ids):
+            raise FrameError("two fingers share an id", where=where, got=sorted(ids))
+        named = [f.finger for f in self.fingers if f.finger is not None]
+        if len(set(named)) != len(named):
+            raise FrameError("the device names a finger twice", where=where, got=sorted(named))
+
+
+@dataclass(frozen=True, slots=True)
+class HandFrame:
+    """All 3-D hands of one device at one moment.
+
+    Axes are the world's, origin at the device: x right, y away from the person, z up.
+
+    Attributes:
+        time: Seconds on the device's own monotonic clock.
+        hands: Those that are seen, in no order.
+        source: Name of the device, for messages and logs.
+    """
+
+    time: float
+    hands: tuple[SeenHand, ...] = ()
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        if not math.isfinite(self.time):
+            raise FrameError("a frame's time must be finite", got=self.time, expected="seconds")
+        ids = [h.id for h in self.hands]
+        if len(set(ids)) != len(ids):
+            raise FrameError("two hands of one frame share an id", got=sorted(ids))
+
+
+def _finite(vector: Vector, where: str, name: str) -> None:
+    if len(vector) != 3 or not all(map(math.isfinite, vector)):
+        raise FrameError(
+            f"{name} must be three finite numbers", where=where, got=vector, expected="metres"
+        )
+
+
+def _unit(vector: Vector, where: str, name: str) -> None:
+    length = math.hypot(*vector)
+    if abs(length - 1.0) > _UNIT:
+        raise FrameError(f"{name} is no unit vector", where=where, got=vector, expected="length 1")

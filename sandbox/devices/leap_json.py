@@ -1,0 +1,224 @@
+"""One Leap JSON frame -> `HandFrame`, in all four dialects that exist.
+
+leapd and its successors send JSON over a WebSocket. What differs is what a pointable carries:
+
+    v1      2013: unordered, `length` is the length the device sees; no bones, no side
+    v2      2014: five named fingers with joints; their lengths are fixed
+    v3      Orion: v2 with carpals, `bases` of every bone and an arm
+    bridge  UltraleapTrackingWebSocket: v3 without palm sphere, and `length` is a width by mistake
+
+Leap: millimetres, microseconds, x right, y up, z towards the person. HandFrame: metres, seconds, x
+right, y away from the person, z up. Both are right-handed, so nothing is mirrored. Where joints are
+given, a finger's length is the sum of its bones, which is what v2 and v3 mean by it and what the
+bridge gets wrong.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Mapping
+from typing import Any
+
+from models.errors import DeviceError, FrameError
+from models.frames import HandFrame, SeenFinger, SeenHand, Vector
+
+METRES_PER_MM = 1e-3
+SECONDS_PER_US = 1e-6
+
+RESTART = 1.0
+"""s. Time that runs back by more is a service that was started anew, not a late frame."""
+
+_JOINTS = ("mcpPosition", "pipPosition", "dipPosition", "tipPosition")
+_FARTHEST = 10_000.0
+"""mm. Nothing the device can see is farther away; it sees about one metre."""
+_MOST_HANDS = 8
+
+
+class LeapDecoder:
+    """Turns the messages of one connection or file into frames; wrong parts are counted and left.
+
+    Args:
+        source: Name written into the frames.
+        rate: Hz, of recordings that carry neither times nor a rate.
+    """
+
+    def __init__(self, source: str = "leap", rate: float = 100.0) -> None:
+        self.counts: Counter[str] = Counter()
+        self.dialect: str | None = None
+        self.version: str | None = None
+        self._source, self._rate = source, rate
+        self._time: float | None = None
+        self._offset = 0.0
+
+    def feed(self, message: Any) -> HandFrame | None:
+        """The frame of a decoded JSON message; None where it carries none that can be used."""
+        if not isinstance(message, Mapping):
+            self.counts["messages that are no JSON objects"] += 1
+            return None
+        if "hands" not in message and "pointables" not in message:
+            if "version" in message:
+                self.version = str(message.get("serviceVersion", message["version"]))[:64]
+                self.counts["handshakes"] += 1
+            elif "event" in message:
+                self.counts["events"] += 1
+            else:
+                self.counts["messages of another program"] += 1
+            return None
+        try:
+            hands = self._hands(message)
+            time = self._moment(message)
+            if time is None:
+                self.counts["frames whose time ran backwards"] += 1
+                return None
+            frame = HandFrame(time, hands, self._source)
+        except (DeviceError, FrameError) as error:
+            self.counts[f"frames refused: {error.what}"] += 1
+            return None
+        self._time = time
+        self.counts["frames"] += 1
+        return frame
+
+    def _moment(self, message: Mapping[str, Any]) -> float | None:
+        """Seconds on one clock that only runs forwards, or None for a frame that comes too late."""
+        if "timestamp" not in message:
+            rate = message.get("currentFrameRate", self._rate)
+            step = 1.0 / (rate if _is_number(rate) and 1.0 <= rate <= 1000.0 else self._rate)
+            return 0.0 if self._time is None else self._time + step
+        time = _number(message["timestamp"], "timestamp") * SECONDS_PER_US + self._offset
+        if self._time is not None and time <= self._time:
+            if time > self._time - RESTART:
+                return None
+            self.counts["restarts of the device's clock"] += 1
+            self._offset += self._time + 1.0 / self._rate - time
+            time = self._time + 1.0 / self._rate
+        return time
+
+    def _hands(self, message: Mapping[str, Any]) -> tuple[SeenHand, ...]:
+        fingers: dict[Any, list[SeenFinger]] = {}
+        for pointable in _items(message, "pointables"):
+            try:
+                if pointable.get("tool") is True:
+                    self.counts["tools"] += 1
+                    continue
+                finger = _finger(pointable)
+            except (DeviceError, FrameError) as error:
+                self.counts[f"fingers skipped: {error.what}"] += 1
+                continue
+            hand = pointable.get("handId")
+            fingers.setdefault(hand if _is_number(hand) else None, []).append(finger)
+            self._learn(pointable)
+        hands: list[SeenHand] = []
+        for record in _items(message, "hands")[:_MOST_HANDS]:
+            try:
+                hands.append(_hand(record, tuple(fingers.pop(record.get("id"), ()))))
+            except (DeviceError, FrameError) as error:
+                self.counts[f"hands skipped: {error.what}"] += 1
+        self.counts["fingers without a hand"] += sum(map(len, fingers.values()))
+        if len({hand.id for hand in hands}) != len(hands):
+            raise DeviceError("two hands share an id")
+        if message.get("hands") and not hands:
+            raise DeviceError("none of its hands can be used")
+        return tuple(hands)
+
+    def _learn(self, pointable: Mapping[str, Any]) -> None:
+        if self.dialect is None:
+            if "mcpPosition" not in pointable:
+                self.dialect = "v1"
+            elif "touchDistance" not in pointable and "bases" in pointable and "tool" in pointable:
+                # Packed recordings leave fields out; the bridge has no `timeVisible` either.
+                self.dialect = "v2" if "stabilizedTipPosition" in pointable else "bridge"
+            else:
+                self.dialect = "v3" if "bases" in pointable else "v2"
+
+
+def _finger(record: Mapping[str, Any]) -> SeenFinger:
+    tip = _place(record, "tipPosition")
+    joints = None
+    if _JOINTS[0] in record:
+        mcp, pip, dip, end = (_place(record, name) for name in _JOINTS)
+        joints = (mcp, pip, dip, end)
+        length = math.dist(mcp, pip) + math.dist(pip, dip) + math.dist(dip, end)
+    else:
+        length = _number(record.get("length"), "length") * METRES_PER_MM
+    kind = record.get("type")
+    extended = record.get("extended")
+    return SeenFinger(
+        id=_identity(record),
+        tip=tip,
+        direction=_direction(record, "direction"),
+        length=length,
+        finger=_name(record, kind) if joints else None,
+        joints=joints,
+        extended=extended if isinstance(extended, bool) else None,
+    )
+
+
+def _name(record: Mapping[str, Any], kind: Any) -> int | None:
+    """Which finger; recordings that left `type` out still have ids of ten times the hand's."""
+    if kind is None and _is_number(record.get("handId")):
+        kind = int(record["id"] - 10 * record["handId"])
+    return kind if isinstance(kind, int) and not isinstance(kind, bool) else None
+
+
+def _hand(record: Mapping[str, Any], fingers: tuple[SeenFinger, ...]) -> SeenHand:
+    side = record.get("type")
+    radius, confidence = record.get("sphereRadius"), record.get("confidence")
+    return SeenHand(
+        id=_identity(record),
+        palm=_place(record, "palmPosition"),
+        normal=_direction(record, "palmNormal"),
+        direction=_direction(record, "direction"),
+        fingers=fingers,
+        side=side if side in ("right", "left") else None,
+        confidence=min(max(float(confidence), 0.0), 1.0) if _is_number(confidence) else 1.0,
+        sphere_radius=radius * METRES_PER_MM if _is_number(radius) and radius > 0 else None,
+        wrist=_place(record, "wrist") if "wrist" in record else None,
+    )
+
+
+def _items(message: Mapping[str, Any], name: str) -> list[Mapping[str, Any]]:
+    items = message.get(name, [])
+    if not isinstance(items, list) or not all(isinstance(i, Mapping) for i in items):
+        raise DeviceError(f"{name} are no list of objects")
+    return items
+
+
+def _identity(record: Mapping[str, Any]) -> int:
+    value = record.get("id")
+    if isinstance(value, bool) or not isinstance(value, int) or abs(value) >= 2**53:
+        raise DeviceError("there is no usable id", got=str(value)[:40])
+    return value
+
+
+def _is_number(value: Any) -> bool:
+    return not isinstance(value, bool) and isinstance(value, (int, float)) and math.isfinite(value)
+
+
+def _number(value: Any, name: str) -> float:
+    if not _is_number(value):
+        raise DeviceError(f"{name} is no finite number", got=str(value)[:40])
+    return float(value)
+
+
+def _vector(record: Mapping[str, Any], name: str) -> Vector:
+    value = record.get(name)
+    if not (isinstance(value, list) and len(value) == 3 and all(map(_is_number, value))):
+        raise DeviceError(f"{name} is not three finite numbers", got=str(value)[:60])
+    x, y, z = value
+    return float(x), -float(z), float(y)
+
+
+def _place(record: Mapping[str, Any], name: str) -> Vector:
+    x, y, z = _vector(record, name)
+    if max(abs(x), abs(y), abs(z)) > _FARTHEST:
+        raise DeviceError(f"{name} is farther away than the device can see")
+    return x * METRES_PER_MM, y * METRES_PER_MM, z * METRES_PER_MM
+
+
+def _direction(record: Mapping[str, Any], name: str) -> Vector:
+    x, y, z = _vector(record, name)
+    length = math.hypot(x, y, z)
+    if not 0.5 <= length <= 2.0:
+        raise DeviceError(f"{name} has no direction: its length is not 1")
+    return x / length, y / length, z / length

@@ -1,0 +1,69 @@
+"""LZString, the compression of LeapJS recordings (`.json.lz`): decoding of its base64 form.
+
+A dictionary coder after LZ78 on 16-bit characters; codes grow from 3 bits, least bit first.
+Source: the format of the npm package lz-string, which wrote the recordings.
+"""
+
+from __future__ import annotations
+
+from models.errors import RecordingError
+
+MOST_CHARACTERS = 1 << 28
+"""Of a decoded text; a small file can otherwise ask for any amount of memory."""
+
+_ALPHABET = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/"
+_BITS = {ord(c): f"{i:06b}" for i, c in enumerate(_ALPHABET)} | {ord("="): "000000"}
+_BYTE, _WORD, _END = 0, 1, 2
+"""Codes that do not stand for a known text: a new 8-bit or 16-bit character, the end."""
+
+
+def decompress_base64(text: str, limit: int = MOST_CHARACTERS) -> str:
+    """The text that LZString's compressToBase64 was given.
+
+    Raises:
+        RecordingError: It is no such text, is cut short, or would be larger than `limit`.
+    """
+    text = "".join(text.split())
+    if not text or not text.isascii() or any(ord(c) not in _BITS for c in set(text)):
+        raise RecordingError("the text is not LZString's base64")
+    bits = text.translate(_BITS)
+    known: list[str] = ["", "", ""]
+    position, width, size = 0, 2, 0
+    last = ""
+    parts: list[str] = []
+    while True:
+        code, position = _take(bits, position, width)
+        if code == _END:
+            return "".join(parts)
+        fresh = code in (_BYTE, _WORD)
+        if fresh:
+            character, position = _take(bits, position, 8 if code == _BYTE else 16)
+            known.append(chr(character))
+            code = len(known) - 1
+            width = _width(known, bool(last))
+        if code < len(known):
+            entry = known[code]
+        elif code == len(known) and last:
+            entry = last + last[0]
+        else:
+            raise RecordingError("the LZString text is damaged", got=f"code {code}")
+        parts.append(entry)
+        size += len(entry)
+        if size > limit:
+            raise RecordingError("the LZString text is too large", expected=f"up to {limit}")
+        if last:
+            known.append(last + entry[0])
+        last = entry
+        width = _width(known, True)
+
+
+def _width(known: list[str], started: bool) -> int:
+    """Bits of the next code: all known texts and the one that is about to be known fit in."""
+    return len(known).bit_length() if started else 2
+
+
+def _take(bits: str, position: int, width: int) -> tuple[int, int]:
+    end = position + width
+    if end > len(bits):
+        raise RecordingError("the LZString text is cut short")
+    return int(bits[position:end][::-1], 2), end
