@@ -51,7 +51,6 @@ class SimulatedDevice:
 
     name = "simulated"
     has_lift = True
-    finished = False
 
     def __init__(
         self,
@@ -65,6 +64,7 @@ class SimulatedDevice:
     ) -> None:
         self._shapes = {thing.name: thing for thing in task.objects}
         self._tell_labels = tell_labels
+        self.finished = False
         self._screen = DropOuts(drop_outs, seed)
         person = person or Person()
         upright, view = surface.upright, FrontView(surface)
@@ -119,6 +119,8 @@ class SimulatedDevice:
 
     def poll(self, now: float) -> Sequence[TouchFrame]:
         """What the user touches now."""
+        if self.finished:
+            return []
         frame = self._seated.touch(now)
         if self._tell_labels and isinstance(self.user, SkilledUser):
             # The user puts down thumb, index, ... in this order.
@@ -128,4 +130,5 @@ class SimulatedDevice:
         return [self._screen.spoil(frame)]
 
     def close(self) -> None:
-        """Nothing to give back."""
+        """The user leaves; there is nothing to give back."""
+        self.finished = True

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from models.frames import TouchFrame
@@ -27,6 +28,8 @@ class SimulatedSpreads:
 
     def poll(self, now: float) -> Sequence[TouchFrame]:
         """What is touched now."""
+        if self._now == math.inf:
+            return []
         self._now = now
         return [self._fingers.touch(now)]
 
@@ -36,4 +39,5 @@ class SimulatedSpreads:
         return self._now > self._fingers.ends
 
     def close(self) -> None:
-        """Nothing to give back."""
+        """The person leaves; there is nothing to give back."""
+        self._now = math.inf

@@ -1,0 +1,167 @@
+"""What every device has to keep to, as tests that any device can be put through.
+
+    from sandbox.devices.conformance import DeviceConformance
+
+    class TestMyPad(DeviceConformance):
+        def open(self, surface):
+            return MyPad(surface, "")
+
+        def stir(self, device, step):      # optional: makes fingers do something
+            device.pretend_touch(step)
+
+pytest finds the tests of the class. Nothing here needs pytest.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Sequence
+from typing import TypeVar
+
+from models.frames import TouchFrame
+from models.surface import Surface
+from sandbox.devices.device import Device
+
+T = TypeVar("T")
+
+STEPS = 60
+"""Polls of one watch, as a session makes them."""
+
+PERIOD = 1.0 / 60.0
+"""s between two of them, in the session's time."""
+
+PATIENCE = 20.0
+"""s after which a `poll` or `close` that has not come back is said to hang."""
+
+SLACK = 1e-6
+"""m that a contact may lie beyond the surface."""
+
+
+class DeviceConformance:
+    """Inherit from it, say how the device is opened, and let pytest find it."""
+
+    surface = Surface(10.0, 5.0)
+
+    def open(self, surface: Surface) -> Device:
+        """Opens the device afresh."""
+        raise NotImplementedError
+
+    def stir(self, device: Device, step: int) -> None:
+        """Makes something happen before a poll; nothing by default."""
+
+    def test_it_has_a_name_and_says_whether_it_has_ended(self) -> None:
+        device = self._opened()
+        try:
+            assert isinstance(device.name, str) and device.name.isprintable() and device.name
+            assert isinstance(device.finished, bool)
+        finally:
+            device.close()
+
+    def test_poll_comes_back_at_once_also_when_nothing_happens(self) -> None:
+        device = self._opened()
+        try:
+            in_time(lambda: [device.poll(n * PERIOD) for n in range(10 * STEPS)], "poll")
+        finally:
+            device.close()
+
+    def test_its_frames_are_sound(self) -> None:
+        device = self._opened()
+        try:
+            frames = self._watched(device)
+        finally:
+            device.close()
+        check_frames(frames, self.surface)
+
+    def test_what_was_polled_does_not_come_again(self) -> None:
+        device = self._opened()
+        try:
+            frames = self._watched(device)
+            again = in_time(lambda: list(device.poll(STEPS * PERIOD)), "poll")
+        finally:
+            device.close()
+        assert not {id(frame) for frame in again} & {id(frame) for frame in frames}
+
+    def test_it_may_be_closed_twice_and_polled_afterwards(self) -> None:
+        device = self._opened()
+        self._watched(device)
+        in_time(device.close, "close")
+        in_time(device.close, "the second close")
+        rest = in_time(lambda: list(device.poll(STEPS * PERIOD)), "poll after close")
+        check_frames(rest, self.surface, whole=False)
+        assert not in_time(lambda: list(device.poll(STEPS * PERIOD)), "poll after close")
+        assert isinstance(device.finished, bool)
+
+    def test_it_can_be_opened_again_after_it_was_closed(self) -> None:
+        for _ in range(2):
+            device = self._opened()
+            self._watched(device)
+            device.close()
+
+    def _opened(self) -> Device:
+        return in_time(lambda: self.open(self.surface), "open")
+
+    def _watched(self, device: Device) -> list[TouchFrame]:
+        frames: list[TouchFrame] = []
+        for step in range(STEPS):
+            self.stir(device, step)
+            now = step * PERIOD
+            got = in_time(lambda now=now: device.poll(now), "poll")  # type: ignore[misc]
+            assert isinstance(got, Sequence), "poll gives a sequence of frames"
+            frames += got
+        return frames
+
+
+def check_frames(frames: Sequence[TouchFrame], surface: Surface, whole: bool = True) -> None:
+    """Whether a device's frames keep to the rules.
+
+    Args:
+        frames: As polled, all of them.
+        surface: That of the device.
+        whole: They begin with the device's first, so that nothing was down before.
+
+    Raises:
+        AssertionError: They do not; says where.
+    """
+    width, height = (float(length) for length in surface.size)
+    last = None
+    present: frozenset[int] = frozenset()
+    for n, frame in enumerate(frames):
+        where = f"frame {n} at {getattr(frame, 'time', None)} s"
+        assert isinstance(frame, TouchFrame), f"{where}: {type(frame).__name__} is no TouchFrame"
+        assert last is None or frame.time >= last, f"{where}: time runs backwards, from {last}"
+        ids = frozenset(c.id for c in frame.contacts)
+        for c in frame.contacts:
+            assert isinstance(c.id, int), f"{where}: the id {c.id!r} is no whole number"
+            inside = -SLACK <= c.x <= width + SLACK and -SLACK <= c.y <= height + SLACK
+            assert inside, f"{where}: contact {c.id} is off the surface, at {c.x}, {c.y} m"
+            sound = c.size is None or 0.0 < c.size < max(width, height)
+            assert sound, f"{where}: contact {c.id} is {c.size} m large"
+        assert not frame.cancelled & ids, f"{where}: cancelled, and still there"
+        if n or whole:
+            unknown = frame.cancelled - present
+            assert not unknown, f"{where}: {sorted(unknown)} cancelled, and was not there"
+        last, present = frame.time, ids
+
+
+def in_time(call: Callable[[], T], what: str) -> T:
+    """What a call gives, if it comes back at all.
+
+    Raises:
+        AssertionError: It does not.
+    """
+    done: list[T] = []
+    raised: list[BaseException] = []
+
+    def run() -> None:
+        try:
+            done.append(call())
+        except BaseException as error:
+            raised.append(error)
+
+    thread = threading.Thread(target=run, daemon=True)
+    thread.start()
+    thread.join(PATIENCE)
+    assert not thread.is_alive(), f"{what} has not come back after {PATIENCE:.0f} s"
+    if raised:
+        raise raised[0]
+    return done[0]

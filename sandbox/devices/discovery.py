@@ -1,0 +1,136 @@
+"""Devices that are not ours: from installed packages by entry point, from a file, from a module.
+
+A package offers its devices under a name:
+
+    [project.entry-points."hand_sandbox.devices"]
+    my-lab-pad = "my_lab.pad:Pad"
+
+and `--device my-lab-pad` or `--device my-lab-pad:ARGUMENT` opens it. What is offered is called with
+the touch surface and the argument (an empty text without one), and gives a device (see
+`sandbox.devices.device`). What is wrong with one of them is said when it is asked for.
+"""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import re
+import sys
+from collections.abc import Callable
+from functools import cache
+from hashlib import blake2b
+from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from models.errors import DeviceError, HandSandboxError
+from models.surface import Surface
+from sandbox.devices.device import Device
+from tasks.discovery import failure, package
+
+GROUP = "hand_sandbox.devices"
+
+Maker = Callable[[Surface], Device]
+
+_FILE = re.compile(r"(?P<place>.+\.py):(?P<member>[A-Za-z_]\w*)(:(?P<argument>.*))?")
+_MODULE = re.compile(
+    r"(?P<place>[A-Za-z_]\w*(\.\w+)+|[A-Za-z_]\w*):(?P<member>[A-Z]\w*)(:(?P<argument>.*))?"
+)
+_PARTS = ("poll", "close")
+
+
+def offered_devices() -> dict[str, list[EntryPoint]]:
+    """What installed packages offer, by name; nothing of it is loaded."""
+    found: dict[str, list[EntryPoint]] = {}
+    for entry in sorted(entry_points(group=GROUP), key=lambda e: (e.name, e.value)):
+        # A package that is on the path twice, as in a checkout, offers the same thing twice.
+        same = found.setdefault(entry.name, [])
+        if entry.value not in [e.value for e in same]:
+            same.append(entry)
+    return found
+
+
+def find_device(text: str) -> Maker | None:
+    """What opens a device of somebody else's; None where the text names none.
+
+    Args:
+        text: `NAME[:ARGUMENT]` of an installed package, `FILE.py:CLASS[:ARGUMENT]` or
+            `MODULE:CLASS[:ARGUMENT]`.
+
+    Raises:
+        DeviceError: There is one, but it cannot be used.
+    """
+    name, _, argument = text.partition(":")
+    entries = offered_devices().get(name, [])
+    if len(entries) > 1:
+        raise DeviceError(
+            "several packages offer a device of this name",
+            where=name,
+            got="; ".join(f"{e.value} of {package(e)}" for e in entries),
+            remedy=f"Uninstall all but one, or name it by its place, such as {entries[0].value}",
+        )
+    if entries:
+        where = f"{name} = {entries[0].value} of {package(entries[0])}"
+        return _opener(_guarded(entries[0].load, where), argument, where)
+    in_file, in_module = _FILE.fullmatch(text), _MODULE.fullmatch(text)
+    match = in_file or in_module
+    if match is None:
+        return None
+    place, member = match["place"], match["member"]
+    where = f"{place}:{member}"
+    if in_file:
+        path = Path(place)
+        if not path.is_file():
+            raise DeviceError("there is no such file", where="--device", got=place)
+        module = _guarded(lambda: _load_file(path.resolve()), where)
+    else:
+        module = _guarded(lambda: importlib.import_module(place), where)
+    found = getattr(module, member, None)
+    if not callable(found):
+        raise DeviceError("there is no device of this name", where=place, got=member)
+    return _opener(found, match["argument"] or "", where)
+
+
+def _opener(found: Any, argument: str, where: str) -> Maker:
+    def make(surface: Surface) -> Device:
+        device = _guarded(lambda: found(surface, argument), where)
+        lacking = [part for part in _PARTS if not callable(getattr(device, part, None))]
+        lacking += [part for part in ("name", "finished") if not hasattr(device, part)]
+        if lacking:
+            raise DeviceError(
+                "this is no device", where=where, got=f"without {', '.join(lacking)}",
+                expected="name, poll, finished and close",
+                remedy="docs/write-a-device.md shows one of 30 lines",
+            )  # fmt: skip
+        opened: Device = device
+        return opened
+
+    return make
+
+
+def _guarded(load: Callable[[], Any], where: str) -> Any:
+    try:
+        return load()
+    except HandSandboxError:
+        raise
+    except Exception as error:
+        raise DeviceError(
+            "this device cannot be opened", where=where, got=failure(error)
+        ) from error
+
+
+@cache
+def _load_file(path: Path) -> ModuleType:
+    # A name of its own, so that it hides no module; dataclasses look their module up by name.
+    name = f"{path.stem}_{blake2b(str(path).encode(), digest_size=4).hexdigest()}"
+    spec = importlib.util.spec_from_file_location(name, path)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    try:
+        spec.loader.exec_module(module)
+    except BaseException:
+        del sys.modules[name]
+        raise
+    return module
