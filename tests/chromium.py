@@ -19,13 +19,25 @@ from websockets.sync.client import connect
 BINARY = shutil.which("chromium") or "/usr/bin/chromium"
 
 FLAGS = (
-    "--headless=new --no-sandbox --use-gl=angle --use-angle=swiftshader --disable-gpu-vsync "
-    "--enable-unsafe-swiftshader --disable-background-networking --disable-component-update "
-    "--disable-sync --no-first-run --disable-quic --disable-extensions --mute-audio "
-    "--hide-scrollbars --remote-debugging-port=0 --disable-dev-shm-usage "
-    "--disable-features=Translate,MediaRouter,OptimizationHints "
-    "--autoplay-policy=no-user-gesture-required"
-).split()
+    "--headless=new",
+    "--no-sandbox",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--disable-gpu-vsync",
+    "--enable-unsafe-swiftshader",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--no-first-run",
+    "--disable-quic",
+    "--disable-extensions",
+    "--mute-audio",
+    "--hide-scrollbars",
+    "--remote-debugging-port=0",
+    "--disable-dev-shm-usage",
+    "--disable-features=Translate,MediaRouter,OptimizationHints",
+    "--autoplay-policy=no-user-gesture-required",
+)
 
 
 class Browser:
@@ -102,7 +114,7 @@ class Tab:
             lines = [f"localStorage.setItem({k!r}, {v!r});" for k, v in storage.items()]
             self.call("Page.addScriptToEvaluateOnNewDocument",
                       source=f"try {{ {' '.join(lines)} }} catch {{}}")  # fmt: skip
-        self._down: list[int] = []
+        self._down: dict[int, dict[str, Any]] = {}
         self.go(url)
 
     def call(self, method: str, **values: Any) -> dict[str, Any]:
@@ -144,19 +156,19 @@ class Tab:
 
     def touch(self, fingers: Sequence[tuple[int, float, float]]) -> None:
         """Fingers on the glass as id and CSS pixels: all that are down now."""
-        points = [{"x": x, "y": y, "id": i, "radiusX": 8, "radiusY": 8} for i, x, y in fingers]
-        new = {i for i, _, _ in fingers} - set(self._down)
-        if points:
-            kind = "touchStart" if new else "touchMove"
-            self.call("Input.dispatchTouchEvent", type=kind, touchPoints=points)
-        elif self._down:
-            self.call("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
-        self._down = [i for i, _, _ in fingers]
+        now = {i: {"x": x, "y": y, "id": i, "radiusX": 8, "radiusY": 8} for i, x, y in fingers}
+        gone = [p for i, p in self._down.items() if i not in now]
+        new = [p for i, p in now.items() if i not in self._down]
+        moved = [p for i, p in now.items() if i in self._down and p != self._down[i]]
+        for kind, points in (("touchEnd", gone), ("touchMove", moved), ("touchStart", new)):
+            if points:
+                self.call("Input.dispatchTouchEvent", type=kind, touchPoints=points)
+        self._down = now
 
     def cancel(self) -> None:
         """The system takes all fingers away."""
         self.call("Input.dispatchTouchEvent", type="touchCancel", touchPoints=[])
-        self._down = []
+        self._down = {}
 
     def events(self, method: str) -> list[dict[str, Any]]:
         """Parameters of everything of a kind that happened in this tab."""

@@ -26,6 +26,7 @@ from sandbox.server.invitation import code, hints
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol import Ask, Screen
 from sandbox.server.senses import senses
+from sandbox.server.skins import pack_skin
 from sandbox.session import Session
 from tasks.registry import TASKS
 
@@ -160,7 +161,8 @@ class PagePlay:
             chosen.settings.hand,
             "simulated user" if chosen.about.get("user") else "",
         )
-        self.server.show_scene(message, session.scene, touched)
+        skins = [pack_skin(hand) for hand in session.scene.spec.hands]
+        self.server.show_scene(message, session.scene, touched, skins)
         self.events.tell("trial_start", task=session.task.name, seed=session.task.seed)
 
     def _on_step(self, session: Session, wishes: Wishes) -> Any:

@@ -74,6 +74,7 @@ class Audience:
         self._scene: Scene | None = None
         self._device: WebDevice | None = None
         self._frame: bytearray | None = None
+        self._skins: Sequence[bytes] = ()
         self.joined = threading.Event()
         self.asked: queue.SimpleQueue[Ask] = queue.SimpleQueue()
         self.screen: Screen | None = None
@@ -81,12 +82,16 @@ class Audience:
     def __len__(self) -> int:
         return len(self._clients)
 
-    def open_scene(self, scene: Scene, device: WebDevice | None) -> None:
+    def open_scene(
+        self, scene: Scene, device: WebDevice | None, skins: Sequence[bytes] = ()
+    ) -> None:
         """A new trial begins."""
-        self._scene, self._device, self._frame = scene, device, None
+        self._scene, self._device, self._frame, self._skins = scene, device, None, skins
         for client in self._clients:
             client.offer(None)
-        self.say(encode(scene))
+            if client.hello:
+                client.say(encode(scene))
+                client.dress(skins)
 
     def say(self, text: bytes) -> None:
         """A message for everybody."""
@@ -155,6 +160,7 @@ class Audience:
         client.say(encode(Welcome(PROTOCOL, self._version, role, self._tasks, CREDIT)))  # type: ignore[arg-type]
         if self._scene:
             client.say(encode(self._scene))
+            client.dress(self._skins)
             client.offer(self._frame)
 
     def _leave(self, client: Client) -> None:

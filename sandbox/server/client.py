@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from websockets.asyncio.server import ServerConnection
 
@@ -47,7 +47,8 @@ class Client:
         self._counters = counters
         self._allowance = Allowance(MESSAGES_PER_SECOND, BURST, self.heard)
         self._refused = 0
-        self._texts: deque[bytes] = deque()
+        self._words: deque[tuple[bytes, bool]] = deque()
+        self._skins: tuple[bytes, ...] = ()
         self._newest: bytearray | None = None
         self._sent = self._acknowledged = 0
         self._news = asyncio.Event()
@@ -58,10 +59,17 @@ class Client:
         """Frames that are on their way."""
         return self._sent - self._acknowledged
 
-    def say(self, text: bytes) -> None:
-        """Queues a JSON message; all of them are sent, in order, before any later frame."""
-        self._texts.append(text)
+    def say(self, message: bytes, text: bool = True) -> None:
+        """Queues a JSON message, or bytes; all are sent, in order, before any later frame."""
+        self._words.append((message, text))
         self._news.set()
+
+    def dress(self, skins: Sequence[bytes]) -> None:
+        """Queues the hands' skins that the page does not have already."""
+        for skin in skins:
+            if skin and skin not in self._skins:
+                self.say(skin, text=False)
+        self._skins = tuple(skins)
 
     def offer(self, frame: bytearray | None) -> None:
         """The newest frame, in place of an older one that has not been sent."""
@@ -83,8 +91,9 @@ class Client:
         while True:
             await self._news.wait()
             self._news.clear()
-            while self._texts:
-                await self.connection.send(self._texts.popleft(), text=True)
+            while self._words:
+                message, text = self._words.popleft()
+                await self.connection.send(message, text=text)
             frame = self._newest
             if frame is not None and self.stale < CREDIT:
                 self._newest = None

@@ -38,6 +38,7 @@ class _Shown:
     message: Scene
     device: WebDevice | None
     poses: BodyPoses
+    skins: Sequence[bytes] = ()
 
 
 class PageServer:
@@ -129,7 +130,11 @@ class PageServer:
         return self._scenes + 1
 
     def show_scene(
-        self, message: Scene, scene: SimulatedScene, device: WebDevice | None = None
+        self,
+        message: Scene,
+        scene: SimulatedScene,
+        device: WebDevice | None = None,
+        skins: Sequence[bytes] = (),
     ) -> None:
         """A new trial begins; its touches go to the device.
 
@@ -137,9 +142,10 @@ class PageServer:
             message: What the page is told.
             scene: Compiled; is read only.
             device: Takes the player's touches; None lets the page only look.
+            skins: Of its hands, as `sandbox.server.skins` makes them; without them, one sees bones.
         """
         self._scenes = message.scene
-        shown = _Shown(message, device, BodyPoses(scene))
+        shown = _Shown(message, device, BodyPoses(scene), skins)
         self._loop.call_soon_threadsafe(self._open_scene, shown)
 
     def tell(self, text: str) -> None:
@@ -232,7 +238,7 @@ class PageServer:
 
     def _open_scene(self, shown: _Shown) -> None:
         self._shown = shown
-        self._audience.open_scene(shown.message, shown.device)
+        self._audience.open_scene(shown.message, shown.device, shown.skins)
 
     def _spread(self) -> None:
         """Makes the newest moment a frame, and offers it to everybody."""

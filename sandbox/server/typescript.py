@@ -14,6 +14,7 @@ from msgspec import Struct
 
 from sandbox.server import protocol
 from sandbox.server.frames import KIND, POSE_BYTES
+from sandbox.server.skins import SKIN_KIND
 
 FILE = Path(__file__).resolve().parents[1] / "views" / "page" / "src" / "protocol.ts"
 
@@ -34,6 +35,7 @@ def typescript() -> str:
         f"export const PROTOCOL = {protocol.PROTOCOL};",
         f"export const FRAME_KIND = {KIND};",
         f"export const POSE_BYTES = {POSE_BYTES};",
+        f"export const SKIN_KIND = {SKIN_KIND};",
     ]
     for struct in vars(protocol).values():
         if isinstance(struct, type) and issubclass(struct, Struct) and struct is not Struct:

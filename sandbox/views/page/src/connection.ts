@@ -4,6 +4,7 @@ import { clientName, reload, socketAddress, spectator } from "./link";
 import { type Frame, parseFrame } from "./frame";
 import { type Down, PROTOCOL, type Scene, type Up, type Welcome } from "./protocol";
 import { currentScreen } from "./screen";
+import { type Skin, parseSkin } from "./skin";
 
 const BEAT_MS = 500;
 /** Without any word for so long, the socket is dead; tablets notice that minutes later. */
@@ -28,6 +29,7 @@ export interface Listener {
   onCondition(condition: Condition, words: string): void;
   onWelcome(welcome: Welcome): void;
   onScene(scene: Scene): void;
+  onSkin(skin: Skin): void;
   onTrouble(text: string): void;
   onFrame(frame: Frame): void;
   onRoundTrip(ms: number): void;
@@ -94,7 +96,11 @@ export class Connection {
     this.heard = performance.now();
     if (typeof data !== "string") {
       const frame = parseFrame(data);
-      if (!frame) return;
+      if (!frame) {
+        const skin = parseSkin(data);
+        if (skin) this.listener.onSkin(skin);
+        return;
+      }
       // At once, before anything is drawn: what is slow here must not slow down the stream.
       this.say({ type: "got", frame: frame.number });
       this.listener.onFrame(frame);

@@ -98,6 +98,10 @@ class Page {
         if (this.player) this.firstTime();
       },
       onScene: (message) => this.open(message),
+      onSkin: (skin) => {
+        this.stage.dress(skin);
+        this.dirty = true;
+      },
       onTrouble: (text) => {
         this.trouble.textContent = text;
         show(this.trouble, true);

@@ -3,6 +3,7 @@
 export const PROTOCOL = 1;
 export const FRAME_KIND = 1;
 export const POSE_BYTES = 28;
+export const SKIN_KIND = 2;
 
 /** How large the page is: CSS pixels per inch, and pixels. The inches are what the encoder needs; `calibrated` says whether somebody measured them. */
 export interface Screen {

@@ -1,6 +1,7 @@
 // The scene in three.js: built once per trial, moved by every frame. World: x right, y away, z up.
 
 import {
+  Bone,
   Color,
   DirectionalLight,
   Group,
@@ -11,6 +12,8 @@ import {
   type Object3D,
   PCFShadowMap,
   Scene as World,
+  type Skeleton,
+  SkinnedMesh,
   WebGLRenderer,
 } from "three";
 import { BACKGROUND, SKIN } from "./colours";
@@ -21,6 +24,7 @@ import { Lens } from "./lens";
 import type { Geom, Scene } from "./protocol";
 import { Quality } from "./quality";
 import { geometry, place } from "./shapes";
+import { type Skin, wear } from "./skin";
 
 /** How much of a hand shows that passes through things. */
 const GHOSTLY = 0.5;
@@ -32,9 +36,12 @@ export class Stage {
   private readonly quality: Quality;
   private readonly world = new World();
   private content = new Group();
-  private bodies: Group[] = [];
+  private scene: Scene | null = null;
+  private bodies: Bone[] = [];
+  private skins = new Map<string, Skin>();
   private ghosts = new Map<string, Ghost>();
-  private skin = handMaterial();
+  private skin = handMaterial(SKIN);
+  private skinned = handMaterial(0xffffff);
   private key = keyLight();
 
   constructor(canvas: HTMLCanvasElement, reload: () => void) {
@@ -68,8 +75,11 @@ export class Stage {
     this.world.remove(this.content);
     this.content.traverse(dispose);
     this.content = new Group();
-    this.skin = handMaterial();
-    this.bodies = scene.bodies.map(() => new Group());
+    this.skin = handMaterial(SKIN);
+    this.skinned = handMaterial(0xffffff);
+    this.skinned.vertexColors = true;
+    this.scene = scene;
+    this.bodies = scene.bodies.map(() => new Bone());
     for (const geom of scene.geoms) {
       const mesh = this.mesh(geom);
       this.bodies[geom.body]?.add(mesh);
@@ -84,6 +94,19 @@ export class Stage {
     );
     this.world.add(this.content);
     this.light(scene);
+    for (const skin of this.skins.values()) this.wear(skin);
+  }
+
+  /** A hand's skin has come; it is kept for later scenes. */
+  dress(skin: Skin): void {
+    const palm = skin.names[0] ?? "";
+    if (this.skins.has(palm) && this.scene) {
+      // Another hand of the same name: the scene is built anew without the old one.
+      this.skins.delete(palm);
+      this.open(this.scene);
+    }
+    this.skins.set(palm, skin);
+    this.wear(skin);
   }
 
   /** Puts everything where a frame has it. */
@@ -102,12 +125,27 @@ export class Stage {
       if (!ghost.group.parent) this.content.add(ghost.group);
       ghost.show(goal, reached, held);
     }
-    this.skin.opacity = hands.some((hand) => hand.solid.length) ? 1 : GHOSTLY;
+    const opacity = hands.some((hand) => hand.solid.length) ? 1 : GHOSTLY;
+    this.skin.opacity = this.skinned.opacity = opacity;
   }
 
   draw(now: number): void {
     this.renderer.render(this.world, this.lens.camera);
     this.quality.note(now);
+  }
+
+  /** Hides a hand's bones behind its skin. */
+  private wear(skin: Skin): void {
+    if (!this.scene) return;
+    const mesh = wear(skin, this.bodies, this.scene.bodies, this.skinned);
+    const veil = wear(skin, this.bodies, this.scene.bodies, NO_COLOUR);
+    if (!mesh || !veil) return;
+    for (const body of (mesh.skeleton as Skeleton).bones)
+      for (const child of body.children) child.visible = false;
+    mesh.renderOrder = 4;
+    veil.renderOrder = 3;
+    veil.castShadow = false;
+    this.content.add(mesh, veil);
   }
 
   private mesh(geom: Geom): Mesh {
@@ -157,8 +195,8 @@ function keyLight(): DirectionalLight {
   return light;
 }
 
-function handMaterial(): MeshStandardMaterial {
-  return new MeshStandardMaterial({ color: SKIN, roughness: 0.6, transparent: true });
+function handMaterial(color: number): MeshStandardMaterial {
+  return new MeshStandardMaterial({ color, roughness: 0.62, transparent: true });
 }
 
 function material(geom: Geom): MeshStandardMaterial {
@@ -178,7 +216,9 @@ function material(geom: Geom): MeshStandardMaterial {
 
 function dispose(object: Object3D): void {
   if (!(object instanceof Mesh)) return;
-  object.geometry.dispose();
+  // A skin's shape serves every scene; what it costs is a picture of its bones.
+  if (object instanceof SkinnedMesh) object.skeleton.dispose();
+  else object.geometry.dispose();
   for (const m of [object.material].flat()) {
     m.map?.dispose();
     m.dispose();

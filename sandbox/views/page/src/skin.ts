@@ -1,0 +1,94 @@
+// The skin of a hand; the layout is in sandbox/server/skins.py. Its bones are the scene's bodies.
+
+import {
+  type Bone,
+  BufferAttribute,
+  BufferGeometry,
+  Color,
+  type Material,
+  Matrix4,
+  Quaternion,
+  Skeleton,
+  SkinnedMesh,
+  Vector3,
+} from "three";
+import { POSE_BYTES, PROTOCOL, SKIN_KIND } from "./protocol";
+
+const HEADER_BYTES = 16;
+const text = new TextDecoder();
+
+/** A skin as it came. */
+export interface Skin {
+  /** Names of the bodies that carry it, palm first. */
+  names: string[];
+  geometry: BufferGeometry;
+  inverses: Matrix4[];
+}
+
+/** The skin in a message, or null if it is none. */
+export function parseSkin(data: ArrayBuffer): Skin | null {
+  if (data.byteLength < HEADER_BYTES) return null;
+  const view = new DataView(data);
+  if (view.getUint8(0) !== PROTOCOL || view.getUint8(1) !== SKIN_KIND) return null;
+  const length = view.getUint16(2, true);
+  const n = view.getUint32(4, true);
+  const m = view.getUint32(8, true);
+  const names = JSON.parse(text.decode(new Uint8Array(data, HEADER_BYTES, length))) as string[];
+  let at = HEADER_BYTES;
+  const take = (bytes: number): number => {
+    const here = at;
+    at += (bytes + 3) & ~3;
+    return here;
+  };
+  take(length);
+  const bind = new Float32Array(data, take(names.length * POSE_BYTES), names.length * 7);
+  const places = new Float32Array(data, take(12 * n), 3 * n);
+  const bones = new Uint8Array(data, take(4 * n), 4 * n);
+  const weights = new Uint8Array(data, take(4 * n), 4 * n);
+  const colours = new Uint8Array(data, take(4 * n), 4 * n);
+  const triangles = new Uint16Array(data, take(6 * m), 3 * m);
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new BufferAttribute(places, 3));
+  geometry.setAttribute("skinIndex", new BufferAttribute(bones, 4));
+  geometry.setAttribute("skinWeight", new BufferAttribute(weights, 4, true));
+  geometry.setAttribute("color", new BufferAttribute(linear(colours, n), 3));
+  geometry.setIndex(new BufferAttribute(triangles, 1));
+  geometry.computeVertexNormals();
+  return { names, geometry, inverses: names.map((_, i) => inverse(bind.subarray(7 * i))) };
+}
+
+/** A skin on the bodies of a scene, or null if they are not there. */
+export function wear(
+  skin: Skin,
+  bodies: Bone[],
+  names: string[],
+  material: Material,
+): SkinnedMesh | null {
+  const bones = skin.names.map((name) => bodies[names.indexOf(name)]);
+  if (bones.some((bone) => !bone)) return null;
+  const mesh = new SkinnedMesh(skin.geometry, material);
+  // Bodies are where they are in the world, whatever the mesh is hung on.
+  mesh.bindMode = "detached";
+  mesh.bind(new Skeleton(bones as Bone[], skin.inverses), new Matrix4());
+  mesh.frustumCulled = false;
+  mesh.castShadow = mesh.receiveShadow = true;
+  return mesh;
+}
+
+function inverse(pose: Float32Array): Matrix4 {
+  const [x = 0, y = 0, z = 0, w = 1, i = 0, j = 0, k = 0] = pose;
+  return new Matrix4()
+    .compose(new Vector3(x, y, z), new Quaternion(i, j, k, w), new Vector3(1, 1, 1))
+    .invert();
+}
+
+/** Light of sRGB bytes: three.js wants vertex colours so. */
+function linear(colours: Uint8Array, n: number): Float32Array {
+  const out = new Float32Array(3 * n);
+  const colour = new Color();
+  for (let i = 0; i < n; i++) {
+    const [r = 0, g = 0, b = 0] = colours.subarray(4 * i, 4 * i + 3);
+    colour.setRGB(r / 255, g / 255, b / 255, "srgb").toArray(out, 3 * i);
+  }
+  return out;
+}
