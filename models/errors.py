@@ -70,6 +70,10 @@ class RecordingError(InputError):
     """A recording is damaged, of another version, or does not replay."""
 
 
+class StudyError(InputError):
+    """A user study's design, folder or journal cannot be used as asked."""
+
+
 class SceneError(HandSandboxError):
     """A scene cannot be built as described."""
 

@@ -19,6 +19,7 @@ COMMANDS: dict[str, str] = {
     "train": "train an encoder on a capture, or the built-in ones anew",
     "evaluate": "measure how well methods reconstruct hands and name fingers: the paper's tables",
     "calibrate": "measure a hand against the trained one, so that it fits any person's",
+    "study": "user studies: designs, sessions, and a record that nothing can lose",
     "touches": "show, send and describe touches: the first thing to try with a new tablet",
 }
 """Command -> one line of help. Each lives in sandbox/cli/COMMAND.py as `main(argv) -> int`."""

@@ -1,0 +1,361 @@
+"""`sandbox study`: designs, plans and sessions of user studies."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib.resources import files
+from math import comb
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import tyro
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from models.errors import InputError, StudyError
+from sandbox.cli.parse import parse
+
+if TYPE_CHECKING:
+    from sandbox.study.design import Design
+    from sandbox.study.folder import Participant, StudyFolder
+    from sandbox.study.players import Player
+    from sandbox.study.runner import MakeDevice
+
+File = Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="DESIGN")]
+
+
+@dataclass(frozen=True)
+class NewOptions:
+    """Writes a design to begin with; an existing file is never overwritten."""
+
+    file: File = Path("design.toml")
+    """Of the new design."""
+
+
+@dataclass(frozen=True)
+class CheckOptions:
+    """Names every mistake in a design, with line and remedy. Exit status 2 where there is one."""
+
+    file: File
+    """The design."""
+
+
+@dataclass(frozen=True)
+class PlanOptions:
+    """Tells who gets what, and how long it takes."""
+
+    file: File
+    """The design."""
+
+    participants: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    """As many as the design says, unless told otherwise."""
+
+    power: tyro.conf.FlagCreatePairsOff[bool] = False
+    """What effect so many people detect."""
+
+    spread: float = 0.30
+    """For --power: standard deviation, over people, of the difference between two conditions in
+    log completion time. A guess until a pilot has measured it."""
+
+
+@dataclass(frozen=True)
+class SimulateOptions:
+    """Lets simulated participants of different skill and hand size go through a study.
+
+    Their data have a folder of their own, NAME-simulated, and every row says so.
+    """
+
+    file: File
+    """The design."""
+
+    out: Annotated[Path, tyro.conf.arg(metavar="DIR")]
+    """Where studies are kept."""
+
+    participants: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    """As many as the design says, unless told otherwise."""
+
+    resume: tyro.conf.FlagCreatePairsOff[bool] = False
+    """Goes on where an earlier run ended, however it ended."""
+
+    force_upgrade: Annotated[str, tyro.conf.arg(metavar="REASON")] = ""
+    """Goes on although program, encoder or design have changed; it is logged."""
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """Runs a participant's session: consent, instructions, practice, trials, breaks and forms.
+
+    The terminal is the experimenter's: h and Enter shows the keys. While a form is open there, a
+    key begins with a slash.
+    """
+
+    file: File
+    """The design."""
+
+    participant: Annotated[str, tyro.conf.arg(metavar="new|ID")] = ""
+    """new, or the id of somebody who has begun; without it, those are listed."""
+
+    out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path("studies")
+    """Where studies are kept."""
+
+    pilot: tyro.conf.FlagCreatePairsOff[bool] = False
+    """A rehearsal: its data go to a folder of their own and never mix with real ones."""
+
+    device: Literal["mouse", "tuio", "simulated"] = "mouse"
+    """Where touches come from. simulated: in a pilot only."""
+
+    view: Literal["window", "none"] = "window"
+    """none: trials without a window, as where another program shows them."""
+
+    hand: Literal["right", "left"] = "right"
+    """Which hand a new participant uses."""
+
+    hand_size: float = 1.0
+    """Length of a new participant's hand against the trained one; `sandbox calibrate` measures."""
+
+    language: str = ""
+    """Of a new participant; the design's first unless told otherwise."""
+
+    resume: tyro.conf.FlagCreatePairsOff[bool] = False
+    """Goes on with an interrupted session without asking."""
+
+    force_upgrade: Annotated[str, tyro.conf.arg(metavar="REASON")] = ""
+    """Goes on although program, encoder or design have changed; it is logged."""
+
+    port: int = 3333
+    """UDP port for TUIO."""
+
+    bind: Annotated[str, tyro.conf.arg(metavar="ADDRESS")] = "127.0.0.1"
+    """Address for TUIO; 0.0.0.0 is reached from the network."""
+
+
+def main(argv: list[str]) -> int:
+    """Runs `sandbox study ...`."""
+    if not argv or argv[0] in ("-h", "--help"):
+        print("usage: sandbox study {" + ",".join(ACTIONS) + "} [--help]\n")
+        for name, (options, _) in ACTIONS.items():
+            print(f"  {name:<9} {(options.__doc__ or '').splitlines()[0]}")
+        return 0
+    if argv[0] not in ACTIONS:
+        raise InputError("there is no such thing to do with a study", got=argv[0],
+                         expected=", ".join(ACTIONS))  # fmt: skip
+    options, action = ACTIONS[argv[0]]
+    return action(parse(options, f"sandbox study {argv[0]}", argv[1:]), Console(soft_wrap=True))
+
+
+def _new(options: NewOptions, console: Console) -> int:
+    template = files("sandbox.study").joinpath("template.toml").read_bytes()
+    try:
+        with options.file.open("xb") as file:
+            file.write(template)
+    except FileExistsError:
+        raise StudyError("the file exists already", where=str(options.file),
+                         remedy="Choose another name") from None  # fmt: skip
+    except OSError as error:
+        raise StudyError("the file cannot be written", where=str(options.file),
+                         got=error.strerror) from None  # fmt: skip
+    console.print(f"{escape(str(options.file))}: edit it, then `sandbox study check`")
+    return 0
+
+
+def _load(file: Path) -> Design:
+    from sandbox.study.design_file import load_design
+
+    return load_design(file)
+
+
+def _check(options: CheckOptions, console: Console) -> int:
+    from sandbox.study.conditions import combinations
+
+    design = _load(options.file)
+    count = sum(1 for _ in combinations(design))
+    console.print(f"[green]{design.name}[/]: no mistakes, {count} combinations of levels, all of "
+                  "which can be run here")  # fmt: skip
+    return 0
+
+
+def _plan(options: PlanOptions, console: Console) -> int:
+    from sandbox.study.plan import duration, session_plan, trials_of, whole_cycle
+    from sandbox.study.power import detectable
+
+    design = _load(options.file)
+    count = options.participants or design.participants
+    table = Table("participant", *(f.name for f in design.factors), "trials", "minutes")
+    minutes = []
+    for number in range(count):
+        steps = session_plan(design, number)
+        trials = trials_of(steps)
+        orders = [_order([t.levels[f.name] for t in trials if not t.practice])
+                  for f in design.factors]  # fmt: skip
+        minutes.append(duration(design, steps) / 60)
+        table.add_row(str(number + 1), *orders, str(len(trials)), f"{minutes[-1]:.0f}")
+    console.print(table)
+    console.print(f"a session takes about {max(minutes):.0f} min, all of them "
+                  f"{sum(minutes) / 60:.1f} h; a trial taken as {design.expected:g} s")  # fmt: skip
+    cycle = whole_cycle(design)
+    if count % cycle:
+        console.print(f"[yellow]orders are used equally often after every {cycle} participants, "
+                      f"and {count} is no multiple of that[/]")  # fmt: skip
+    if not options.power:
+        return 0
+    if not 0.0 < options.spread < 10.0:
+        raise InputError("this is no spread", where="--spread", got=options.spread,
+                         expected="between 0 and 10")  # fmt: skip
+    for factor in design.factors:
+        pairs = comb(len(factor.levels), 2)
+        if not pairs:
+            continue
+        between = factor.order == "between"
+        people = 2 * count // len(factor.levels) if between else count
+        found = detectable(people, pairs, between, spread=options.spread)
+        console.print(
+            f"{factor.name}: {people} people{' in two groups' if between else ''} detect, with "
+            f"probability 0.8, a difference of {found.effect:.2f} standard deviations between two "
+            f"of {len(factor.levels)} levels (two-sided t test, alpha 0.05"
+            + (f" over {pairs} pairs" if pairs > 1 else "")
+            + f"); that is {100 * found.change:.0f} % of completion time if the difference in log "
+            f"time varies by {options.spread:g} from person to person"
+        )
+    return 0
+
+
+def _order(levels: list[str]) -> str:
+    """Levels as they follow each other, without repeats; not more than a line holds."""
+    runs = [level for i, level in enumerate(levels) if i == 0 or level != levels[i - 1]]
+    if len(runs) > 2 * len(set(levels)):
+        return f"{', '.join(runs[: len(set(levels))])}, ... ({len(runs)} changes)"
+    return ", ".join(runs)
+
+
+def _simulate(options: SimulateOptions, console: Console) -> int:
+    from sandbox.study.folder import SIMULATED, StudyFolder
+    from sandbox.study.simulate import simulate
+
+    design = _load(options.file)
+    study = StudyFolder(options.out, design, SIMULATED, options.force_upgrade)
+    count = options.participants or design.participants
+    found = simulate(study, count, options.resume, _sayer(console))
+    console.print(f"{escape(str(study.path))}: {found['participants']} simulated participants, "
+                  f"{found['trials']} trials that count, {found['excluded']} excluded")  # fmt: skip
+    return 0
+
+
+def _run(options: RunOptions, console: Console) -> int:
+    from sandbox.cli.demo import has_display
+    from sandbox.study.controls import Controls, Terminal
+    from sandbox.study.folder import PILOT, REAL, StudyFolder
+    from sandbox.study.forms import TerminalForms
+    from sandbox.study.runner import SessionRunner
+    from sandbox.study.session_folder import SessionFolder
+    from sandbox.study.tables import rebuild_study
+
+    if options.device == "simulated" and not options.pilot:
+        raise StudyError("a simulated user is nobody's data", where="--device simulated",
+                         remedy="Add --pilot, or use `sandbox study simulate`")  # fmt: skip
+    if options.view == "window" and not has_display():
+        raise InputError("there is no display to open a window on",
+                         remedy="--view none runs trials without one")  # fmt: skip
+    if options.view == "none" and options.device == "mouse":
+        raise InputError("the mouse needs a window", where="--device mouse",
+                         remedy="Use --device tuio")  # fmt: skip
+    design = _load(options.file)
+    study = StudyFolder(options.out, design, PILOT if options.pilot else REAL,
+                        options.force_upgrade)  # fmt: skip
+    rebuild_study(study)
+    say = _sayer(console)
+    controls = Controls(say)
+    terminal = Terminal(controls)
+    person = _person(options, study, console)
+    with SessionFolder(study, person) as session:
+        done, of = session.state.done(session.steps)
+        if session.resumed and not options.resume and not session.state.complete:
+            say(f"{person.ppid} has done {done} of {of} trials. Go on with the next? yes / no")
+            if (terminal.ask() or "no").strip().lower() not in ("y", "yes"):
+                return 0
+        say(f"participant {person.ppid}" + (", a pilot" if options.pilot else "")
+            + "; h and Enter shows your keys")  # fmt: skip
+        player, make_device = _player(options, person)
+        forms = TerminalForms(terminal, lambda text: console.print(text, markup=False))
+        try:
+            outcome = SessionRunner(session, player, make_device, forms, controls, say,
+                                    options.device).run()  # fmt: skip
+        finally:
+            player.close()
+    rebuild_study(study)
+    say(f"{person.ppid}: {outcome}")
+    if outcome == "stopped":
+        say(f"to go on: sandbox study run {options.file} --participant {person.ppid}")
+    return 0
+
+
+def _person(options: RunOptions, study: StudyFolder, console: Console) -> Participant:
+    from sandbox.study.pseudonym import read_pseudonym
+    from sandbox.study.simulate import simulated_person
+
+    if options.participant and options.participant != "new":
+        return study.find(read_pseudonym(options.participant))
+    unfinished = _unfinished(study)
+    if not options.participant:
+        raise StudyError("who takes part is missing", where="--participant",
+                         expected=", ".join(("new", *unfinished)))  # fmt: skip
+    if unfinished:
+        console.print(f"[yellow]not finished yet: {', '.join(unfinished)}[/]")
+    design = study.design
+    if options.language and options.language not in design.languages:
+        raise StudyError("the design has no texts in this language", where="--language",
+                         got=options.language, expected=", ".join(design.languages))  # fmt: skip
+    if options.device == "simulated":
+        return study.add(**simulated_person(design, len(study.participants())))
+    from models.person import Person
+
+    checked = Person(options.hand, options.hand_size)
+    return study.add(hand=checked.hand, hand_size=checked.hand_size,
+                     language=options.language or design.languages[0])  # fmt: skip
+
+
+def _unfinished(study: StudyFolder) -> list[str]:
+    """Those who have begun and not come to the end."""
+    from sandbox.study.journal import read_journal
+    from sandbox.study.session_folder import session_path
+    from sandbox.study.state import SessionState
+
+    found = []
+    for person in study.participants():
+        path = session_path(study.path, person.ppid) / "journal.jsonl"
+        state = SessionState.of(read_journal(path)) if path.exists() else SessionState()
+        if not state.complete and not state.excluded_participant:
+            found.append(person.ppid)
+    return found
+
+
+def _player(options: RunOptions, person: Participant) -> tuple[Player, MakeDevice]:
+    from sandbox.study.players import HeadlessPlayer, WindowPlayer
+    from sandbox.study.run_device import person_device
+
+    simulated = options.device == "simulated"
+    paced = not simulated or options.view == "window"
+    player: Player = HeadlessPlayer(paced)
+    if options.view == "window":
+        player = WindowPlayer("simulated user" if simulated else "")
+    return player, person_device(options.device, person, options.bind, options.port)
+
+
+def _sayer(console: Console) -> Callable[[str], object]:
+    def say(text: str) -> None:
+        console.print(f"[dim]{escape(text)}[/]", highlight=False)
+        sys.stdout.flush()
+
+    return say
+
+
+ACTIONS: dict[str, tuple[Any, Callable[[Any, Console], int]]] = {
+    "new": (NewOptions, _new),
+    "check": (CheckOptions, _check),
+    "plan": (PlanOptions, _plan),
+    "run": (RunOptions, _run),
+    "simulate": (SimulateOptions, _simulate),
+}
+"""Action -> its options and what it does."""

@@ -1,0 +1,1 @@
+"""User studies: who does what in which order, and a record of it that nothing can lose."""

@@ -1,0 +1,304 @@
+"""Reads `design.toml` whole, and names every mistake in it."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from hashlib import blake2b
+from pathlib import Path
+from typing import Any
+
+from models.errors import StudyError
+from sandbox.study.conditions import SETTINGS, check_conditions
+from sandbox.study.design import (
+    END,
+    ITEMS,
+    ORDERS,
+    SCHEMA,
+    START,
+    Design,
+    Exclusion,
+    Factor,
+    Form,
+    Instruction,
+    Item,
+    Level,
+)
+from sandbox.study.orders import MOST_FACTORIAL
+from sandbox.study.reading import DesignError, Mistake, Reader, Table
+
+NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}$")
+"""Names of folders and columns: readable by every program on every system."""
+
+MEASURES = ("time_s", "success", "instant", "held", "final", "progress", "first_contact_s")
+"""Numbers of a trial that a rule may look at."""
+
+
+def load_design(path: Path) -> Design:
+    """Reads a design.
+
+    Raises:
+        DesignError: It has mistakes; all of them are told, with line and remedy.
+        StudyError: It cannot be read.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise StudyError("the design cannot be read", where=str(path), got=error.strerror,
+                         remedy="`sandbox study new FILE` makes one") from None  # fmt: skip
+    except UnicodeDecodeError as error:
+        raise StudyError("the design is no UTF-8 text", where=str(path), got=str(error)) from None
+    return parse_design(text, path)
+
+
+def parse_design(text: str, path: Path) -> Design:
+    """The design in a text that stands in a file.
+
+    Raises:
+        DesignError: It has mistakes.
+    """
+    try:
+        values = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        at = re.search(r"line (\d+)", str(error))
+        line = int(at[1]) if at else text.count("\n") + 1
+        raise DesignError(
+            path.name, [Mistake(line, "", str(error), "TOML is described at toml.io")]
+        ) from None
+    reader = Reader(text)
+    design = _design(Table(reader, values), text, path)
+    if not reader.mistakes:
+        check_conditions(design, reader)
+    if reader.mistakes:
+        raise DesignError(path.name, reader.mistakes)
+    return design
+
+
+def _design(top: Table, text: str, path: Path) -> Design:
+    schema = top.raw("schema", SCHEMA)
+    if schema != SCHEMA:
+        top.wrong("schema", f"got {schema!r}", f"This version reads schema {SCHEMA}")
+    languages = top.strings("languages", ("en",)) or ("en",)
+    top.reader.languages = languages
+    factors = _factors(top)
+    names = [factor.name for factor in factors]
+    trials, breaks, consent = top.table("trials"), top.table("breaks"), top.table("consent")
+    design = Design(
+        name=_name(top, "name"),
+        title=top.string("title", ""),
+        seed=top.number("seed", 0, 0, 2**53, whole=True),
+        participants=top.number("participants", 12, 1, 10_000, whole=True),
+        languages=languages,
+        settings=_settings(top.table("settings")),
+        factors=factors,
+        repetitions=trials.number("repetitions", 1, 1, 1000, whole=True),
+        repeat_inside=_factor(trials, "repeat_inside", names),
+        practice=trials.number("practice", 0, 0, 100, whole=True),
+        practice_each=_factor(trials, "practice_each", names),
+        seeds=trials.choice("seeds", ("own", "shared"), "own"),
+        time_limit=float(trials.number("time_limit_s", 600.0, 0.05, 3600.0)),
+        expected=float(trials.number("expected_s", 20.0, 0.05, 3600.0)),
+        break_every=breaks.number("every", 0, 0, 10_000, whole=True),
+        break_time=float(breaks.number("least_s", 30.0, 0.0, 7200.0)),
+        consent=consent.text("text") if consent.has("text") else {},
+        consent_version=consent.string("version", "1"),
+        instructions=tuple(_instruction(t, factors) for t in top.tables("instructions")),
+        demographics=tuple(_item(t) for t in top.tables("demographics")),
+        questionnaires=tuple(_form(t, names, path) for t in top.tables("questionnaires")),
+        exclusions=tuple(_exclusion(t) for t in top.tables("exclusions")),
+        digest=blake2b(text.encode(), digest_size=16).hexdigest(),
+        text=text,
+        path=path,
+    )
+    for table in (trials, breaks, consent, top):
+        table.done()
+    _no_twice(top, "demographics", [item.name for item in design.demographics])
+    _no_twice(top, "questionnaires", [form.name for form in design.questionnaires])
+    return design
+
+
+def _name(table: Table, key: str) -> str:
+    name = table.string(key)
+    if name and not NAME.match(name):
+        table.wrong(key, f"got {name!r}",
+                    "Use up to 64 letters, digits, - and _; it names files")  # fmt: skip
+    return name
+
+
+def _no_twice(top: Table, key: str, names: list[str]) -> None:
+    for i, name in enumerate(names):
+        if name and name in names[:i]:
+            top.reader.wrong((key, i, "name"), f"{name!r} is there twice", "Rename one of them")
+
+
+def _factor(table: Table, key: str, names: list[str]) -> str:
+    given = table.has(key)
+    name = table.string(key, "")
+    if given and name not in names:
+        table.wrong(key, f"there is no factor {name!r}", f"Factors are: {', '.join(names)}")
+        return ""
+    return name
+
+
+def _settings(table: Table) -> dict[str, Any]:
+    given = {name: (table.has(name), table.raw(name)) for name in SETTINGS}
+    table.done()
+    return {name: value for name, (there, value) in given.items() if there}
+
+
+def _factors(top: Table) -> tuple[Factor, ...]:
+    tables = top.tables("factors")
+    found: list[Factor] = []
+    for table in tables:
+        factor = _one_factor(table, found)
+        if factor.name in [f.name for f in found]:
+            table.wrong("name", f"{factor.name!r} is there twice", "Rename one of them")
+        found.append(factor)
+    if not tables:
+        top.wrong("", "there is no factor", "Add [[factors]] with name, order and levels")
+    return tuple(found)
+
+
+def _one_factor(table: Table, outer_ones: list[Factor]) -> Factor:
+    name = _name(table, "name")
+    setting = table.string("setting", name)
+    order = table.choice("order", ORDERS, "blocked")
+    outer = table.string("inside", "")
+    raw = table.raw("levels")
+    nested: dict[str, tuple[Level, ...]] | None = None
+    if outer:
+        above = next((f for f in outer_ones if f.name == outer), None)
+        wanted = [level.name for level in above.levels] if above else []
+        if above is None:
+            table.wrong("inside", f"there is no factor {outer!r} above this one",
+                        "Name a factor that stands above")  # fmt: skip
+        elif not isinstance(raw, dict) or set(raw) != set(wanted):
+            table.wrong("levels", f"levels are needed for every level of {outer}",
+                        f"Write levels = {{{', '.join(f'{w} = [...]' for w in wanted)}}}"
+                        )  # fmt: skip
+        else:
+            nested = {k: _levels(table, v, setting) for k, v in raw.items()}
+        if order == "between":
+            table.wrong("order", "a nested factor cannot be between participants",
+                        "Choose another order")  # fmt: skip
+        lists = list(nested.values()) if nested else []
+        levels = tuple({level.name: level for some in lists for level in some}.values())
+    else:
+        levels = _levels(table, raw, setting)
+        lists = [levels]
+    if order == "factorial" and max(map(len, lists), default=0) > MOST_FACTORIAL:
+        table.wrong("order", f"{len(levels)} levels have too many orders",
+                    f"Use latin, or at most {MOST_FACTORIAL} levels")  # fmt: skip
+    table.done()
+    return Factor(name, order, levels, outer, nested)
+
+
+def _levels(table: Table, raw: Any, setting: str) -> tuple[Level, ...]:
+    if not isinstance(raw, list) or not raw:
+        table.wrong("levels", "levels are missing", 'Write a list such as levels = ["a", "b"]')
+        return ()
+    found = []
+    for value in raw:
+        if isinstance(value, dict):
+            settings = dict(value)
+            name = settings.pop("name", "")
+            if not isinstance(name, str) or not name or not settings:
+                table.wrong("levels", f"got {value!r}",
+                            'Write {name = "soft", contact = "soft"}')  # fmt: skip
+                continue
+        else:
+            name, settings = str(value), {setting: value}
+        unknown = sorted(set(settings) - set(SETTINGS))
+        if unknown:
+            table.wrong("levels" if isinstance(value, dict) else "setting",
+                        f"there is no setting {unknown[0]!r}",
+                        "Settings are: " + ", ".join(SETTINGS))  # fmt: skip
+            if not isinstance(value, dict):
+                return ()
+            continue
+        found.append(Level(name, settings))
+    if len({level.name for level in found}) < len(found):
+        table.wrong("levels", "a level is there twice", "Leave it out, or name them differently")
+    return tuple(found)
+
+
+def _instruction(table: Table, factors: tuple[Factor, ...]) -> Instruction:
+    at = table.choice("at", (START, END, *(f.name for f in factors)), START)
+    level = table.string("level", "")
+    names = next(([x.name for x in f.levels] for f in factors if f.name == at), [])
+    if level and level not in names:
+        table.wrong("level", f"{at} has no level {level!r}",
+                    f"Levels: {', '.join(names)}" if names else "Set `at` to a factor")  # fmt: skip
+    found = Instruction(table.text("text"), at, level)
+    table.done()
+    return found
+
+
+def _item(table: Table) -> Item:
+    name, ask = _name(table, "name"), table.text("ask")
+    kind = table.choice("kind", ITEMS, "text")
+    choices = table.strings("choices")
+    low = float(table.number("low", 0.0, -1e9, 1e9))
+    high = float(table.number("high", 100.0, -1e9, 1e9))
+    step = float(table.number("step", 1.0, 1e-9, 1e9))
+    if kind == "choice" and len(choices) < 2:
+        table.wrong("choices", "a choice needs two or more", 'Write choices = ["yes", "no"]')
+    if kind in ("scale", "number") and not low < high:
+        table.wrong("low", f"{low:g} is not below {high:g}", "Swap low and high")
+    ends = (table.text("low_means"), table.text("high_means")) if table.has("low_means") else None
+    optional = table.raw("optional", False)
+    if not isinstance(optional, bool):
+        table.wrong("optional", f"got {optional!r}", "Write true or false")
+    table.done()
+    return Item(name, kind, ask, choices, low, high, step, ends, bool(optional))
+
+
+def _form(table: Table, names: list[str], path: Path) -> Form:
+    name = _name(table, "name")
+    at = table.choice("at", (START, END, *names), END)
+    file = table.string("file", "")
+    source = _instrument(table, file, path) if file else table
+    title = source.text("title")
+    items = tuple(_item(t) for t in source.tables("items"))
+    if not items and not (file and source is table):
+        table.wrong("items", "there is no question", "Add [[questionnaires.items]], or a file")
+    if source is not table:
+        source.done()
+        for mistake in source.reader.mistakes:
+            table.wrong("file", f"{file}, {mistake}", "Correct that file")
+    table.done()
+    return Form(name, title, items, at)
+
+
+def _instrument(table: Table, file: str, path: Path) -> Table:
+    """The questions in a file of their own, beside the design."""
+    try:
+        text = (path.parent / file).read_text(encoding="utf-8")
+        values = tomllib.loads(text)
+    except (OSError, ValueError) as error:
+        table.wrong("file", f"{file} cannot be read: {error}", "Give a TOML file with items")
+        return table
+    reader = Reader(text)
+    reader.languages = table.reader.languages
+    return Table(reader, values)
+
+
+def _exclusion(table: Table) -> Exclusion:
+    found = Exclusion(
+        _name(table, "name"),
+        table.choice("of", ("trial", "participant"), "trial"),
+        table.choice("measure", MEASURES, MEASURES[0]),
+        _bound(table, "below"),
+        _bound(table, "above"),
+    )
+    if found.below is None and found.above is None:
+        table.wrong("", "the rule has no bound", "Add below = NUMBER or above = NUMBER")
+    table.done()
+    return found
+
+
+def _bound(table: Table, key: str) -> float | None:
+    if not table.has(key):
+        table.raw(key)
+        return None
+    return float(table.number(key, 0.0, -1e9, 1e9))

@@ -1,0 +1,252 @@
+"""What one participant does, step by step, and how long it takes.
+
+A plan follows from the design and the participant's number alone: nothing of it need be stored, and
+an interrupted session goes on with the very same steps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from hashlib import blake2b
+from math import lcm
+from typing import Any
+
+from sandbox.study.conditions import values_of
+from sandbox.study.design import END, START, Design, Factor, Form, Instruction, Level
+from sandbox.study.orders import cycle, order_of
+
+READING = 20.0
+"""s for a page of instructions."""
+CONSENT = 60.0
+"""s."""
+ANSWERING = 7.0
+"""s for a question."""
+CHANGING = 4.0
+"""s between two trials."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """Something that happens once, and is finished or not.
+
+    Attributes:
+        id: Within the session; equal for equal design and participant.
+    """
+
+    id: str
+
+
+@dataclass(frozen=True)
+class ConsentStep(Step):
+    """The participant agrees, or goes home."""
+
+
+@dataclass(frozen=True)
+class InstructionStep(Step):
+    """A text to be read."""
+
+    instruction: Instruction
+
+
+@dataclass(frozen=True)
+class FormStep(Step):
+    """Questions to be answered; `block` is the one they are about, 0 for none."""
+
+    form: Form
+    block: int
+    levels: dict[str, str]
+
+
+@dataclass(frozen=True)
+class BreakStep(Step):
+    """A rest of at least so many seconds."""
+
+    least: float
+
+
+@dataclass(frozen=True)
+class TrialStep(Step):
+    """A trial.
+
+    Attributes:
+        number: 1, 2, ... over the session, practice included.
+        block: 1, 2, ...; a block ends where a level changes.
+        in_block: 1, 2, ...
+        repetition: 1, 2, ... of the combination; 0 in practice.
+        practice: It does not count.
+        levels: By factor.
+        values: Settings, by the names of `conditions.SETTINGS`.
+        seed: Of the trial.
+    """
+
+    number: int
+    block: int
+    in_block: int
+    repetition: int
+    practice: bool
+    levels: dict[str, str]
+    values: dict[str, Any]
+    seed: int
+
+
+def session_plan(design: Design, participant: int) -> list[Step]:
+    """All steps of a participant's session.
+
+    Args:
+        design: Of the study.
+        participant: 0, 1, ... in order of arrival; decides on orders.
+    """
+    return list(_Plan(design, participant).steps())
+
+
+def trials_of(steps: list[Step]) -> list[TrialStep]:
+    """The trials among steps."""
+    return [step for step in steps if isinstance(step, TrialStep)]
+
+
+def duration(design: Design, steps: list[Step]) -> float:
+    """s that a session is expected to take."""
+    total = 0.0
+    for step in steps:
+        match step:
+            case TrialStep():
+                total += min(design.expected, design.time_limit) + CHANGING
+            case BreakStep():
+                total += step.least
+            case FormStep():
+                total += ANSWERING * len(step.form.items)
+            case InstructionStep():
+                total += READING
+            case ConsentStep():
+                total += CONSENT
+    return total
+
+
+def whole_cycle(design: Design) -> int:
+    """Participants after which every factor's orders have been used equally often."""
+    return lcm(*(cycle(f.order, len(levels)) for f in design.factors
+                 for levels in (f.nested.values() if f.nested else [f.levels])))  # fmt: skip
+
+
+class _Plan:
+    def __init__(self, design: Design, participant: int) -> None:
+        self._design, self._participant = design, participant
+        self._trial = self._block = self._in_block = self._count = 0
+        self._levels: dict[str, Level] = {}
+        inside = [f.name for f in design.factors]
+        # Repetitions go round inside of this many factors.
+        self._round = (
+            inside.index(design.repeat_inside) + 1 if design.repeat_inside else len(inside)
+        )
+
+    def steps(self) -> Iterator[Step]:
+        design = self._design
+        if design.consent:
+            yield ConsentStep("consent")
+        if design.demographics:
+            title = dict.fromkeys(design.languages, "")
+            form = Form("demographics", title, design.demographics, START)
+            yield FormStep("form:demographics", form, 0, {})
+        yield from self._instructions(START)
+        yield from self._forms(START)
+        if design.practice and not design.practice_each:
+            yield from self._practice()
+        yield from self._factor(0, 0, 0)
+        yield from self._forms(END)
+        yield from self._instructions(END)
+
+    def _factor(self, depth: int, place: int, repetition: int) -> Iterator[Step]:
+        """All that happens inside of the levels chosen so far; `place` counts their places."""
+        design = self._design
+        if depth == self._round and not repetition:
+            for again in range(1, design.repetitions + 1):
+                yield from self._factor(depth, place + again - 1, again)
+            return
+        if depth == len(design.factors):
+            yield from self._rest()
+            yield self._make_trial(repetition)
+            return
+        factor = design.factors[depth]
+        for position, level in enumerate(self._ordered(factor, place, depth, repetition)):
+            self._levels[factor.name] = level
+            if depth < self._round:
+                self._block += 1
+                self._in_block = 0
+            yield from self._instructions(factor.name, level.name)
+            if design.practice_each == factor.name:
+                yield from self._practice()
+            yield from self._factor(depth + 1, place + position, repetition)
+            if depth < self._round:
+                yield from self._forms(factor.name)
+            self._levels.pop(factor.name)
+
+    def _ordered(self, factor: Factor, place: int, depth: int, repetition: int) -> list[Level]:
+        levels = factor.within(self._levels)
+        outer = (
+            cycle(
+                self._design.factors[depth - 1].order, len(self._design.factors[depth - 1].levels)
+            )
+            if depth
+            else 1
+        )
+        p = self._participant
+        # Inner orders shift with the place in outer ones, and against them from cycle to cycle.
+        row = p if factor.order == "between" else p + place + (p // outer if outer > 1 else 0)
+        chosen = ",".join(f"{k}={v.name}" for k, v in self._levels.items())
+        seed = _seed(self._design.seed, "order", p, factor.name, chosen, repetition)
+        return [levels[i] for i in order_of(factor.order, len(levels), row, (seed,))]
+
+    def _make_trial(self, repetition: int, practice: int = 0) -> TrialStep:
+        design = self._design
+        self._trial += 1
+        self._in_block += 1
+        levels = {name: level.name for name, level in self._levels.items()}
+        values = values_of(design, self._levels)
+        who = "everybody" if design.seeds == "shared" else self._participant
+        # Shared starts are the same in all conditions, too; only task and repetition tell.
+        what = values.get("task", "") if design.seeds == "shared" else sorted(levels.items())
+        seed = _seed(design.seed, "trial", who, what, repetition, practice)
+        return TrialStep(f"trial:{self._trial}", self._trial, self._block, self._in_block,
+                         repetition, practice > 0, levels, values, seed % 2**31)  # fmt: skip
+
+    def _practice(self) -> Iterator[Step]:
+        """Practice with the levels chosen so far, and the first of those that are not."""
+        design = self._design
+        missing = [f for f in design.factors if f.name not in self._levels]
+        for number in range(1, design.practice + 1):
+            for factor in missing:
+                levels = self._ordered(factor, 0, design.factors.index(factor), 0)
+                self._levels[factor.name] = levels[(number - 1) % len(levels)]
+            yield self._make_trial(0, number)
+            for factor in missing:
+                self._levels.pop(factor.name)
+        self._in_block = 0
+
+    def _rest(self) -> Iterator[Step]:
+        done = self._count
+        self._count += 1
+        if self._design.break_every and done and done % self._design.break_every == 0:
+            yield BreakStep(f"break:{done}", self._design.break_time)
+
+    def _instructions(self, at: str, level: str = "") -> Iterator[Step]:
+        for i, instruction in enumerate(self._design.instructions):
+            if instruction.at == at and instruction.level in ("", level):
+                yield InstructionStep(f"instruction:{i}:{at}:{self._trial}", instruction)
+
+    def _forms(self, at: str) -> Iterator[Step]:
+        levels = {name: level.name for name, level in self._levels.items()}
+        if at in levels:
+            # A form is about the level that has just ended, and those around it.
+            names = [f.name for f in self._design.factors]
+            levels = {k: v for k, v in levels.items() if names.index(k) <= names.index(at)}
+        for form in self._design.questionnaires:
+            if form.at == at:
+                block = self._block if at not in (START, END) else 0
+                yield FormStep(f"form:{form.name}:{self._trial}", form, block, levels)
+
+
+def _seed(*parts: object) -> int:
+    """A number of 63 bits that follows from some values."""
+    text = "\0".join(map(str, parts))
+    return int.from_bytes(blake2b(text.encode(), digest_size=8).digest()) >> 1

@@ -1,0 +1,269 @@
+"""Tables derived from journals: rebuilt whole and atomically, never the only place of anything."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Iterable, Sequence
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+from sandbox.study.codebook import codebook
+from sandbox.study.design import Design
+from sandbox.study.files import write_atomically
+from sandbox.study.folder import StudyFolder
+from sandbox.study.frames import STEMS
+from sandbox.study.journal import Record, read_journal
+from sandbox.study.session_folder import SESSION, SessionFolder, session_path
+from sandbox.study.state import Attempt, SessionState
+
+UXF = ("experiment", "ppid", "session_num", "trial_num", "block_num", "trial_num_in_block",
+       "start_time", "end_time")  # fmt: skip
+"""The first columns, as users of UXF know them."""
+OURS = ("mode", "participant_number", "hand", "hand_size", "attempt", "counted", "practice",
+        "repetition", "excluded", "exclusion_reason")  # fmt: skip
+RESULTS = ("task", "encoder", "seed", "success", "instant", "held", "final", "status", "progress",
+           "time_s", "reason", "respawned", "state_hash")  # fmt: skip
+MEASURES = ("first_contact_s", "lost_s", "latency_p50_ms", "latency_p95_ms",
+            "latency_p99_ms")  # fmt: skip
+FILES = ("trial_recording_location_0", "hand_pose_location_0", "touches_location_0")
+
+Row = dict[str, Any]
+
+QUESTIONNAIRE = ("experiment", "ppid", "session_num", "mode", "instrument", "block_num", "item",
+                 "answer", "language", "time")  # fmt: skip
+PEOPLE = ("ppid", "number", "hand", "hand_size", "language", "mode", "simulated", "consent",
+          "trials_done", "trials_planned", "complete", "excluded", "exclusion_reason")  # fmt: skip
+
+
+def trial_columns(design: Design) -> list[str]:
+    """Columns of `trial_results.csv`, the same in every session of a study."""
+    factors = [f"factor_{f.name}" for f in design.factors]
+    return [*UXF, *OURS, *factors, *RESULTS, *MEASURES, *FILES]
+
+
+def trial_rows(design: Design, state: SessionState) -> list[Row]:
+    """One row for every finished attempt; exactly one of each trial counts."""
+    if not state.start:
+        return []
+    rows = [
+        _trial_row(design, state, attempt, attempt is state.counted(trial))
+        for trial, attempts in sorted(state.attempts.items())
+        for attempt in attempts
+        if attempt.end is not None
+    ]
+    _exclude_participant(design, state, rows)
+    return rows
+
+
+def _trial_row(design: Design, state: SessionState, attempt: Attempt, counted: bool) -> Row:
+    start, end = attempt.start, attempt.end or {}
+    session, result = state.start, end["result"]
+    trial = start["trial"]
+    row: Row = {
+        "experiment": session["experiment"],
+        "ppid": session["ppid"],
+        "session_num": session["session"],
+        "trial_num": trial,
+        "block_num": start["block"],
+        "trial_num_in_block": start["in_block"],
+        "start_time": _seconds(session["time"], start["time"]),
+        "end_time": _seconds(session["time"], end["time"]),
+        "mode": session["mode"],
+        "participant_number": session["number"],
+        "hand": session["hand"],
+        "hand_size": session["hand_size"],
+        "attempt": start["attempt"],
+        "counted": counted,
+        "practice": start["practice"],
+        "repetition": start["repetition"],
+        **{f"factor_{k}": v for k, v in start["levels"].items()},
+        **{name: result.get(name) for name in RESULTS},
+        **result.get("measures", {}),
+        "trial_recording_location_0": start["file"],
+    }
+    stem = Path(start["file"]).stem
+    for column, kind in (("hand_pose_location_0", "frames"), ("touches_location_0", "touches")):
+        row[column] = f"trackers/{STEMS[kind]}_{stem}.csv.gz"
+    reason = state.excluded.get(trial, "") or _excluded_by_rule(design, row)
+    if state.excluded_participant:
+        reason = f"participant: {state.excluded_participant}"
+    return {**row, "excluded": bool(reason), "exclusion_reason": reason}
+
+
+def _excluded_by_rule(design: Design, row: Row) -> str:
+    for rule in design.exclusions:
+        value = row.get(rule.measure)
+        if rule.of == "trial" and value is not None and rule.holds(float(value)):
+            return f"rule {rule.name}"
+    return ""
+
+
+def _exclude_participant(design: Design, state: SessionState, rows: list[Row]) -> None:
+    """Applies rules about participants, once their session is complete."""
+    if not state.complete or state.excluded_participant:
+        return
+    counted = [r for r in rows if r["counted"] and not r["practice"] and not r["excluded"]]
+    for rule in design.exclusions:
+        values = [float(r[rule.measure]) for r in counted if r.get(rule.measure) is not None]
+        if rule.of == "participant" and values and rule.holds(sum(values) / len(values)):
+            for row in rows:
+                row |= {"excluded": True, "exclusion_reason": f"participant: rule {rule.name}"}
+            return
+
+
+def answer_rows(state: SessionState) -> list[Row]:
+    """One row for every answer."""
+    return [
+        {
+            "experiment": state.start["experiment"],
+            "ppid": state.start["ppid"],
+            "session_num": state.start["session"],
+            "mode": state.start["mode"],
+            "instrument": record["form"],
+            "block_num": record["block"],
+            **{f"factor_{k}": v for k, v in record["levels"].items()},
+            "item": item,
+            "answer": answer,
+            "language": state.start["language"],
+            "time": record["time"],
+        }
+        for record in state.answers.values()
+        for item, answer in record["answers"].items()
+    ]
+
+
+def answer_columns(design: Design) -> list[str]:
+    """Columns of `questionnaires.csv`."""
+    factors = [f"factor_{f.name}" for f in design.factors]
+    return [*QUESTIONNAIRE[:6], *factors, *QUESTIONNAIRE[6:]]
+
+
+def person_row(design: Design, state: SessionState, planned: int, rows: Sequence[Row]) -> Row:
+    """A participant's row in `participants.csv`."""
+    start = state.start
+    reasons = {r["exclusion_reason"] for r in rows if r["exclusion_reason"].startswith("particip")}
+    reason = state.excluded_participant or next(iter(reasons), "").removeprefix("participant: ")
+    asked = [r for r in state.answers.values() if r["form"] == "demographics"]
+    return {
+        **{
+            name: start[name]
+            for name in ("ppid", "number", "hand", "hand_size", "language", "mode")
+        },
+        "simulated": start["user"] is not None,
+        "consent": state.consent,
+        "trials_done": sum(state.counted(t) is not None for t in state.attempts),
+        "trials_planned": planned,
+        "complete": state.complete,
+        "excluded": bool(reason),
+        "exclusion_reason": reason,
+        **(asked[-1]["answers"] if asked else {}),
+    }
+
+
+def rebuild_session(session: SessionFolder, durable: bool = True) -> None:
+    """Writes a session's tables anew.
+
+    Raises:
+        StudyError: One cannot be written; the older one is still there.
+    """
+    design, state, path = session.study.design, session.state, session.path
+    rows = trial_rows(design, state)
+    files = {
+        "trial_results.csv": csv_bytes(rows, trial_columns(design)),
+        "questionnaires.csv": csv_bytes(answer_rows(state), answer_columns(design)),
+        "codebook.csv": codebook(design, trial_columns(design), answer_columns(design)),
+        "session_info/settings.json": json.dumps(
+            {"settings": design.settings, "build": session.study.build, "design": design.digest},
+            indent=1, sort_keys=True,
+        ).encode() + b"\n",
+        "session_info/participant_details.csv": csv_bytes(
+            [person_row(design, state, state.done(session.steps)[1], rows)], person_columns(design)
+        ),
+        "session_info/log.csv": log_bytes(session.journal.records),
+    }  # fmt: skip
+    for name, data in files.items():
+        write_atomically(path / name, data, durable)
+
+
+def rebuild_study(study: StudyFolder) -> dict[str, int]:
+    """Writes the tables of all participants anew, reading everybody's journal.
+
+    Returns:
+        How many participants, trials that count, and trials left out there are.
+
+    Raises:
+        StudyError: A journal is damaged, or a table cannot be written.
+    """
+    from sandbox.study.plan import session_plan, trials_of
+
+    design = study.design
+    trials: list[Row] = []
+    answers: list[Row] = []
+    people: list[Row] = []
+    with study.lock():
+        for person in study.participants():
+            journal = session_path(study.path, person.ppid) / "journal.jsonl"
+            state = SessionState.of(read_journal(journal)) if journal.exists() else SessionState()
+            if not state.start:
+                continue
+            rows = trial_rows(design, state)
+            for row in rows:
+                for name in FILES:
+                    row[name] = f"{person.ppid}/S{SESSION:03d}/{row[name]}"
+            planned = len(trials_of(session_plan(design, person.number)))
+            trials += rows
+            answers += answer_rows(state)
+            people.append(person_row(design, state, planned, rows))
+        for name, data in {
+            "participants.csv": csv_bytes(people, person_columns(design)),
+            "trial_results.csv": csv_bytes(trials, trial_columns(design)),
+            "questionnaires.csv": csv_bytes(answers, answer_columns(design)),
+            "codebook.csv": codebook(design, trial_columns(design), answer_columns(design)),
+        }.items():
+            write_atomically(study.path / name, data)
+    counted = [row for row in trials if row["counted"] and not row["practice"]]
+    return {"participants": len(people), "trials": len(counted),
+            "excluded": sum(row["excluded"] for row in counted)}  # fmt: skip
+
+
+def person_columns(design: Design) -> list[str]:
+    """Columns of `participants.csv`."""
+    return [*PEOPLE, *(item.name for item in design.demographics)]
+
+
+def log_bytes(records: Iterable[Record]) -> bytes:
+    """UXF's log: time, kind, and the record itself."""
+    rows = [
+        {"timestamp": r["time"], "log_type": r["kind"],
+         "message": json.dumps({k: v for k, v in r.items() if k not in ("time", "kind")},
+                               ensure_ascii=False)}
+        for r in records
+    ]  # fmt: skip
+    return csv_bytes(rows, ["timestamp", "log_type", "message"])
+
+
+def csv_bytes(rows: Iterable[Row], columns: Sequence[str]) -> bytes:
+    """A table as every program reads it: UTF-8, commas, points, 1 and 0, empty for nothing."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    for row in rows:
+        writer.writerow([_cell(row.get(name)) for name in columns])
+    return text.getvalue().encode()
+
+
+def _cell(value: Any) -> Any:
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return int(value)
+    if isinstance(value, float):
+        return repr(round(value, 6))
+    return value
+
+
+def _seconds(start: str, then: str) -> float:
+    return (datetime.fromisoformat(then) - datetime.fromisoformat(start)).total_seconds()
