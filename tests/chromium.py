@@ -135,9 +135,10 @@ class Tab:
         return told["result"].get("value")
 
     def wait(self, script: str, seconds: float = 20.0) -> Any:
-        """Waits until an expression is true."""
+        """Waits until an expression is true, and what it asks about is there."""
         until = time.monotonic() + seconds
-        while not (value := self.evaluate(script)):
+        asked = f"(() => {{ try {{ return {script} }} catch {{ return false }} }})()"
+        while not (value := self.evaluate(asked)):
             assert time.monotonic() < until, f"never came true: {script}; {self.text()[:600]}"
             time.sleep(0.02)
         return value

@@ -40,6 +40,7 @@ class Page:
         self.socket: ClientConnection = self._stack.enter_context(open_socket(self.url))
         self.seq = 0
         self.told: list[dict[str, Any]] = []
+        self.skins: list[dict[str, Any]] = []
         self.say(type="hello", protocol=self.protocol, client=self.name, role=self.role,
                  screen=self.screen)  # fmt: skip
 
@@ -61,6 +62,9 @@ class Page:
             told: dict[str, Any] = json.loads(message)
             self.told.append(told)
             return told
+        if message[1] == 2:
+            self.skins.append({"type": "skin", "bytes": message})
+            return self.skins[-1]
         bodies = struct.unpack_from("<H", message, 2)[0]
         scene, number, touch = struct.unpack_from("<III", message, 4)
         time, length = struct.unpack_from("<dI", message, 16)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import http.client
+import json
 import socket
 import time
 from collections.abc import Iterator
@@ -13,18 +14,22 @@ import numpy as np
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
-from models.errors import DeviceError
+from models.errors import DeviceError, InputError
 from sandbox.assembly import build
 from sandbox.devices.web import WebDevice
 from sandbox.server.address import checked_address
 from sandbox.server.describe import describe_scene
 from sandbox.server.frames import unpack
+from sandbox.server.kept_token import kept_token
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol import CREDIT, Screen, Touches
+from sandbox.server.senses import HandSense, press
+from sandbox.server.skins import pack_skin
 from sandbox.server.typescript import FILE, typescript
 from sandbox.session import Session
 from sandbox.settings import RunSettings
 from tests.page_client import Page, open_socket
+from tests.simulation import pinched
 
 
 @dataclass
@@ -126,6 +131,63 @@ def test_tokens_of_two_servers_differ(server):
         assert len(other.access.token) >= 20
     finally:
         other.close()
+
+
+def test_a_kept_token_is_the_same_and_for_this_user_alone(tmp_path):
+    path = tmp_path / "new" / "page-token"
+    token = kept_token(path)
+    assert len(token) >= 20
+    assert kept_token(path) == token
+    assert path.stat().st_mode & 0o077 == 0
+    path.chmod(0o644)
+    with pytest.raises(InputError, match="others can read"):
+        kept_token(path)
+    path.chmod(0o600)
+    path.write_text("short")
+    with pytest.raises(InputError, match="no token"):
+        kept_token(path)
+
+
+def test_what_a_hand_presses_with_and_how_sure_its_labels_are_is_told(stage):
+    with Page(stage.server.url) as page:
+        page.until("scene")
+        snapshot = stage.session.advance()
+        stage.server.publish(snapshot)
+        assert page.until("frame")["state"]["hands"][0]["probability"] == 1.0
+        stage.server.publish(snapshot, senses=[HandSense((0.0, 1.5, 0.0, 0.0, 0.0), 0.25)])
+        assert page.until("frame")["state"]["hands"][0]["probability"] == 0.25
+
+
+def test_fingers_press_what_they_hold_and_nothing_else():
+    scene, data, _ = pinched()
+    forces = press(scene, data)[0]
+    assert min(forces[:2]) > 0.1
+    assert max(forces[2:]) == 0.0
+
+
+def test_a_skin_comes_once_and_again_only_when_it_is_another(stage):
+    skins = [pack_skin(hand) for hand in stage.session.scene.spec.hands]
+    surface = stage.session.rigs[0].reconstructor.surface
+
+    def show(number, skins):
+        scene, task = stage.session.scene, stage.session.task
+        message = describe_scene(number, scene, task, surface, "right", "")
+        stage.server.show_scene(message, scene, stage.device, skins)
+
+    with Page(stage.server.url) as page:
+        for number, wanted in ((2, skins), (3, skins), (4, [b"\x01\x02other"])):
+            show(number, wanted)
+            page.until("scene", scene=number)
+            stage.advance()
+            page.until("frame")
+    told = [m["bytes"] for m in page.skins]
+    assert told == [skins[0], b"\x01\x02other"]
+    names = json.loads(skins[0][16 : 16 + int.from_bytes(skins[0][2:4], "little")])
+    bodies = [
+        stage.session.scene.model.body(i).name for i in range(stage.session.scene.model.nbody)
+    ]
+    assert len(names) == 15
+    assert set(names) <= set(bodies)
 
 
 def test_a_touch_takes_effect_at_its_place_in_metres_and_the_frame_says_so(stage):

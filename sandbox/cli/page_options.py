@@ -8,8 +8,10 @@ from typing import Annotated
 import tyro
 
 from models.errors import InputError
+from sandbox.profiles import default_path
 from sandbox.server.address import LOOPBACK, checked_address, local_network_address
 from sandbox.server.describe import summary
+from sandbox.server.kept_token import kept_token
 from sandbox.server.page_server import PageServer, tls_context
 from sandbox.server.protocol import TaskName
 from sandbox.versions import versions
@@ -28,7 +30,8 @@ class PageOptions:
     """Serves the page on this address instead."""
 
     page_port: int = 0
-    """TCP port of the page; 0 takes a free one."""
+    """TCP port of the page; 0 takes a free one. On a port of your choice the link stays the same,
+    and a page that is still open finds back when the program is started anew."""
 
     tls_cert: Annotated[str | None, tyro.conf.arg(metavar="FILE")] = None
     """Certificate for https, with --tls-key. Tablets refuse those that nobody signed."""
@@ -64,4 +67,5 @@ def open_page(options: PageOptions) -> PageServer:
         for name, task in TASKS.items()
     ]
     program = str(versions()["hand-sandbox"])
-    return PageServer(options.page_host, options.page_port, tasks, program, tls)
+    token = kept_token(default_path().with_name("page-token")) if options.page_port else ""
+    return PageServer(options.page_host, options.page_port, tasks, program, tls, token=token)

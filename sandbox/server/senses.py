@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 
 from models.frames import FINGERS
+from models.scene import Scene
 from sandbox.session import Session
 
 NOTHING = (0.0,) * len(FINGERS)
@@ -28,23 +29,28 @@ class HandSense:
 
 def senses(session: Session) -> list[HandSense]:
     """Of every hand of a session, now."""
-    model, data = session.scene.model, session.data
-    found = [dict.fromkeys(range(len(FINGERS)), 0.0) for _ in session.rigs]
-    if data.ncon:
-        owner = {
-            model.body(hand.element_name(bone.name)).id: (i, bone.finger)
-            for i, hand in enumerate(session.scene.spec.hands)
-            for bone in hand.skeleton.bones
-        }
-        wrench = np.zeros(6)
-        pairs = model.geom_bodyid[data.contact.geom]
-        for k, pair in enumerate(pairs.tolist()):
-            for body in pair:
-                if body in owner:
-                    i, finger = owner[body]
-                    mujoco.mj_contactForce(model, data, k, wrench)
-                    found[i][finger] += float(np.linalg.norm(wrench[:3]))
     return [
-        HandSense(tuple(forces.values()), reconstruction.probability)
-        for forces, reconstruction in zip(found, session.reconstructions, strict=True)
+        HandSense(tuple(forces), reconstruction.probability)
+        for forces, reconstruction in zip(
+            press(session.scene, session.data), session.reconstructions, strict=True
+        )
     ]
+
+
+def press(scene: Scene, data: mujoco.MjData) -> list[list[float]]:
+    """N, what each finger of each hand presses things with, in a state that was just reached."""
+    model = scene.model
+    found = [[0.0] * len(FINGERS) for _ in scene.spec.hands]
+    if not data.ncon:
+        return found
+    owner = {
+        model.body(hand.element_name(bone.name)).id: (i, bone.finger)
+        for i, hand in enumerate(scene.spec.hands)
+        for bone in hand.skeleton.bones
+    }
+    wrench = np.zeros(6)
+    for k, pair in enumerate(model.geom_bodyid[data.contact.geom].tolist()):
+        for i, finger in (owner[body] for body in pair if body in owner):
+            mujoco.mj_contactForce(model, data, k, wrench)
+            found[i][finger] += float(np.linalg.norm(wrench[:3]))
+    return found
