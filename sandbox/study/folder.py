@@ -112,17 +112,21 @@ class StudyFolder:
                              remedy="`--participant new` makes one")  # fmt: skip
         return found
 
-    def add(self, **about: Any) -> Participant:
-        """A new participant, who gets the first number that nobody has.
+    def add(self, number: int | None = None, **about: Any) -> Participant:
+        """A new participant, who gets the first number that nobody has, or a given one.
 
         Args:
+            number: Whose; where somebody has it already, it is they who are returned.
             about: What else is known: attributes of `Participant`.
         """
         with self.lock(), self._journal() as journal:
             people = participants_of(journal.records)
             released = {r["ppid"] for r in journal.records if r["kind"] == "released"}
-            taken = {p.number for p in people if p.ppid not in released}
-            number = next(i for i in range(len(people) + 1) if i not in taken)
+            taken = {p.number: p for p in people if p.ppid not in released}
+            if number in taken:
+                return taken[number]
+            if number is None:
+                number = next(i for i in range(len(people) + 1) if i not in taken)
             names = {p.ppid for p in people}
             ppid = new_pseudonym()
             while ppid in names or (self.path / ppid).exists():

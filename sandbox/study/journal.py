@@ -6,7 +6,6 @@ A record that was written is safe from the program's end at once, and from a pow
 
 from __future__ import annotations
 
-import errno
 import json
 import os
 import stat
@@ -86,11 +85,7 @@ class Journal:
                   "kind": kind, **values}  # fmt: skip
         data = json.dumps(record, separators=(",", ":"), ensure_ascii=False).encode() + b"\n"
         try:
-            written = os.write(self._fd, data)
-            if written < len(data):
-                # A full disk takes a part of it.
-                self._take_back(written)
-                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+            self._write(data)
             self.records.append(record)
             if durable:
                 os.fsync(self._fd)
@@ -107,6 +102,17 @@ class Journal:
         if self._fd >= 0:
             os.close(self._fd)
             self._fd = -1
+
+    def _write(self, data: bytes) -> None:
+        """One write; a full disk takes a part of it, and the next one says why."""
+        written = 0
+        try:
+            while written < len(data):
+                written += os.write(self._fd, data[written:])
+        except OSError:
+            if written:
+                self._take_back(written)
+            raise
 
     def _take_back(self, written: int) -> None:
         """Removes a half-written line; where that fails, nothing more is written, and the next

@@ -132,8 +132,8 @@ class SessionRunner:
             settings = replace(settings, surface_calibrated=False)
         done, of = session.state.done(session.steps)
         levels = ", ".join(trial.levels.values())
-        kind = "practice" if trial.practice else f"trial {done + 1} of {of}"
-        self.say(f"{person.ppid}  {kind}  {levels}")
+        kind = "  practice" if trial.practice else ""
+        self.say(f"{person.ppid}  trial {done + 1} of {of}  {levels}{kind}")
         record = session.begin(trial)
         start = session.state.attempts[trial.number][-1].start
         about = {

@@ -93,9 +93,7 @@ def run_simulated(
     study: StudyFolder, number: int, say: Callable[[str], object], controls: Controls | None = None
 ) -> Outcome:
     """A participant's whole session, or what is left of it."""
-    person = next((p for p in study.participants() if p.number == number), None)
-    if person is None:
-        person = study.add(**simulated_person(study.design, number))
+    person = study.add(number, **simulated_person(study.design, number))
     with SessionFolder(study, person) as session:
         runner = SessionRunner(
             session,
