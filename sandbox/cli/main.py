@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib
 import sys
-from importlib.metadata import entry_points
 
 from models.errors import HandSandboxError, InputError
 
@@ -20,6 +19,7 @@ COMMANDS: dict[str, str] = {
     "evaluate": "measure how well methods reconstruct hands and name fingers: the paper's tables",
     "calibrate": "measure a hand against the trained one, so that it fits any person's",
     "study": "user studies: designs, sessions, and a record that nothing can lose",
+    "doctor": "what this machine can do, and what to do about the rest",
     "touches": "show, send and describe touches: the first thing to try with a new tablet",
 }
 """Command -> one line of help. Each lives in sandbox/cli/COMMAND.py as `main(argv) -> int`."""
@@ -35,7 +35,9 @@ def main(argv: list[str] | None = None) -> int:
     """
     args = list(sys.argv[1:] if argv is None else argv)
     if not args or args[0] in ("-h", "--help"):
-        print(overview())
+        from sandbox.cli.overview import overview
+
+        print(overview(COMMANDS))
         return EXIT_DONE
     name, rest = args[0], args[1:]
     try:
@@ -61,53 +63,6 @@ def main(argv: list[str] | None = None) -> int:
         # The reader of our output left, as `head` does; that is no error of ours.
         sys.stderr.close()
         return EXIT_DONE
-
-
-def overview() -> str:
-    """What the program can do, one line a command."""
-    width = max(map(len, COMMANDS))
-    lines = ["usage: sandbox COMMAND [--help]", "", "commands"]
-    lines += [f"  {name:<{width}}  {text}" for name, text in COMMANDS.items()]
-    lines += [
-        "",
-        "tasks",
-        "  box-to-goal     bring a box onto its translucent twin",
-        "  wrench-turn     turn a wrench on its bolt, and no further than its twin",
-        "  wrench-slide    turn and slide a free wrench onto its twin",
-        "  stack           put a box on another one, with a second control that lifts",
-        "  stack-three     a third box on the second",
-        "  stack-vertical  two boxes seen from the front: dragging up lifts",
-    ]
-    lines += _own_tasks()
-    lines += [
-        "",
-        "devices",
-        "  simulated  a simulated user, who only touches",
-        "  mouse      in the window: drag, pin fingers, keys 1 to 5 for a whole hand",
-        "  tuio       a tablet, table or simulator that sends TUIO 1.1 over UDP",
-        "  FILE       a recording of ours, or a capture of TUIO packets",
-    ]
-    lines += [
-        "",
-        "try first",
-        "  sandbox demo",
-        "  sandbox play box-to-goal",
-        "  sandbox touches show          with a tablet at hand",
-        "  sandbox run box-to-goal --fingers 5 --seed 7 --record run.jsonl",
-    ]
-    return "\n".join(lines)
-
-
-def _own_tasks() -> list[str]:
-    """What installed packages add to the tasks, and why not where they cannot."""
-    if not entry_points(group="hand_sandbox.tasks"):
-        # Nobody has any: nothing heavy is imported for a page of text.
-        return []
-    from tasks.registry import TASKS, task_names, unusable_tasks
-
-    broken = unusable_tasks()
-    own = [f"  {name}" for name in task_names() if name not in TASKS and name not in broken]
-    return own + [f"  {name}: {why}" for name, why in sorted(broken.items())]
 
 
 if __name__ == "__main__":

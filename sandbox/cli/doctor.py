@@ -1,0 +1,87 @@
+"""`sandbox doctor`: what this machine can do, and what to do about the rest."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from typing import Any
+
+import tyro
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from sandbox.cli.parse import parse
+from sandbox.doctor.check import Check
+from sandbox.doctor.devices import device_checks
+from sandbox.doctor.graphics import graphics_checks
+from sandbox.doctor.packages import package_checks
+from sandbox.doctor.system import system_checks
+from sandbox.versions import versions
+
+SCHEMA = 1
+"""Version of the JSON."""
+
+GROUPS = ("program", "pictures", "devices", "files", "extras")
+
+
+@dataclass(frozen=True)
+class DoctorOptions:
+    """Looks at this machine: what works, what is missing, and what to do about it.
+
+    Nothing is changed. What may crash a program (OpenGL without a screen) is tried in another one.
+    """
+
+    json: tyro.conf.FlagCreatePairsOff[bool] = False
+    """Prints everything as JSON."""
+
+    strict: tyro.conf.FlagCreatePairsOff[bool] = False
+    """Ends with 1 where anything is missing, for scripts."""
+
+
+def main(argv: list[str]) -> int:
+    """Runs `sandbox doctor ...`."""
+    options = parse(DoctorOptions, "sandbox doctor", argv)
+    checks = examine()
+    if options.json:
+        print(json.dumps(as_json(checks), indent=1))
+    else:
+        show(checks, Console())
+    return int(options.strict and any(not c.ok for c in checks))
+
+
+def examine() -> list[Check]:
+    """Every check, in the order of its group."""
+    found = [*system_checks(), *package_checks(), *graphics_checks(), *device_checks()]
+    return sorted(found, key=lambda check: GROUPS.index(check.group))
+
+
+def as_json(checks: list[Check]) -> dict[str, Any]:
+    """For programs."""
+    return {
+        "schema": SCHEMA,
+        "checks": [check.as_json() for check in checks],
+        "missing": [check.name for check in checks if not check.ok],
+        "versions": versions(),
+    }
+
+
+def show(checks: list[Check], console: Console) -> None:
+    """A table, then what to do about what is missing."""
+    table = Table("", "what", "state", "found", box=None, pad_edge=False)
+    last = ""
+    for check in checks:
+        state = "[green]ok[/]" if check.ok else "[yellow]missing[/]"
+        group = "" if check.group == last else f"[bold]{check.group}[/]"
+        last = check.group
+        table.add_row(group, check.name, state, escape(check.found))
+    console.print(table)
+    missing = [check for check in checks if not check.ok]
+    if not missing:
+        console.print("\nNothing is missing.")
+        return
+    console.print("\n[bold]what is missing, what for, and what to do[/]")
+    for check in missing:
+        use = f", for {check.needed_for}" if check.needed_for else ""
+        console.print(f"[yellow]{check.name}[/]{escape(use)}", soft_wrap=True, highlight=False)
+        console.print(f"    {escape(check.remedy)}", soft_wrap=True, highlight=False)

@@ -1,0 +1,92 @@
+"""`sandbox` alone: commands, tasks, devices and what to try first, all read from the code."""
+
+from __future__ import annotations
+
+import ast
+import importlib.util
+from collections.abc import Mapping
+from importlib.metadata import entry_points
+from pathlib import Path
+
+DEVICES = {
+    "mouse": ("sandbox.devices.mouse", "MouseDevice"),
+    "web": ("sandbox.devices.web", "WebDevice"),
+    "tuio": ("sandbox.devices.tuio", "TuioDevice"),
+    "evdev": ("sandbox.devices.evdev_device", "EvdevDevice"),
+    "simulated": ("sandbox.devices.simulated", "SimulatedDevice"),
+    "FILE": ("sandbox.devices.recorded", "RecordedDevice"),
+}
+"""`--device` -> module and class; what is said of it is the class's own first sentence."""
+
+
+def overview(commands: Mapping[str, str]) -> str:
+    """What the program can do, one line each.
+
+    Args:
+        commands: Command -> what it does.
+    """
+    from tasks.registry import TASKS
+
+    tasks = {name: _first_sentence(task.__doc__ or "") for name, task in TASKS.items()}
+    tasks["FILE.py"] = "one of your own"
+    lines = ["usage: sandbox COMMAND [--help]"]
+    lines += ["", "commands", *_columns(commands)]
+    lines += ["", "tasks", *_columns(tasks), *_own_tasks()]
+    lines += ["", "devices", *_columns(devices()), *_own_devices()]
+    lines += ["", "try first", *(f"  {line}" for line in first_steps())]
+    return "\n".join(lines)
+
+
+def devices() -> dict[str, str]:
+    """Device -> the first sentence of its class; nothing of it is imported."""
+    return {name: _sentence_of(*place) for name, place in DEVICES.items()}
+
+
+def first_steps() -> list[str]:
+    """Command lines, the easiest first: made of the first task, and of the first that lifts."""
+    from sandbox.cli.demo import has_display
+    from tasks.registry import TASKS
+
+    first = next(iter(TASKS))
+    lifts = next(name for name, task in TASKS.items() if getattr(task, "lift_range", 0.0) > 0)
+    play = f"sandbox play {first}" + ("" if has_display() else " --view web")
+    return ["sandbox demo", play, f"sandbox play {lifts} --tablet", "sandbox doctor",
+            f"sandbox run {first} --seed 7 --record run.jsonl"]  # fmt: skip
+
+
+def _columns(rows: Mapping[str, str]) -> list[str]:
+    width = max(map(len, rows))
+    return [f"  {name:<{width}}  {text}" for name, text in rows.items()]
+
+
+def _own_tasks() -> list[str]:
+    """What installed packages add to the tasks, and why not where they cannot."""
+    if not entry_points(group="hand_sandbox.tasks"):
+        return []
+    from tasks.registry import TASKS, task_names, unusable_tasks
+
+    broken = unusable_tasks()
+    own = [f"  {name}" for name in task_names() if name not in TASKS and name not in broken]
+    return own + [f"  {name}: {why}" for name, why in sorted(broken.items())]
+
+
+def _own_devices() -> list[str]:
+    """What installed packages add to the devices; whether they work is said when they are used."""
+    names = sorted({entry.name for entry in entry_points(group="hand_sandbox.devices")})
+    return [f"  {name}" for name in names]
+
+
+def _sentence_of(module: str, name: str) -> str:
+    """The first sentence of a class's docstring, out of its source."""
+    spec = importlib.util.find_spec(module)
+    assert spec is not None and spec.origin is not None
+    tree = ast.parse(Path(spec.origin).read_text(encoding="utf-8"))
+    found = next(n for n in tree.body if isinstance(n, ast.ClassDef) and n.name == name)
+    return _first_sentence(ast.get_docstring(found) or "")
+
+
+def _first_sentence(text: str) -> str:
+    """Without its full stop, starting small, as the other lines do."""
+    line = (text.strip().splitlines() or [""])[0].split(". ")[0].rstrip(".")
+    known_by_its_letters = line[1:2].isupper()
+    return line if known_by_its_letters else line[:1].lower() + line[1:]

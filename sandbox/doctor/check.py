@@ -1,0 +1,80 @@
+"""One thing that was looked at, and asking another process where asking may end this one."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+PATIENCE = 60.0
+"""s for a probe; the first OpenGL of a machine without a graphics card takes seconds."""
+
+
+@dataclass(frozen=True)
+class Check:
+    """What was found.
+
+    Attributes:
+        group: Under which heading it stands.
+        name: Of the thing.
+        ok: It is there and works.
+        found: What exactly was found, or why it does not work.
+        needed_for: What cannot be done without it.
+        remedy: The next step where it is missing; else empty.
+    """
+
+    group: str
+    name: str
+    ok: bool
+    found: str
+    needed_for: str = ""
+    remedy: str = ""
+
+    def as_json(self) -> dict[str, Any]:
+        """Everything, with the state as a word."""
+        values = asdict(self)
+        values["state"] = "ok" if values.pop("ok") else "missing"
+        return values
+
+
+@dataclass(frozen=True)
+class Answer:
+    """Of a probe: whether it ended well, and its last line."""
+
+    ok: bool
+    text: str
+
+
+def ask(code: str, patience: float = PATIENCE, **environment: str) -> Answer:
+    """Runs Python code in a process of its own: a driver that aborts cannot be caught otherwise.
+
+    Args:
+        code: Prints its answer as the last line of standard output.
+        patience: s after which it is given up.
+        environment: Variables that differ from ours.
+    """
+    root = str(Path(__file__).resolve().parents[2])
+    path = os.pathsep.join(filter(None, [root, os.environ.get("PYTHONPATH", "")]))
+    try:
+        done = subprocess.run(
+            [sys.executable, "-c", code],
+            env={**os.environ, "PYTHONPATH": path, **environment},
+            capture_output=True,
+            text=True,
+            errors="replace",
+            timeout=patience,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        return Answer(False, f"the probe had no answer after {patience:.0f} s")
+    if done.returncode < 0:
+        number = -done.returncode
+        known = {s.value: s.name for s in signal.Signals}
+        return Answer(False, f"the probe was ended by {known.get(number, f'signal {number}')}")
+    lines = (done.stdout if done.returncode == 0 else done.stderr).strip().splitlines()
+    last = lines[-1].strip() if lines else f"the probe ended with {done.returncode}"
+    return Answer(done.returncode == 0, last)

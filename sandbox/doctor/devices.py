@@ -1,0 +1,91 @@
+"""Ways in for touches: network, ports, input devices of Linux, and a browser."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import socket
+import sys
+from pathlib import Path
+
+from models.errors import DeviceError
+from sandbox.doctor.check import Check
+
+TUIO_PORT = 3333
+"""Of TUIO over UDP and TCP, by its specification."""
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
+
+
+def device_checks() -> list[Check]:
+    """All of them."""
+    return [_network(), *(port_check(kind, TUIO_PORT) for kind in ("UDP", "TCP")), _browser(),
+            *_inputs()]  # fmt: skip
+
+
+def port_check(kind: str, port: int) -> Check:
+    """Whether a port of this machine is free.
+
+    Args:
+        kind: `UDP` or `TCP`.
+        port: Of 127.0.0.1.
+    """
+    stream = kind == "TCP"
+    with socket.socket(
+        socket.AF_INET, socket.SOCK_STREAM if stream else socket.SOCK_DGRAM
+    ) as probe:
+        if stream and os.name == "posix":
+            # As a server does: what a connection left behind a minute ago is in nobody's way.
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind(("127.0.0.1", port))
+            if stream:
+                probe.listen()
+            ok, found = True, "free"
+        except OSError as error:
+            ok, found = False, error.strerror or str(error)
+    return Check(
+        "devices", f"{kind} port {port}", ok, found, f"tablets and tables that send TUIO by {kind}",
+        "" if ok else "Another program listens there, perhaps another session; end it, or give "
+        "both sides another port (--port)",
+    )  # fmt: skip
+
+
+def _network() -> Check:
+    from sandbox.server.address import local_network_address
+
+    try:
+        ok, found, remedy = True, local_network_address(), ""
+    except DeviceError as error:
+        ok, found, remedy = False, error.what, error.remedy or ""
+    return Check("devices", "network address", ok, found, "`sandbox play --tablet`", remedy)
+
+
+def _browser() -> Check:
+    path = next(filter(None, map(shutil.which, BROWSERS)), None)
+    return Check(
+        "devices", "Chromium", path is not None, path or "not found on the PATH",
+        "the page on this machine, and its tests; any browser will do for play",
+        "" if path else "On Debian or Ubuntu: apt-get install chromium",
+    )  # fmt: skip
+
+
+def _inputs() -> list[Check]:
+    """Devices of Linux that can be read."""
+    if sys.platform != "linux":
+        return []
+    folder = Path("/dev/input")
+    events = sorted(folder.glob("event*")) if folder.is_dir() else []
+    readable = [p for p in events if os.access(p, os.R_OK)]
+    if not events:
+        found = "there are none here, as in most containers"
+        remedy = "Connect a touch screen or trackpad to this machine itself"
+    elif not readable:
+        found = f"{len(events)} devices, none of which may be read"
+        remedy = 'sudo usermod -aG input "$USER", then log in again'
+    else:
+        found, remedy = f"{len(readable)} of {len(events)} devices can be read", ""
+    return [
+        Check("devices", "/dev/input", bool(readable), found,
+              "touch screens and trackpads (--device evdev)", remedy)
+    ]  # fmt: skip

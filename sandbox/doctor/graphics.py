@@ -1,0 +1,87 @@
+"""OpenGL: in a window, and without a screen. Every probe has a process of its own."""
+
+from __future__ import annotations
+
+import os
+import sys
+
+from sandbox.doctor.check import Answer, Check, ask
+from sandbox.views.errors import DEBIAN_PACKAGES
+
+_WINDOW = """
+import glfw
+said = []
+glfw.set_error_callback(lambda code, text: said.append(str(text)))
+if not glfw.init():
+    raise SystemExit("; ".join(said) or "glfw does not start")
+glfw.window_hint(glfw.VISIBLE, glfw.FALSE)
+window = glfw.create_window(64, 64, "probe", None, None)
+if not window:
+    raise SystemExit("; ".join(said) or "no window can be opened")
+glfw.make_context_current(window)
+from OpenGL import GL
+print((GL.glGetString(GL.GL_RENDERER) or b"an OpenGL without a name").decode())
+"""
+
+_OFFSCREEN = """
+import os, mujoco
+world = "<worldbody><light pos='0 0 3'/><geom size='1'/></worldbody>"
+model = mujoco.MjModel.from_xml_string(f"<mujoco>{world}</mujoco>")
+data = mujoco.MjData(model)
+mujoco.mj_forward(model, data)
+with mujoco.Renderer(model, 64, 64) as renderer:
+    renderer.update_scene(data)
+    if renderer.render().std() <= 0:
+        raise SystemExit("it draws, but the picture is empty")
+    from OpenGL import GL
+    print((GL.glGetString(GL.GL_RENDERER) or b"an OpenGL without a name").decode())
+"""
+
+_BY_SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader")
+
+
+def graphics_checks() -> list[Check]:
+    """The display, a window on it, and pictures without a screen."""
+    display, shown = _display()
+    found = [
+        Check("pictures", "display", display, shown, "`sandbox play` in a window",
+              "" if display else "Log in with a screen, try xvfb-run, or play in a browser: "
+              "`sandbox play --view web`")
+    ]  # fmt: skip
+    if display:
+        window = ask(_WINDOW)
+        found.append(
+            Check("pictures", "window", window.ok, _told(window), "`sandbox play` in a window",
+                  "" if window.ok else f"On Debian or Ubuntu: apt-get install {DEBIAN_PACKAGES}")
+        )  # fmt: skip
+    answers = {
+        name: ask(_OFFSCREEN, MUJOCO_GL=backend, PYOPENGL_PLATFORM=backend)
+        for name, backend in (("EGL", "egl"), ("OSMesa", "osmesa"))
+        if sys.platform == "linux"
+    }
+    if answers:
+        any_ok = any(a.ok for a in answers.values())
+        told = "; ".join(
+            f"{name}: {_told(a)}" if a.ok or not any_ok else f"no {name}, which is not needed then"
+            for name, a in answers.items()
+        )
+        found.append(
+            Check("pictures", "without a screen", any_ok, told, "films and pictures",
+                  "" if any_ok else f"On Debian or Ubuntu: apt-get install {DEBIAN_PACKAGES} "
+                  "(or libosmesa6)")
+        )  # fmt: skip
+    return found
+
+
+def _told(answer: Answer) -> str:
+    slow = answer.ok and any(word in answer.text.lower() for word in _BY_SOFTWARE)
+    return answer.text + (" (by software: slower, and good enough)" if slow else "")
+
+
+def _display() -> tuple[bool, str]:
+    if sys.platform != "linux":
+        return True, "of the system"
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        if os.environ.get(name):
+            return True, f"{name}={os.environ[name]}"
+    return False, "neither DISPLAY nor WAYLAND_DISPLAY is set"

@@ -1,0 +1,139 @@
+"""Python packages: what the program needs, and which extras are installed."""
+
+from __future__ import annotations
+
+import re
+import sys
+import tomllib
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, metadata, version
+from pathlib import Path
+
+from sandbox.doctor.check import Check
+
+NAME = "hand-sandbox"
+DEVELOPERS = ("test", "lint", "dev")
+"""Extras that only those need who change the program."""
+
+USES = {
+    "film": "films as mp4 (GIF and WebP need nothing)",
+    "plots": "figures of evaluations and regression runs",
+    "fast": "faster batches of contact vectors (numba)",
+    "skin": "making the hand's skin anew",
+    "ray": "regression runs on a cluster",
+    "gym": "tasks as Gymnasium environments",
+    "bullet": "comparison with Bullet",
+    "evdev": "Linux touch screens and trackpads",
+    "lsl": "streams to the Lab Streaming Layer",
+    "study": "tables of user studies for other programs",
+}
+
+_REQUIREMENT = re.compile(r"\s*([\w.-]+)\s*(?:\[[^\]]*\])?\s*\(?([^;)]*)\)?\s*(?:;(.*))?")
+_BOUND = re.compile(r"\s*(>=|<=|==|<|>)\s*([\d.]+)\s*")
+
+
+@dataclass(frozen=True)
+class Requirement:
+    """A package with the versions of it that are meant.
+
+    Attributes:
+        package: As package indexes call it.
+        bounds: Such as `>=4.0,<4.1`; empty takes any.
+    """
+
+    package: str
+    bounds: str
+
+    def unmet(self) -> str:
+        """Why it is not fulfilled here; empty where it is."""
+        try:
+            found = version(self.package)
+        except PackageNotFoundError:
+            return f"{self.package} is not installed"
+        return "" if within(found, self.bounds) else f"{self.package} {found} is not {self.bounds}"
+
+
+def within(found: str, bounds: str) -> bool:
+    """Whether a version lies within bounds; only its leading numbers count."""
+    for sign, limit in _BOUND.findall(bounds):
+        a, b = _numbers(found), _numbers(limit)
+        length = max(len(a), len(b))
+        a, b = a + (0,) * (length - len(a)), b + (0,) * (length - len(b))
+        if not {">=": a >= b, "<=": a <= b, "==": a == b, "<": a < b, ">": a > b}[sign]:
+            return False
+    return True
+
+
+def declared() -> dict[str, list[Requirement]]:
+    """What is declared, by extra; what is always needed has the key ``.
+
+    A checkout's own file comes first: what an older installation said of it may have changed.
+    """
+    file = _checkout() / "pyproject.toml"
+    if file.is_file():
+        project = tomllib.loads(file.read_text(encoding="utf-8"))["project"]
+        extras = {"": project["dependencies"], **project["optional-dependencies"]}
+        return {extra: _parsed(lines) for extra, lines in extras.items()}
+    found: dict[str, list[str]] = {"": []}
+    about = metadata(NAME)
+    for extra in about.get_all("Provides-Extra") or []:
+        found[extra] = []
+    for line in about.get_all("Requires-Dist") or []:
+        named = re.search(r"""extra\s*==\s*["']([\w.-]+)["']""", line)
+        found.setdefault(named[1] if named else "", []).append(line)
+    return {extra: _parsed(lines) for extra, lines in found.items()}
+
+
+def package_checks() -> list[Check]:
+    """The packages that are always needed, and one check for each extra."""
+    known = declared()
+    wrong = list(filter(None, (r.unmet() for r in known[""])))
+    line = _pip("")
+    found = [
+        Check("program", "packages", not wrong,
+              "; ".join(wrong) or ", ".join(r.package for r in known[""]),
+              "everything", line if wrong else "")
+    ]  # fmt: skip
+    for extra, requirements in known.items():
+        if not extra or extra in DEVELOPERS or not requirements:
+            continue
+        wrong = list(filter(None, (r.unmet() for r in requirements)))
+        versions = ", ".join(f"{r.package} {version(r.package)}" for r in requirements if not wrong)
+        found.append(
+            Check("extras", extra, not wrong, "; ".join(wrong) or versions, USES.get(extra, ""),
+                  _pip(extra) if wrong else "")
+        )  # fmt: skip
+    return found
+
+
+def _checkout() -> Path:
+    return Path(__file__).resolve().parents[2]
+
+
+def _pip(extra: str) -> str:
+    """The line that installs an extra into this very Python."""
+    brackets = f"[{extra}]" if extra else ""
+    root = _checkout()
+    if (root / "pyproject.toml").is_file():
+        return f"{sys.executable} -m pip install -e '{root}{brackets}'"
+    return f"{sys.executable} -m pip install '{NAME}{brackets}'"
+
+
+def _parsed(lines: list[str]) -> list[Requirement]:
+    found = []
+    for line in lines:
+        match = _REQUIREMENT.match(line)
+        if match and _here(match[3] or "") and match[1] != NAME:
+            found.append(Requirement(match[1], match[2].strip()))
+    return found
+
+
+def _here(marker: str) -> bool:
+    """Whether a requirement is meant for this system."""
+    named = re.search(r"""sys_platform\s*==\s*["'](\w+)["']""", marker)
+    return named is None or named[1] == sys.platform
+
+
+def _numbers(text: str) -> tuple[int, ...]:
+    leading = re.match(r"\d+(\.\d+)*", text)
+    return tuple(map(int, leading[0].split("."))) if leading else ()

@@ -1,0 +1,115 @@
+"""Python, the processor, clocks, files and this user's profile."""
+
+from __future__ import annotations
+
+import platform
+import shutil
+import statistics
+import sys
+import tempfile
+import time
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+from models.errors import HandSandboxError
+from sandbox.doctor.check import Check
+from sandbox.profiles import default_path, find_profile
+from sandbox.versions import versions
+
+PYTHON = (3, 11)
+LATE = 0.005
+"""s by which a sleep of 1 ms may last longer before touches would feel it."""
+WAITS = 20
+
+
+def system_checks() -> list[Check]:
+    """Everything that is no package, no picture and no device."""
+    return [_python(), _mujoco(), _versions(), _clock(), _ffmpeg(), folder_check(Path.cwd()),
+            _profile_folder(), _profile()]  # fmt: skip
+
+
+def _python() -> Check:
+    ok = sys.version_info[:2] >= PYTHON
+    return Check("program", "Python", ok, f"{platform.python_version()} at {sys.executable}",
+                 "everything", "" if ok else "Install Python 3.11 or newer")  # fmt: skip
+
+
+def _mujoco() -> Check:
+    try:
+        found = version("mujoco")
+        import mujoco
+
+        ok = mujoco.mj_versionString() is not None
+        return Check("program", "MuJoCo", ok, found, "everything")
+    except (PackageNotFoundError, ImportError, OSError) as error:
+        return Check("program", "MuJoCo", False, str(error), "everything",
+                     f"{sys.executable} -m pip install mujoco")  # fmt: skip
+
+
+def _versions() -> Check:
+    known = versions()
+    return Check("program", "fingerprint", True, f"{known['fingerprint']} ({known['processor']})",
+                 "replay to the bit, where two machines have the same")  # fmt: skip
+
+
+def _clock() -> Check:
+    """Whether this machine wakes up in time; 1 ms of sleep, the median of a few."""
+    late = []
+    for _ in range(WAITS):
+        begun = time.monotonic()
+        time.sleep(0.001)
+        late.append(time.monotonic() - begun - 0.001)
+    resolution = time.get_clock_info("monotonic").resolution
+    median = statistics.median(late)
+    ok = median <= LATE and resolution <= 0.001
+    return Check("program", "clock", ok,
+                 f"wakes up {1000 * median:.1f} ms late (median of {WAITS}), "
+                 f"resolution {1e9 * resolution:.0f} ns",
+                 "sessions in real time",
+                 "" if ok else "Close other programs; give a virtual machine more processors")  # fmt: skip
+
+
+def _ffmpeg() -> Check:
+    try:
+        import imageio_ffmpeg
+
+        path: str | None = imageio_ffmpeg.get_ffmpeg_exe()
+    except (ImportError, RuntimeError):
+        path = None
+    other = shutil.which("ffmpeg")
+    found = path or (f"only {other}, which is not used" if other else "none")
+    return Check("program", "ffmpeg", path is not None, found, "films as mp4",
+                 "" if path else "Install the extra film")  # fmt: skip
+
+
+def folder_check(
+    folder: Path, name: str = "this folder", use: str = "films and recordings"
+) -> Check:
+    """Whether a file can be written in a folder, or in what has to be made for it."""
+    there = folder
+    while not there.exists() and there != there.parent:
+        there = there.parent
+    try:
+        with tempfile.TemporaryFile(dir=there):
+            pass
+        return Check("files", name, True, str(folder), use)
+    except OSError as error:
+        return Check("files", name, False, f"{folder}: {error.strerror}", use,
+                     "Choose another folder, or allow yourself to write there")  # fmt: skip
+
+
+def _profile_folder() -> Check:
+    return folder_check(default_path().parent, "settings folder", "your profile")
+
+
+def _profile() -> Check:
+    path = default_path()
+    if not path.exists():
+        return Check("files", "your profile", True,
+                     "none: your hand is taken to be of the trained size; `sandbox calibrate` "
+                     "measures it")  # fmt: skip
+    try:
+        return Check("files", "your profile", True, find_profile(str(path)).line)
+    except HandSandboxError as error:
+        return Check("files", "your profile", False, str(error), "your own hand's size",
+                     f"Move {path} away, or measure anew: `sandbox calibrate`")  # fmt: skip
