@@ -1,0 +1,216 @@
+"""Simulated hands in the air: the truth that no recording of the first Leap software has.
+
+A hand is held open over the device, then gestures: fingers fold together and one by one, spread,
+close, pinch, while the palm turns and wanders. Persons differ in size, proportions and in how their
+last joints follow the middle ones. Nothing here is a recording of anybody.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d
+
+from encoders.capture import Capture
+from encoders.paalm.angles import angles_of_joints, joints_of_angles
+from models.kinematics import Kinematics
+from models.pose import ROOT_POSITION, ROOT_ROTATION
+from models.rotations import exp
+from models.skeleton import ADULT, Skeleton
+
+Array = NDArray[np.float64]
+
+PALM_CENTRE = (0.0, 0.055, -0.005)
+"""m, of the average hand in its own frame: between wrist and knuckles, on the palm's side."""
+
+_OVER_DEVICE = np.array([0.0, 0.0, 0.20])
+"""m, where hands are held."""
+
+
+@dataclass(frozen=True)
+class AirConfiguration:
+    """How simulated hands move. Angles in degrees, lengths in m, times in s.
+
+    Attributes:
+        rate: Hz.
+        open_seconds: The open hand at the beginning, long enough for 1000 frames.
+        seconds: Gestures after it.
+        gesture: Mean length of one.
+        size, proportion: Spread of hand size, and of single bones, as shares.
+        open_bend: Mean and spread of PIP of an open hand.
+        slope, offset: Mean and spread over persons of DIP = slope * PIP + offset.
+        stray: Spread of a joint about what gesture and coupling say, slowly changing.
+        turn: Spread of the palm's roll, pitch and yaw.
+        wander: Spread of the palm's place.
+    """
+
+    rate: float = 100.0
+    open_seconds: float = 10.5
+    seconds: float = 20.0
+    gesture: float = 0.9
+    size: float = 0.07
+    proportion: float = 0.03
+    open_bend: tuple[float, float] = (10.0, 3.0)
+    slope: tuple[float, float] = (0.65, 0.08)
+    offset: tuple[float, float] = (2.0, 2.0)
+    stray: float = 5.0
+    turn: tuple[float, float, float] = (20.0, 12.0, 15.0)
+    wander: float = 0.03
+
+
+FROZEN_AIR = AirConfiguration()
+
+
+@dataclass(frozen=True)
+class AirTake:
+    """One continuous take of one hand.
+
+    Attributes:
+        time: (T,) s.
+        origin: (T, 3) m, palm centre in the device's frame.
+        rotation: (T, 3, 3) device from palm; palms of left hands are coded as right ones, so theirs
+            are reflections.
+        joints: (T, 5, 4, 3) m, knuckle, PIP, DIP, tip in palm coordinates.
+        open: (T,) frames in which the hand is held open to be measured.
+        side: `right` or `left`.
+    """
+
+    time: Array
+    origin: Array
+    rotation: Array
+    joints: Array
+    open: NDArray[np.bool_]
+    side: str = "right"
+
+    @property
+    def angles(self) -> Array:
+        """(T, 5, 4) degrees."""
+        return angles_of_joints(self.joints)
+
+
+def simulate_air(
+    seed: int, side: str = "right", configuration: AirConfiguration = FROZEN_AIR
+) -> AirTake:
+    """A take of a simulated person; every seed is another person.
+
+    Args:
+        seed: 0 or more.
+        side: Which hand.
+        configuration: How it moves.
+    """
+    c = configuration
+    rng = np.random.default_rng([seed, 0x9AA1])
+    count = round((c.open_seconds + c.seconds) * c.rate)
+    time = np.arange(count) / c.rate
+    is_open = time < c.open_seconds
+    knuckles, lengths = _body(rng, c)
+    closing, apart = _gestures(rng, count, is_open, c)
+    angles = np.empty((count, 5, 4))
+    slope, offset = rng.normal(*c.slope), rng.normal(*c.offset)
+    stray = _slow(rng, (count, 5, 4), c.stray, 0.25, c.rate)
+    rest_pip = max(rng.normal(*c.open_bend), 3.0)
+    angles[..., 0] = 5.0 + 70.0 * closing[..., 0] + stray[..., 0]
+    angles[..., 1] = apart + 0.5 * stray[..., 1]
+    angles[..., 2] = rest_pip + 88.0 * closing[..., 1] + stray[..., 2] * (0.3 + closing[..., 1])
+    angles[..., 3] = slope * angles[..., 2] + offset + stray[..., 3] * (0.3 + closing[..., 1])
+    angles[:, 0, 0] = -15.0 + 45.0 * closing[:, 0, 0] + stray[:, 0, 0]
+    angles[:, 0, 2] = 10.0 + 50.0 * closing[:, 0, 1] + stray[:, 0, 2]
+    angles[:, 0, 3] = 0.0
+    low = np.array([-20.0, -25.0, 0.0, -10.0])
+    angles = np.clip(angles, low, np.array([90.0, 25.0, 110.0, 80.0]))
+    turns = np.deg2rad(np.array(c.turn)) * _slow(rng, (count, 3), 1.0, 0.7, c.rate)
+    turns[is_open] *= 0.25
+    turns = gaussian_filter1d(turns, 0.2 * c.rate, axis=0, mode="nearest")
+    rotation = exp(np.stack([turns[:, 1], turns[:, 0], turns[:, 2]], axis=1))
+    origin = _OVER_DEVICE + _slow(rng, (count, 3), c.wander, 0.8, c.rate)
+    if side == "left":
+        mirror = np.diag([-1.0, 1.0, 1.0])
+        rotation, origin = mirror @ rotation, origin * [-1.0, 1.0, 1.0]
+    return AirTake(
+        time, origin, rotation, joints_of_angles(angles, knuckles, lengths), is_open, side
+    )
+
+
+def takes_of_capture(capture: Capture, skeleton: Skeleton = ADULT) -> Iterator[AirTake]:
+    """The takes of a capture of touches as hands over the device, one trial after another.
+
+    Nothing in such a capture says where a hand is open, so the frames in which all fingers are
+    stretched most, a tenth of all, are marked as open.
+    """
+    kinematics = Kinematics(skeleton)
+    for trial in np.unique(capture.trial):
+        chosen = capture.trial == trial
+        q = capture.q[chosen]
+        rotation = exp(q[:, ROOT_ROTATION])
+        origin = q[:, ROOT_POSITION] + rotation @ PALM_CENTRE
+        placed = kinematics.place(q)
+        world = np.empty((len(q), 5, 4, 3))
+        for finger in range(5):
+            own = [i for i, b in enumerate(skeleton.bones) if b.finger == finger]
+            world[:, finger, : len(own)] = placed.joints[:, own]
+            world[:, finger, len(own) :] = placed.tips[:, finger, None]
+        if skeleton.side == "left":
+            rotation = rotation @ np.diag([-1.0, 1.0, 1.0])
+        joints = np.einsum("tji,tfkj->tfki", rotation, world - origin[:, None, None])
+        stretch = np.linalg.norm(joints[:, 1:, 3] - joints[:, 1:, 0], axis=-1).min(axis=1)
+        yield AirTake(
+            capture.time[chosen],
+            origin - np.median(origin, axis=0) + _OVER_DEVICE,
+            rotation,
+            joints,
+            stretch >= np.percentile(stretch, 90),
+            skeleton.side,
+        )
+
+
+def _body(rng: np.random.Generator, c: AirConfiguration) -> tuple[Array, Array]:
+    """A person's knuckles (5, 3) in palm coordinates and bones (5, 3), m."""
+    size = float(np.clip(1.0 + c.size * rng.standard_normal(), 0.8, 1.2))
+    knuckles = np.array([ADULT.bones[i].anchor for i in ADULT.first_bone]) - PALM_CENTRE
+    lengths = np.zeros((5, 3))
+    for finger in range(5):
+        own = [b.length for b in ADULT.bones if b.finger == finger]
+        lengths[finger, : len(own)] = own
+    lengths *= np.clip(1.0 + c.proportion * rng.standard_normal((5, 3)), 0.9, 1.1)
+    return knuckles * size, lengths * size
+
+
+def _gestures(
+    rng: np.random.Generator, count: int, is_open: NDArray[np.bool_], c: AirConfiguration
+) -> tuple[Array, Array]:
+    """Closing of first and other joints (T, 5, 2), 0 to 1, and spread (T, 5) in degrees."""
+    closing, apart = np.zeros((count, 5, 2)), np.zeros((count, 5))
+    splay = np.array([5.0, 6.0, 1.0, -5.0, -14.0])
+    apart[:] = splay
+    at = int(np.argmin(is_open)) if not is_open.all() else count
+    while at < count:
+        end = at + max(round(rng.exponential(c.gesture) * c.rate), round(0.3 * c.rate))
+        kind = rng.choice(5, p=(0.2, 0.15, 0.35, 0.15, 0.15))
+        level = np.zeros(5)
+        if kind == 1:  # fist, more or less
+            level[:] = rng.uniform(0.4, 1.0)
+        elif kind == 2:  # some fingers fold, others point
+            level[:] = rng.uniform(0.5, 1.0) * (rng.random(5) < 0.5)
+        elif kind == 3:  # every finger as it likes
+            level[:] = rng.uniform(0.0, 1.0, 5)
+        elif kind == 4:  # flexed at the knuckles, or clawed
+            level[:] = rng.uniform(0.3, 0.8)
+        share = rng.uniform(0.1, 1.0) if kind == 4 else rng.uniform(0.7, 1.0)
+        first = level * share
+        closing[at:end] = np.stack([first, level * (1.7 - share if kind == 4 else 1.0)], axis=1)
+        apart[at:end] = splay * rng.uniform(0.2, 1.2) * (1.0 - 0.7 * level)
+        at = end
+    width = 0.07 * c.rate
+    closing = gaussian_filter1d(closing, width, axis=0, mode="nearest")
+    return np.clip(closing, 0.0, 1.05), gaussian_filter1d(apart, width, axis=0, mode="nearest")
+
+
+def _slow(
+    rng: np.random.Generator, shape: tuple[int, ...], spread: float, seconds: float, rate: float
+) -> Array:
+    """Smooth noise of a given spread that changes within so many seconds."""
+    noise = gaussian_filter1d(rng.standard_normal(shape), seconds * rate, axis=0, mode="wrap")
+    return noise * spread * np.sqrt(2.0 * seconds * rate * np.sqrt(np.pi))

@@ -1,0 +1,100 @@
+"""Joint angles by name, and how they follow from the places of joints.
+
+Fingers: MCP flexion and spread, PIP and DIP flexion. Thumb: CMC flexion and spread, MCP and IP
+flexion. Degrees. Flexion closes the hand; spread is positive towards the thumb. Flexion of the
+first joint comes first, about the palm's line of knuckles, then spread, so that neither is singular
+for any pose a finger can take. Zero is the direction of the palm; of the thumb, its rest in
+`models.skeleton`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from models.frames import FINGERS
+from models.skeleton import ADULT
+
+Array = NDArray[np.float64]
+
+PARTS = ("flexion", "spread", "pip", "dip")
+"""Columns of a table of angles (5, 4): first joint's flexion and spread, second, third joint."""
+
+NAMES: tuple[tuple[str, str, str, str], ...] = (
+    ("thumb_cmc_flexion", "thumb_cmc_spread", "thumb_mcp_flexion", "thumb_ip_flexion"),
+    *(
+        (f"{f}_mcp_flexion", f"{f}_mcp_spread", f"{f}_pip_flexion", f"{f}_dip_flexion")
+        for f in FINGERS[1:]
+    ),
+)
+"""Name of every angle, by finger and column."""
+
+FRAMES: Array = np.stack([ADULT.bones[0].rest, *np.tile(np.eye(3), (4, 1, 1))])
+"""(5, 3, 3) palm from each finger's zero direction (y), dorsal side (z)."""
+
+
+def by_name(table: ArrayLike) -> dict[str, float]:
+    """The angles of a table (5, 4) by their names, finger by finger."""
+    rows = np.asarray(table, float).tolist()
+    names = [name for finger in NAMES for name in finger]
+    return dict(zip(names, (angle for row in rows for angle in row), strict=True))
+
+
+def angles_of_joints(joints: ArrayLike) -> Array:
+    """Angles (..., 5, 4), degrees, of joints (..., 5, 4, 3) in palm coordinates.
+
+    Joints are knuckle, PIP, DIP, tip of each finger. A bone of no length, as the last of a thumb
+    with two, has the angle 0. The angle of two bones is measured whole, not its part in the plane
+    of flexion; its sign says on which side they bend.
+    """
+    joints = np.asarray(joints, float)
+    bones = np.einsum("fji,...fbj->...fbi", FRAMES, np.diff(joints, axis=-2))
+    lengths = np.linalg.norm(bones, axis=-1, keepdims=True)
+    bones = np.divide(bones, lengths, out=np.zeros_like(bones), where=lengths > 1e-9)
+    first = bones[..., 0, :]
+    flexion = np.arctan2(-first[..., 2], first[..., 1])
+    spread = np.arcsin(np.clip(-first[..., 0], -1.0, 1.0))
+    # The side on which a finger bends: perpendicular to its bone, towards the palm.
+    palmar = np.stack([np.zeros_like(flexion), -np.sin(flexion), -np.cos(flexion)], axis=-1)
+    out = [flexion, spread]
+    for bone in (1, 2):
+        before, after = bones[..., bone - 1, :], bones[..., bone, :]
+        across = np.cross(before, after)
+        bend = np.arctan2(np.linalg.norm(across, axis=-1), np.sum(before * after, axis=-1))
+        # Towards the palm of the bone before: its own palmar side, turned with it.
+        side = np.sum(palmar * after, axis=-1)
+        out.append(np.where(side < 0.0, -bend, bend))
+        palmar = palmar - np.sum(palmar * after, axis=-1, keepdims=True) * after
+        size = np.linalg.norm(palmar, axis=-1, keepdims=True)
+        straight_on = size < 1e-6
+        palmar = np.where(straight_on, -before, palmar / np.where(straight_on, 1.0, size))
+        # Past 90 degrees the projection points the other way.
+        past = np.sum(before * after, axis=-1, keepdims=True) < 0.0
+        palmar = np.where(past, -palmar, palmar)
+    return np.rad2deg(np.stack(out, axis=-1))
+
+
+def joints_of_angles(angles: ArrayLike, knuckles: ArrayLike, lengths: ArrayLike) -> Array:
+    """Joints (..., 5, 4, 3) of angles (..., 5, 4) in degrees: the inverse of `angles_of_joints`.
+
+    Args:
+        angles: Degrees.
+        knuckles: (5, 3) m, in palm coordinates.
+        lengths: (5, 3) m, bones from the knuckle outwards.
+    """
+    f, s, p, d = np.moveaxis(np.deg2rad(np.asarray(angles, float)), -1, 0)
+    lengths = np.asarray(lengths, float)
+    bend = np.stack([np.zeros_like(p), p, p + d], axis=-1)
+    flat = np.stack([np.zeros_like(bend), np.cos(bend), -np.sin(bend)], axis=-1)
+    x, y, z = flat[..., 0], flat[..., 1], flat[..., 2]
+    # exp(-f about x) exp(s about z)
+    sx = x * np.cos(s)[..., None] - y * np.sin(s)[..., None]
+    sy = x * np.sin(s)[..., None] + y * np.cos(s)[..., None]
+    fy = sy * np.cos(f)[..., None] + z * np.sin(f)[..., None]
+    fz = -sy * np.sin(f)[..., None] + z * np.cos(f)[..., None]
+    local = np.stack([sx, fy, fz], axis=-1) * lengths[..., None]
+    bones = np.einsum("fij,...fbj->...fbi", FRAMES, local)
+    start = np.broadcast_to(np.asarray(knuckles, float), (*bones.shape[:-2], 3))
+    return np.concatenate(
+        [start[..., None, :], start[..., None, :] + np.cumsum(bones, axis=-2)], axis=-2
+    )

@@ -1,0 +1,213 @@
+"""Calibration: the mean length of every finger of a hand held open, as in the paper."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.paalm.palm import palm_of
+from models.errors import EncoderError
+from models.frames import FINGERS, SeenFinger, SeenHand
+
+Array = NDArray[np.float64]
+
+PAPER_FRAMES = 1000
+
+MOST_SPREAD = 0.12
+"""Greatest robust spread of a finger's length, as a share of it."""
+
+LEAST_APART = 0.012
+"""m, between neighbouring tips of a spread hand; nearer ones the device takes for one."""
+MOST_TURNED = 50.0
+"""Degrees between a finger and the palm's direction in an open hand; the thumb may be at 100."""
+MOST_BENT = 60.0
+"""Degrees, PIP and DIP together, of an open hand whose joints the device knows."""
+LEAST_USABLE = 0.5
+"""Share of frames in which five fingers must be seen."""
+
+_OUTLIER = 3.0
+"""Median deviations beyond which a length is an outlier."""
+
+
+@dataclass(frozen=True)
+class HandCalibration:
+    """One hand, measured open.
+
+    Attributes:
+        side: `right` or `left`.
+        standard: (5,) m, mean length of every finger; what ratios are relative to.
+        spread: (5,) m, robust standard deviation of the lengths.
+        tips: (5, 3) m, mean places of the tips in palm coordinates.
+        directions: (5, 3) mean directions in palm coordinates.
+        bones: (5, 3) m, where the device knows joints; None otherwise.
+        frames: How many frames were used.
+        seconds: From the first to the last.
+        left_out: Frames that were not used, by reason.
+    """
+
+    side: str
+    standard: Array
+    spread: Array
+    tips: Array
+    directions: Array
+    bones: Array | None
+    frames: int
+    seconds: float
+    left_out: dict[str, int]
+
+    @property
+    def bases(self) -> Array:
+        """(5, 3) m, where the seen fingers begin, in palm coordinates."""
+        return self.tips - self.standard[:, None] * self.directions
+
+
+def calibrated(
+    samples: Iterable[tuple[float, SeenHand | None]], side: str, wanted: int = PAPER_FRAMES
+) -> HandCalibration:
+    """The calibration of one hand.
+
+    Args:
+        samples: (time in s, the hand or None where it is not seen), one a frame.
+        side: `right` or `left`.
+        wanted: Frames with five fingers that are needed; no more are used.
+
+    Raises:
+        EncoderError: Too few frames, a hand that was not open, or lengths that vary too much.
+    """
+    left_out: Counter[str] = Counter()
+    times: list[float] = []
+    rows: list[list[tuple[float, ...]]] = []
+    bones: list[Array] = []
+    for time, hand in samples:
+        if len(rows) == wanted:
+            break
+        if hand is None:
+            left_out["the hand was not seen"] += 1
+            continue
+        if len(hand.fingers) != len(FINGERS):
+            left_out["not five fingers"] += 1
+            continue
+        palm = palm_of(hand, side)
+        ordered = in_order(hand, side)
+        times.append(time)
+        rows.append([(measure(f), *palm.place(f.tip), *palm.turn(pointing(f))) for f in ordered])
+        if all(f.joints for f in ordered):
+            joints = np.array([f.joints for f in ordered])
+            bones.append(np.linalg.norm(np.diff(joints, axis=1), axis=2))
+    _enough(len(rows), wanted, left_out, side)
+    table = np.array(rows)
+    keep = _inliers(table[:, :, 0])
+    left_out["lengths far from the others"] = int((~keep).sum())
+    table = table[keep]
+    lengths = table[:, :, 0]
+    spread = 1.4826 * np.median(np.abs(lengths - np.median(lengths, axis=0)), axis=0)
+    directions = table[:, :, 4:].mean(axis=0)
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    result = HandCalibration(
+        side,
+        lengths.mean(axis=0),
+        spread,
+        table[:, :, 1:4].mean(axis=0),
+        directions,
+        np.mean(bones, axis=0) if len(bones) == len(rows) else None,
+        len(table),
+        times[-1] - times[0],
+        {k: v for k, v in left_out.items() if v},
+    )
+    _open(result, lengths)
+    return result
+
+
+def in_order(hand: SeenHand, side: str) -> list[SeenFinger]:
+    """The fingers as the device names them, or else by x as in the paper: thumb to little finger.
+
+    The x is the device's; it grows from the thumb of a right hand whose palm faces down.
+    """
+    named: dict[int, SeenFinger] = {f.finger: f for f in hand.fingers if f.finger is not None}
+    if len(named) == len(hand.fingers):
+        return [named[i] for i in sorted(named)]
+    return sorted(hand.fingers, key=lambda f: f.tip[0], reverse=side == "left")
+
+
+def measure(finger: SeenFinger) -> float:
+    """m, the finger's length as PAALM needs it: one that shrinks as the finger bends."""
+    if finger.joints is None:
+        return finger.length
+    a, b = finger.joints[0], finger.joints[3]
+    return float(np.sqrt((a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2 + (a[2] - b[2]) ** 2))
+
+
+def pointing(finger: SeenFinger) -> tuple[float, float, float]:
+    """The direction that belongs to `measure`."""
+    if finger.joints is None:
+        return finger.direction
+    a, b = finger.joints[0], finger.joints[3]
+    length = max(measure(finger), 1e-9)
+    return (b[0] - a[0]) / length, (b[1] - a[1]) / length, (b[2] - a[2]) / length
+
+
+def _enough(found: int, wanted: int, left_out: Counter[str], side: str) -> None:
+    total = found + sum(left_out.values())
+    if found >= wanted and found >= LEAST_USABLE * total:
+        return
+    why = ", ".join(f"{n} x {what}" for what, n in left_out.most_common()) or "the frames ended"
+    raise EncoderError(
+        f"the {side} hand cannot be calibrated: too few frames with five fingers",
+        got=f"{found} of {total} ({why})",
+        expected=f"{wanted}, and at least half of all",
+        remedy="Hold the hand open, palm down, fingers spread, 20 cm above the device",
+    )
+
+
+def _inliers(lengths: Array) -> NDArray[np.bool_]:
+    middle = np.median(lengths, axis=0)
+    deviation = np.abs(lengths - middle)
+    scale = np.maximum(1.4826 * np.median(deviation, axis=0), 0.002)
+    return np.asarray((deviation < 2 * _OUTLIER * scale).all(axis=1))
+
+
+def _open(c: HandCalibration, lengths: Array) -> None:
+    """Refuses a hand that was not held open and still."""
+    remedy = "Hold the hand open, palm down, fingers spread and still, and calibrate again"
+    for finger, name in enumerate(FINGERS):
+        share = c.spread[finger] / c.standard[finger]
+        if share > MOST_SPREAD:
+            raise EncoderError(
+                f"the {name}'s length varies too much to be a standard",
+                where=f"{c.side} hand",
+                got=f"{100 * share:.0f} %",
+                expected=f"under {100 * MOST_SPREAD:.0f} %",
+                remedy=remedy,
+            )
+        turned = np.degrees(np.arccos(np.clip(c.directions[finger, 1], -1.0, 1.0)))
+        if turned > (100.0 if finger == 0 else MOST_TURNED):
+            raise EncoderError(
+                f"the hand was not open: the {name} points away from the palm's direction",
+                where=f"{c.side} hand",
+                got=f"{turned:.0f} degrees",
+                expected=f"under {MOST_TURNED:.0f}",
+                remedy=remedy,
+            )
+    apart = np.linalg.norm(np.diff(c.tips, axis=0), axis=1)
+    if apart.min() < LEAST_APART:
+        raise EncoderError(
+            "the fingers were not spread",
+            where=f"{c.side} hand",
+            got=f"{1000 * apart.min():.0f} mm between neighbours",
+            expected=f"over {1000 * LEAST_APART:.0f} mm",
+            remedy=remedy,
+        )
+    if c.bones is not None:
+        share = c.standard / c.bones.sum(axis=1)
+        # Equal bends of half MOST_BENT leave this share of the length.
+        if share[1:].min() < np.cos(np.deg2rad(MOST_BENT / 2.0)):
+            raise EncoderError(
+                f"the hand was not open: the {FINGERS[1 + int(share[1:].argmin())]} was bent",
+                where=f"{c.side} hand",
+                got=f"{100 * share[1:].min():.0f} % of its length",
+                remedy=remedy,
+            )

@@ -1,0 +1,167 @@
+"""IK of one finger, in closed form: a length and a direction become four angles.
+
+With DIP coupled to PIP, the distance from the base to the tip is a falling function of PIP alone.
+It is tabulated once and read backwards; the direction then gives the first joint, because the
+tip's place in the finger's own plane is known. What the limits refuse is given up where it costs
+the tip least: PIP is chosen again for the first joint at its limit.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import asin, atan2, cos, degrees, radians, sin, sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from encoders.paalm.coupling import Coupling
+from models.errors import EncoderError
+from models.frames import Vector
+
+_ENTRIES = 512
+
+
+@dataclass(frozen=True)
+class FingerLimits:
+    """Ranges of the joints, degrees; the usual clinical ones, as in `models.skeleton`."""
+
+    flexion: tuple[float, float] = (-20.0, 90.0)
+    spread: tuple[float, float] = (-25.0, 25.0)
+    pip: tuple[float, float] = (0.0, 110.0)
+    dip: tuple[float, float] = (-10.0, 80.0)
+
+
+FINGER_LIMITS = FingerLimits()
+THUMB_LIMITS = FingerLimits((-40.0, 40.0), (-40.0, 40.0), (0.0, 75.0), (-10.0, 80.0))
+
+
+class Bend(NamedTuple):
+    """Angles of a finger, degrees, and by how much its tip misses the target, m."""
+
+    flexion: float
+    spread: float
+    pip: float
+    dip: float
+    miss: float
+
+
+class FingerChain:
+    """Three bones with coupled bending.
+
+    Args:
+        lengths: m, from the knuckle outwards; the last may be 0.
+        coupling: DIP by PIP.
+        limits: Of the joints.
+        hidden: Share of the first bone, from the knuckle, that lengths and directions leave out:
+            0 measures from the knuckle.
+    """
+
+    def __init__(
+        self,
+        lengths: tuple[float, float, float],
+        coupling: Coupling,
+        limits: FingerLimits = FINGER_LIMITS,
+        hidden: float = 0.0,
+    ) -> None:
+        first, second, third = lengths
+        if min(first, second) <= 0.0 or third < 0.0 or not 0.0 <= hidden < 1.0:
+            raise EncoderError("a finger has bones", got=(lengths, hidden), expected="lengths > 0")
+        self.lengths, self.coupling, self.limits, self.hidden = lengths, coupling, limits, hidden
+        self.reach = first * (1.0 - hidden) + second + third
+        pip = np.linspace(*np.deg2rad(limits.pip), _ENTRIES)
+        dip = np.clip(coupling.slope * pip + np.deg2rad(coupling.offset), *np.deg2rad(limits.dip))
+        along = first * (1.0 - hidden) + second * np.cos(pip) + third * np.cos(pip + dip)
+        below = second * np.sin(pip) + third * np.sin(pip + dip)
+        chord = np.hypot(along, below)
+        # Past the shortest distance, or before the longest, a length has two bends: the first
+        # piece that falls is kept.
+        start = int(np.argmax(chord))
+        rising = np.nonzero(np.diff(chord[start:]) >= 0.0)[0]
+        piece = slice(start, start + int(rising[0]) + 1 if len(rising) else len(chord))
+        self._pip, self._dip = pip[piece], dip[piece]
+        self._along, self._below = along[piece], below[piece]
+        self.longest, self.shortest = float(chord[piece][0]), float(chord[piece][-1])
+        # Near the stretched finger, PIP goes with the root of what is missing to its length: even
+        # steps of that root read well everywhere.
+        root = np.sqrt(self.longest - chord[piece])
+        self._per_root = (_ENTRIES - 1) / float(root[-1])
+        even = np.linspace(0.0, root[-1], _ENTRIES)
+        self._inverse: list[float] = np.interp(even, root, self._pip).tolist()
+
+    def chord(self, pip: float) -> float:
+        """m, from the (visible) base to the tip of a finger with this PIP angle, degrees."""
+        along, below = self._plane(radians(pip))
+        return sqrt(along * along + below * below)
+
+    def dip(self, pip: float) -> float:
+        """Degrees, of the last joint."""
+        low, high = self.limits.dip
+        return min(max(self.coupling.slope * pip + self.coupling.offset, low), high)
+
+    def solve(self, target: Vector) -> Bend:
+        """Angles that bring the tip to a target, m, from the base in the finger's zero frame."""
+        x, y, z = target
+        chord = sqrt(x * x + y * y + z * z)
+        if chord < 1e-9:
+            raise EncoderError("a target at the knuckle has no direction", got=target)
+        # A target out of reach keeps its direction.
+        reached = min(max(chord, self.shortest), self.longest)
+        scale = reached / chord
+        x, y, z = x * scale, y * scale, z * scale
+        pip = self._bend(reached)
+        along, below = self._plane(pip)
+        spread = asin(min(max(-x / max(along, 1e-6), -1.0), 1.0))
+        flexion = atan2(-z, y) - atan2(below, along * cos(spread))
+        low, high = self.limits.flexion
+        left, right = self.limits.spread
+        held_flexion = min(max(degrees(flexion), low), high)
+        held_spread = min(max(degrees(spread), left), right)
+        if held_flexion != degrees(flexion) or held_spread != degrees(spread):
+            pip = self._closest(radians(held_flexion), radians(held_spread), (x, y, z))
+            along, below = self._plane(pip)
+        tx, ty, tz = self._tip(radians(held_flexion), radians(held_spread), along, below)
+        miss = sqrt((tx - target[0]) ** 2 + (ty - target[1]) ** 2 + (tz - target[2]) ** 2)
+        pip = degrees(pip)
+        return Bend(held_flexion, held_spread, pip, self.dip(pip), miss)
+
+    def with_first_joint(self, direction: Vector, chord: float) -> Bend:
+        """The paper's other reading: the first bone points along the direction; length bends."""
+        x, y, z = direction
+        low, high = self.limits.flexion
+        left, right = self.limits.spread
+        flexion = min(max(degrees(atan2(-z, y)), low), high)
+        spread = min(max(degrees(asin(min(max(-x, -1.0), 1.0))), left), right)
+        pip = degrees(self._bend(min(max(chord, self.shortest), self.longest)))
+        return Bend(flexion, spread, pip, self.dip(pip), 0.0)
+
+    def _bend(self, chord: float) -> float:
+        """PIP, rad, of a reachable length."""
+        at = sqrt(max(self.longest - chord, 0.0)) * self._per_root
+        index = min(int(at), _ENTRIES - 2)
+        low, high = self._inverse[index], self._inverse[index + 1]
+        return low + (high - low) * min(at - index, 1.0)
+
+    def _plane(self, pip: float) -> tuple[float, float]:
+        first, second, third = self.lengths
+        bend = pip + radians(self.dip(degrees(pip)))
+        return (
+            first * (1.0 - self.hidden) + second * cos(pip) + third * cos(bend),
+            second * sin(pip) + third * sin(bend),
+        )
+
+    @staticmethod
+    def _tip(flexion: float, spread: float, along: float, below: float) -> Vector:
+        y = along * cos(spread)
+        return (
+            -along * sin(spread),
+            y * cos(flexion) - below * sin(flexion),
+            -y * sin(flexion) - below * cos(flexion),
+        )
+
+    def _closest(self, flexion: float, spread: float, target: Vector) -> float:
+        """PIP, rad, that brings the tip nearest to a target with the first joint held."""
+        y = self._along * cos(spread)
+        dx = -self._along * sin(spread) - target[0]
+        dy = y * cos(flexion) - self._below * sin(flexion) - target[1]
+        dz = -y * sin(flexion) - self._below * cos(flexion) - target[2]
+        return float(self._pip[np.argmin(dx * dx + dy * dy + dz * dz)])

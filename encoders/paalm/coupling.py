@@ -1,0 +1,53 @@
+"""How the last joint follows the middle one: what makes a chain of three bones solvable.
+
+A fingertip's place says nothing about how a bend is shared between PIP and DIP. The paper leaves it
+to an animation program's IK; we say it: DIP = slope * PIP + offset.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from models.errors import EncoderError
+
+
+@dataclass(frozen=True)
+class Coupling:
+    """DIP = slope * PIP + offset.
+
+    Attributes:
+        slope: Without unit.
+        offset: Degrees.
+    """
+
+    slope: float
+    offset: float = 0.0
+
+    @classmethod
+    def fitted(cls, pip: ArrayLike, dip: ArrayLike) -> Coupling:
+        """The least squares line through angles in degrees, of any shape.
+
+        Raises:
+            EncoderError: PIP hardly moves, or the line would straighten the tip as the finger
+                closes, which is no coupling.
+        """
+        x, y = np.asarray(pip, float).ravel(), np.asarray(dip, float).ravel()
+        if x.size < 10 or np.ptp(np.percentile(x, [5, 95])) < 15.0:
+            raise EncoderError(
+                "the fingers bend too little to say how PIP and DIP go together",
+                got=f"{x.size} angles",
+                expected="PIP angles over at least 15 degrees",
+            )
+        slope, offset = np.polyfit(x, y, 1)
+        if not 0.0 <= slope <= 3.0:
+            raise EncoderError("DIP does not follow PIP", got=f"slope {slope:.2f}", expected="0..3")
+        return cls(float(slope), float(offset))
+
+
+TWO_THIRDS = Coupling(2.0 / 3.0)
+"""The textbook's tendon coupling."""
+EQUAL = Coupling(1.0)
+"""Both joints bend alike; what Leap v2 assumes."""

@@ -1,0 +1,123 @@
+"""Which seen finger is which: the paper's order, and one that remembers.
+
+The paper sorts by x and counts from the thumb. When a finger vanishes, every later one takes its
+neighbour's name. The tracked identity weighs, for every seen finger and every name: where that
+finger was last (it holds still while unseen, in the palm's space), whether the line of the finger
+leads back to that finger's knuckle, whether the device's own id still says so, and whether the
+finger would be longer than it is. The likeliest assignment of all fingers together is taken.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import permutations
+from math import exp, perm
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.paalm.calibration import HandCalibration
+from encoders.paalm.palm import Palm
+from models.frames import FINGERS, SeenFinger
+
+Array = NDArray[np.float64]
+
+_FIVE = len(FINGERS)
+_ASSIGNMENTS = [
+    np.array(list(permutations(range(_FIVE), k)), dtype=np.intp).reshape(perm(_FIVE, k), k)
+    for k in range(_FIVE + 1)
+]
+"""All ways to name k fingers, at most 120: trying them all is quicker than a solver."""
+
+_SIDEWAYS, _IN_PLANE, _THUMB = 0.004, 0.010, 0.020
+"""m, spread of the distance by which a finger's line misses its own knuckle: sideways, within the
+plane in which it bends (the seen part of a bent finger does not lead back to the knuckle), and in
+any direction for the thumb, whose seen part begins where its first bone ends."""
+_STILL, _LOST = 0.006, 0.030
+"""m, spread of a tip's step from frame to frame, and of a tip unseen for long."""
+_LOST_AFTER = 0.15
+"""s in which the spread of an unseen tip grows most of the way."""
+_SAME_ID = 16.0
+"""What the device's id weighs, against half-squared deviations; finite, since devices swap ids."""
+_TOO_LONG = 0.06
+"""Share, spread of a length beyond a finger's standard."""
+_CAP = 30.0
+"""Most that one piece of evidence may say, so that none of them is alone."""
+
+
+def paper_order(fingers: Sequence[SeenFinger], side: str) -> list[int]:
+    """The paper's names: rank by the device's x among the fingers that are seen."""
+    order = sorted(range(len(fingers)), key=lambda i: fingers[i].tip[0], reverse=side == "left")
+    names = [0] * len(fingers)
+    for rank, i in enumerate(order):
+        names[i] = min(rank, _FIVE - 1)
+    return names
+
+
+class TrackedIdentity:
+    """Remembers one hand's fingers.
+
+    Args:
+        calibration: The hand, measured open.
+        knuckles: (5, 3) m, in palm coordinates.
+    """
+
+    def __init__(self, calibration: HandCalibration, knuckles: Array) -> None:
+        self._calibration = calibration
+        self._knuckles = knuckles.copy()
+        self._knuckles[0] = calibration.bases[0]
+        self.reset()
+
+    def reset(self) -> None:
+        """Back to an open hand."""
+        self._tips = self._calibration.tips.copy()
+        self._seen_at = [-np.inf] * _FIVE
+        self._ids: list[int | None] = [None] * _FIVE
+
+    def names(self, fingers: Sequence[SeenFinger], palm: Palm, time: float) -> list[int]:
+        """The name, 0 to 4, of every seen finger; at most five fingers."""
+        if not fingers:
+            return []
+        tips = np.array([palm.place(f.tip) for f in fingers])
+        cost = self._costs(fingers, tips, palm, time)
+        ways = _ASSIGNMENTS[len(fingers)]
+        best = ways[int(np.argmin(cost[np.arange(len(fingers)), ways].sum(axis=1)))].tolist()
+        for i, name in enumerate(best):
+            self._tips[name] = tips[i]
+            self._seen_at[name] = time
+            self._ids = [None if known == fingers[i].id else known for known in self._ids]
+            self._ids[name] = fingers[i].id
+        return best
+
+    def _costs(self, fingers: Sequence[SeenFinger], tips: Array, palm: Palm, time: float) -> Array:
+        """(k, 5) half-squared deviations of every finger from every name."""
+        lines = np.array([palm.turn(f.direction) for f in fingers])
+        lengths = np.array([f.length for f in fingers])
+        spread = np.array(
+            [
+                _STILL + (_LOST - _STILL) * (1.0 - exp(-(time - at) / _LOST_AFTER))
+                for at in self._seen_at
+            ]
+        )
+        moved = ((tips[:, None] - self._tips) ** 2).sum(axis=2) / spread**2
+        missed = self._missed(tips, lines)
+        standard = self._calibration.standard
+        longer = np.maximum(lengths[:, None] / standard - 1.05, 0.0) ** 2 / _TOO_LONG**2
+        cost = 0.5 * (np.minimum(moved, _CAP) + np.minimum(missed, _CAP) + np.minimum(longer, _CAP))
+        for i, finger in enumerate(fingers):
+            if finger.id in self._ids:
+                cost[i, self._ids.index(finger.id)] -= _SAME_ID
+        return np.asarray(cost)
+
+    def _missed(self, tips: Array, lines: Array) -> Array:
+        """(k, 5) squared deviations of fingers' lines from knuckles."""
+        to = self._knuckles - tips[:, None]
+        # Where the line is nearest in the plane that is not sideways.
+        flat = (lines[:, 1:] ** 2).sum(axis=1) + 1e-3
+        at = (to[..., 1:] * lines[:, None, 1:]).sum(axis=2) / flat[:, None]
+        rest = to - at[..., None] * lines[:, None]
+        in_plane = (rest[..., 1:] ** 2).sum(axis=2)
+        missed = rest[..., 0] ** 2 / _SIDEWAYS**2 + in_plane / _IN_PLANE**2
+        along = (to[:, 0] * lines).sum(axis=1, keepdims=True)
+        missed[:, 0] = ((to[:, 0] - along * lines) ** 2).sum(axis=1) / _THUMB**2
+        return np.asarray(missed)

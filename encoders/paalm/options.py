@@ -1,0 +1,86 @@
+"""What the paper leaves open, as options. docs/paalm.md has the measurement behind each default."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from encoders.paalm.coupling import TWO_THIRDS, Coupling
+from models.errors import EncoderError
+
+Hands = Literal["right", "left", "both"]
+
+
+@dataclass(frozen=True)
+class PaalmOptions:
+    """How the paper is read.
+
+    Attributes:
+        identity: `paper`: rank by x among the fingers that are seen. `tracked`: the likeliest
+            assignment to where the fingers were last, and to where their knuckles are.
+        direction: What a finger's target is measured by. `device`: the device's direction and
+            length ratio, as printed. `knuckle_to_tip`: from the knuckle, as calibrated in the
+            palm, to the tip. `thumb`: the latter for the thumb only. Fingers with joints have a
+            knuckle and always use it.
+        first_joint: `ik`: all joints by inverse kinematics of the target. `direction`: the first
+            bone points along the direction, as section 4 says; the length bends the rest.
+        hidden, thumb_hidden: Share of the first bone that the device's length leaves out; 0 as in
+            the paper, which takes the length from the knuckle.
+        open_bend: Degrees of PIP of an open hand, where a ratio of 1 is; 0 as in the paper.
+        coupling: DIP by PIP.
+        hold: Where a finger that vanished stays: in the `palm`, or in the `device`'s frame.
+        vanished: What a finger that vanished does: `held` where it was, as in the paper, or
+            `folded`, because folding is why fingers vanish: it closes on within `fold_seconds`.
+        smoothing: s, time constant of lengths and directions; 0 switches it off.
+        fold_seconds: s.
+    """
+
+    identity: Literal["paper", "tracked"] = "tracked"
+    direction: Literal["device", "knuckle_to_tip", "thumb"] = "device"
+    first_joint: Literal["ik", "direction"] = "ik"
+    hidden: float = 0.45
+    thumb_hidden: float = 0.9
+    open_bend: float = 10.0
+    coupling: Coupling = TWO_THIRDS
+    hold: Literal["palm", "device"] = "palm"
+    vanished: Literal["held", "folded"] = "held"
+    smoothing: float = 0.03
+    fold_seconds: float = 0.1
+
+    def __post_init__(self) -> None:
+        choices = {
+            "identity": ("paper", "tracked"),
+            "direction": ("device", "knuckle_to_tip", "thumb"),
+            "first_joint": ("ik", "direction"),
+            "hold": ("palm", "device"),
+            "vanished": ("held", "folded"),
+        }
+        for name, allowed in choices.items():
+            if getattr(self, name) not in allowed:
+                raise EncoderError(
+                    "there is no such choice",
+                    where=name,
+                    got=getattr(self, name),
+                    expected=", ".join(allowed),
+                )
+        for name, most in (
+            ("hidden", 0.95),
+            ("thumb_hidden", 0.95),
+            ("open_bend", 60.0),
+            ("smoothing", 10.0),
+        ):
+            if not 0.0 <= getattr(self, name) <= most:
+                raise EncoderError(
+                    "out of range", where=name, got=getattr(self, name), expected=f"0 to {most}"
+                )
+
+
+PAPER = PaalmOptions(
+    identity="paper",
+    direction="device",
+    hidden=0.0,
+    thumb_hidden=0.0,
+    open_bend=0.0,
+    smoothing=0.0,
+)
+"""As printed, where print says; its IK is an animation program's, ours is that of `chain`."""

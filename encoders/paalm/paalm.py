@@ -1,0 +1,303 @@
+"""PAALM (2013), section 4: joint angles from the directions and lengths of fingers.
+
+Calibration measures the length of every finger of an open hand. From then on a finger's length by
+its standard, the length ratio, says how far its tip is from its knuckle, its direction where; both
+make a target, and inverse kinematics of the finger's chain makes angles of it. Fingers are named
+first; one that vanishes stays where it was, in the palm's space, until it is seen again.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from math import exp
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.paalm.angles import by_name
+from encoders.paalm.calibration import (
+    PAPER_FRAMES,
+    HandCalibration,
+    calibrated,
+    measure,
+    pointing,
+)
+from encoders.paalm.identity import TrackedIdentity, paper_order
+from encoders.paalm.options import Hands, PaalmOptions
+from encoders.paalm.palm import Palm, palm_of, stacked
+from encoders.paalm.rig import Rigged, rig
+from encoders.paalm.sides import HandSides
+from models.errors import EncoderError
+from models.frames import FINGERS, HandFrame, SeenHand, Vector
+
+Array = NDArray[np.float64]
+
+_FIST = (60.0, 90.0)
+"""Degrees, MCP and PIP at least, of a finger that folded out of sight."""
+_FOLDING = 0.8
+"""A finger whose ratio was below this when it vanished is taken to have folded."""
+
+
+@dataclass(frozen=True)
+class PaalmHand:
+    """One hand at one moment.
+
+    Attributes:
+        side: `right` or `left`.
+        table: (5, 4) degrees: flexion and spread of the first joint, second joint, third joint.
+        ratios: Length by standard length, by finger; of held fingers, the last.
+        ids: The device's id by finger; None of a held finger.
+        held: Fingers that are not seen now.
+        palm: Root of the hand in the device's frame.
+        targets: (5, 3) rig m, from each finger's base, in palm axes.
+        miss: (5,) rig m, by how much joint limits keep tips from their targets.
+        seen: Whether the hand itself is seen now.
+    """
+
+    side: str
+    table: Array
+    ratios: dict[str, float]
+    ids: dict[str, int | None]
+    held: frozenset[str]
+    palm: Palm
+    targets: Array
+    miss: Array
+    seen: bool
+
+    @property
+    def angles(self) -> dict[str, float]:
+        """Degrees by name: `index_mcp_flexion`, `index_mcp_spread`, `index_pip_flexion`, ..."""
+        return by_name(self.table)
+
+
+@dataclass(frozen=True)
+class PaalmFrame:
+    """All configured hands at one moment.
+
+    Attributes:
+        time: s, the device's.
+        hands: By side; a hand that was never seen is missing.
+        refused: Why this frame changed nothing, where it did not.
+    """
+
+    time: float
+    hands: dict[str, PaalmHand]
+    refused: str | None = None
+
+
+class Paalm:
+    """The paper's method: `calibrate` once, then `step` with every frame.
+
+    Args:
+        options: How the paper is read.
+    """
+
+    def __init__(self, options: PaalmOptions | None = None) -> None:
+        self.options = options or PaalmOptions()
+        self.calibration: dict[str, HandCalibration] = {}
+        self.counts: Counter[str] = Counter()
+        self._hands: dict[str, _Hand] = {}
+        self._sides = HandSides(())
+        self._time: float | None = None
+
+    def calibrate(
+        self,
+        frames: Iterable[HandFrame],
+        hands: Hands = "right",
+        wanted: int = PAPER_FRAMES,
+        progress: Callable[[float], None] | None = None,
+    ) -> dict[str, HandCalibration]:
+        """Measures hands that are held open: palm down, fingers spread.
+
+        Args:
+            frames: As many as it takes; reading ends when there are enough.
+            hands: Whose: `right`, `left` or `both`.
+            wanted: Frames with five fingers, of each hand.
+            progress: Is told the share that is done.
+
+        Raises:
+            EncoderError: The hands were not seen, not open, or not still; with the reason.
+        """
+        sides = {"right": ("right",), "left": ("left",), "both": ("right", "left")}.get(hands)
+        if sides is None:
+            raise EncoderError(
+                "it must be said whose hand it is", got=str(hands), expected="right, left or both"
+            )
+        if wanted < 1:
+            raise EncoderError("nothing to measure", got=wanted, expected="1 frame or more")
+        chooser = HandSides(sides)
+        samples: dict[str, list[tuple[float, SeenHand | None]]] = {s: [] for s in sides}
+        found = dict.fromkeys(sides, 0)
+        for frame in frames:
+            chosen = {} if _stacked(frame) else chooser.choose(frame)
+            for side in sides:
+                hand = chosen.get(side)
+                samples[side].append((frame.time, hand))
+                found[side] += hand is not None and len(hand.fingers) == len(FINGERS)
+            if progress is not None:
+                progress(min(1.0, min(found.values()) / wanted))
+            if min(found.values()) >= wanted:
+                break
+        self.use({s: calibrated(samples[s], s, wanted) for s in sides})
+        return self.calibration
+
+    def use(self, calibration: Mapping[str, HandCalibration]) -> None:
+        """Takes a calibration made earlier, by side."""
+        self.calibration = dict(calibration)
+        self._hands = {s: _Hand(c, self.options) for s, c in calibration.items()}
+        self._sides = HandSides(tuple(calibration))
+        self.reset()
+
+    def reset(self) -> None:
+        """Forgets all frames; calibration and counts stay."""
+        self._time = None
+        self._sides.reset()
+        for hand in self._hands.values():
+            hand.reset()
+
+    def step(self, frame: HandFrame) -> PaalmFrame:
+        """The hands of a frame; whatever cannot be used is counted and holds them as they are.
+
+        Raises:
+            EncoderError: There is no calibration yet.
+        """
+        if not self._hands:
+            raise EncoderError("PAALM needs a calibration first", remedy="Call calibrate(frames)")
+        refused = None
+        if self._time is not None and frame.time < self._time:
+            refused = "the time runs backwards"
+        elif _stacked(frame):
+            refused = "one hand is above the other"
+        if refused is not None:
+            self.counts[refused] += 1
+            hands = {s: h.held_as_it_is() for s, h in self._hands.items()}
+            return PaalmFrame(frame.time, {s: h for s, h in hands.items() if h}, refused)
+        dt = 0.0 if self._time is None else frame.time - self._time
+        self._time = frame.time
+        chosen = self._sides.choose(frame)
+        self.counts["frames"] += 1
+        self.counts["hands that are not configured"] += len(frame.hands) - len(chosen)
+        results: dict[str, PaalmHand] = {}
+        for side, hand in self._hands.items():
+            seen = chosen.get(side)
+            if seen is not None and len(seen.fingers) > len(FINGERS):
+                self.counts["hands with more than five fingers"] += 1
+                seen = None
+            now = hand.held_as_it_is() if seen is None else hand.step(seen, frame.time, dt)
+            if now is not None:
+                results[side] = now
+        return PaalmFrame(frame.time, results)
+
+
+class _Hand:
+    """One calibrated hand's state."""
+
+    def __init__(self, calibration: HandCalibration, options: PaalmOptions) -> None:
+        self._calibration, self._options = calibration, options
+        self._rig: list[Rigged] = rig(calibration, options)
+        self._standard: list[float] = calibration.standard.tolist()
+        self._identity = TrackedIdentity(calibration, np.array([r.knuckle for r in self._rig]))
+        self.reset()
+
+    def reset(self) -> None:
+        self._identity.reset()
+        self._last: PaalmHand | None = None
+        self._targets: list[Vector] = []
+        for rigged, along in zip(self._rig, self._calibration.directions.tolist(), strict=True):
+            x, y, z = (c * rigged.open_length for c in along)
+            self._targets.append((x, y, z))
+        self._rows: list[tuple[float, float, float, float]] = [(0.0, 0.0, 0.0, 0.0)] * len(FINGERS)
+        self._miss = [0.0] * len(FINGERS)
+        self._ratios = [1.0] * len(FINGERS)
+        self._unseen = [0.0] * len(FINGERS)
+        self._palm: Palm | None = None
+        for finger in range(len(FINGERS)):
+            self._solve(finger)
+
+    def held_as_it_is(self) -> PaalmHand | None:
+        """The hand while the device does not see it; None where it never did."""
+        if self._last is None or self._palm is None:
+            return None
+        return self._result(self._palm, dict.fromkeys(FINGERS), False)
+
+    def step(self, hand: SeenHand, time: float, dt: float) -> PaalmHand:
+        side, options = self._calibration.side, self._options
+        palm = palm_of(hand, side)
+        fingers = hand.fingers
+        if fingers and all(f.finger is not None for f in fingers):
+            names = [f.finger or 0 for f in fingers]
+        elif options.identity == "tracked":
+            names = self._identity.names(fingers, palm, time)
+        else:
+            names = paper_order(fingers, side)
+        keep = exp(-dt / options.smoothing) if options.smoothing > 0.0 else 0.0
+        if self._last is None:
+            keep = 0.0
+        ids: dict[str, int | None] = dict.fromkeys(FINGERS)
+        for finger, name in zip(fingers, names, strict=True):
+            rigged = self._rig[name]
+            length = measure(finger)
+            self._ratios[name] = length / self._standard[name]
+            if rigged.from_knuckle:
+                tip, k, s = palm.place(finger.tip), rigged.knuckle, rigged.scale
+                new = (s * (tip[0] - k[0]), s * (tip[1] - k[1]), s * (tip[2] - k[2]))
+            else:
+                # The paper's target: direction * ratio * length of the rig's finger.
+                d, s = palm.turn(pointing(finger)), self._ratios[name] * rigged.open_length
+                new = (s * d[0], s * d[1], s * d[2])
+            old = self._targets[name]
+            self._targets[name] = (
+                new[0] + keep * (old[0] - new[0]),
+                new[1] + keep * (old[1] - new[1]),
+                new[2] + keep * (old[2] - new[2]),
+            )
+            self._unseen[name] = 0.0
+            ids[FINGERS[name]] = finger.id
+            self._solve(name)
+        for name, label in enumerate(FINGERS):
+            if ids[label] is None:
+                self._hold(name, palm, dt)
+        self._palm = palm
+        return self._result(palm, ids, True)
+
+    def _solve(self, name: int) -> None:
+        target = self._targets[name]
+        if abs(target[0]) + abs(target[1]) + abs(target[2]) < 1e-6:
+            return  # No direction: the finger stays as it is.
+        bend = self._rig[name].solve(target, self._options.first_joint)
+        self._rows[name] = (bend.flexion, bend.spread, bend.pip, bend.dip)
+        self._miss[name] = bend.miss
+
+    def _hold(self, name: int, palm: Palm, dt: float) -> None:
+        """A finger that is not seen; the paper lets it stay in the same position."""
+        self._unseen[name] += dt
+        if self._options.hold == "device" and self._palm is not None:
+            self._targets[name] = palm.turn(self._palm.back(self._targets[name]))
+            self._solve(name)
+        if self._options.vanished == "folded" and self._ratios[name] < _FOLDING:
+            share = 1.0 - exp(-dt / self._options.fold_seconds)
+            flexion, spread, pip, _ = self._rows[name]
+            flexion += share * max(_FIST[0] - flexion, 0.0)
+            pip += share * max(_FIST[1] - pip, 0.0)
+            self._rows[name] = (flexion, spread, pip, self._rig[name].chain.dip(pip))
+
+    def _result(self, palm: Palm, ids: dict[str, int | None], seen: bool) -> PaalmHand:
+        self._last = PaalmHand(
+            self._calibration.side,
+            np.array(self._rows),
+            dict(zip(FINGERS, self._ratios, strict=True)),
+            ids,
+            frozenset(f for f in FINGERS if ids[f] is None),
+            palm,
+            np.array(self._targets),
+            np.array(self._miss),
+            seen,
+        )
+        return self._last
+
+
+def _stacked(frame: HandFrame) -> bool:
+    hands = frame.hands
+    return any(stacked(a, b) for i, a in enumerate(hands) for b in hands[:i])

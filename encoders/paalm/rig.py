@@ -1,0 +1,102 @@
+"""The finger chains that calibrated fingers are mapped to: the paper's Maya-fingers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.paalm.angles import FRAMES
+from encoders.paalm.calibration import HandCalibration
+from encoders.paalm.chain import FINGER_LIMITS, THUMB_LIMITS, Bend, FingerChain
+from encoders.paalm.options import PaalmOptions
+from models.frames import FINGERS, Vector
+from models.skeleton import ADULT, Skeleton
+
+Array = NDArray[np.float64]
+
+_ZERO_FRAMES = [tuple(map(tuple, f.tolist())) for f in FRAMES]
+
+
+def bone_lengths(skeleton: Skeleton = ADULT) -> list[tuple[float, float, float]]:
+    """m, of every finger; the thumb's third bone, which the skeleton has not, is 0."""
+    out = []
+    for finger in range(len(FINGERS)):
+        own = [b.length for b in skeleton.bones if b.finger == finger]
+        first, second, third = [*own, 0.0, 0.0][:3]
+        out.append((first, second, third))
+    return out
+
+
+@dataclass(frozen=True)
+class Rigged:
+    """One finger: how what is seen becomes a target of its chain.
+
+    Attributes:
+        finger: 0 to 4.
+        chain: Bones in rig metres.
+        open_length: Rig m, where a length ratio of 1 is.
+        knuckle: m, place in palm coordinates.
+        from_knuckle: Whether targets are measured from there, not by direction and length ratio.
+        scale: Rig metres by metres of the person's hand.
+    """
+
+    finger: int
+    chain: FingerChain
+    open_length: float
+    knuckle: Vector
+    from_knuckle: bool
+    scale: float
+
+    def local(self, v: Vector) -> Vector:
+        """A palm direction in the finger's zero frame."""
+        if self.finger:
+            return v
+        f = _ZERO_FRAMES[0]
+        x, y, z = (v[0] * f[0][i] + v[1] * f[1][i] + v[2] * f[2][i] for i in range(3))
+        return x, y, z
+
+    def solve(self, target: Vector, first_joint: str) -> Bend:
+        """Angles for a target in palm axes, rig m from the base."""
+        local = self.local(target)
+        if first_joint == "ik":
+            return self.chain.solve(local)
+        length = float(np.sqrt(local[0] ** 2 + local[1] ** 2 + local[2] ** 2))
+        x, y, z = (c / length for c in local)
+        return self.chain.with_first_joint((x, y, z), length)
+
+
+def rig(calibration: HandCalibration, options: PaalmOptions) -> list[Rigged]:
+    """The five chains of a calibrated hand."""
+    out = []
+    rest = bone_lengths()
+    for finger in range(len(FINGERS)):
+        limits = FINGER_LIMITS if finger else THUMB_LIMITS
+        standard = float(calibration.standard[finger])
+        if calibration.bones is not None:
+            first, second, third = calibration.bones[finger].tolist()
+            chain = FingerChain((first, second, third), options.coupling, limits)
+            out.append(
+                Rigged(finger, chain, standard, _triple(calibration.bases[finger]), False, 1.0)
+            )
+            continue
+        hidden = options.hidden if finger else options.thumb_hidden
+        chain = FingerChain(rest[finger], options.coupling, limits, hidden)
+        open_length = chain.chord(options.open_bend)
+        scale = open_length / standard
+        by_knuckle = options.direction == "knuckle_to_tip" or (
+            options.direction == "thumb" and finger == 0
+        )
+        base, along = calibration.bases[finger], calibration.directions[finger]
+        knuckle = _triple(base - along * (hidden * chain.lengths[0] / scale))
+        if by_knuckle:
+            chain = FingerChain(rest[finger], options.coupling, limits)
+            open_length = chain.chord(options.open_bend)
+        out.append(Rigged(finger, chain, open_length, knuckle, by_knuckle, scale))
+    return out
+
+
+def _triple(v: Array) -> Vector:
+    x, y, z = v.tolist()
+    return x, y, z
