@@ -64,6 +64,10 @@ class LiveSession:
         else:
             self._running.set()
 
+    def set_speed(self, speed: float) -> None:
+        """Goes on at so many simulated seconds per second; the simulation itself stays the same."""
+        self._speed = speed
+
     def stop(self) -> None:
         """Ends the session's thread; the score stays as it is."""
         self._stop.set()
@@ -71,19 +75,22 @@ class LiveSession:
         self._thread.join()
 
     def _run(self) -> None:
-        clock = RealTime(self._speed)
+        clock, given_up = RealTime(self._speed), 0.0
         try:
             while not self.session.over and not self._stop.is_set():
-                if not self._running.is_set():
+                stood = not self._running.is_set()
+                if stood:
                     self._running.wait()
-                    # Time that stood still is not to be caught up with.
+                if stood or clock.speed != self._speed:
+                    # Time that stood still, or went slower, is not to be caught up with.
+                    given_up += clock.lost
                     clock = RealTime(self._speed, self.session.time)
                 snapshot = self.session.advance()
                 self._newest = snapshot
                 if self._on_step:
                     self._on_step(snapshot)
-                clock.wait(snapshot.time, self._news, CONTROL_PERIOD / self._speed)
-                self.lost = clock.lost
+                clock.wait(snapshot.time, self._news, CONTROL_PERIOD / clock.speed)
+                self.lost = given_up + clock.lost
         except DivergenceError:
             # The trial is marked and the score says so; there is nothing more to simulate, and what
             # was simulated last is nothing to look at.

@@ -51,6 +51,11 @@ class LiftKeys:
             # A key that is tapped between two polls does something all the same.
             self._tapped = direction or self._tapped
 
+    def follow(self, lift: float) -> None:
+        """Another control has moved the hand; the keys go on from there. Tells no frame."""
+        with self._lock:
+            self._lift = lift
+
     def poll(self, now: float) -> Sequence[TouchFrame]:
         """The device's frames with the lift in them, and one more where only the lift changed."""
         with self._lock:

@@ -61,6 +61,9 @@ class MouseDevice:
     Args:
         surface: The touch surface.
         person: Which hand the keys put down, and from where; its size is that of the object.
+
+    Attributes:
+        news: Is set when something has come in; a session may wait for it.
     """
 
     name = "mouse"
@@ -76,6 +79,7 @@ class MouseDevice:
         self._last = np.zeros(2)
         self._is_hand = False
         self._closed = False
+        self.news = threading.Event()
 
     @property
     def finished(self) -> bool:
@@ -91,6 +95,7 @@ class MouseDevice:
     def poll(self, now: float) -> Sequence[TouchFrame]:
         """One frame for every change since the last call; the time is this machine's clock."""
         with self._lock:
+            self.news.clear()
             frames = list(self._frames)
             self._frames.clear()
             return frames
@@ -255,6 +260,7 @@ class MouseDevice:
             for i, f in self._fingers.items()
         )
         self._frames.append(TouchFrame(time.monotonic(), contacts, source=self.name))
+        self.news.set()
 
 
 def default_hand(fingers: int) -> dict[int, Array]:

@@ -28,10 +28,13 @@ class LatencyLog:
     """Values of several kinds in milliseconds; safe from all threads.
 
     `waited`: from a touch message's arrival to the control step that it took effect in.
-    `stepped`: from there to its frame being handed to the network.
+    `stepped`: from there to its frame being handed to the network or the window.
+    `acknowledged`: from a frame being sent to the page's word that it has it.
     `drawn`: from the touch event to the first picture that contains it, by the page's own clock;
     what the display adds after that is in none of these.
     `round_trip`: of a beat between page and server, by the page's clock.
+    `window`: from a touch's arrival to the end of drawing the first picture in the window that has
+    it; `picture`: of drawing one alone.
     """
 
     def __init__(self) -> None:

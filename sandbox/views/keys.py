@@ -17,6 +17,7 @@ HELP = (
     "v  from above, and back",
     "c  contact: hard, soft, none",
     "p  pause",
+    "s  slow motion: half, a quarter, a tenth",
     "r  start again",
     "h  hide this",
 )

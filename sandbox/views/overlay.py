@@ -29,6 +29,8 @@ SMALL, NORMAL, LARGE = 13, 15, 24
 """px, of a picture of the reference height: the border, what stays free around a contact, and the
 sizes of text."""
 BAR_GROUND: Colour = (0.27, 0.31, 0.34)
+CODE_SHARE = 0.4
+"""Of the picture's height, for a code to be photographed."""
 
 
 @dataclass(frozen=True)
@@ -55,11 +57,15 @@ class Words:
             there that a film says that its user is simulated.
         help: Lines at the right, such as the keys of a window.
         banner: Large, in the middle at the top, such as `paused`.
+        footer: Small lines at the bottom right, such as how long a picture takes.
+        link: Shown as a code to be photographed, at the right; empty shows none.
     """
 
     caption: str = ""
     help: tuple[str, ...] = ()
     banner: str = ""
+    footer: tuple[str, ...] = ()
+    link: str = ""
 
 
 def stickers(
@@ -95,10 +101,29 @@ def stickers(
     if words.help:
         image = _lines(words.help, scale)
         placed.append(Sticker(image, max(width - image.width - margin, 0), margin))
+    if words.footer:
+        image = _lines(words.footer, scale)
+        placed.append(
+            Sticker(image, max(width - image.width - margin, 0), height - image.height - margin)
+        )
+    if words.link:
+        image = link_code(words.link, round(CODE_SHARE * height))
+        placed.append(Sticker(image, width - image.width - margin, (height - image.height) // 2))
     if words.banner:
         image = _label(words.banner, palette.PANEL, palette.TEXT, LARGE, scale)
         placed.append(Sticker(image, (width - image.width) // 2, margin))
     return placed
+
+
+@lru_cache(maxsize=2)
+def link_code(link: str, side: int) -> Image.Image:
+    """A QR code, black on white with the quiet border it needs; about `side` px, whole modules."""
+    import segno
+
+    rows = np.array([list(row) for row in segno.make(link, error="m").matrix_iter(border=4)])
+    image = Image.fromarray(np.where(rows > 0, 0, 255).astype(np.uint8)).convert("RGBA")
+    factor = max(side // len(rows), 1)
+    return image.resize((factor * len(rows), factor * len(rows)), Image.Resampling.NEAREST)
 
 
 def paste(picture: Image.Image, placed: list[Sticker]) -> None:

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import atexit
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from functools import partial
 from types import TracebackType
-from typing import Any, cast
+from typing import Any
 
 import glfw
 import numpy as np
@@ -24,16 +22,15 @@ from sandbox.devices.mouse import MouseDevice
 from sandbox.messages import Snapshot
 from sandbox.views import palette
 from sandbox.views.cameras import camera_above, window_camera
-from sandbox.views.errors import DEBIAN_PACKAGES, GraphicsError
 from sandbox.views.keys import HINT, keys
 from sandbox.views.overlay import Words
 from sandbox.views.renderer import LARGEST, Renderer
+from sandbox.views.window_context import Loan, WindowContext
 
 Array = NDArray[np.float64]
 
 SIZE = (1024, 680)
 """px (of the screen's own coordinates), of a new window."""
-SMALLEST = (480, 320)
 MOST_PIXELS = 2_600_000
 """px that are drawn; a larger window's picture is stretched. Beyond, reading and writing pictures
 takes longer than drawing them."""
@@ -46,6 +43,9 @@ PLAIN_SHRINK = 1.6
 """Drawn smaller by this where there is no graphics card, and stretched."""
 
 LIFT = {glfw.KEY_UP: 1.0, glfw.KEY_DOWN: -1.0}
+
+SPEEDS = {1.0: "", 0.5: "slow motion 1/2", 0.25: "slow motion 1/4", 0.1: "slow motion 1/10"}
+"""Simulated seconds per second, in the order of the key's presses -> what is written meanwhile."""
 
 
 class Window:
@@ -63,6 +63,12 @@ class Window:
 
     Attributes:
         paused: The person wants simulated time to stand still.
+        speed: Simulated seconds per second that the person wants, one of `SPEEDS`.
+        footer: Lines at the bottom right.
+        link: Shown as a code to be photographed; empty shows none.
+        pictures: How many were drawn so far.
+        picture_time: s that the last one took.
+        seen: The snapshot that is on the screen; None before the first.
     """
 
     def __init__(
@@ -73,9 +79,11 @@ class Window:
         size: tuple[int, int] = SIZE,
         caption: str = "",
     ) -> None:
-        self.paused = False
-        self._surface = surface
-        self._caption = caption
+        self.paused, self.speed = False, 1.0
+        self.footer: tuple[str, ...] = ()
+        self.link = ""
+        self.pictures, self.picture_time = 0, 0.0
+        self.seen: Snapshot | None = None
         self._mouse: MouseDevice | None = None
         self._lift: LiftKeys | None = None
         self._touching = self._looking = False
@@ -88,23 +96,53 @@ class Window:
         self._due = 0.0
         self._cursor = np.zeros(2)
         self._failure: BaseException | None = None
-        self._context = _WindowContext(title, size)
-        self._renderer: Renderer | None = Renderer(
+        self._context = WindowContext(title, size)
+        self._renderer: Renderer | None = None
+        try:
+            self.show_scene(scene, surface, title, caption)
+        except BaseException:
+            self._context.free()
+            raise
+        self._listen()
+
+    def show_scene(self, scene: Scene, surface: Surface, title: str, caption: str = "") -> None:
+        """Shows another scene in the same window, as for another trial; nothing drives it yet.
+
+        Args:
+            scene: What is drawn; it is copied, not used.
+            surface: Where its touches are.
+            title: Of the window.
+            caption: Who plays what.
+        """
+        self._release()
+        before, self._renderer = self._renderer, None
+        camera = window_camera(surface)
+        if before is not None:
+            if before.camera is not None and _same(surface, self._surface):
+                # Whoever looks from elsewhere does so for the next trial, too.
+                camera = before.camera
+            before.close()
+        self._surface, self._caption = surface, caption
+        self._mouse = self._lift = self._snapshot = self.seen = self._shown = None
+        self.paused = self._reset = self._contact = False
+        glfw.set_window_title(self._context.handle, title)
+        self._renderer = Renderer(
             scene,
             surface,
             self._drawn_size(),
-            camera=window_camera(surface),
-            context=self._context,
+            camera=camera,
+            context=Loan(self._context),
             rings_on_table=False,
             samples=0,
         )
-        self._listen()
+        if before is not None:
+            self._renderer.shadows = before.shadows
 
     def attach(self, device: Device) -> None:
         """Lets mouse and keys drive a device, as far as it is one that they can drive."""
-        self._lift = device if isinstance(device, LiftKeys) else None
-        device = self._lift.device if self._lift else device
-        self._mouse = device if isinstance(device, MouseDevice) else None
+        parts = _parts(device)
+        self._lift = next((part for part in parts if isinstance(part, LiftKeys)), None)
+        self._mouse = next((part for part in parts if isinstance(part, MouseDevice)), None)
 
     def pump(self, snapshot: Snapshot | None) -> bool:
         """Takes in what the person did, and draws; False once the window is closed.
@@ -165,6 +203,7 @@ class Window:
             self._release()
             renderer, self._renderer = self._renderer, None
             renderer.close()
+            self._context.free()
 
     def _show(self) -> None:
         """Draws, unless it would be the same picture again."""
@@ -174,7 +213,9 @@ class Window:
         renderer.words = Words(
             self._caption,
             keys(lift=self._lift is not None) if self._help else HINT,
-            "paused" if self.paused else self._contact_word(),
+            "paused" if self.paused else SPEEDS[self.speed] or self._contact_word(),
+            self.footer,
+            self.link,
         )
         camera = renderer.camera
         view = (camera.azimuth, camera.elevation, camera.distance) if camera else None
@@ -191,7 +232,9 @@ class Window:
             self._picture = renderer.frame(self._snapshot, stretched=window)
         renderer.put_on_screen(self._picture)
         self._context.swap()
-        self._slow = self._slow + 1 if time.monotonic() - begun > SLOW else 0
+        self.pictures, self.picture_time = self.pictures + 1, time.monotonic() - begun
+        self.seen = self._snapshot
+        self._slow = self._slow + 1 if self.picture_time > SLOW else 0
         if self._slow >= PATIENCE:
             self._draw_more_plainly()
 
@@ -296,6 +339,9 @@ class Window:
             self._help = not self._help
         elif key == glfw.KEY_P:
             self.paused = not self.paused
+        elif key == glfw.KEY_S:
+            order = list(SPEEDS)
+            self.speed = order[(order.index(self.speed) + 1) % len(order)]
         elif key == glfw.KEY_R:
             self._reset = True
         elif key == glfw.KEY_C:
@@ -333,54 +379,23 @@ class Window:
         self.close()
 
 
-class _WindowContext:
-    """A visible window with its OpenGL context."""
+def _parts(device: object) -> list[object]:
+    """A device with all that are within it: merged, spoiled, measured or beside a lift control."""
+    found: list[object] = [device]
+    inner = vars(device).get("device") if hasattr(device, "__dict__") else None
+    for part in (inner, *getattr(device, "devices", ())):
+        if part is not None and all(part is not other for other in found):
+            found += _parts(part)
+    return found
 
-    backend: str | None = None
 
-    def __init__(self, title: str, size: tuple[int, int]) -> None:
-        said: list[str] = []
-        glfw.set_error_callback(lambda _code, text: said.append(str(text)))
-        if not glfw.init():
-            raise GraphicsError(
-                "no window can be opened, since there is no screen",
-                got="; ".join(said) or None,
-                remedy="`sandbox run` needs none; on a machine without a screen, try xvfb-run",
-            )
-        # At the very end: other windows of this process would close with the first one.
-        atexit.register(glfw.terminate)
-        glfw.default_window_hints()
-        glfw.window_hint(glfw.SCALE_TO_MONITOR, glfw.TRUE)
-        # Pictures are made in memory and laid into the window as they are.
-        glfw.window_hint(glfw.SAMPLES, 0)
-        handle = glfw.create_window(*size, title, None, None)
-        if not handle:
-            raise GraphicsError(
-                "no window can be opened, since this screen has no OpenGL",
-                got="; ".join(said) or None,
-                remedy=f"On Debian or Ubuntu: apt-get install {DEBIAN_PACKAGES}",
-            )
-        glfw.set_window_size_limits(handle, *SMALLEST, glfw.DONT_CARE, glfw.DONT_CARE)
-        glfw.set_cursor(handle, glfw.create_standard_cursor(glfw.CROSSHAIR_CURSOR))
-        self.handle: Any = handle
-        with self.as_current():
-            # The loop is paced by its own clock: waiting for the screen as well only adds delay.
-            glfw.swap_interval(0)
-
-    @contextmanager
-    def as_current(self) -> Iterator[None]:
-        glfw.make_context_current(self.handle)
-        try:
-            yield
-        finally:
-            glfw.make_context_current(cast(Any, None))
-
-    def swap(self) -> None:
-        """Shows what was drawn."""
-        with self.as_current():
-            glfw.swap_buffers(self.handle)
-
-    def free(self) -> None:
-        if self.handle is not None:
-            glfw.destroy_window(self.handle)
-            self.handle = None
+def _same(one: Surface, other: Surface) -> bool:
+    """Whether two surfaces lie in the same place."""
+    return all(
+        np.allclose(a, b)
+        for a, b in (
+            (one.size, other.size),
+            (one.origin, other.origin),
+            (one.rotation, other.rotation),
+        )
+    )

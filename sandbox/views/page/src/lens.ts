@@ -1,9 +1,10 @@
 // The camera of a player: the touch rectangle lies under the fingers at its true size.
 //
 // The page is a window in the plane of the touch surface. The eye stands before it, and the frustum
-// goes from the eye through the page's corners (off axis, since the eye is nearer to the person's
-// side), so that a point of that plane is drawn on exactly the pixel that touches it, while things
-// above and below it are seen in perspective.
+// goes from the eye through the page's corners, so that a point of that plane is drawn on exactly the
+// pixel that touches it, while things above and below it are seen in perspective. The eye is a little
+// beyond the middle, and the frustum off axis: from the person's own side, the knuckles of a bent
+// hand would hide its fingertips.
 
 import { Matrix4, PerspectiveCamera, Vector3 } from "three";
 import type { SurfaceView } from "./protocol";
@@ -12,7 +13,7 @@ const METRES_PER_INCH = 0.0254;
 const NEAR = 0.02;
 const FAR = 8;
 /** m, of the eye before the surface's middle: along its x, up it, and out of it. */
-const EYE_FLAT = new Vector3(0, -0.17, 0.46);
+const EYE_FLAT = new Vector3(0, 0.07, 0.7);
 const EYE_UPRIGHT = new Vector3(0, 0.12, 0.55);
 
 export interface Rectangle {

@@ -38,12 +38,16 @@ export class Sender {
     if (lift !== null) this.send(performance.now());
   }
 
-  /** ms since the touch event of a message happened; null if it has been asked for before. */
+  /** ms since the newest touch event happened that is in a message or in one before it; null if that
+   * has been asked for before. */
   since(seq: number): number | null {
-    const at = this.times.get(seq);
-    if (at === undefined) return null;
-    for (const old of this.times.keys()) if (old <= seq) this.times.delete(old);
-    return performance.now() - at;
+    let at: number | null = null;
+    for (const [sent, happened] of this.times) {
+      if (sent > seq) break;
+      at = happened;
+      this.times.delete(sent);
+    }
+    return at === null ? null : performance.now() - at;
   }
 
   private repeat(): void {

@@ -28,6 +28,8 @@ import { type Skin, wear } from "./skin";
 
 /** How much of a hand shows that passes through things. */
 const GHOSTLY = 0.5;
+/** The same for a hand that waits, with no finger down. */
+const FAINT = 0.22;
 const NO_COLOUR = new MeshBasicMaterial({ colorWrite: false, transparent: true });
 
 export class Stage {
@@ -125,7 +127,8 @@ export class Stage {
       if (!ghost.group.parent) this.content.add(ghost.group);
       ghost.show(goal, reached, held);
     }
-    const opacity = hands.some((hand) => hand.solid.length) ? 1 : GHOSTLY;
+    const down = hands.some((hand) => hand.contacts.length);
+    const opacity = hands.some((hand) => hand.solid.length) ? 1 : down ? GHOSTLY : FAINT;
     this.skin.opacity = this.skinned.opacity = opacity;
   }
 

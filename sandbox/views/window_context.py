@@ -1,0 +1,96 @@
+"""A visible window with its OpenGL context, and a renderer's loan of it."""
+
+from __future__ import annotations
+
+import atexit
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager
+from typing import Any, cast
+
+import glfw
+
+from sandbox.views.errors import DEBIAN_PACKAGES, GraphicsError
+
+SMALLEST = (480, 320)
+"""px, of a window that a person makes smaller."""
+
+
+class WindowContext:
+    """A visible window with its OpenGL context.
+
+    Args:
+        title: Of the window.
+        size: px in the screen's coordinates.
+
+    Raises:
+        GraphicsError: No window can be opened here.
+
+    Attributes:
+        handle: Of glfw; None once it is freed.
+    """
+
+    backend: str | None = None
+
+    def __init__(self, title: str, size: tuple[int, int]) -> None:
+        said: list[str] = []
+        glfw.set_error_callback(lambda _code, text: said.append(str(text)))
+        if not glfw.init():
+            raise GraphicsError(
+                "no window can be opened, since there is no screen",
+                got="; ".join(said) or None,
+                remedy="`sandbox run` needs none; on a machine without a screen, try xvfb-run",
+            )
+        # At the very end: other windows of this process would close with the first one.
+        atexit.register(glfw.terminate)
+        glfw.default_window_hints()
+        glfw.window_hint(glfw.SCALE_TO_MONITOR, glfw.TRUE)
+        # Pictures are made in memory and laid into the window as they are.
+        glfw.window_hint(glfw.SAMPLES, 0)
+        handle = glfw.create_window(*size, title, None, None)
+        if not handle:
+            raise GraphicsError(
+                "no window can be opened, since this screen has no OpenGL",
+                got="; ".join(said) or None,
+                remedy=f"On Debian or Ubuntu: apt-get install {DEBIAN_PACKAGES}",
+            )
+        glfw.set_window_size_limits(handle, *SMALLEST, glfw.DONT_CARE, glfw.DONT_CARE)
+        glfw.set_cursor(handle, glfw.create_standard_cursor(glfw.CROSSHAIR_CURSOR))
+        self.handle: Any = handle
+        with self.as_current():
+            # The loop is paced by its own clock: waiting for the screen as well only adds delay.
+            glfw.swap_interval(0)
+
+    @contextmanager
+    def as_current(self) -> Iterator[None]:
+        """Draws with it in the calling thread for a while."""
+        glfw.make_context_current(self.handle)
+        try:
+            yield
+        finally:
+            glfw.make_context_current(cast(Any, None))
+
+    def swap(self) -> None:
+        """Shows what was drawn."""
+        with self.as_current():
+            glfw.swap_buffers(self.handle)
+
+    def free(self) -> None:
+        """Closes the window; may be called twice."""
+        if self.handle is not None:
+            glfw.destroy_window(self.handle)
+            self.handle = None
+
+
+class Loan:
+    """The context of a window, for a renderer that ends before the window does."""
+
+    def __init__(self, context: WindowContext) -> None:
+        self._context = context
+        self.backend = context.backend
+
+    def as_current(self) -> AbstractContextManager[None]:
+        """As the window's."""
+        return self._context.as_current()
+
+    def free(self) -> None:
+        """Gives it back; the window keeps it."""
