@@ -15,10 +15,10 @@ from pathlib import Path
 import pytest
 
 from models.surface import Surface
-from sandbox.cli.touches import send_packet
 from sandbox.devices.tuio import TuioDevice
+from sandbox.devices.tuio_sender import send_packet
 from tests.processes import PATIENCE, ROOT, Sender, program, run, until
-from tests.tuio_packets import MALFORMED, frame, reference_frames
+from tests.tuio_packets import MALFORMED, bundle, frame, message, reference_frames
 
 
 def capture_file(path: Path, packets: list[bytes], step: float = 0.01) -> Path:
@@ -233,13 +233,22 @@ def test_a_terminal_shows_a_table_that_follows_the_touches() -> None:
         os.close(ours)
 
 
-def test_packets_of_tuio_2_are_named_as_what_is_wrong(shared_data: Path) -> None:
+def test_a_capture_of_tuio_2_is_shown_like_one_of_tuio_1(shared_data: Path) -> None:
+    capture = shared_data / "tuio" / "tuio20_capture.jsonl"
+    status, lines, _ = run("touches", "show", "--device", capture, "--json")
+    assert status == 0
+    assert max(len(frame) for frame in inches(lines)) == 4
+    assert inches(lines)[-1] == {}
+
+
+def test_packets_without_touches_are_named_as_what_is_wrong(tmp_path: Path) -> None:
+    things = [bundle(message("/tuio/2Dobj", "alive"), message("/tuio/2Dobj", "fseq", 1))] * 3
     status, _, errors = run(
-        "touches", "show", "--device", shared_data / "tuio" / "tuio20_capture.jsonl"
+        "touches", "show", "--device", capture_file(tmp_path / "things.jsonl", things)
     )
     assert status == 0
-    assert "/tuio2/" in errors
-    assert "version 1.1" in errors
+    assert "/tuio/2Dobj" in errors
+    assert "2Dcur" in errors
 
 
 @pytest.mark.parametrize(
@@ -253,6 +262,15 @@ def test_packets_of_tuio_2_are_named_as_what_is_wrong(shared_data: Path) -> None
         (["show", "--device", "pyproject.toml"], "pyproject.toml, line 1"),
         (["send", "pyproject.toml", "--to", "127.0.0.1:1"], "pyproject.toml, line 1"),
         (["send", "x", "--to", "127.0.0.1:1", "--speed", "0"], "--speed"),
+        (["send", "x"], "--tuio"),
+        (["send", "--to", "127.0.0.1:1"], "no file"),
+        (["send", "--to", "127.0.0.1:1", "--tuio", "127.0.0.1:1"], "one of the two"),
+        (["show", "--tuio-connect", "udp://127.0.0.1"], "tcp://HOST:PORT"),
+        (["show", "--tuio-transport", "pigeon"], "websocket"),
+        (["show", "--device", "evdev:/dev/input/none"], "/dev/input/none"),
+        (["show", "--device", "no/such.py:Pad"], "no/such.py"),
+        (["record", "pyproject.toml"], "not written over"),
+        (["record", "no/such/folder/file"], "no/such/folder"),
         (["show", "--nonsense"], "nonsense"),
         ([], "show"),
     ],

@@ -13,10 +13,9 @@ from encoders.conversion import TouchLog
 from models.errors import InputError, RecordingError
 from models.frames import TouchFrame
 from models.surface import METRES_PER_INCH, Surface
+from sandbox.cli.touch_devices import first_line
 from sandbox.devices.touch_capture import CaptureDevice, read_capture
 from sandbox.recording import is_recording, load_recording
-
-_LONGEST_LINE = 1_000_000
 
 
 def read_touch_log(path: Path, surface: Surface | None) -> tuple[TouchLog, str]:
@@ -36,7 +35,7 @@ def read_touch_log(path: Path, surface: Surface | None) -> tuple[TouchLog, str]:
         recording = load_recording(path)
         inputs = recording.inputs.get(0, [])
         return _log((entry.frame for entry in inputs), path), recording.damage
-    head = _first_line(path)
+    head = first_line(path)
     if "hex" in head:
         if surface is None:
             raise InputError(
@@ -47,7 +46,7 @@ def read_touch_log(path: Path, surface: Surface | None) -> tuple[TouchLog, str]:
         capture = read_capture(path)
         damage = str(capture.damage) if capture.damage else ""
         return _log(CaptureDevice(capture, surface).poll(math.inf), path), damage
-    if "contacts" in head:
+    if "contacts" in head or "surface_in" in head:
         return _shown(path)
     raise InputError(
         "this is no recording of touches",
@@ -55,17 +54,6 @@ def read_touch_log(path: Path, surface: Surface | None) -> tuple[TouchLog, str]:
         expected="a recording of ours, a capture of TUIO packets, or lines of "
         "`sandbox touches show --json`",
     )
-
-
-def _first_line(path: Path) -> dict[str, object]:
-    try:
-        with path.open("rb") as file:
-            head = json.loads(file.readline(_LONGEST_LINE))
-    except OSError as error:
-        raise RecordingError("cannot be read", where=str(path), got=error.strerror) from None
-    except (ValueError, RecursionError):
-        return {}
-    return head if isinstance(head, dict) else {}
 
 
 def _log(frames: Iterable[TouchFrame], path: Path) -> TouchLog:
@@ -85,6 +73,8 @@ def _shown(path: Path) -> tuple[TouchLog, str]:
                 continue
             try:
                 record = json.loads(line)
+                if number == 1 and "surface_in" in record:
+                    continue  # how large the surface is that was recorded
                 contacts = [
                     (int(c["id"]), float(c["x"]), float(c["y"])) for c in record["contacts"]
                 ]

@@ -6,21 +6,19 @@ import dataclasses
 import json
 import socket
 import sys
-from typing import Protocol, Self, TypedDict
+from typing import Any, Protocol, Self
 
 from rich.console import Console, Group
 from rich.live import Live
 from rich.table import Table
 from rich.text import Text
 
-from models.frames import FINGERS, TouchFrame
-from models.surface import METRES_PER_INCH, Surface
-from sandbox.devices.touch_capture import CaptureDevice
+from models.frames import TouchFrame
+from models.surface import Surface
+from sandbox.devices.device import Device
+from sandbox.devices.frame_file import frame_record
 from sandbox.devices.tuio import TuioDevice
 from sandbox.devices.tuio_senders import Statistics
-
-Source = TuioDevice | CaptureDevice
-"""What touches can be shown of."""
 
 
 class View(Protocol):
@@ -38,19 +36,23 @@ class View(Protocol):
 class JsonView:
     """Frames as JSON lines on stdout, events as JSON lines on stderr."""
 
-    def __init__(self, seen: Source) -> None:
+    def __init__(self, seen: Device) -> None:
         self._seen = seen
+        self._frames = 0
 
     def __enter__(self) -> Self:
-        if isinstance(self._seen, TuioDevice):
-            self._event("listening", address=self._seen.address)
+        address = getattr(self._seen, "address", None)
+        if address is not None:
+            self._event("listening", address=address)
         return self
 
     def __exit__(self, *error: object) -> None:
-        self._event("end", **dataclasses.asdict(self._seen.statistics))
+        counts = counts_of(self._seen)
+        self._event("end", **(dataclasses.asdict(counts) if counts else {"frames": self._frames}))
 
     def frame(self, frame: TouchFrame) -> None:
-        print(json.dumps({"time": frame.time, "contacts": _contacts(frame)}), flush=True)
+        self._frames += 1
+        print(json.dumps(frame_record(frame)), flush=True)
 
     def hint(self, text: str) -> None:
         self._event("warning", message=text)
@@ -62,10 +64,11 @@ class JsonView:
 class TextView:
     """A table of the touches of this moment; one line a frame where stdout is no terminal."""
 
-    def __init__(self, seen: Source, surface: Surface) -> None:
+    def __init__(self, seen: Device, surface: Surface) -> None:
         self._seen, self._surface = seen, surface
         self._last: TouchFrame | None = None
         self._hint = ""
+        self._frames = 0
         self._stderr = Console(stderr=True, highlight=False)
         stdout = Console()
         self._live = (
@@ -81,12 +84,15 @@ class TextView:
     def __exit__(self, *error: object) -> None:
         if self._live is not None:
             self._live.stop()
-        self._say(_summary(self._seen.statistics))
+        self._say(self._summary())
 
     def frame(self, frame: TouchFrame) -> None:
         self._last, self._hint = frame, ""
+        self._frames += 1
         if self._live is None:
-            touches = "  ".join(f"{c['id']}: {c['x']:.2f}, {c['y']:.2f}" for c in _contacts(frame))
+            touches = "  ".join(
+                f"{c['finger'] or c['id']}: {c['x']:.2f}, {c['y']:.2f}" for c in _contacts(frame)
+            )
             print(f"{frame.time:9.3f} s  {touches or 'no touch'}", flush=True)
 
     def hint(self, text: str) -> None:
@@ -98,52 +104,53 @@ class TextView:
         self._stderr.print(Text(text), soft_wrap=True)
 
     def _render(self) -> Group:
-        table = Table("id", "x, in", "y, in", "finger")
+        table = Table("id", "x, in", "y, in", "size, in", "finger")
         for c in _contacts(self._last) if self._last else ():
-            table.add_row(str(c["id"]), f"{c['x']:.2f}", f"{c['y']:.2f}", c["finger"] or "")
-        lines = [_summary(self._seen.statistics)]
+            size = f"{c['size']:.2f}" if "size" in c else ""
+            row = (f"{c['x']:.2f}", f"{c['y']:.2f}", size, c["finger"] or "")
+            table.add_row(str(c["id"]), *row)
+        lines = [self._summary()]
         if isinstance(self._seen, TuioDevice):
             for source in self._seen.sources:
                 state = "silent" if source.stale else _touches(source.touches)
                 lines.append(f"{source.name or 'unnamed'} at {source.peer}: {state}")
         return Group(table, Text("\n".join(lines)), Text(self._hint, style="yellow"))
 
+    def _summary(self) -> str:
+        counts = counts_of(self._seen)
+        return _summary(counts) if counts else f"{self._frames} frames"
+
+
+def counts_of(seen: Device) -> Statistics | None:
+    """What a device that takes packets has counted."""
+    counts = getattr(seen, "statistics", None)
+    return counts if isinstance(counts, Statistics) else None
+
 
 def _touches(count: int) -> str:
     return "1 touch" if count == 1 else f"{count} touches"
 
 
-class _JsonContact(TypedDict):
-    """A contact in inches from the top left corner of the surface."""
-
-    id: int
-    x: float
-    y: float
-    finger: str | None
+def _contacts(frame: TouchFrame) -> list[dict[str, Any]]:
+    """Contacts in inches from the top left corner of the surface."""
+    contacts: list[dict[str, Any]] = frame_record(frame)["contacts"]
+    return contacts
 
 
-def _contacts(frame: TouchFrame) -> list[_JsonContact]:
-    return [
-        {
-            "id": contact.id,
-            "x": contact.x / METRES_PER_INCH,
-            "y": contact.y / METRES_PER_INCH,
-            "finger": None if contact.label is None else FINGERS[contact.label],
-        }
-        for contact in frame.contacts
-    ]
-
-
-def _title(seen: Source, surface: Surface) -> str:
+def _title(seen: Device, surface: Surface) -> str:
     size = f"surface {surface.width_in:.2f} x {surface.height_in:.2f} in"
     if not surface.calibrated:
         size += " (a guess: give --surface)"
     if not isinstance(seen, TuioDevice):
-        return f"playing a capture; {size}"
+        what = getattr(seen, "title", seen.name)
+        return f"{'playing a file' if hasattr(seen, 'damage') else what}; {size}; Ctrl-C ends"
+    if "://" in seen.address:
+        return f"calling {seen.address}; {size}; Ctrl-C ends"
     reach = ""
     if seen.bind == "0.0.0.0":
         reach = f", from the network at {_network_address()}:{seen.port}"
-    return f"listening on {seen.address}{reach} (TUIO 1.1 over UDP); {size}; Ctrl-C ends"
+    how = f"TUIO over {seen.transports}"
+    return f"listening on {seen.address}{reach} ({how}); {size}; Ctrl-C ends"
 
 
 def _summary(counts: Statistics) -> str:
@@ -152,7 +159,8 @@ def _summary(counts: Statistics) -> str:
     for number, what, detail in (
         (counts.malformed, "malformed", counts.malformed_reason),
         (counts.late, "late", counts.late_reason),
-        (counts.unfinished, "without fseq", ""),
+        (counts.unfinished, "frames never closed", ""),
+        (counts.refused, "connections refused", counts.refused_reason),
         (counts.ignored, "messages ignored", counts.ignored_address),
         (counts.dropped, "frames dropped", "shown too slowly"),
     ):
@@ -161,21 +169,24 @@ def _summary(counts: Statistics) -> str:
     return text
 
 
-def what_to_check(seen: Source) -> str:
+def what_to_check(seen: Device) -> str:
     """Why no frame may have come, from what has."""
-    counts = seen.statistics
-    if counts.packets:
+    counts = counts_of(seen)
+    if counts and counts.packets:
         return (
-            f"Packets come, but no touches of TUIO 1.1 in them: {_summary(counts)}. "
-            "Check that the sender is set to TUIO version 1.1, cursors (2Dcur), over UDP."
+            f"Packets come, but no touches in them: {_summary(counts)}. "
+            "Check that the sender is set to TUIO 1.1, cursors (2Dcur), or TUIO 2.0, pointers."
         )
     if not isinstance(seen, TuioDevice):
-        return "The capture has begun with a pause."
+        return "Nothing has come yet." if not hasattr(seen, "damage") else "It begins with a pause."
+    if "://" in seen.address:
+        return f"{seen.address} has not answered, or is silent: touch the surface."
     where = f"{_network_address()} port {seen.port}"
     checks = [
         "Nothing has arrived yet. Touch the surface: an idle sender is silent.",
-        f"Check that the sender's host and port are {where}, its protocol TUIO 1.1 over UDP,",
-        f"that both are in the same network, and that the firewall lets UDP {seen.port} in.",
+        f"Check that the sender's host and port are {where}, its protocol TUIO over "
+        f"{seen.transports},",
+        f"that both are in the same network, and that the firewall lets port {seen.port} in.",
     ]
     if seen.bind.startswith("127."):
         checks[1] = f"Only this machine reaches {seen.address}; for a tablet add --bind 0.0.0.0."

@@ -1,14 +1,16 @@
-"""`sandbox touches`: show what a touch device says, send a capture, list what is understood."""
+"""`sandbox touches`: show, record and send what a touch device says; list what is understood."""
 
 from __future__ import annotations
 
-import dataclasses
+import contextlib
+import json
 import math
 import socket
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any, TextIO
 
 import tyro
 from rich.console import Console
@@ -16,42 +18,21 @@ from rich.progress import Progress
 from rich.table import Table
 from rich.text import Text
 
-from models.errors import DeviceError, InputError
-from models.surface import Surface, parse_surface
-from sandbox.cli.touch_views import JsonView, Source, TextView, View, what_to_check
-from sandbox.devices.touch_capture import CaptureDevice, read_capture
-from sandbox.devices.tuio import DEFAULT_PORT, LOOPBACK, TuioDevice
+from models.errors import InputError, RecordingError
+from models.frames import TouchFrame
+from sandbox.cli.touch_devices import Opened, TouchOptions, open_touches
+from sandbox.cli.touch_views import JsonView, TextView, View, what_to_check
+from sandbox.devices.discovery import offered_devices
+from sandbox.devices.frame_file import frame_record, header_record
+from sandbox.devices.touch_capture import CapturedPacket, packet_record, read_capture
+from sandbox.devices.tuio_sender import TuioOutput, connected, send_packet
 
 PATIENCE = 5.0
 """Seconds without a single frame after which we say what to check."""
 
 
-def main(argv: list[str]) -> int:
-    """Runs `sandbox touches ...`; returns the exit status."""
-    commands: dict[str, Callable[..., int]] = {"show": show, "send": send, "formats": formats}
-    try:
-        return int(
-            tyro.extras.subcommand_cli_from_dict(
-                commands,
-                prog="sandbox touches",
-                description="See what a tablet or touch table says, before anything is simulated.",
-                args=argv,
-            )
-        )
-    except SystemExit as stop:  # --help, or options that do not parse: tyro has said so
-        return int(stop.code or 0)
-
-
-def show(
-    device: Annotated[str, tyro.conf.arg(metavar="{tuio,FILE}")] = "tuio",
-    bind: Annotated[str, tyro.conf.arg(metavar="ADDRESS")] = LOOPBACK,
-    port: int = DEFAULT_PORT,
-    surface: Annotated[str | None, tyro.conf.arg(metavar="SIZE")] = None,
-    as_json: Annotated[tyro.conf.FlagCreatePairsOff[bool], tyro.conf.arg(name="json")] = False,
-    seconds: float = math.inf,
-    frames: Annotated[int | None, tyro.conf.arg(metavar="INT")] = None,
-    stale_after: float = 2.0,
-) -> int:
+@dataclass(frozen=True)
+class Show(TouchOptions):
     """Shows every touch as it arrives; Ctrl-C ends.
 
     x and y are inches from the top left corner of the surface.
@@ -62,112 +43,243 @@ def show(
 
         sandbox touches send CAPTURE --to 127.0.0.1:3333
 
-    Then with a tablet in the same network, whose app is told the address that this prints:
+    Then with a tablet in the same network: one that only has a browser, or one whose app sends TUIO
+    and is told the address that this prints:
+
+        sandbox touches show --device web --tablet
 
         sandbox touches show --bind 0.0.0.0
-
-    Args:
-        device: tuio listens for TUIO 1.1 on UDP; a file is a capture to play.
-        bind: Which of this machine's addresses to listen on. 127.0.0.1 is reached from this machine
-            only, 0.0.0.0 from the whole network.
-        port: UDP port; 0 takes a free one and tells which.
-        surface: Size of the touch area: 7.76x5.82in, 197x148mm, or a preset (ipad2, ipad-11,
-            ipad-13, ipad-mini). TUIO carries no sizes, so without this inches are a guess.
-        as_json: One JSON line per frame on stdout, {"time", "contacts": [{"id", "x", "y",
-            "finger"}]}; events as JSON lines on stderr, first {"event": "listening", "address"}.
-        seconds: Stop after this many seconds.
-        frames: Stop after this many frames.
-        stale_after: Lift the touches of a sender after this many seconds without a packet.
     """
-    if seconds <= 0.0 or math.isnan(seconds) or (frames is not None and frames <= 0):
-        raise InputError(
-            "there is nothing to show", where="--seconds, --frames", expected="more than 0"
-        )
-    size = parse_surface(surface) if surface else _guessed_surface()
-    seen: Source
-    if device == "tuio":
-        seen = TuioDevice(size, bind=bind, port=port, stale_after=stale_after)
-    else:
-        seen = CaptureDevice(read_capture(Path(device)), size, stale_after=stale_after)
-    view: View = JsonView(seen) if as_json else TextView(seen, size)
-    try:
-        with view:
-            _follow(seen, view, seconds, frames)
-            reached_end = isinstance(seen, CaptureDevice) and seen.finished
-    except KeyboardInterrupt:
-        return 0  # the usual way to end
-    finally:
-        seen.close()
-    if isinstance(seen, CaptureDevice) and seen.damage is not None and reached_end:
-        raise seen.damage
-    return 0
+
+    json: tyro.conf.FlagCreatePairsOff[bool] = False
+    """One JSON line per frame on stdout, {"time", "contacts": [{"id", "x", "y", "finger"}]}; events
+    as JSON lines on stderr, first {"event": "listening", "address"}."""
+
+    seconds: float = math.inf
+    """Stop after this many seconds."""
+
+    frames: Annotated[int | None, tyro.conf.arg(metavar="INT")] = None
+    """Stop after this many frames."""
 
 
-def send(
-    file: tyro.conf.Positional[Path],
-    to: Annotated[str, tyro.conf.arg(metavar="HOST:PORT")],
-    speed: float = 1.0,
-) -> int:
-    """Sends a capture's packets over UDP as they were recorded, as if its tablet were here.
+@dataclass(frozen=True, kw_only=True)
+class Record(TouchOptions):
+    """Writes what a device says to a file, until Ctrl-C; it plays wherever a device is asked for.
 
-    For example, with `sandbox touches show` running in another terminal:
+    TUIO is kept packet by packet, wrong ones included; what other devices say, frame by frame. A
+    program that dies loses at most the line it was writing.
+
+        sandbox touches record touches.jsonl --device evdev
+
+        sandbox touches show --device touches.jsonl
+    """
+
+    file: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="FILE")]
+    """Where to; a file that is there is not written over."""
+
+    seconds: float = math.inf
+    """Stop after this many seconds."""
+
+    frames: Annotated[int | None, tyro.conf.arg(metavar="INT")] = None
+    """Stop after this many frames."""
+
+
+@dataclass(frozen=True)
+class Send(TouchOptions):
+    """Sends touches to other programs.
+
+    --to sends a capture's packets over UDP as they were recorded, as if its tablet were here. With
+    `sandbox touches show` running in another terminal:
 
         sandbox touches send touches.jsonl --to 127.0.0.1:3333
 
-    Args:
-        file: A capture: JSON lines {"t": seconds, "hex": bytes of the packet}.
-        to: Where to.
-        speed: 2 is twice as fast as recorded.
+    --tuio sends what any device or file says as TUIO 1.1 (2Dcur), for programs that understand it:
+
+        sandbox touches send --device web --tablet --tuio 127.0.0.1:3333
     """
-    if not 0.0 < speed < math.inf:
-        raise InputError("this is no speed", where="--speed", got=speed, expected="more than 0")
-    capture = read_capture(file)
-    console = Console(stderr=True)
-    refused = 0
-    with _connected(to) as channel, _progress(console) as bar:
-        job = bar.add_task(f"sending to {to}", total=len(capture.packets))
-        begin = time.monotonic()
-        for packet in capture.packets:
-            due = begin + (packet.time - capture.packets[0].time) / speed
-            time.sleep(max(0.0, due - time.monotonic()))
-            if send_packet(channel, packet.data, to):
-                if not refused:
-                    bar.print(Text(f"nobody listens at {to} yet: `sandbox touches show` does"))
-                refused += 1
-            bar.advance(job)
-    took = time.monotonic() - begin
-    report = f"sent {len(capture.packets)} packets in {took:.1f} s to {to}"
-    if refused:
-        report += f"; while nobody listened there: {refused}"
-    console.print(Text(report))
-    if capture.damage is not None:
-        raise capture.damage
-    return 0
+
+    file: Annotated[tyro.conf.Positional[Path | None], tyro.conf.arg(metavar="FILE")] = None
+    """A file to send; with --tuio, a device may be named instead."""
+
+    to: Annotated[str, tyro.conf.arg(metavar="HOST:PORT")] = ""
+    """Where the packets of a capture are sent."""
+
+    tuio: Annotated[str, tyro.conf.arg(metavar="HOST:PORT")] = ""
+    """Where TUIO is sent."""
+
+    speed: float = 1.0
+    """Of a file: 2 is twice as fast as recorded."""
+
+    seconds: float = math.inf
+    """Stop after this many seconds."""
+
+
+def main(argv: list[str]) -> int:
+    """Runs `sandbox touches ...`; returns the exit status."""
+    kinds: dict[str, type] = {"show": Show, "record": Record, "send": Send}
+    doing: dict[str, Callable[[Any], int]] = {"show": show, "record": record, "send": send}
+    if argv[:1] == ["formats"] and len(argv) == 1:
+        return formats()
+    commands: dict[str, Callable[..., Any]] = {**kinds, "formats": formats}
+    try:
+        asked = tyro.extras.subcommand_cli_from_dict(
+            commands,
+            prog="sandbox touches",
+            description="See what a tablet or touch table says, before anything is simulated.",
+            args=argv,
+        )
+    except SystemExit as stop:  # --help, or options that do not parse: tyro has said so
+        return int(stop.code or 0)
+    return doing[argv[0]](asked)
+
+
+def show(options: Show) -> int:
+    """Shows frames."""
+    _check_end(options.seconds, options.frames)
+    opened = _opened(options, options.seconds)
+    if opened is None:
+        return 0
+    view: View = (
+        JsonView(opened.device) if options.json else TextView(opened.device, opened.surface)
+    )
+    return _shown(opened, view, options.seconds, options.frames)
+
+
+def record(options: Record) -> int:
+    """Writes packets or frames."""
+    _check_end(options.seconds, options.frames)
+    with _new_file(options.file) as file:
+
+        def tap(now: float, peer: str, data: bytes | None) -> None:
+            print(json.dumps(packet_record(CapturedPacket(now, data, peer))), file=file, flush=True)
+
+        packets = options.device == "tuio"
+        opened = _opened(options, options.seconds, tap if packets else None)
+        if opened is None:
+            return 0
+        if not packets:
+            header = header_record(opened.surface, opened.device.name)
+            print(json.dumps(header), file=file, flush=True)
+        view = _Recorder(TextView(opened.device, opened.surface), None if packets else file)
+        status = _shown(opened, view, options.seconds, options.frames)
+    Console(stderr=True).print(Text(f"written to {options.file}"), soft_wrap=True)
+    return status
+
+
+def send(options: Send) -> int:
+    """Sends packets or frames."""
+    if bool(options.to) == bool(options.tuio):
+        raise InputError(
+            "where to is not clear", where="--to, --tuio", expected="one of the two: HOST:PORT"
+        )
+    if not 0.0 < options.speed < math.inf:
+        raise InputError(
+            "this is no speed", where="--speed", got=options.speed, expected="more than 0"
+        )
+    if options.tuio:
+        return _send_tuio(options)
+    if options.file is None:
+        raise InputError("there is no file to send", where="--to", expected="a capture of packets")
+    return _send_packets(options.file, options.to, options.speed)
 
 
 def formats() -> int:
     """Lists the protocols and files that are understood."""
     table = Table("what", "how", "understood")
-    table.add_row("TUIO 1.1, 2Dcur", "UDP, --device tuio", "yes: fingers on tablets and tables")
-    table.add_row("TUIO 1.1, 2Dobj, 2Dblb, ...", "UDP", "ignored: tagged objects and blobs")
-    table.add_row("TUIO 2.0", "UDP", "ignored: set the sender to version 1.1")
-    table.add_row(
-        "packet capture", "--device FILE, send FILE", 'yes: JSON lines {"t": seconds, "hex": "..."}'
-    )
+    for row in (
+        ("TUIO 1.1, 2Dcur", "--device tuio", "fingers on tablets and tables"),
+        ("TUIO 1.1, 2Dblb", "--device tuio", "how large the fingers are that lie in a blob"),
+        ("TUIO 2.0, ptr", "--device tuio", "fingers, by name where the sender knows them"),
+        ("TUIO 2.0, bnd", "--device tuio", "how large the finger of the same id is"),
+        ("TUIO 1.1 2Dobj, 3D; 2.0 tok, sym, ...", "--device tuio", "ignored and counted"),
+        ("over UDP, TCP, WebSocket", "--tuio-transport, --tuio-connect", "all of it"),
+        ("the page", "--device web, --tablet", "any tablet with a browser"),
+        ("Linux multitouch, slots", "--device evdev[:NODE]", "touch screens, trackpads"),
+        ("a device of your own", "--device FILE.py:CLASS[:ARGUMENT]", "docs/write-a-device.md"),
+        (
+            "packet capture",
+            "--device FILE, send FILE --to",
+            'JSON lines {"t": seconds, "hex": "...", "from"}',
+        ),
+        (
+            "recorded frames",
+            "--device FILE",
+            'JSON lines {"time", "contacts": [{"id", "x", "y", "finger"}]}',
+        ),
+        ("recording of sandbox", "--device FILE", "the touches in it"),
+        *((name, f"--device {name}", "a package offers it") for name in offered_devices()),
+        ("TUIO 1.1, 2Dcur", "send --tuio", "sent, for other programs"),
+    ):
+        table.add_row(*row)
     Console().print(table)
     return 0
 
 
-def _follow(seen: Source, view: View, seconds: float, wanted: int | None) -> None:
+class _Recorder:
+    """A view that also writes every frame."""
+
+    def __init__(self, shown: TextView, file: TextIO | None) -> None:
+        self._shown, self._file = shown, file
+
+    def __enter__(self) -> _Recorder:
+        self._shown.__enter__()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._shown.__exit__(*error)
+
+    def frame(self, frame: TouchFrame) -> None:
+        self._shown.frame(frame)
+        if self._file is not None:
+            print(json.dumps(frame_record(frame)), file=self._file, flush=True)
+
+    def hint(self, text: str) -> None:
+        self._shown.hint(text)
+
+
+def _check_end(seconds: float, frames: int | None) -> None:
+    if not seconds > 0.0 or (frames is not None and frames <= 0):
+        raise InputError(
+            "there is nothing to show", where="--seconds, --frames", expected="more than 0"
+        )
+
+
+def _opened(options: TouchOptions, seconds: float, tap: Any = None) -> Opened | None:
+    """The device; None: it is the page, and nobody opened it in time."""
+    if options.device != "web" and not options.tablet and not options.lan:
+        return open_touches(options, tap)
+    # The page needs the whole program behind it, which is only loaded for it.
+    from sandbox.cli.touch_page import open_page_touches
+
+    page = open_page_touches(options, Console(stderr=True), seconds)
+    return None if page is None else Opened(page, page.surface)
+
+
+def _shown(opened: Opened, view: View, seconds: float, frames: int | None) -> int:
+    """Shows frames until there are enough; a damaged file is an error once its end is reached."""
+    device = opened.device
+    try:
+        with view:
+            _follow(opened, view, seconds, frames)
+            reached_end = device.finished
+    except KeyboardInterrupt:
+        return 0  # the usual way to end
+    finally:
+        device.close()
+    damage = getattr(device, "damage", None)
+    if damage is not None and reached_end:
+        raise damage
+    return 0
+
+
+def _follow(opened: Opened, view: View, seconds: float, wanted: int | None) -> None:
     """Fetches frames and shows them until there are enough, or the file or the time ends."""
+    seen = opened.device
     shown, hinted = 0, False
     begin = time.monotonic()
     while True:
         elapsed = time.monotonic() - begin
-        if isinstance(seen, TuioDevice):
-            seen.wait(min(0.1, max(0.0, seconds - elapsed)))
-        else:
-            time.sleep(0.002)
+        _rest(seen, min(0.1, max(0.0, seconds - elapsed)))
         for frame in seen.poll(elapsed):
             view.frame(frame)
             shown += 1
@@ -181,48 +293,95 @@ def _follow(seen: Source, view: View, seconds: float, wanted: int | None) -> Non
             return
 
 
+def _rest(device: Any, longest: float) -> None:
+    """Waits for news where the device can say so, else for a moment."""
+    wait = getattr(device, "wait", None)
+    if wait is not None:
+        wait(longest)
+    else:
+        time.sleep(min(0.002, longest))
+
+
+def _send_tuio(options: Send) -> int:
+    """Sends the frames of a device or file."""
+    chosen = options if options.file is None else replace(options, device=str(options.file))
+    opened = _opened(chosen, options.seconds)
+    if opened is None:
+        return 0
+    console = Console(stderr=True)
+    frames = 0
+    device = opened.device
+    try:
+        with contextlib.closing(TuioOutput(options.tuio, opened.surface)) as output:
+            console.print(Text(f"sending TUIO 1.1 to {options.tuio}; Ctrl-C ends"))
+            begin = time.monotonic()
+            with contextlib.suppress(KeyboardInterrupt):
+                while True:
+                    elapsed = time.monotonic() - begin
+                    _rest(device, min(0.1, max(0.0, options.seconds - elapsed)))
+                    came = device.poll(elapsed * options.speed)
+                    output.send(came, elapsed)
+                    frames += len(came)
+                    if device.finished or elapsed >= options.seconds:
+                        break
+        reached_end = device.finished
+    finally:
+        device.close()
+    report = f"sent {frames} frames in {output.packets} packets to {options.tuio}"
+    if output.refused:
+        report += f"; while nobody listened there: {output.refused}"
+    console.print(Text(report), soft_wrap=True)
+    damage = getattr(device, "damage", None)
+    if damage is not None and reached_end:
+        raise damage
+    return 0
+
+
+def _send_packets(file: Path, to: str, speed: float) -> int:
+    """Sends a capture's packets at their times; every sender in it has a socket of its own."""
+    capture = read_capture(file)
+    console = Console(stderr=True)
+    refused = sent = 0
+    channels: dict[str, socket.socket] = {}
+    with contextlib.ExitStack() as closing, _progress(console) as bar:
+        channels[""] = closing.enter_context(connected(to))
+        job = bar.add_task(f"sending to {to}", total=len(capture.packets))
+        begin = time.monotonic()
+        for packet in capture.packets:
+            due = begin + (packet.time - capture.packets[0].time) / speed
+            time.sleep(max(0.0, due - time.monotonic()))
+            bar.advance(job)
+            if packet.data is None:
+                continue  # UDP has no connections that could end
+            if packet.peer not in channels:
+                channels[packet.peer] = closing.enter_context(connected(to))
+            if send_packet(channels[packet.peer], packet.data, to):
+                if not refused:
+                    bar.print(Text(f"nobody listens at {to} yet: `sandbox touches show` does"))
+                refused += 1
+            sent += 1
+    took = time.monotonic() - begin
+    report = f"sent {sent} packets in {took:.1f} s to {to}"
+    if refused:
+        report += f"; while nobody listened there: {refused}"
+    console.print(Text(report))
+    if capture.damage is not None:
+        raise capture.damage
+    return 0
+
+
+@contextlib.contextmanager
+def _new_file(path: Path) -> Iterator[TextIO]:
+    try:
+        with path.open("x", encoding="utf-8") as file:
+            yield file
+    except FileExistsError:
+        raise RecordingError(
+            "this file is there already, and is not written over", where=str(path)
+        ) from None
+    except OSError as error:
+        raise RecordingError("cannot be written", where=str(path), got=error.strerror) from None
+
+
 def _progress(console: Console) -> Progress:
     return Progress(console=console, transient=True, disable=not console.is_terminal)
-
-
-def _connected(to: str) -> socket.socket:
-    """A UDP socket that sends to HOST:PORT."""
-    host, _, port = to.rpartition(":")
-    channel = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-    try:
-        # Connected, so that the system tells us where nobody listens.
-        if not host:
-            raise ValueError("there is no host in it")
-        channel.connect((host, int(port)))
-    except (OSError, ValueError, OverflowError) as error:
-        channel.close()
-        raise InputError(
-            f"this address cannot be sent to: {error}",
-            where="--to",
-            got=to,
-            expected="HOST:PORT, for example 127.0.0.1:3333",
-        ) from error
-    return channel
-
-
-def send_packet(channel: socket.socket, data: bytes, to: str) -> bool:
-    """Sends a packet; True where the system says that nobody listened to an earlier one."""
-    try:
-        try:
-            channel.send(data)
-        except ConnectionRefusedError:
-            # The answer to an earlier packet; this one has not left yet.
-            channel.send(data)
-            return True
-    except OSError as error:
-        raise DeviceError(
-            f"a packet cannot be sent: {error}",
-            where=f"--to {to}",
-            got=f"{len(data)} bytes",
-            remedy="Check the address and the network connection",
-        ) from error
-    return False
-
-
-def _guessed_surface() -> Surface:
-    return dataclasses.replace(parse_surface("ipad2"), calibrated=False)

@@ -27,7 +27,6 @@ from typing import Any
 from models.errors import DeviceError, HandSandboxError
 from models.surface import Surface
 from sandbox.devices.device import Device
-from tasks.discovery import failure, package
 
 GROUP = "hand_sandbox.devices"
 
@@ -63,6 +62,9 @@ def find_device(text: str) -> Maker | None:
     """
     name, _, argument = text.partition(":")
     entries = offered_devices().get(name, [])
+    if entries:
+        # It knows tasks, which take long to load; most devices are ours.
+        from tasks.discovery import package
     if len(entries) > 1:
         raise DeviceError(
             "several packages offer a device of this name",
@@ -115,6 +117,8 @@ def _guarded(load: Callable[[], Any], where: str) -> Any:
     except HandSandboxError:
         raise
     except Exception as error:
+        from tasks.discovery import failure
+
         raise DeviceError(
             "this device cannot be opened", where=where, got=failure(error)
         ) from error

@@ -74,8 +74,8 @@ class EvdevDevice:
         self._closed = False
 
     @property
-    def address(self) -> str:
-        """What the device calls itself."""
+    def title(self) -> str:
+        """What the device calls itself, and its node."""
         return self._node.name
 
     @property

@@ -1,7 +1,8 @@
 """Packet captures of touch senders: JSON lines `{"t": seconds, "hex": "23627564..."}`.
 
-A capture holds datagrams as they came from the network, wrong ones included, so that a problem
-seen once can be shown again. A damaged file is good up to the damage.
+A capture holds packets as they came from the network, wrong ones included, so that a problem seen
+once can be shown again. `"from"` may tell whom a packet is from; `{"t": seconds, "closed": "..."}`
+says that somebody's connection has ended. A damaged file is good up to the damage.
 """
 
 from __future__ import annotations
@@ -23,14 +24,21 @@ from sandbox.devices.tuio_senders import Commit, Statistics, Tuio
 _MAX_LINE = 2 * MAX_PACKET_BYTES + 4096
 """Bytes of a line: the largest packet in hex, and room for other keys."""
 
+_MAX_PEER = 200
+"""Characters of a sender's address."""
+
 _EXPECTED = '{"t": seconds, "hex": "..."} with times that never run backwards'
 
 
 class CapturedPacket(NamedTuple):
-    """A datagram and when it came, seconds on the capture's own clock."""
+    """A packet and when it came, seconds on the capture's own clock.
+
+    `data` is None where the connection to `peer` has ended.
+    """
 
     time: float
-    data: bytes
+    data: bytes | None
+    peer: str = ""
 
 
 @dataclass(frozen=True)
@@ -106,7 +114,11 @@ def _packet(line: bytes) -> CapturedPacket:
     record = json.loads(line)
     if not isinstance(record, dict):
         raise TypeError("the line is not a JSON object")
-    seconds, text = record["t"], record["hex"]
+    ended = "closed" in record
+    seconds, text = record["t"], "" if ended else record["hex"]
+    peer = record.get("closed" if ended else "from", "")
+    if not isinstance(peer, str):
+        raise TypeError("the name of a sender is not a text")
     if isinstance(seconds, bool) or not isinstance(seconds, (int, float)):
         raise TypeError("t is not a number")
     if not math.isfinite(seconds):
@@ -116,7 +128,14 @@ def _packet(line: bytes) -> CapturedPacket:
     data = bytes.fromhex(text)
     if len(data) > MAX_PACKET_BYTES:
         raise ValueError(f"a packet of {len(data)} bytes does not exist in UDP")
-    return CapturedPacket(float(seconds), data)
+    return CapturedPacket(float(seconds), None if ended else data, peer[:_MAX_PEER])
+
+
+def packet_record(packet: CapturedPacket) -> dict[str, object]:
+    """A packet as a line has it."""
+    if packet.data is None:
+        return {"t": packet.time, "closed": packet.peer}
+    return {"t": packet.time, "hex": packet.data.hex(), "from": packet.peer}
 
 
 def _reason(error: Exception) -> str:
@@ -124,7 +143,7 @@ def _reason(error: Exception) -> str:
 
 
 class CaptureDevice:
-    """Plays a capture as the device that it was taken from; the protocol is TUIO 1.1.
+    """Plays a capture as the device that it was taken from; the protocol is TUIO 1.1 or 2.0.
 
     Time 0 of the session is the first packet. Silent sources go stale as they would have live.
     """
@@ -163,7 +182,13 @@ class CaptureDevice:
             if silence < min(time, now):
                 frames += self._frames(self._tuio.expire(silence), silence)
             elif time <= now:
-                frames += self._frames(self._tuio.feed(packet.data, self.name, time), time)
+                peer = packet.peer or self.name
+                frames += self._frames(
+                    self._tuio.leave(peer)
+                    if packet.data is None
+                    else self._tuio.feed(packet.data, peer, time),
+                    time,
+                )
                 self._next += 1
             else:
                 break

@@ -148,6 +148,18 @@ class TuioDevice:
         return self._address
 
     @property
+    def transports(self) -> str:
+        """What it listens to, for people."""
+        listens = [
+            "UDP" if self._socket is not None else "",
+            "TCP" if self._streams is not None and self._streams.tcp_port is not None else "",
+            f"WebSocket at port {self.websocket_port}"
+            if self._streams is not None and self._streams.websocket_port is not None
+            else "",
+        ]
+        return ", ".join(filter(None, listens))
+
+    @property
     def statistics(self) -> Statistics:
         """A copy of the counters."""
         with self._news:
