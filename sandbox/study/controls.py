@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import sys
 import threading
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from queue import Empty, SimpleQueue
 from typing import TextIO
@@ -104,8 +105,7 @@ class Terminal:
             ready: Called again and again meanwhile; may raise.
             tick: s between two calls.
         """
-        self._asking.set()
-        try:
+        with self.form():
             while True:
                 ready()
                 try:
@@ -113,8 +113,22 @@ class Terminal:
                 except Empty:
                     if self.ended and self._answers.empty():
                         return None
+
+    @contextmanager
+    def form(self) -> Iterator[None]:
+        """Lines are answers as long as this lasts, those between two questions, too."""
+        was = self._asking.is_set()
+        self._asking.set()
+        try:
+            yield
         finally:
-            self._asking.clear()
+            if not was:
+                self._asking.clear()
+
+    @property
+    def asking(self) -> bool:
+        """Whether an answer is waited for."""
+        return self._asking.is_set() and self._answers.empty()
 
     def _read(self) -> None:
         for line in iter(self._source.readline, ""):

@@ -61,9 +61,10 @@ class TerminalForms:
         self._line(ready)
 
     def ask(self, form: Form, language: str, ready: Ready) -> Answers:
-        if form.title.get(language):
-            self._show(form.title[language])
-        return {item.name: self._item(item, language, ready) for item in form.items}
+        with self._terminal.form():
+            if form.title.get(language):
+                self._show(form.title[language])
+            return {item.name: self._item(item, language, ready) for item in form.items}
 
     def rest(self, least: float, ready: Ready) -> None:
         until = time.monotonic() + least

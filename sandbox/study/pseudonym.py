@@ -13,9 +13,10 @@ _SLIPS = str.maketrans("ILO", "110")
 
 
 def _check(body: str) -> str:
-    """The sign that makes one wrong sign, or two swapped neighbours, visible.
+    """The sign that makes any one wrong sign visible, and swapped neighbours nearly always.
 
-    Weights are odd, so that no single change goes unseen modulo 32; neighbours differ by 2.
+    Weights are odd, so that no single change goes unseen modulo 32. A swap goes unseen only where
+    the neighbours are 16 places apart.
     """
     total = sum((2 * i + 1) * ALPHABET.index(c) for i, c in enumerate(body))
     return ALPHABET[total % len(ALPHABET)]
