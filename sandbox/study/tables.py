@@ -262,6 +262,9 @@ def _cell(value: Any) -> Any:
         return int(value)
     if isinstance(value, float):
         return repr(round(value, 6))
+    if isinstance(value, str):
+        # A lone carriage return is put in quotation marks by nobody, and ends a row for many.
+        return value.replace("\r\n", "\n").replace("\r", "\n")
     return value
 
 
