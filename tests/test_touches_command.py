@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 
 from models.surface import Surface
+from sandbox.cli.main import main
 from sandbox.devices.tuio import TuioDevice
 from sandbox.devices.tuio_sender import send_packet
 from tests.processes import PATIENCE, ROOT, Sender, program, run, until
@@ -276,29 +277,34 @@ def test_packets_without_touches_are_named_as_what_is_wrong(tmp_path: Path) -> N
     ],
     ids=str,
 )
-def test_bad_input_is_one_clear_message_and_status_2(arguments: list[str], said: str) -> None:
-    status, lines, errors = run("touches", *arguments)
+def test_bad_input_is_one_clear_message_and_status_2(
+    arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    status = main(["touches", *arguments])
+    lines, errors = capsys.readouterr()
     assert status == 2
-    assert lines == []
+    assert lines == ""
     assert said in errors
     assert "Traceback" not in errors
 
 
 @pytest.mark.parametrize("to", ["3333", "127.0.0.1", "127.0.0.1:x", "127.0.0.1:70000", ":"])
-def test_an_address_that_is_none_is_refused(tmp_path: Path, to: str) -> None:
-    status, _, errors = run("touches", "send", capture_file(tmp_path / "c", SCENES), "--to", to)
-    assert status == 2
-    assert "HOST:PORT" in errors
+def test_an_address_that_is_none_is_refused(
+    tmp_path: Path, to: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    capture = capture_file(tmp_path / "c", SCENES)
+    assert main(["touches", "send", str(capture), "--to", to]) == 2
+    assert "HOST:PORT" in capsys.readouterr().err
 
 
-def test_help_and_formats_teach() -> None:
+def test_help_and_formats_teach(capsys: pytest.CaptureFixture[str]) -> None:
     for command, words in (
-        (["--help"], ["show", "send", "formats"]),
+        (["--help"], ["show", "record", "send", "formats"]),
         (["show", "--help"], ["--bind 0.0.0.0", "touches send CAPTURE", "--surface", "inches"]),
         (["send", "--help"], ["--to", "--speed"]),
-        (["formats"], ["TUIO 1.1", "2Dcur", "hex"]),
+        (["formats"], ["TUIO 1.1", "TUIO 2.0", "evdev", "hex"]),
     ):
-        status, lines, _ = run("touches", *command)
-        text = " ".join(lines)
+        status = main(["touches", *command])
+        text = capsys.readouterr().out
         assert status == 0
         assert all(word in text for word in words), text

@@ -153,7 +153,7 @@ def _collect(device: Device, live: bool, seconds: float, console: Console) -> li
     collector = SpreadCollector()
     address = getattr(device, "address", None)
     if address:
-        console.print(f"listening for TUIO on [bold]{address}[/] (UDP)")
+        console.print(f"listening for TUIO on [bold]{address}[/]")
     if live:
         _ask(console, 0)
     begin, now, most = time.monotonic(), 0.0, 0

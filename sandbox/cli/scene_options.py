@@ -12,12 +12,14 @@ from models.errors import InputError
 from models.hand import IMPULSE_PROFILES
 from models.surface import Surface, parse_surface
 from sandbox.assembly import DeviceMaker
+from sandbox.cli.touch_devices import is_evdev, live_maker, native_surface, open_file
 from sandbox.devices.device import Device
+from sandbox.devices.discovery import find_device
 from sandbox.devices.recorded import RecordedDevice
 from sandbox.devices.simulated import SimulatedDevice
 from sandbox.devices.spoiled import SpoiledDevice
-from sandbox.devices.touch_capture import CaptureDevice, read_capture
-from sandbox.devices.tuio import DEFAULT_PORT, LOOPBACK, TuioDevice
+from sandbox.devices.tuio import DEFAULT_PORT, LOOPBACK, Transport
+from sandbox.devices.tuio_streams import DEFAULT_WEBSOCKET_PORT
 from sandbox.devices.web import WebDevice
 from sandbox.profiles import find_profile
 from sandbox.recorded_task import recorded_task
@@ -51,13 +53,14 @@ class SceneOptions:
     task: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="TASK")] = "box-to-goal"
     """Task to do; `sandbox` lists them. Or FILE.py with one of your own."""
 
-    device: Annotated[str, tyro.conf.arg(metavar="{simulated,tuio,mouse,FILE}")] = "simulated"
-    """Where touches come from: the simulated user, a TUIO sender, the mouse in the window, or a
-    file: a recording of ours, or a capture of TUIO packets."""
+    device: Annotated[str, tyro.conf.arg(metavar="{simulated,tuio,mouse,evdev,FILE}")] = "simulated"
+    """Where touches come from: the simulated user, a TUIO sender, the mouse in the window, a touch
+    screen of this Linux machine, a device of your own (docs/write-a-device.md), or a file: a
+    recording of ours, what `touches record` wrote, or a capture of TUIO packets."""
 
-    encoder: Annotated[str, tyro.conf.arg(metavar="{paper,linear,quadratic,cubic,pca-ik,best,FILE}")] = (
-        "best"
-    )
+    encoder: Annotated[
+        str, tyro.conf.arg(metavar="{paper,linear,quadratic,cubic,pca-ik,best,FILE}")
+    ] = "best"
     """From touches to the hand. paper: least squares, the paper's labels, no correction, no
     smoothing. The others share labels, correction and smoothing of best."""
 
@@ -104,7 +107,8 @@ class SceneOptions:
     """The simulated user; idle and random are control arms that must not succeed."""
 
     tell_labels: tyro.conf.FlagCreatePairsOff[bool] = False
-    """The simulated user says which finger touches: an upper bound for labelling."""
+    """Believes what the device says of which finger touches: the simulated user (an upper bound for
+    labelling), or a sender of TUIO 2.0 that knows fingers."""
 
     drop_outs: float = 0.0
     """Times per second that the simulated user's screen loses each touch, for 0.1 s; it comes back
@@ -115,10 +119,22 @@ class SceneOptions:
     size, mass, friction, hand-size; mm start, noise; a second dropped, ghosts; ms latency."""
 
     port: int = DEFAULT_PORT
-    """UDP port for TUIO; 0 takes a free one."""
+    """UDP and TCP port for TUIO; 0 takes a free one."""
 
     bind: Annotated[str, tyro.conf.arg(metavar="ADDRESS")] = LOOPBACK
     """Address for TUIO; 127.0.0.1 is reached from this machine only, 0.0.0.0 from the network."""
+
+    tuio_transport: Transport = "udp"
+    """How TUIO comes: udp, tcp, websocket, or all three."""
+
+    websocket_port: int = DEFAULT_WEBSOCKET_PORT
+    """TCP port for TUIO over WebSockets; 0 takes a free one."""
+
+    tuio_connect: Annotated[str, tyro.conf.arg(metavar="URL")] = ""
+    """Calls a TUIO sender that waits for it, such as tcp://HOST:3333 or ws://HOST:8080."""
+
+    grab: tyro.conf.FlagCreatePairsOff[bool] = False
+    """evdev: keep the touches from the desktop, so that a trackpad's pointer stays where it is."""
 
     record: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """Writes a recording that `sandbox replay` plays to the bit."""
@@ -176,13 +192,10 @@ def plan(options: SceneOptions) -> Plan:
             )
 
         return _keeping(settings, about, False, simulated)
-    if options.device == "tuio":
-        return _keeping(
-            settings,
-            about,
-            True,
-            lambda task, surface: TuioDevice(surface, bind=options.bind, port=options.port),
-        )
+    maker = live_maker(options)
+    if maker is not None:
+        live = maker
+        return _keeping(settings, about, True, lambda task, surface: live(surface))
     if options.device == "web":
         return _keeping(settings, about, True, lambda task, surface: WebDevice(surface))
     if options.device == "mouse":
@@ -195,8 +208,9 @@ def plan(options: SceneOptions) -> Plan:
         played = recording
         about["user"] = recording.header.get("user")
         return _keeping(settings, about, False, lambda task, surface: RecordedDevice(played))
-    capture = read_capture(Path(options.device))
-    return _keeping(settings, about, False, lambda task, surface: CaptureDevice(capture, surface))
+    path = Path(options.device)
+    open_file(path, None).device.close()  # what is wrong with it is said before anything is built
+    return _keeping(settings, about, False, lambda task, surface: open_file(path, surface).device)
 
 
 def _keeping(settings: RunSettings, about: dict[str, Any], live: bool, make: DeviceMaker) -> Plan:
@@ -220,18 +234,22 @@ def _keeping(settings: RunSettings, about: dict[str, Any], live: bool, make: Dev
 
 
 def _recording(device: str) -> Recording | None:
-    if device in ("simulated", "tuio", "mouse", "web"):
-        return None
     path = Path(device)
+    if device in ("simulated", "tuio", "mouse", "web") or (not path.exists() and _live(device)):
+        return None
     if not path.exists():
         raise InputError(
             "there is no such device or file",
             where="--device",
             got=device,
-            expected="simulated, tuio, mouse or a file",
+            expected="simulated, tuio, mouse, web, evdev or a file",
             remedy="`sandbox touches formats` lists the files that play as devices",
         )
     return load_recording(path) if is_recording(path) else None
+
+
+def _live(device: str) -> bool:
+    return is_evdev(device) or find_device(device) is not None
 
 
 def _settings(options: SceneOptions, recording: Recording | None) -> RunSettings:
@@ -272,7 +290,9 @@ def _settings(options: SceneOptions, recording: Recording | None) -> RunSettings
     if options.surface:
         surface = parse_surface(options.surface)
         values["surface_in"] = (surface.width_in, surface.height_in)
-    elif options.device == "tuio":
+    elif (native := native_surface(options.device)) is not None:
+        values["surface_in"] = (native.width_in, native.height_in)
+    elif options.device == "tuio" or is_evdev(options.device):
         # TUIO tells no sizes: without one, inches are a guess, and views say so.
         values["surface_calibrated"] = False
     return replace(base, **values)

@@ -108,7 +108,10 @@ def is_evdev(name: str) -> bool:
 
 
 def native_surface(name: str) -> Surface | None:
-    """The size that the device knows of itself; None where it does not."""
+    """The size that a device, or a file of recorded frames, knows; None where it does not."""
+    path = Path(name)
+    if path.is_file():
+        return read_frame_file(path).surface if "surface_in" in first_line(path) else None
     if not is_evdev(name):
         return None
     node = open_node(_node(name))
@@ -175,7 +178,7 @@ def _recording(path: Path, surface: Surface | None) -> Opened | None:
     told = recording.header["settings"].get("surface_in")
     frames = [entry.frame for entry in recording.inputs.get(0, [])]
     damage = RecordingError(recording.damage, where=str(path)) if recording.damage else None
-    size = Surface(*map(float, told)) if told else guessed_surface()
+    size = Surface(float(told[0]), float(told[1])) if told else guessed_surface()
     return Opened(FramesDevice(frames, damage), surface or size)
 
 
