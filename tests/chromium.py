@@ -179,9 +179,9 @@ class Tab:
             if e.get("method") == method and e.get("sessionId") == self._session
         ]
 
-    def screenshot(self, path: Path) -> None:
-        data = self.call("Page.captureScreenshot", format="png")["data"]
-        path.write_bytes(base64.b64decode(data))
+    def picture(self) -> bytes:
+        """What is seen now, as PNG."""
+        return base64.b64decode(self.call("Page.captureScreenshot", format="png")["data"])
 
     def close(self) -> None:
         self._browser.call("Target.closeTarget", targetId=self._target)

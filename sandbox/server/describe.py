@@ -101,7 +101,7 @@ def state_of(snapshot: Snapshot, paused: bool, senses: Sequence[HandSense] = ())
         score.status.value,
         score.progress,
         score.reason,
-        score.final if score.status.value != "running" else not score.reason,
+        score.final,
         score.held,
         [_hand(hand, sense) for hand, sense in zip(snapshot.hands, senses, strict=True)],
         [GoalState(g.object, _floats(g.position), float(g.yaw)) for g in snapshot.goals],

@@ -1,0 +1,86 @@
+"""The page as a person sees it, for the README: `python -m benchmarks.page_picture [FILE]`.
+
+A simulated user's fingers touch the page in a real Chromium, which has to be installed; the picture
+is taken on the way, when the box is nearly at its goal. It also says how long a touch took to be
+drawn, by the page's own clock.
+"""
+
+from __future__ import annotations
+
+import io
+import sys
+import tempfile
+from pathlib import Path
+
+from PIL import Image
+
+from models.surface import METRES_PER_INCH
+from sandbox.assembly import build
+from sandbox.devices.simulated import SimulatedDevice
+from sandbox.devices.web import WebDevice
+from sandbox.server.describe import describe_scene
+from sandbox.server.page_server import PageServer
+from sandbox.server.senses import senses
+from sandbox.server.skins import pack_skin
+from sandbox.settings import RunSettings
+from tasks.simulated_user.configuration import UserConfiguration
+from tests.chromium import Browser, Tab
+
+OUT = Path("docs/pictures/page.webp")
+WIDTH, HEIGHT, PPI = 1024, 768, 132.0
+SEED, FINGERS = 3, 3
+NEARLY = 0.7
+"""Of the way, at which the picture is taken."""
+
+
+def main(out: Path = OUT) -> None:
+    """Plays, takes the picture and writes it."""
+    server = PageServer()
+    with tempfile.TemporaryDirectory() as folder:
+        browser = Browser(Path(folder))
+        try:
+            key = f"hand-sandbox:px-per-inch:{HEIGHT}x{WIDTH}@1"
+            known = {key: str(PPI), "hand-sandbox:advised": "yes", "hand-sandbox:hint": "done"}
+            tab = browser.open(server.url, width=WIDTH, height=HEIGHT, storage=known)
+            picture = play(server, tab)
+        finally:
+            browser.close()
+            server.close()
+    Image.open(io.BytesIO(picture)).convert("RGB").save(out, quality=80, method=6)
+    print(f"{out}: {out.stat().st_size / 1000:.0f} kB")
+
+
+def play(server: PageServer, tab: Tab) -> bytes:
+    """The picture, as PNG."""
+    session = build(
+        RunSettings(seed=SEED, surface_in=(WIDTH / PPI, HEIGHT / PPI)),
+        lambda task, surface: WebDevice(surface, server.latency),
+    )
+    device, surface = session.rigs[0].device, session.rigs[0].reconstructor.surface
+    assert isinstance(device, WebDevice)
+    message = describe_scene(1, session.scene, session.task, surface, "right", "")
+    server.show_scene(
+        message, session.scene, device, [pack_skin(h) for h in session.scene.spec.hands]
+    )
+    tab.wait("!!document.querySelector('.task').textContent")
+    user = SimulatedDevice(session.task, UserConfiguration(fingers=FINGERS), surface, SEED)
+    last: list[tuple[int, float, float]] = []
+    scale = PPI / METRES_PER_INCH
+    while not session.over:
+        snapshot = session.advance()
+        user.show(snapshot)
+        server.publish(snapshot, senses=senses(session))
+        wanted = [(c.id, c.x * scale, c.y * scale) for c in user.poll(snapshot.time)[-1].contacts]
+        others = [i for i, _, _ in wanted] != [i for i, _, _ in last]
+        if others or session.step % (3 * session.scene.substeps) == 0:
+            tab.touch(wanted)
+            device.news.wait(5.0)
+            last = wanted
+        if snapshot.score.progress > NEARLY and len(wanted) == FINGERS and snapshot.hands[0].solid:
+            tab.wait(f"document.querySelector('.clock').textContent === '{snapshot.time:.1f} s'")
+            return tab.picture()
+    raise SystemExit(f"the user did not get there: {session.scorer.score.reason}")
+
+
+if __name__ == "__main__":
+    main(*map(Path, sys.argv[1:2]))
