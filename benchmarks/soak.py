@@ -31,7 +31,7 @@ from sandbox.messages import Snapshot
 from sandbox.respawn import AWAY
 from sandbox.session import Session
 from sandbox.settings import RunSettings
-from tasks.registry import task_names
+from tasks.registry import find_task, hands_of, task_names
 
 Array = NDArray[np.float64]
 
@@ -280,7 +280,9 @@ def main() -> None:
     """Prints a table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--minutes", type=float, default=30.0, help="simulated, of every row")
-    parser.add_argument("--tasks", nargs="+", default=list(task_names()))
+    parser.add_argument(
+        "--tasks", nargs="+", default=[t for t in task_names() if hands_of(find_task(t)) == 1]
+    )
     parser.add_argument("--profiles", nargs="+", default=["safe", "paper"])
     parser.add_argument("--servo", default="orientation")
     parser.add_argument("--contact", default="hard")

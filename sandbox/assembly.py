@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,19 +20,26 @@ from encoders.yaw_range import YawRange, YawWatch
 from models.errors import CaptureError, InputError
 from models.hand import IMPULSE_PROFILES, Hand
 from models.limits import GENTLE, RateLimit
+from models.person import Person
 from models.skeleton import ADULT
 from models.surface import Surface
-from sandbox.devices.device import Device
 from sandbox.session import Recorder, Rig, Session
 from sandbox.settings import RunSettings
 from sandbox.solidity import SolidityRules
+from sandbox.two_hands import DeviceMaker, checked, makers_of, place_all
 from tasks.registry import draw_task, find_task
 from tasks.task import Task
 from tasks.variation import vary
 
-DeviceMaker = Callable[[Task, Surface], Device]
-"""Opens a device for a drawn task on a placed surface."""
-
+__all__ = [
+    "DeviceMaker",
+    "build",
+    "digests",
+    "load_encoder",
+    "make_labeller",
+    "place_surface",
+    "reconstructor_settings",
+]
 
 BELOW_TABLE = 0.015
 """m by which an upright surface reaches below the table's top, so that fingers beside a thing that
@@ -120,50 +127,67 @@ def build(
     recorder: Recorder | None = None,
     wear: Callable[[Reconstructor], Reconstructor] | None = None,
 ) -> Session:
-    """A session with one hand, ready for its first step.
+    """A session with its hands, ready for its first step.
 
     Args:
         settings: How it goes.
-        make_device: Where the touches come from.
+        make_device: Where the touches come from; a `PerHand` where there are two hands.
         recorder: Writes down inputs and states.
         wear: Puts another reconstructor in the place of the one that reconstructs from touches.
     """
     task_type = find_task(settings.task)
-    surface = place_surface(settings.surface, task_type)
-    task = vary(draw_task(task_type, settings.seed, surface), settings.variation, surface)
-    person = settings.person
-    if surface.upright and person.turn:
+    placed = place_surface(settings.surface, task_type)
+    whole, surfaces = place_all(placed, settings, task_type)
+    task = vary(draw_task(task_type, settings.seed, whole), settings.variation, whole)
+    persons = settings.persons
+    if placed.upright and any(person.turn for person in persons):
         raise InputError(
             "before an upright surface one sits at its lower edge",
             where="--turn",
-            got=person.turn,
+            got=max(person.turn for person in persons),
             expected=f"0 for {settings.task}",
         )
-    hand = Hand(
-        person.hand,
-        person.skeleton(ADULT),
-        servo=settings.servo,
-        impulse=settings.impulse,
-        solid_end=UPRIGHT_END if task_type.plane == "front" else None,
-    )
+    makers = checked(makers_of(make_device), len(persons), settings.task)
     model = load_encoder(settings.encoder)
+    hands = _hands(persons, settings, task_type)
+    made = []
+    for person, surface in zip(persons, surfaces, strict=True):
 
-    def trained_hand(surface: Surface) -> TouchReconstructor:
-        return TouchReconstructor(
-            model,
-            make_labeller(settings, model),
-            ADULT,
-            surface,
-            reconstructor_settings(settings, task.lift_range),
-        )
+        def trained_hand(surface: Surface) -> TouchReconstructor:
+            return TouchReconstructor(
+                model,
+                make_labeller(settings, model),
+                ADULT,
+                surface,
+                reconstructor_settings(settings, task.lift_range),
+            )
 
-    reconstructor = personal(person, surface, trained_hand)
-    if wear:
-        reconstructor = wear(reconstructor)
+        reconstructor = personal(person, surface, trained_hand)
+        made.append(wear(reconstructor) if wear else reconstructor)
     rules = SolidityRules(settings.ghost_until_clear, settings.distal_only)
-    rig = Rig(make_device(task, surface), reconstructor, hand, _yaw_watch(model))
+    rigs = [
+        Rig(make(task, surface), reconstructor, hand, _yaw_watch(model))
+        for make, surface, reconstructor, hand in zip(makers, surfaces, made, hands, strict=True)
+    ]
     friction = settings.variation.friction
-    return Session(task, [rig], rules, settings.timestep, recorder, settings.contact, friction)
+    return Session(task, rigs, rules, settings.timestep, recorder, settings.contact, friction)
+
+
+def _hands(persons: Sequence[Person], settings: RunSettings, task_type: type[Task]) -> list[Hand]:
+    """The simulated hands of some persons, each with a name of its own."""
+    names: list[str] = []
+    for person in persons:
+        names.append(person.hand if person.hand not in names else f"{person.hand}_too")
+    return [
+        Hand(
+            name,
+            person.skeleton(ADULT),
+            servo=settings.servo,
+            impulse=settings.impulse,
+            solid_end=UPRIGHT_END if task_type.plane == "front" else None,
+        )
+        for name, person in zip(names, persons, strict=True)
+    ]
 
 
 def _yaw_watch(model: TrainedModel) -> YawWatch | None:

@@ -18,6 +18,44 @@ what the device says, for devices that know, and as an upper bound with the simu
 
 
 @dataclass(frozen=True)
+class SecondHand:
+    """Another hand in the same scene, of the same person or of another; JSON values only.
+
+    Attributes:
+        hand: `right` or `left`.
+        hand_size: Length of the hand against the trained one.
+        turn: degrees, where its owner sits (see `models.person.Person`).
+        shared: Both hands are on one surface; otherwise each has its own, of the same size.
+    """
+
+    hand: str = HANDS[1]
+    hand_size: float = 1.0
+    turn: int = 0
+    shared: bool = False
+
+    def __post_init__(self) -> None:
+        _ = self.person
+
+    @property
+    def person(self) -> Person:
+        """Whose hand it is, checked."""
+        return Person(self.hand, self.hand_size, self.turn)
+
+    @classmethod
+    def from_json(cls, values: Any) -> SecondHand:
+        """Read back.
+
+        Raises:
+            InputError: A name is missing or unknown.
+        """
+        names = {f.name for f in fields(cls)}
+        if not isinstance(values, dict) or set(values) != names:
+            raise InputError("no such second hand", where="settings", got=str(values)[:80],
+                             expected=", ".join(sorted(names)))  # fmt: skip
+        return cls(**values)
+
+
+@dataclass(frozen=True)
 class RunSettings:
     """Settings of one run; JSON values only.
 
@@ -43,6 +81,7 @@ class RunSettings:
         hand_size: Length of the person's hand against the trained one.
         turn: degrees, where the person sits (see `models.person.Person`).
         variation: How the trial differs from the one that is drawn, and touches from those made.
+        second: Another hand in the scene; None where there is one hand only.
     """
 
     task: str = "box-to-goal"
@@ -66,6 +105,7 @@ class RunSettings:
     hand_size: float = 1.0
     turn: int = 0
     variation: Variation = field(default_factory=Variation)
+    second: SecondHand | None = None
 
     def __post_init__(self) -> None:
         if self.labels not in LABELS:
@@ -81,15 +121,22 @@ class RunSettings:
         return Person(self.hand, self.hand_size, self.turn)
 
     @property
+    def persons(self) -> tuple[Person, ...]:
+        """Whose hands they are, one or two."""
+        return (self.person, self.second.person) if self.second else (self.person,)
+
+    @property
     def surface(self) -> Surface:
         """The touch rectangle, not yet placed in the world."""
         return Surface(*self.surface_in, calibrated=self.surface_calibrated)
 
     def as_json(self) -> dict[str, Any]:
-        """For headers and results; they tell a variation only where there is one."""
+        """For headers and results; a variation and a second hand only where there is one."""
         values = asdict(self)
         if self.variation.neutral:
             del values["variation"]
+        if self.second is None:
+            del values["second"]
         return values
 
     @classmethod
@@ -100,7 +147,8 @@ class RunSettings:
             InputError: A setting is missing or unknown: another version wrote it.
         """
         # What older recordings do not tell was so before it could be chosen.
-        values = {**asdict(Person()), "contact": ContactMode.HARD.value, "variation": {}, **values}
+        older = {"contact": ContactMode.HARD.value, "variation": {}, "second": None}
+        values = {**asdict(Person()), **older, **values}
         names = {f.name for f in fields(cls)}
         if set(values) != names:
             raise InputError(
@@ -113,6 +161,7 @@ class RunSettings:
         definite = {
             "surface_in": (float(width), float(height)),
             "variation": Variation.from_json(values["variation"]),
+            "second": values["second"] and SecondHand.from_json(values["second"]),
         }
         return cls(**{**values, **definite})
 

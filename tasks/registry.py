@@ -9,6 +9,7 @@ import numpy as np
 from models.errors import HandSandboxError, InputError
 from models.surface import Surface
 from tasks.box_to_goal import BoxToGoal
+from tasks.carry_together import CarryTogether
 from tasks.discovery import (
     failure,
     is_place,
@@ -26,7 +27,15 @@ from tasks.wrench_turn import WrenchTurn
 
 TASKS: dict[str, type[Task]] = {
     task.name: task
-    for task in (BoxToGoal, WrenchTurn, WrenchSlide, Stack, StackThree, StackVertical)
+    for task in (
+        BoxToGoal,
+        WrenchTurn,
+        WrenchSlide,
+        Stack,
+        StackThree,
+        StackVertical,
+        CarryTogether,
+    )
 }
 
 
@@ -68,6 +77,11 @@ def unusable_tasks() -> dict[str, str]:
         except InputError as error:
             found[name] = str(error)
     return found
+
+
+def hands_of(task: type[Task] | Task) -> int:
+    """How many hands a task is made for: those that say nothing want one."""
+    return int(getattr(task, "hands", 1))
 
 
 def draw_task(kind: type[Task], seed: int, surface: Surface) -> Task:

@@ -13,7 +13,7 @@ from encoders.correction import PAD_HEIGHT
 from models.frames import Contact
 from models.hand import IMPULSE_PROFILES, SERVOS
 from sandbox.contact_modes import ContactMode
-from tasks.registry import TASKS
+from tasks.registry import TASKS, hands_of
 from tests.scripted import box_xy, scripted
 
 
@@ -116,7 +116,7 @@ def test_a_hand_told_to_stay_in_a_closing_gap_pushes_the_table_with_nothing():
 
 
 @pytest.mark.full
-@pytest.mark.parametrize("task", TASKS)
+@pytest.mark.parametrize("task", [name for name, t in TASKS.items() if hands_of(t) == 1])
 @pytest.mark.parametrize("profile", IMPULSE_PROFILES)
 def test_violent_touches_break_nothing_and_lose_nothing(task, profile):
     found = soak(task, 120.0, first_seed=100, impulse=IMPULSE_PROFILES[profile])

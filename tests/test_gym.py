@@ -19,7 +19,10 @@ from models.skeleton import ADULT
 from sandbox.cli.main import main
 from sandbox.gym import HandSandboxEnv, register_task
 from sandbox.recording import Recording, load_recording
-from tasks.registry import TASKS
+from tasks.registry import TASKS as ALL_TASKS
+from tasks.registry import hands_of
+
+TASKS = {name: task for name, task in ALL_TASKS.items() if hands_of(task) == 1}
 
 TOUCH, POSE = "hand_sandbox/BoxToGoal-v1", "hand_sandbox/BoxToGoalPose-v1"
 MUG = str(Path(__file__).parent.parent / "examples" / "push_the_mug.py")
@@ -75,6 +78,13 @@ def test_every_task_has_an_id_with_its_version_for_touches_and_for_poses():
         for kind in ("", "Pose"):
             spec = gymnasium.spec(f"hand_sandbox/{name}{kind}-v{task.version}")
             assert spec.kwargs["task"] == task.name
+
+
+def test_tasks_for_two_hands_have_no_environment_and_say_so():
+    assert not any("CarryTogether" in name for name in gymnasium.registry)
+    for make in (register_task, HandSandboxEnv):
+        with pytest.raises(InputError, match="one hand's"):
+            make("carry-together")
 
 
 @pytest.mark.parametrize("action", ["touch", "pose"])

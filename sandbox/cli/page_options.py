@@ -15,7 +15,7 @@ from sandbox.server.kept_token import kept_token
 from sandbox.server.page_server import PageServer, tls_context
 from sandbox.server.protocol import TaskName
 from sandbox.versions import versions
-from tasks.registry import TASKS
+from tasks.registry import TASKS, hands_of
 
 
 @dataclass(frozen=True)
@@ -65,6 +65,7 @@ def open_page(options: PageOptions) -> PageServer:
     tasks = [
         TaskName(name, summary(task), getattr(task, "lift_range", 0.0) > 0)
         for name, task in TASKS.items()
+        if hands_of(task) == 1
     ]
     program = str(versions()["hand-sandbox"])
     token = kept_token(default_path().with_name("page-token")) if options.page_port else ""

@@ -5,12 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+from numpy.typing import NDArray
+
 from models.errors import InputError
 from models.frames import TouchFrame
 from models.person import Person
 from models.surface import Surface
 from sandbox.devices.drop_outs import DropOuts
 from sandbox.messages import Snapshot
+from tasks.registry import hands_of
+from tasks.simulated_user.carrier import Carrier
 from tasks.simulated_user.configuration import UserConfiguration
 from tasks.simulated_user.control_arms import IdleUser, RandomUser
 from tasks.simulated_user.front_stacker import FrontStacker
@@ -35,6 +40,9 @@ _LIFTING: dict[str, type[Stacker] | type[IdleLiftUser] | type[RandomLiftUser]] =
 }
 """Who plays a task with a lift control."""
 
+_NEXT_PERSON = 1_000_003
+"""Added to the seed of who plays the second hand; beyond all seeds of trials."""
+
 
 class SimulatedDevice:
     """A tablet under the fingers of a simulated user.
@@ -47,6 +55,8 @@ class SimulatedDevice:
         tell_labels: Tells which finger touches (an upper bound for labelling; never the default).
         drop_outs: Times per second that the screen loses each touch for a moment.
         person: Which hand they use and where they sit.
+        hand: Which of the scene's hands is theirs.
+        home: (2,) m in the world, the middle of their part of the screen; None is the screen's.
     """
 
     name = "simulated"
@@ -61,7 +71,12 @@ class SimulatedDevice:
         tell_labels: bool = False,
         drop_outs: float = 0.0,
         person: Person | None = None,
+        hand: int = 0,
+        home: NDArray[np.float64] | None = None,
     ) -> None:
+        self._hand = hand
+        # Two people do not share their chance.
+        seed += hand * _NEXT_PERSON
         self._shapes = {thing.name: thing for thing in task.objects}
         self._tell_labels = tell_labels
         self.finished = False
@@ -82,9 +97,13 @@ class SimulatedDevice:
                 where=task.name,
                 remedy="Give the task goals, or a user of its own",
             )
+        if home is not None and not plain:
+            home = seat.point(np.array([*home, 0.0]))[:2]
         self.user: User = (
             own(configuration, used, seed)
             if own is not None
+            else Carrier(configuration, used, seed, task.lift_range, home)
+            if hands_of(task) > 1 and configuration.kind == "skilled"
             else _LIFTING[configuration.kind](configuration, used, seed, task.lift_range)
             if task.lift_range > 0
             else make(configuration, used, seed)
@@ -96,7 +115,7 @@ class SimulatedDevice:
 
     def show(self, snapshot: Snapshot) -> None:
         """Lets the user look at the screen."""
-        hand = snapshot.hands[0]
+        hand = snapshot.hands[self._hand]
         tips = {
             self._screen.own_id(c.id): hand.tips[c.label]
             for c in hand.contacts

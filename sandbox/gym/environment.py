@@ -18,7 +18,7 @@ from sandbox.gym.actions import Hands, PoseHands, TouchHands
 from sandbox.gym.observation import observation_space, observe
 from sandbox.session import Session, describe
 from sandbox.settings import RunSettings
-from tasks.registry import draw_task, find_task
+from tasks.registry import draw_task, find_task, hands_of
 from tasks.score import Status
 from tasks.sensing import Sensing
 
@@ -109,6 +109,9 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
         self.action, self.reward = action, reward
         self.render_mode, self.size = render_mode, size
         self._kind = find_task(task)
+        if hands_of(self._kind) > 1:
+            raise InputError("the actions of environments are one hand's", where="task",
+                             got=f"{task}, for {hands_of(self._kind)} hands")  # fmt: skip
         self._surface = place_surface(self.settings.surface, self._kind)
         hands = self._make_hands()
         self.action_space = spaces.Box(hands.low, hands.high, dtype=np.float64)

@@ -1,0 +1,151 @@
+"""Carry a tray to its place in the air: a hand at either end, for one alone only tips it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import dist
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.errors import InputError
+from models.surface import Surface
+from models.tray import GRIP, HANDLE, Tray
+from tasks.sensing import Sensing
+from tasks.task import Goal, Measure
+
+Array = NDArray[np.float64]
+
+MASS = (0.300, 0.600)
+"""kg."""
+DISTANCE = (0.030, 0.080)
+"""m from start to goal, seen from above."""
+YAW = np.deg2rad(12.0)
+"""rad, largest turn of start and goal against the surface's axes."""
+RISE = (0.040, 0.060)
+"""m by which the goal is above the start."""
+BORDER = 0.042
+"""m from the surface's border to the nearest place of a grip, for a thumb beside the handle."""
+SEAM = 0.030
+"""m from the middle of the surface, where one hand's part ends, to the nearest place of a grip."""
+
+POSITION_TOLERANCE = 0.015
+YAW_TOLERANCE = np.deg2rad(8.0)
+SLOPE_TOLERANCE, ROLL_TOLERANCE = np.deg2rad(6.0), np.deg2rad(25.0)
+SPEED_TOLERANCE = 0.050
+"""m, rad and m/s within which the tray counts as being in its place."""
+
+_TRIES = 20_000
+
+
+@dataclass(frozen=True)
+class CarryTogether:
+    """Lift a tray with a hand at either end, carry it to its translucent twin, and hold it there.
+
+    Scene: a tray of 300 to 600 g on a table: a deck of 16 by 12 cm, broader than a hand opens, with
+    a handle of 30 mm breadth at either end, 24 cm from grip to grip. Every hand has a touch surface
+    of its own, the right one's to the right, or both share one that is as large; every hand's lift
+    control raises it by up to 12 cm.
+    Goal: the tray's ghost, 4 to 6 cm higher, 3 to 8 cm away and turned, free in the air.
+    Success: the tray's middle within 15 mm of the goal, yaw within 8 degrees, the
+    slope from handle to handle under 6 degrees, the roll about that line under 25 degrees (a hand
+    that only rises and falls has little hold on it), clear of the table and slower than 5 cm/s, all
+    for 0.5 s without a break, within 60 s. A hand alone at one handle tips the tray.
+    Start: middle uniform over the surface, yaw uniform within 12 degrees of the surface's axes,
+    flat on the table; the goal's place and yaw alike, its height uniform; all drawn anew until the
+    distance is in range and every grip, at the start and at the goal, is on its hand's half of the
+    surface, 42 mm from the border and 30 mm from the middle.
+    History: version 1.
+    """
+
+    name: ClassVar[str] = "carry-together"
+    version: ClassVar[int] = 1
+    time_limit: ClassVar[float] = 60.0
+    hold_time: ClassVar[float] = 0.5
+    table_friction: ClassVar[float] = 0.5
+    touch_height: ClassVar[float] = 0.016
+    lift_range: ClassVar[float] = 0.12
+    plane: ClassVar[str] = "table"
+    hands: ClassVar[int] = 2
+
+    seed: int
+    objects: tuple[Tray, ...]
+    goals: tuple[Goal, ...]
+
+    @classmethod
+    def draw(cls, seed: int, surface: Surface) -> CarryTogether:
+        """The trial of a seed; same seed and surface, same trial.
+
+        Args:
+            seed: Of all that is drawn.
+            surface: Of both hands together.
+
+        Raises:
+            InputError: The surface has no room for a start and a goal.
+        """
+        rng = np.random.default_rng([seed, cls.version, 20])
+        for _ in range(_TRIES):
+            start, end = (rng.uniform(0.0, 1.0, (2, 2)) * surface.size).tolist()
+            yaw, goal_yaw = rng.uniform(-YAW, YAW, 2).tolist()
+            far = dist(start, end)
+            if (
+                DISTANCE[0] <= far <= DISTANCE[1]
+                and _fits(start, yaw, surface)
+                and _fits(end, goal_yaw, surface)
+            ):
+                break
+        else:
+            raise InputError(
+                "the surface is too small for this task",
+                where=cls.name,
+                got=f"{surface.width_in:g}x{surface.height_in:g}in",
+                expected="room for a tray between two hands, as on 14x5.5in",
+                remedy="Give every hand a surface of its own: --device A --device B",
+            )
+        mass, rise = float(rng.uniform(*MASS)), float(rng.uniform(*RISE))
+        places = surface.to_world(np.array([start, end]))[:, :2].tolist()
+        tray = Tray("tray", mass, (*places[0], HANDLE[2]), yaw)
+        goal = Goal("tray", (*places[1], HANDLE[2] + rise), goal_yaw)
+        return cls(seed, (tray,), (goal,))
+
+    def measure(self, sensing: Sensing) -> Measure:
+        """Whether the tray is in its place now."""
+        tray, goal = sensing.object("tray"), self.goals[0]
+        off = dist(tray.position.tolist(), goal.position)
+        turn = abs((tray.yaw - goal.yaw + np.pi) % (2 * np.pi) - np.pi)
+        slope, roll = np.arcsin(np.abs(tray.rotation[2, :2]).clip(0.0, 1.0)).tolist()
+        if tray.rotation[2, 2] < 0.0:
+            roll = np.pi - roll
+        reason = ""
+        if tray.on_table:
+            reason = "the tray is on the table"
+        elif slope > SLOPE_TOLERANCE:
+            reason = f"the tray slopes by {np.rad2deg(slope):.0f} degrees from end to end"
+        elif roll > ROLL_TOLERANCE:
+            reason = f"the tray is rolled by {np.rad2deg(roll):.0f} degrees"
+        elif off > POSITION_TOLERANCE:
+            reason = f"the tray is {1000 * off:.0f} mm from the goal"
+        elif turn > YAW_TOLERANCE:
+            reason = f"the tray is turned by {np.rad2deg(turn):.0f} degrees against the goal"
+        elif tray.speed > SPEED_TOLERANCE:
+            reason = "the tray is still moving"
+        way = max(dist(goal.position, self.objects[0].position) - POSITION_TOLERANCE, 1e-9)
+        travelled = 1.0 - max(off - POSITION_TOLERANCE, 0.0) / way
+        progress = 1.0 if not reason else min(max(travelled, 0.0), 0.99)
+        return Measure(not reason, progress, reason)
+
+
+def _fits(middle: list[float], yaw: float, surface: Surface) -> bool:
+    """Whether both grips of a tray are where their hands can reach; all on the surface."""
+    # Yaw goes counterclockwise seen from above, where the surface's y points down.
+    way = GRIP * np.array([np.cos(yaw), -np.sin(yaw)])
+    right, left = middle + way, middle - way
+    width, height = surface.size
+    half = width / 2
+    return bool(
+        half + SEAM <= right[0] <= width - BORDER
+        and BORDER <= left[0] <= half - SEAM
+        and min(right[1], left[1]) >= BORDER
+        and max(right[1], left[1]) <= height - BORDER
+    )
