@@ -136,10 +136,15 @@ def invent(rng: random.Random) -> bytes:
     return bundle(*(part() for _ in range(rng.randrange(9))))
 
 
-def mutants(seed: int, count: int, corpus: list[bytes]) -> Iterator[bytes]:
+def mutants(
+    seed: int,
+    count: int,
+    corpus: list[bytes],
+    made_up: Callable[[random.Random], bytes] = invent,
+) -> Iterator[bytes]:
     rng = random.Random(seed)
     for _ in range(count):
-        data = bytearray(invent(rng) if rng.random() < 0.5 else rng.choice(corpus))
+        data = bytearray(made_up(rng) if rng.random() < 0.5 else rng.choice(corpus))
         for _ in range(rng.choice((0, 0, 1, 1, 2, 3, 6))):
             rng.choice(MUTATIONS)(rng, data)
         yield bytes(data[:MAX_PACKET_BYTES])

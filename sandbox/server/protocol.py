@@ -237,7 +237,7 @@ def decode(text: str | bytes) -> Up:
         raise InputError(
             "this is no message of the page's protocol",
             got=text[:80],
-            expected=f"version {PROTOCOL}: {error}",
+            expected=f"version {PROTOCOL}: {str(error)[:200]}",
         ) from None
 
 
