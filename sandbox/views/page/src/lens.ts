@@ -69,8 +69,9 @@ export class Lens {
     camera.projectionMatrixInverse.copy(camera.projectionMatrix).invert();
   }
 
-  /** The camera of somebody who only looks: from the front and the side, all of the surface. */
-  overlook(surface: SurfaceView, width: number, height: number): void {
+  /** The camera of somebody who only looks: all of the surface, from the side of the thumb, where
+   * the arm is not in the way. */
+  overlook(surface: SurfaceView, hand: "left" | "right", width: number, height: number): void {
     this.aim(surface, 100, width, height);
     const upright = Math.abs(surface.rotation[8]) < 0.5;
     const span = Math.max(surface.width_in, surface.height_in * 1.4) * METRES_PER_INCH;
@@ -79,8 +80,9 @@ export class Lens {
     camera.aspect = width / height;
     camera.near = NEAR;
     camera.far = FAR;
-    const from = upright ? new Vector3(0.35, 0.25, 1) : new Vector3(0.45, -1, 0.95);
-    const distance = (span * 1.9) / Math.min(camera.aspect, 1.4);
+    const from = upright ? new Vector3(-0.5, 0.3, 1) : new Vector3(-1, -0.3, 0.75);
+    if (hand === "left") from.x = -from.x;
+    const distance = (span * 2.4) / Math.min(camera.aspect, 1.4);
     camera.position
       .copy(from.normalize().multiplyScalar(distance))
       .applyMatrix4(this.axes)

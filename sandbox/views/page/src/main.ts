@@ -103,7 +103,7 @@ class Page {
         this.dirty = true;
       },
       onTrouble: (text) => {
-        this.trouble.textContent = text;
+        this.trouble.textContent = `${text}\nChoose another task, or play on a larger screen.`;
         show(this.trouble, true);
       },
       onFrame: (frame) => this.take(frame),
@@ -217,7 +217,7 @@ class Page {
       this.stage.lens.aim(scene.surface, pxPerInch(), width, height);
       const { left, top } = touchRectangle(scene.surface, pxPerInch(), width, height);
       this.sender.corner = { x: left, y: top };
-    } else this.stage.lens.overlook(scene.surface, width, height);
+    } else this.stage.lens.overlook(scene.surface, scene.hand, width, height);
   }
 
   private resize(): void {

@@ -4,6 +4,9 @@ import { make, write } from "./dom";
 import { CARD_HEIGHT, CARD_WIDTH, FEWEST, MOST, calibrate, pxPerInch } from "./screen";
 import type { Sheets } from "./sheet";
 
+/** CSS pixels beside the card. */
+const MARGIN = 90;
+
 /** @param done Is called once the size is known, or the person did not want to tell. */
 export function measureScreen(sheets: Sheets, done: () => void): void {
   let value = pxPerInch();
@@ -17,8 +20,10 @@ export function measureScreen(sheets: Sheets, done: () => void): void {
   const fit = (px: number): void => {
     value = Math.min(Math.max(px, FEWEST), MOST);
     slider.value = String(value);
-    card.style.width = `${CARD_WIDTH * value}px`;
-    card.style.height = `${CARD_HEIGHT * value}px`;
+    // Where it does not fit lying, it stands.
+    const lies = CARD_WIDTH * value < window.innerWidth - MARGIN;
+    card.style.width = `${(lies ? CARD_WIDTH : CARD_HEIGHT) * value}px`;
+    card.style.height = `${(lies ? CARD_HEIGHT : CARD_WIDTH) * value}px`;
     const [w, h] = [window.innerWidth / value, window.innerHeight / value];
     write(inches, `This page is then ${w.toFixed(2)} by ${h.toFixed(2)} inches.`);
   };
