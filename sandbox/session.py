@@ -167,6 +167,10 @@ class Session:
         """Labels of a hand's fingers that can touch things now."""
         return self._solidity[hand].fingers
 
+    def lift(self, hand: int) -> float | None:
+        """Where the lift control of a hand's device is, 0 to 1; None where it has none."""
+        return self._frames[hand].lift
+
     def tips(self, hand: int, data: mujoco.MjData) -> Array:
         """(5, 3) m, fingertips of a hand in a state of this session's model."""
         return self._solidity[hand].tips(data)

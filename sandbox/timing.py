@@ -6,6 +6,7 @@ screen. What the touch screen needs before, and the display after, is in none of
 
 from __future__ import annotations
 
+import dataclasses
 import threading
 import time
 from collections import deque
@@ -13,6 +14,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from models.frames import TouchFrame
+from sandbox.assembly import DeviceMaker
 from sandbox.devices.device import Device
 from sandbox.messages import Snapshot
 from sandbox.server.latency import LatencyLog
@@ -69,18 +71,14 @@ class TimedDevice:
 
     Attributes:
         device: As given.
+        name: Of the device.
     """
 
     def __init__(self, device: Device, timing: Timing) -> None:
-        self.device = device
+        self.device, self.name = device, device.name
         self._timing = timing
         # A device that counts from its own beginning says when that was.
         self._origin = float(getattr(device, "clock_origin", 0.0))
-
-    @property
-    def name(self) -> str:
-        """Of the device."""
-        return self.device.name
 
     @property
     def finished(self) -> bool:
@@ -103,3 +101,11 @@ class TimedDevice:
         if name in ("device", "_timing", "_origin"):
             raise AttributeError(name)
         return getattr(self.device, name)
+
+
+def timed(make_device: DeviceMaker, timing: Timing) -> DeviceMaker:
+    """Opens the same device, or that of every hand, with its touches followed."""
+    if dataclasses.is_dataclass(make_device) and hasattr(make_device, "makers"):
+        each = tuple(timed(make, timing) for make in make_device.makers)
+        return dataclasses.replace(make_device, makers=each)
+    return lambda task, surface: TimedDevice(make_device(task, surface), timing)

@@ -2,28 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Literal
 
+import tyro
 from rich.console import Console
 
 from models.errors import InputError
-from sandbox.assembly import build
 from sandbox.cli.demo import has_display
+from sandbox.cli.latency import checked_limit
 from sandbox.cli.page_options import PageOptions
 from sandbox.cli.parse import parse
 from sandbox.cli.play_page import play_on_page
-from sandbox.cli.run import report_dump
-from sandbox.cli.scene_options import Plan, SceneOptions, plan
-from sandbox.devices.lift_keys import with_lift
-from sandbox.events import EventLog, NoticeEvents
-from sandbox.headless import trial_header
-from sandbox.keeping import Keeping
-from sandbox.live import LiveSession
-from sandbox.messages import Snapshot
+from sandbox.cli.run import RunOptions, perform
+from sandbox.cli.scene_options import SceneOptions
 from sandbox.profiles import DEFAULT, default_path, find_profile
-from sandbox.views.window import Window
 
 
 @dataclass(frozen=True)
@@ -39,8 +33,17 @@ class PlayOptions(PageOptions, SceneOptions):
     """mouse, web (a page in a browser), tuio, simulated, or a file: a recording of ours, or a
     capture of TUIO packets."""
 
-    view: Literal["window", "web"] = "window"
-    """Where it is seen: in a window, or on a page, which --device web and --tablet imply."""
+    view: Literal["auto", "window", "web", "film", "none"] = "auto"
+    """Where it is seen. window: in a window, and on a page beside it, whose fingers play along with
+    the mouse. web: on a page alone, which --device web and --tablet imply. film: in a film that is
+    drawn meanwhile. none: nowhere. auto: a window, unless the fingers are on a page."""
+
+    film: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Of --view film; TASK.webp unless said otherwise."""
+
+    max_latency: Annotated[float | None, tyro.conf.arg(metavar="MS")] = None
+    """Ends with 1 if p95 from a touch to its picture, in the window or on the page, was longer.
+    What the display adds is in none of it."""
 
     def with_own_profile(self) -> PlayOptions:
         """The same, with this user's own profile where their own fingers touch."""
@@ -53,96 +56,46 @@ class PlayOptions(PageOptions, SceneOptions):
 def main(argv: list[str]) -> int:
     """Runs `sandbox play ...`."""
     options = parse(PlayOptions, "sandbox play", argv)
-    if options.tablet or options.lan:
+    limit = checked_limit(options.max_latency)
+    on_page = options.tablet or options.lan is not None or options.device == "web"
+    if options.view == "auto":
+        options = replace(options, view="web" if on_page else "window")
+    if on_page and options.view == "window":
+        # The window shows what the fingers on the page do; the mouse plays along.
+        options = replace(options, device="mouse")
+    elif on_page or (options.view == "web" and options.device == "mouse"):
         options = replace(options, device="web")
     options = options.with_own_profile()
     console = Console()
-    if options.device == "web" or options.view == "web":
-        return play_on_page(options, options, console)
+    if options.view == "web":
+        return play_on_page(options, options, console, limit)
+    if options.view in ("film", "none"):
+        return _without_window(options)
     if not has_display():
         raise InputError(
             "there is no display to open a window on",
-            remedy="`sandbox run` does a task without one; on a remote machine try `xvfb-run`",
+            remedy="`--view web` plays in a browser, `sandbox run` without any view; on a remote "
+            "machine try `xvfb-run`",
         )
     if options.profile not in (None, "none"):
         console.print(f"profile: {find_profile(str(options.profile)).line}")
-    events = EventLog(options.events)
-    window: Window | None = None
-    again, trial = True, 0
-    try:
-        while again:
-            chosen = plan(replace(options, record=None))
-            if trial:
-                seed = chosen.settings.seed + trial
-                chosen = replace(chosen, settings=replace(chosen.settings, seed=seed))
-            window, again = _trial(options, chosen, window, events, console, trial)
-            trial += 1
-    finally:
-        if window is not None:
-            window.close()
-        events.close()
-    return 0
+    from sandbox.cli.play_window import play_in_window
+
+    return play_in_window(options, options, limit, console)
 
 
-def _trial(
-    options: PlayOptions,
-    chosen: Plan,
-    window: Window | None,
-    events: EventLog,
-    console: Console,
-    trial: int,
-) -> tuple[Window, bool]:
-    """One trial; returns the window and whether the person asked for another."""
-    # A second trial is another file: nothing recorded is ever written over.
-    record = options.record
-    if record and trial:
-        record = record.with_stem(f"{record.stem}-{trial + 1}")
-    keeping = Keeping(trial_header(chosen.settings, chosen.about), record, options.dump)
-    session = build(chosen.settings, with_lift(chosen.make_device, keys=True), keeping.recorder)
-    device: Any = chosen.opened[-1]
-    if window is not None:
-        window.close()
-    surface = session.rigs[0].reconstructor.surface
-    simulated = chosen.about.get("user") is not None
-    window = Window(
-        session.scene,
-        surface,
-        title=f"Hand Sandbox: {session.task.name}",
-        caption="simulated user" if simulated else "",
-    )
-    window.attach(session.rigs[0].device)
-    address = getattr(device, "address", None)
-    if address:
-        console.print(f"listening for TUIO on [bold]{address}[/] (UDP)")
-        events.tell("listening", address=address)
-    events.tell("trial_start", task=session.task.name, seed=session.task.seed)
-    notices = NoticeEvents(events, lambda notice: console.print(f"[yellow]{notice}[/]"))
-    looking = getattr(device, "show", None)
-
-    def on_step(snapshot: Snapshot) -> None:
-        notices.show(snapshot)
-        if looking:
-            looking(snapshot)
-
-    live = LiveSession(session, on_step)
-    live.start()
-    again = False
-    try:
-        while window.pump(live.newest):
-            live.pause(window.paused)
-            if window.take_contact():
-                session.set_contact(session.contact.next)
-            if window.take_reset():
-                again = True
-                break
-    finally:
-        live.stop()
-        result = keeping.end(session)
-        keeping.close()
-        session.close()
-    if live.failure:
-        raise live.failure
-    events.tell("trial_end", **result)
-    report_dump(result, console)
-    console.print(f"{session.task.name}: {result['status']} {result['reason']}")
-    return window, again
+def _without_window(options: PlayOptions) -> int:
+    """The same session as `sandbox run` plays: seen nowhere, or in a film."""
+    if options.device in ("mouse", "web"):
+        raise InputError(
+            "fingers that see nothing touch nothing", where=f"--view {options.view}",
+            got=options.device, expected="simulated, tuio or a file as --device",
+        )  # fmt: skip
+    if options.max_latency is not None:
+        raise InputError(
+            "latency is measured up to a picture", where="--max-latency",
+            got=f"--view {options.view}", expected="--view window or --view web",
+        )  # fmt: skip
+    scene = {f.name: getattr(options, f.name) for f in fields(SceneOptions)}
+    film = options.film or Path(f"{Path(options.task).stem}.webp")
+    return perform(RunOptions(**scene, film=film if options.view == "film" else None))

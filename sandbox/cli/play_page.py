@@ -8,26 +8,24 @@ from pathlib import Path
 from typing import Any
 
 from rich.console import Console
-from rich.table import Table
 
 from models.errors import InputError
 from sandbox.assembly import build
+from sandbox.cli.latency import judge_latency, say_latency
 from sandbox.cli.page_options import PageOptions, open_page
 from sandbox.cli.run import report_dump
 from sandbox.cli.scene_options import Plan, SceneOptions, plan
+from sandbox.cli.second_view import invite, publish, show_session
 from sandbox.devices.web import WebDevice
 from sandbox.events import EventLog, NoticeEvents
 from sandbox.headless import trial_header
 from sandbox.keeping import Keeping
 from sandbox.live import LiveSession
 from sandbox.messages import Snapshot
-from sandbox.server.describe import describe_scene
-from sandbox.server.invitation import code, hints
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol import Ask, Screen
-from sandbox.server.senses import senses
-from sandbox.server.skins import pack_skin
 from sandbox.session import Session
+from sandbox.timing import Timing, timed
 from tasks.registry import TASKS
 
 TICK = 0.02
@@ -99,26 +97,30 @@ class PagePlay:
         record = self.options.record
         keeping = Keeping(
             trial_header(chosen.settings, chosen.about),
-            _numbered(record, wishes.trial) if record else None,
+            numbered(record, wishes.trial) if record else None,
             self.options.dump,
         )
+        timing = Timing(self.server.latency)
         try:
-            session = build(chosen.settings, chosen.make_device, keeping.recorder)
+            make = chosen.make_device
+            make = timed(make, timing) if chosen.live else make
+            session = build(chosen.settings, make, keeping.recorder)
         except InputError as error:
             keeping.close()
             self._refuse(error)
             return
         device = chosen.opened[-1]
-        live = LiveSession(session, self._on_step(session, wishes), news=_news(device))
+        live = LiveSession(session, self._on_step(session, timing), news=_news(device))
         self._show(session, chosen)
         # A person's time begins with their first touch: before, they look at the scene.
-        waiting = isinstance(device, WebDevice)
+        touched = device if isinstance(device, WebDevice) else None
+        waiting = touched is not None
         live.pause(waiting)
         live.start()
         try:
             while not live.over and not wishes.again:
                 wishes.hear(self.server.asked())
-                waiting = waiting and not device.touched
+                waiting = waiting and touched is not None and not touched.touched
                 live.pause(waiting or wishes.paused)
                 if waiting or wishes.paused:
                     self.server.publish(session.snapshot(), True)
@@ -151,31 +153,22 @@ class PagePlay:
     def _show(self, session: Session, chosen: Plan) -> None:
         device = chosen.opened[-1]
         touched = device if isinstance(device, WebDevice) else None
-        if touched:
-            touched.latency = self.server.latency
-        message = describe_scene(
-            self.server.next_scene(),
-            session.scene,
-            session.task,
-            session.rigs[0].reconstructor.surface,
-            chosen.settings.hand,
-            "simulated user" if chosen.about.get("user") else "",
-        )
-        skins = [pack_skin(hand) for hand in session.scene.spec.hands]
-        self.server.show_scene(message, session.scene, touched, skins)
+        caption = "simulated user" if chosen.about.get("user") else ""
+        show_session(self.server, session, chosen.settings.hand, caption, touched)
         self.events.tell("trial_start", task=session.task.name, seed=session.task.seed)
 
-    def _on_step(self, session: Session, wishes: Wishes) -> Any:
+    def _on_step(self, session: Session, timing: Timing) -> Any:
         notices = NoticeEvents(
             self.events, lambda notice: self.console.print(f"[yellow]{notice}[/]")
         )
         looking = getattr(session.rigs[0].device, "show", None)
 
         def on_step(snapshot: Snapshot) -> None:
+            timing.stepped(snapshot)
             notices.show(snapshot)
             if looking:
                 looking(snapshot)
-            self.server.publish(snapshot, senses=senses(session))
+            publish(self.server, session, snapshot)
 
         return on_step
 
@@ -186,26 +179,26 @@ class PagePlay:
         self.console.print(f"[yellow]{error}[/]")
 
 
-def play_on_page(options: SceneOptions, page: PageOptions, console: Console) -> int:
-    """Serves the page until interrupted, then says how long touches took."""
+def play_on_page(
+    options: SceneOptions, page: PageOptions, console: Console, limit: float | None = None
+) -> int:
+    """Serves the page until interrupted, then says how long touches took.
+
+    Returns 1 where that was longer than `limit`, ms (see `judge_latency`); None sets none.
+    """
     events = EventLog(options.events)
     server = open_page(page)
     try:
-        host = page.page_host
-        if page.tablet or page.lan:
-            console.print(code(server.url), highlight=False, soft_wrap=True)
-        console.print(f"open [bold]{server.url}[/]", soft_wrap=True, highlight=False)
-        for hint in hints(host):
-            console.print(f"[dim]{hint}[/]")
-        events.tell("listening", address=server.url)
+        invite(server, page, events, console)
         PagePlay(options, server, events, console).run()
     except KeyboardInterrupt:
         console.print("stopped")
     finally:
         server.close()
         events.close()
-        _say_latency(server, console)
-    return 0
+        say_latency(server.latency, console)
+        say_refusals(server, console)
+    return judge_latency(server.latency, limit, console)
 
 
 def rectangle(screen: Screen) -> dict[str, Any]:
@@ -219,27 +212,13 @@ def _news(device: object) -> Any:
     return getattr(device, "news", None)
 
 
-def _numbered(path: Path, trial: int) -> Path:
+def numbered(path: Path, trial: int) -> Path:
     """A second trial is another file: nothing recorded is ever written over."""
     return path if not trial else path.with_stem(f"{path.stem}-{trial + 1}")
 
 
-def _say_latency(server: PageServer, console: Console) -> None:
-    found = server.latency.percentiles()
-    names = {
-        "waited": "touch received to step",
-        "acknowledged": "frame sent to page received",
-        "round_trip": "page to server and back",
-        "drawn": "touch event to picture drawn",
-    }
-    if any(kind in found for kind in names):
-        table = Table("latency (ms)", "n", "p50", "p95", "p99")
-        for kind, name in names.items():
-            if kind in found:
-                p = found[kind]
-                table.add_row(name, str(p.n), *(f"{v:.1f}" for v in (p.p50, p.p95, p.p99)))
-        console.print(table)
-        console.print("[dim]What the display adds after a picture is drawn is not measured.[/]")
+def say_refusals(server: PageServer, console: Console) -> None:
+    """What the server refused, by reason; nothing where it refused nothing."""
     refused = server.counters.as_dict()
     if refused:
         console.print("refused: " + ", ".join(f"{n} {reason}" for reason, n in refused.items()))

@@ -41,7 +41,11 @@ class RunOptions(SceneOptions):
 
 def main(argv: list[str]) -> int:
     """Runs `sandbox run ...`."""
-    options = parse(RunOptions, "sandbox run", argv)
+    return perform(parse(RunOptions, "sandbox run", argv))
+
+
+def perform(options: RunOptions) -> int:
+    """Does what the options say."""
     chosen = plan(options)
     if options.device == "mouse":
         raise InputError(
@@ -89,7 +93,7 @@ def _run(options: RunOptions, chosen: Plan, events: EventLog, console: Console) 
         device = with_lift(chosen.make_device, keys=False)(task, surface)
         address = getattr(device, "address", None)
         if address:
-            console.print(f"listening for TUIO on [bold]{address}[/] (UDP)")
+            console.print(f"listening for TUIO on [bold]{address}[/]")
             events.tell("listening", address=address)
         damage = getattr(device, "damage", None)
         if damage:

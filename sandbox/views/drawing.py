@@ -79,11 +79,13 @@ class Drawing:
         view: The drawing list, up to date after `update`.
         model: The copy that is drawn.
         looks: Its hands.
+        narrowness: By how much the view is higher than its camera's own.
     """
 
     def __init__(self, scene: Scene, surface: Surface, rings_on_table: bool = True) -> None:
         self.surface = surface
         self.model, self.looks = skinned_model(scene)
+        self.narrowness = 1.0
         self._fovy = float(self.model.vis.global_.fovy)
         self.model.vis.map.shadowclip = SHADOW_REACH / self.model.stat.extent
         self.view = mujoco.MjvScene(self.model, MAX_GEOMS)
@@ -130,7 +132,9 @@ class Drawing:
         self._option.skingroup[TARGET_GROUP] = bool(held_back)
         # For a camera without perspective, MuJoCo takes the visible height, in metres, from here.
         model.vis.global_.fovy = (
-            ORTHOGRAPHIC_HEIGHT * self.surface.size[1] if camera.orthographic else self._fovy
+            self.narrowness * ORTHOGRAPHIC_HEIGHT * self.surface.size[1]
+            if camera.orthographic
+            else 2.0 * np.degrees(np.arctan(self.narrowness * np.tan(np.radians(self._fovy) / 2)))
         )
         mujoco.mjv_updateScene(
             model, data, self._option, None, camera, mujoco.mjtCatBit.mjCAT_ALL, self.view

@@ -111,6 +111,8 @@ class Renderer:
         """
         if self.camera is None:
             self.camera = film_camera(snapshot, self._surface)
+        # A picture that is higher than wide shows more above and below, not less at the sides.
+        self._drawing.narrowness = max(1.0, self.size[1] / self.size[0])
         with self._gl.as_current():
             picture = self._mixed(snapshot)
         if stretched and stretched != self.size:

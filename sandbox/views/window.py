@@ -84,6 +84,7 @@ class Window:
         self.link = ""
         self.pictures, self.picture_time = 0, 0.0
         self.seen: Snapshot | None = None
+        self._surface = surface
         self._mouse: MouseDevice | None = None
         self._lift: LiftKeys | None = None
         self._touching = self._looking = False
