@@ -1,6 +1,7 @@
 """From touches to a pose: contact vector, encoders, labels, correction, reconstructor."""
 
 from encoders.contact_vector import contact_vector as contact_vector
+from encoders.paalm import Paalm as Paalm
 from encoders.pca_ik import PcaIkEncoder as PcaIkEncoder
 from encoders.polynomial import CubicEncoder as CubicEncoder
 from encoders.polynomial import LinearEncoder as LinearEncoder

@@ -68,7 +68,7 @@ class FingerChain:
             raise EncoderError("a finger has bones", got=(lengths, hidden), expected="lengths > 0")
         self.lengths, self.coupling, self.limits, self.hidden = lengths, coupling, limits, hidden
         self.reach = first * (1.0 - hidden) + second + third
-        pip = np.linspace(*np.deg2rad(limits.pip), _ENTRIES)
+        pip = np.linspace(radians(limits.pip[0]), radians(limits.pip[1]), _ENTRIES)
         dip = np.clip(coupling.slope * pip + np.deg2rad(coupling.offset), *np.deg2rad(limits.dip))
         along = first * (1.0 - hidden) + second * np.cos(pip) + third * np.cos(pip + dip)
         below = second * np.sin(pip) + third * np.sin(pip + dip)

@@ -11,14 +11,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import permutations
-from math import exp, perm
+from math import dist, exp, perm
 
 import numpy as np
 from numpy.typing import NDArray
 
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.palm import Palm
-from models.frames import FINGERS, SeenFinger
+from models.frames import FINGERS, SeenFinger, Vector
 
 Array = NDArray[np.float64]
 
@@ -37,6 +37,10 @@ _STILL, _LOST = 0.006, 0.030
 """m, spread of a tip's step from frame to frame, and of a tip unseen for long."""
 _LOST_AFTER = 0.15
 """s in which the spread of an unseen tip grows most of the way."""
+_LOOK_AGAIN = 0.1
+"""s after which names are thought over although nothing seems to have changed."""
+_JUMP = 0.015
+"""m. A tip that moved farther since the last frame may be another finger with the same id."""
 _SAME_ID = 16.0
 """What the device's id weighs, against half-squared deviations; finite, since devices swap ids."""
 _TOO_LONG = 0.06
@@ -71,6 +75,8 @@ class TrackedIdentity:
     def reset(self) -> None:
         """Back to an open hand."""
         self._tips = self._calibration.tips.copy()
+        self._places: list[Vector] = [(x, y, z) for x, y, z in self._tips.tolist()]
+        self._looked_at = -np.inf
         self._seen_at = [-np.inf] * _FIVE
         self._ids: list[int | None] = [None] * _FIVE
 
@@ -78,16 +84,37 @@ class TrackedIdentity:
         """The name, 0 to 4, of every seen finger; at most five fingers."""
         if not fingers:
             return []
-        tips = np.array([palm.place(f.tip) for f in fingers])
+        places = [palm.place(f.tip) for f in fingers]
+        same = self._unchanged(fingers, places, time)
+        if same is not None:
+            return same
+        self._looked_at = time
+        tips = np.array(places)
         cost = self._costs(fingers, tips, palm, time)
         ways = _ASSIGNMENTS[len(fingers)]
         best = ways[int(np.argmin(cost[np.arange(len(fingers)), ways].sum(axis=1)))].tolist()
         for i, name in enumerate(best):
             self._tips[name] = tips[i]
+            self._places[name] = places[i]
             self._seen_at[name] = time
             self._ids = [None if known == fingers[i].id else known for known in self._ids]
             self._ids[name] = fingers[i].id
         return best
+
+    def _unchanged(
+        self, fingers: Sequence[SeenFinger], places: list[Vector], time: float
+    ) -> list[int] | None:
+        """The names as they were, where ids and places give no reason to look again."""
+        if time - self._looked_at > _LOOK_AGAIN or any(f.id not in self._ids for f in fingers):
+            return None
+        names = [self._ids.index(f.id) for f in fingers]
+        before = [self._places[name] for name in names]
+        if max(map(dist, places, before)) > _JUMP:
+            return None
+        for i, name in enumerate(names):
+            self._tips[name] = self._places[name] = places[i]
+            self._seen_at[name] = time
+        return names
 
     def _costs(self, fingers: Sequence[SeenFinger], tips: Array, palm: Palm, time: float) -> Array:
         """(k, 5) half-squared deviations of every finger from every name."""

@@ -36,11 +36,11 @@ class PaalmOptions:
     """
 
     identity: Literal["paper", "tracked"] = "tracked"
-    direction: Literal["device", "knuckle_to_tip", "thumb"] = "device"
+    direction: Literal["device", "knuckle_to_tip", "thumb"] = "knuckle_to_tip"
     first_joint: Literal["ik", "direction"] = "ik"
     hidden: float = 0.45
     thumb_hidden: float = 0.9
-    open_bend: float = 10.0
+    open_bend: float = 5.0
     coupling: Coupling = TWO_THIRDS
     hold: Literal["palm", "device"] = "palm"
     vanished: Literal["held", "folded"] = "held"

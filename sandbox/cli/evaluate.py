@@ -35,6 +35,8 @@ class EvaluateOptions:
 
     Try: sandbox evaluate --encoders linear quadratic best --days 1
     then: sandbox evaluate --days 5 --json out.json --plots pictures
+
+    The paper of 2013 instead: sandbox evaluate --paalm simulated|FOLDER [--json OUT]
     """
 
     encoders: Annotated[tuple[str, ...], tyro.conf.arg(metavar="NAME|FILE")] = (
@@ -80,6 +82,11 @@ class EvaluateOptions:
 
 def main(argv: list[str]) -> int:
     """Runs `sandbox evaluate ...`."""
+    if any(a == "--paalm" or a.startswith("--paalm=") for a in argv):
+        # The paper of 2013 has other inputs and other tables.
+        from sandbox.cli.paalm_judge import main as judge_paalm
+
+        return judge_paalm(argv)
     options = parse(EvaluateOptions, "sandbox evaluate", argv, append=False)
     _check(options)
     from encoders.evaluation.measure import MethodResult, Tests, evaluate_method

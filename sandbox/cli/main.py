@@ -20,6 +20,8 @@ COMMANDS: dict[str, str] = {
     "calibrate": "measure a hand against the trained one, so that it fits any person's",
     "study": "user studies: designs, sessions, and a record that nothing can lose",
     "doctor": "what this machine can do, and what to do about the rest",
+    "paalm": "joint angles of hands over a Leap, the paper of 2013; show and calibrate",
+    "leap": "a Leap without one: simulated recordings, a fake service, what is understood",
     "touches": "show, send and describe touches: the first thing to try with a new tablet",
 }
 """Command -> one line of help. Each lives in sandbox/cli/COMMAND.py as `main(argv) -> int`."""

@@ -174,7 +174,9 @@ def _named(keys: Sequence[Any], row: Any) -> dict[str, Any]:
         if isinstance(key, str):
             named[key] = value
             continue
-        ((name, inner),) = key.items() if isinstance(key, Mapping) else ()
+        if not isinstance(key, Mapping) or len(key) != 1:
+            raise TypeError("a packed key is a text, or one name with its keys")
+        name, inner = next(iter(key.items()))
         many = bool(inner) and isinstance(inner[0], list)
         named[name] = [_named(inner[0], v) for v in value] if many else _named(inner, value)
     return named

@@ -18,7 +18,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, TypeGuard
 
 from models.errors import DeviceError, FrameError
 from models.frames import HandFrame, SeenFinger, SeenHand, Vector
@@ -191,7 +191,7 @@ def _identity(record: Mapping[str, Any]) -> int:
     return value
 
 
-def _is_number(value: Any) -> bool:
+def _is_number(value: Any) -> TypeGuard[float]:
     return not isinstance(value, bool) and isinstance(value, (int, float)) and math.isfinite(value)
 
 

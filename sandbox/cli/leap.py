@@ -1,0 +1,143 @@
+"""`sandbox leap`: a fake leapd, simulated recordings, and what is understood."""
+
+from __future__ import annotations
+
+import json
+import math
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Literal
+
+import tyro
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from encoders.paalm.air import AirTake, simulate_air, takes_of_capture
+from encoders.paalm.forward import seen
+from encoders.store import load_capture
+from models.errors import InputError
+from sandbox.devices.leap_fake import DEFAULT_PORT, FakeLeapd
+from sandbox.devices.leap_file import read_leap
+from sandbox.devices.leap_truth import write_take
+
+
+def main(argv: list[str]) -> int:
+    """Runs `sandbox leap ...`; returns the exit status."""
+    commands: dict[str, Callable[..., int]] = {
+        "fake": fake,
+        "simulate": simulate,
+        "formats": formats,
+    }
+    try:
+        return int(
+            tyro.extras.subcommand_cli_from_dict(
+                commands,
+                prog="sandbox leap",
+                description="Leap Motion without one: recordings, simulated hands, a fake service.",
+                args=argv,
+            )
+        )
+    except SystemExit as stop:  # --help, or options that do not parse: tyro has said so
+        return int(stop.code or 0)
+
+
+def fake(
+    file: tyro.conf.Positional[Path],
+    bind: Annotated[str, tyro.conf.arg(metavar="ADDRESS")] = "127.0.0.1",
+    port: int = DEFAULT_PORT,
+    rate: float = 100.0,
+    loop: tyro.conf.FlagCreatePairsOff[bool] = False,
+    seconds: float = math.inf,
+) -> int:
+    """Plays a recording as a running leapd would send it; Ctrl-C ends.
+
+    The first line on stdout is JSON, {"event": "listening", "address"}. Then, in another terminal:
+
+        sandbox paalm show --device leap
+
+    Args:
+        file: A recording; `sandbox leap formats` lists which.
+        bind: Which of this machine's addresses to listen on.
+        port: TCP port; 0 takes a free one.
+        rate: Frames a second; the device's fastest is 290.
+        loop: Begin again at the end.
+        seconds: Stop after this many seconds.
+    """
+    if not 0.0 < rate <= 10_000.0:
+        raise InputError("this is no rate", where="--rate", got=rate, expected="above 0, Hz")
+    if not 0 <= port <= 65535:
+        raise InputError("there is no such port", where="--port", got=port, expected="0 to 65535")
+    recording = read_leap(file)
+    server = FakeLeapd(recording.messages, bind=bind, port=port, rate=rate, loop=loop)
+    try:
+        print(json.dumps({"event": "listening", "address": server.address}), flush=True)
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            time.sleep(min(0.2, max(0.0, end - time.monotonic())))
+    except KeyboardInterrupt:
+        return 0  # the usual way to end
+    finally:
+        server.close()
+    return 0
+
+
+def simulate(
+    out: Annotated[Path, tyro.conf.arg(metavar="FILE|FOLDER")],
+    seed: int = 0,
+    takes: int = 1,
+    hand: Literal["right", "left"] = "right",
+    dialect: Literal["v1", "v3"] = "v1",
+    drop_outs: bool = True,
+    capture: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None,
+) -> int:
+    """Makes SIMULATED recordings: a hand, and what a Leap would have said of it.
+
+    v1 is the first software: fingers in no order, lengths that shrink as fingers bend, fingers that
+    vanish. The truth is in the file beside every frame, and `sandbox evaluate --paalm FOLDER` uses
+    it. Device and hands are those of a frozen configuration (docs/paalm.md).
+
+    Args:
+        out: A file, or for several takes a folder, which is made.
+        seed: Of person, motion and device; take i has seed + i.
+        takes: How many recordings.
+        hand: Which hand.
+        dialect: v1, or v3 with joints and names.
+        drop_outs: --no-drop-outs sees every finger always.
+        capture: Take the hand's motion from a capture of touches, one recording a trial, instead.
+    """
+    if seed < 0 or takes < 1:
+        raise InputError("out of range", where="--seed, --takes", expected="0 or more, 1 or more")
+    motions: list[AirTake]
+    if capture is not None:
+        motions = list(takes_of_capture(load_capture(capture)))[:takes]
+    else:
+        motions = [simulate_air(seed + i, hand) for i in range(takes)]
+    many = takes > 1
+    try:
+        (out if many else out.absolute().parent).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"it cannot be made: {error}", where=f"--out {out}") from error
+    for i, motion in enumerate(motions):
+        take = seen(motion, seed + i, dialect, drop_outs)
+        path = out / f"take-{seed + i:04d}.json" if many else out
+        made_from = {"seed": seed + i, "capture": str(capture) if capture else None}
+        write_take(take, path, made_from)
+    Console(stderr=True).print(Text(f"{len(motions)} simulated recordings ({dialect}): {out}"))
+    return 0
+
+
+def formats() -> int:
+    """Lists the services and files that are understood."""
+    table = Table("what", "how", "understood")
+    table.add_row("leapd, Orion, Ultraleap bridge", "--device leap", "ws://127.0.0.1:6437/v6.json")
+    table.add_row("v1 (2013)", "service, FILE", "directions and lengths, no names, no bones")
+    table.add_row("v2 (2014)", "service, FILE", "joints; PIP and DIP bend alike by construction")
+    table.add_row("v3 (Orion), bridge", "service, FILE", "joints, PIP and DIP apart")
+    table.add_row("[frame, ...]", "FILE", "JSON as the first software dumped it")
+    table.add_row("{metadata, frames}", "FILE", "LeapJS recording, plain or packed")
+    table.add_row(".json.lz", "FILE", "the same, LZString base64")
+    table.add_row("one message a line", "FILE", "JSON lines; good up to damage")
+    Console().print(table)
+    return 0

@@ -1,0 +1,241 @@
+"""`sandbox paalm`: joint angles of hands over a Leap; calibration."""
+
+from __future__ import annotations
+
+import json
+import math
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Annotated, Literal
+
+import tyro
+from rich.console import Console
+from rich.progress import Progress
+from rich.text import Text
+
+from encoders.paalm import PAPER, Paalm, PaalmFrame, PaalmOptions
+from encoders.paalm.calibration import PAPER_FRAMES, HandCalibration
+from encoders.paalm.calibration_file import read_calibration, write_calibration
+from models.errors import DeviceError, InputError
+from models.frames import HandFrame
+from sandbox.devices.leap import DEFAULT_ADDRESS, LeapDevice, LeapFileDevice
+from sandbox.devices.leap_file import read_leap
+
+SCHEMA = 1
+PATIENCE = 5.0
+"""Seconds without a frame after which a live device counts as absent."""
+
+
+def main(argv: list[str]) -> int:
+    """Runs `sandbox paalm ...`; returns the exit status."""
+    commands: dict[str, Callable[..., int]] = {"show": show, "calibrate": calibrate}
+    try:
+        return int(
+            tyro.extras.subcommand_cli_from_dict(
+                commands,
+                prog="sandbox paalm",
+                description="PAALM (2013): joint angles from directions and lengths of fingers.",
+                args=argv,
+            )
+        )
+    except SystemExit as stop:  # --help, or options that do not parse: tyro has said so
+        return int(stop.code or 0)
+
+
+Hands = Literal["right", "left", "both"]
+
+
+def show(
+    file: Annotated[tyro.conf.Positional[Path | None], tyro.conf.arg(metavar="FILE")] = None,
+    /,
+    device: Literal["leap"] | None = None,
+    address: Annotated[str, tyro.conf.arg(metavar="URL")] = DEFAULT_ADDRESS,
+    hands: Hands = "right",
+    frames: int | None = None,
+    calibration: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None,
+    method: Literal["default", "paper"] = "default",
+    as_json: Annotated[tyro.conf.FlagCreatePairsOff[bool], tyro.conf.arg(name="json")] = False,
+    seconds: float = math.inf,
+) -> int:
+    """Shows the joint angles of every frame.
+
+    Without --calibration, the first frames with five fingers measure the hand, which has to be open
+    in them. As JSON, a line a frame on stdout: {"time", "hands": {side: {"angles", "ratios", "ids",
+    "held"}}}, angles in degrees.
+
+    Try: sandbox leap simulate --out hand.json
+    then: sandbox paalm show hand.json
+
+    Args:
+        file: A recording; or use --device.
+        device: leap: a running service.
+        address: Of the service.
+        hands: Whose hands are seen.
+        frames: How many frames measure the hand; 1000 of a device, as in the paper, 100 of a file.
+        calibration: A hand measured earlier, by `sandbox paalm calibrate --out`.
+        method: paper is the paper as printed, default what measured better.
+        as_json: JSON lines.
+        seconds: Stop after this many seconds of the device's time.
+    """
+    _check(file, device, frames, seconds)
+    source = _Source(file, address)
+    paalm = Paalm(PAPER if method == "paper" else PaalmOptions())
+    try:
+        stream = source.frames()
+        if calibration is not None:
+            paalm.use(read_calibration(calibration))
+        else:
+            wanted = frames or (PAPER_FRAMES if file is None else 100)
+            _measure(paalm, stream, hands, wanted)
+            if file is not None:
+                stream = source.frames()
+        begin: float | None = None
+        for frame in stream:
+            begin = frame.time if begin is None else begin
+            if frame.time - begin > seconds:
+                break
+            _print(paalm.step(frame), as_json)
+    except KeyboardInterrupt:
+        return 0  # the usual way to end
+    finally:
+        source.close()
+        source.report(paalm)
+    return 0
+
+
+def calibrate(
+    file: Annotated[tyro.conf.Positional[Path | None], tyro.conf.arg(metavar="FILE")] = None,
+    /,
+    *,
+    hands: Hands,
+    device: Literal["leap"] | None = None,
+    address: Annotated[str, tyro.conf.arg(metavar="URL")] = DEFAULT_ADDRESS,
+    frames: int = PAPER_FRAMES,
+    out: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None,
+) -> int:
+    """Measures open hands: hold them palm down, fingers spread, 20 cm above the device.
+
+    Args:
+        file: A recording; without one, the running service is asked.
+        hands: Whose hands they are; this has to be said.
+        device: leap: a running service; the default without a FILE.
+        address: Of the service.
+        frames: How many frames with five fingers; 1000 in the paper, about 10 seconds.
+        out: Where the calibration goes, as JSON.
+    """
+    _check(file, device or (None if file else "leap"), frames, math.inf)
+    if out is not None and not out.absolute().parent.is_dir():
+        raise InputError("there is no such folder", where=f"--out {out}")
+    source = _Source(file, address)
+    paalm = Paalm()
+    try:
+        found = _measure(paalm, source.frames(), hands, frames)
+    finally:
+        source.close()
+    if out is not None:
+        write_calibration(found, out)
+    summary = {
+        side: {
+            "standard_mm": [round(1000 * v, 2) for v in c.standard.tolist()],
+            "spread_mm": [round(1000 * v, 2) for v in c.spread.tolist()],
+            "frames": c.frames,
+            "seconds": round(c.seconds, 3),
+            "left_out": c.left_out,
+        }
+        for side, c in found.items()
+    }
+    print(json.dumps({"schema": SCHEMA, "hands": summary}))
+    return 0
+
+
+class _Source:
+    """Frames of a recording or of the live device."""
+
+    def __init__(self, file: Path | None, address: str) -> None:
+        self._file = None if file is None else read_leap(file)
+        self._live = LeapDevice(address) if file is None else None
+        self._address = address
+
+    def frames(self) -> Iterator[HandFrame]:
+        if self._file is not None:
+            yield from LeapFileDevice(self._file).poll(math.inf)
+            return
+        assert self._live is not None
+        heard = time.monotonic()
+        while True:
+            for frame in self._live.poll(0.0):
+                heard = time.monotonic()
+                yield frame
+            if not self._live.wait(0.2) and time.monotonic() - heard > PATIENCE:
+                raise DeviceError(
+                    "the Leap service says nothing",
+                    where=self._address,
+                    got=self._live.trouble or f"no frame for {PATIENCE:g} s",
+                    remedy="Start leapd or the Ultraleap bridge, or try `sandbox leap fake FILE`",
+                )
+
+    def close(self) -> None:
+        if self._live is not None:
+            self._live.close()
+
+    def report(self, paalm: Paalm) -> None:
+        """Says on stderr what was left out, and why; a damaged file last."""
+        device = self._live or (LeapFileDevice(self._file) if self._file else None)
+        counts = {} if device is None else dict(device.counts)
+        counts |= paalm.counts
+        left = {k: n for k, n in counts.items() if n and k not in ("frames", "handshakes")}
+        console = Console(stderr=True)
+        if left:
+            console.print(Text(", ".join(f"{what}: {n}" for what, n in left.items())))
+        if self._file is not None and self._file.damage is not None:
+            raise self._file.damage
+
+
+def _measure(
+    paalm: Paalm, stream: Iterator[HandFrame], hands: Hands, wanted: int
+) -> dict[str, HandCalibration]:
+    console = Console(stderr=True)
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
+        job = bar.add_task("hold your hand open and still", total=1.0)
+        return paalm.calibrate(
+            stream, hands, wanted, lambda share: bar.update(job, completed=share)
+        )
+
+
+def _check(file: Path | None, device: str | None, frames: int | None, seconds: float) -> None:
+    if (file is None) == (device is None):
+        raise InputError(
+            "say where frames come from",
+            got="both" if file else "neither",
+            expected="a FILE or --device leap",
+        )
+    if frames is not None and frames < 1:
+        raise InputError("nothing to measure", where="--frames", got=frames, expected="1 or more")
+    if seconds <= 0.0 or math.isnan(seconds):
+        raise InputError("nothing to show", where="--seconds", got=seconds, expected="above 0")
+
+
+def _print(frame: PaalmFrame, as_json: bool) -> None:
+    if as_json:
+        hands = {
+            side: {
+                "angles": {k: round(v, 3) for k, v in hand.angles.items()},
+                "ratios": {k: round(v, 4) for k, v in hand.ratios.items()},
+                "ids": hand.ids,
+                "held": sorted(hand.held),
+                "seen": hand.seen,
+            }
+            for side, hand in frame.hands.items()
+        }
+        record: dict[str, object] = {"time": frame.time, "hands": hands}
+        if frame.refused:
+            record["refused"] = frame.refused
+        print(json.dumps(record))
+        return
+    for side, hand in frame.hands.items():
+        cells = []
+        for finger, row in zip(hand.ratios, hand.table.tolist(), strict=True):
+            mark = "-" if finger in hand.held else " "
+            cells.append(f"{finger[:2]}{mark}" + "".join(f"{v:5.0f}" for v in row))
+        print(f"{frame.time:9.3f} {side[0]}  " + "  ".join(cells))
