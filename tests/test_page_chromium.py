@@ -149,6 +149,8 @@ def nobody_else_was_asked(tab: Tab, server: PageServer) -> bool:
     foreign = [u for u in asked if urlsplit(u).netloc not in own]
     assert any("app.js" in u for u in asked)
     assert not foreign
+    # Nor was anything asked for that is not there, or without the token.
+    assert not server.counters.as_dict()
     return True
 
 

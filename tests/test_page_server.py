@@ -17,6 +17,7 @@ from models.errors import DeviceError
 from sandbox.assembly import build
 from sandbox.devices.web import WebDevice
 from sandbox.server.address import checked_address
+from sandbox.server.audience import GREETING
 from sandbox.server.describe import describe_scene
 from sandbox.server.frames import unpack
 from sandbox.server.page_server import PageServer
@@ -329,7 +330,8 @@ def test_bytes_that_are_no_handshake_are_counted_and_hurt_nobody(stage):
     for garbage in (b"\x00" * 64, b"GET / HTTP/1.1\r\n" + b"A: b\r\n" * 400 + b"\r\n", b"\r\n\r\n"):
         with socket.create_connection((stage.server.access.host, stage.server.access.port)) as raw:
             raw.sendall(garbage)
-            raw.settimeout(5.0)
+            # The server waits for the rest of a handshake as long as for a greeting.
+            raw.settimeout(GREETING + 10.0)
             assert b"200" not in raw.recv(200)
     assert wait_for(lambda: stage.server.counters["failed handshake"] >= 2)
     with Page(stage.server.url) as page:

@@ -24,6 +24,7 @@ await build({
   absWorkingDir: here,
   entryPoints: { app: "src/style.css" },
   outdir: out,
+  bundle: true,
   minify: true,
   target: ["safari15", "chrome100", "firefox100"],
   logLevel: "warning",
