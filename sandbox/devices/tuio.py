@@ -68,6 +68,9 @@ class TuioDevice:
 
     Raises:
         DeviceError: The port is taken, or the address is not one of this machine.
+
+    Attributes:
+        clock_origin: s of the machine's monotonic clock at which the time of its frames is 0.
     """
 
     name = "tuio"
@@ -107,7 +110,7 @@ class TuioDevice:
         self._closing = threading.Event()
         self._news = threading.Condition()
         self._tap = tap
-        self._start = time.monotonic()
+        self.clock_origin = time.monotonic()
         self._next_look = 0.0
         self._socket: socket.socket | None = None
         self._thread: threading.Thread | None = None
@@ -269,7 +272,7 @@ class TuioDevice:
         return any(thread is not None and thread.is_alive() for thread in threads)
 
     def _now(self) -> float:
-        return time.monotonic() - self._start
+        return time.monotonic() - self.clock_origin
 
     def _receive(self) -> None:
         """The thread of UDP: takes packets until closed."""

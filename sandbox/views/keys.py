@@ -19,6 +19,7 @@ HELP = (
     "p  pause",
     "s  slow motion: half, a quarter, a tenth",
     "r  start again",
+    "q  close",
     "h  hide this",
 )
 

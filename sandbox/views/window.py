@@ -340,6 +340,8 @@ class Window:
             self._help = not self._help
         elif key == glfw.KEY_P:
             self.paused = not self.paused
+        elif key == glfw.KEY_Q:
+            glfw.set_window_should_close(self._context.handle, True)
         elif key == glfw.KEY_S:
             order = list(SPEEDS)
             self.speed = order[(order.index(self.speed) + 1) % len(order)]
