@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import math
+import threading
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from models.errors import DeviceError
 from models.frames import Contact, TouchFrame
 from models.person import Person
 from models.surface import Surface
 from sandbox.devices.conformance import DeviceConformance, check_frames
 from sandbox.devices.device import Device
+from sandbox.devices.discovery import find_device
 from sandbox.devices.evdev_device import EvdevDevice
 from sandbox.devices.frame_file import FramesDevice
 from sandbox.devices.lift_keys import LiftKeys
@@ -158,8 +161,6 @@ class TestExample(DeviceConformance):
     """The device that docs/write-a-device.md shows."""
 
     def open(self, surface: Surface) -> Device:
-        from sandbox.devices.discovery import find_device
-
         maker = find_device(f"{ROOT / 'examples' / 'circling_finger.py'}:CirclingFinger:2")
         assert maker is not None
         return maker(surface)
@@ -245,8 +246,6 @@ def test_a_device_that_breaks_a_rule_fails_it(kind: type[Bad], rule: str) -> Non
 
 
 def test_a_device_that_blocks_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
-    import threading
-
     monkeypatch.setattr("sandbox.devices.conformance.PATIENCE", 0.2)
     release = threading.Event()
 
@@ -265,9 +264,6 @@ def test_a_device_that_blocks_is_caught(monkeypatch: pytest.MonkeyPatch) -> None
 
 
 def test_a_place_that_holds_no_device_is_refused(tmp_path: Path) -> None:
-    from models.errors import DeviceError
-    from sandbox.devices.discovery import find_device
-
     file = tmp_path / "odd.py"
     file.write_text(
         "class Odd:\n    def __init__(self, surface, argument):\n        1 / len(argument)\n"
@@ -285,3 +281,32 @@ def test_a_place_that_holds_no_device_is_refused(tmp_path: Path) -> None:
             maker = find_device(text)
             assert maker is not None
             maker(SURFACE)
+
+
+def test_a_device_of_an_installed_package_is_found_by_its_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    example = (ROOT / "examples" / "circling_finger.py").read_text()
+    (tmp_path / "lab_pads.py").write_text(example)
+    info = tmp_path / "lab_pads-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: lab-pads\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text(
+        "[hand_sandbox.devices]\nlab-pad = lab_pads:CirclingFinger\nlab-odd = lab_pads:Missing\n"
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    maker = find_device("lab-pad:4")
+    assert maker is not None
+    (frame_, *_) = maker(SURFACE).poll(0.1)
+    assert len(frame_.contacts) == 4
+    with pytest.raises(DeviceError, match=r"lab-pads 1\.0"):
+        find_device("lab-odd")
+    again = tmp_path / "twice"
+    (again / "other-2.0.dist-info").mkdir(parents=True)
+    (again / "other-2.0.dist-info" / "METADATA").write_text("Name: other\nVersion: 2.0\n")
+    (again / "other-2.0.dist-info" / "entry_points.txt").write_text(
+        "[hand_sandbox.devices]\nlab-pad = other:Pad\n"
+    )
+    monkeypatch.syspath_prepend(again)
+    with pytest.raises(DeviceError, match="several packages"):
+        find_device("lab-pad")

@@ -7,6 +7,7 @@ live in a second thread (see `sandbox.devices.tuio_streams`), which is there onl
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import math
 import socket
@@ -279,11 +280,8 @@ class TuioDevice:
         assert self._socket is not None
         try:
             while not self._closing.is_set():
-                try:
+                with contextlib.suppress(TimeoutError):
                     data, (host, port) = self._socket.recvfrom(65_536)
-                except TimeoutError:
-                    pass
-                else:
                     self.receive(data, f"{host}:{port}")
                 self.look()
         except Exception as error:  # a thread must not die unheard: the next poll raises this

@@ -228,9 +228,9 @@ class Streams:
             return
         self._connections += 1
         try:
-            await self._read_tcp(reader, writer, f"tcp {host}:{port}")
-        except asyncio.CancelledError:
-            pass  # we are being closed; asyncio's own server would print a trace
+            # Cancelled when we are closed; asyncio's own server would print a trace.
+            with contextlib.suppress(asyncio.CancelledError):
+                await self._read_tcp(reader, writer, f"tcp {host}:{port}")
         finally:
             self._connections -= 1
 
@@ -239,15 +239,14 @@ class Streams:
     ) -> None:
         """Takes packets until the connection ends or what comes is no TUIO."""
         try:
-            while True:
-                size = int.from_bytes(await reader.readexactly(_LENGTH), "big")
-                if not 0 < size <= MAX_PACKET_BYTES:
-                    # Where the next packet begins can no longer be known.
-                    self._receiver.refuse(f"a packet of {size} bytes in a stream", packet=True)
-                    break
-                self._receiver.receive(await reader.readexactly(size), peer)
-        except (asyncio.IncompleteReadError, OSError):
-            pass  # the usual end
+            with contextlib.suppress(asyncio.IncompleteReadError, OSError):  # the usual end
+                while True:
+                    size = int.from_bytes(await reader.readexactly(_LENGTH), "big")
+                    if not 0 < size <= MAX_PACKET_BYTES:
+                        # Where the next packet begins can no longer be known.
+                        self._receiver.refuse(f"a packet of {size} bytes in a stream", packet=True)
+                        break
+                    self._receiver.receive(await reader.readexactly(size), peer)
         finally:
             self._receiver.hung_up(peer)
             writer.close()
