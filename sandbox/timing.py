@@ -34,13 +34,15 @@ class Timing:
         self._log = log
         self._lock = threading.Lock()
         self._taken: list[float] = []
-        self._polled = 0.0
+        self._polled, self._newest = 0.0, 0.0
         self._unseen: deque[tuple[int, float]] = deque(maxlen=WAITING)
 
     def taken_in(self, frames: Sequence[TouchFrame], origin: float) -> None:
         """The session has fetched frames, whose clock began at `origin` (s, monotonic)."""
         self._polled = time.monotonic()
-        arrived = [frame.time + origin for frame in frames]
+        # A frame that a lift control repeats has the time of the touches in it: no touch is new.
+        arrived = [t for t in (frame.time + origin for frame in frames) if t > self._newest]
+        self._newest = max([self._newest, *arrived])
         for at in arrived:
             self._log.add("waited", 1000.0 * (self._polled - at))
         self._taken += arrived

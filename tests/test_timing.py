@@ -15,6 +15,7 @@ from models.frames import TouchFrame
 from sandbox.assembly import build
 from sandbox.cli.latency import KINDS, checked_limit, judge_latency, say_latency
 from sandbox.cli.main import main
+from sandbox.devices.lift_keys import LiftKeys
 from sandbox.devices.merged import MergedDevice
 from sandbox.devices.mouse import MouseDevice
 from sandbox.live import LiveSession
@@ -56,6 +57,21 @@ def test_a_touch_is_followed_to_its_step_and_to_the_first_picture_that_has_it() 
     # Sleeps never end early, so these hold however slow the machine is.
     assert found["waited"].p50 >= 20.0 and found["window"].p50 >= 40.0
     assert found["window"].p50 >= found["waited"].p50 + found["stepped"].p50
+
+
+def test_a_key_that_lifts_is_no_touch_that_waited() -> None:
+    log = LatencyLog()
+    mouse = MouseDevice(viewed().surface)
+    keys = LiftKeys(mouse)
+    device = TimedDevice(keys, Timing(log))
+    mouse.press([0.05, 0.05])
+    device.poll(0.0)
+    keys.hold(1.0)
+    assert [len(device.poll(0.1 * i)) for i in (1, 2, 3)] == [1, 1, 1]
+    assert log.percentiles()["waited"].n == 1
+    mouse.move([0.06, 0.05])
+    device.poll(0.4)
+    assert log.percentiles()["waited"].n == 2
 
 
 def test_a_device_that_is_followed_gives_the_same_states() -> None:
