@@ -111,7 +111,8 @@ class LeapDecoder:
         hands: list[SeenHand] = []
         for record in _items(message, "hands")[:_MOST_HANDS]:
             try:
-                hands.append(_hand(record, tuple(fingers.pop(record.get("id"), ()))))
+                own = fingers.pop(_identity(record), ())
+                hands.append(_hand(record, tuple(own)))
             except (DeviceError, FrameError) as error:
                 self.counts[f"hands skipped: {error.what}"] += 1
         self.counts["fingers without a hand"] += sum(map(len, fingers.values()))
