@@ -13,6 +13,7 @@ from sandbox.recorded_task import recorded_task
 from sandbox.recording import Recording
 from sandbox.session import Session
 from sandbox.settings import RunSettings
+from sandbox.two_hands import DeviceMaker, PerHand
 from sandbox.versions import versions
 
 
@@ -62,6 +63,15 @@ def settings_of(recording: Recording) -> RunSettings:
     return settings
 
 
+def recorded_hands(recording: Recording, hands: int) -> PerHand:
+    """Plays every hand of a recording."""
+
+    def plays(hand: int) -> DeviceMaker:
+        return lambda task, surface: RecordedDevice(recording, hand)
+
+    return PerHand(tuple(plays(hand) for hand in range(hands)))
+
+
 def replay(recording: Recording, make_views: ViewMaker = no_views) -> tuple[Session, Verification]:
     """Plays a recording to its end, comparing hashes on the way.
 
@@ -69,7 +79,7 @@ def replay(recording: Recording, make_views: ViewMaker = no_views) -> tuple[Sess
     states: it is simulated and compared all the same, and views are shown the recorded poses.
     """
     settings = settings_of(recording)
-    session = build(settings, lambda task, surface: RecordedDevice(recording))
+    session = build(settings, recorded_hands(recording, len(settings.persons)))
     same = recording.header["versions"].get("fingerprint") == versions()["fingerprint"]
     poses = RecordedPoses(session, recording) if recording.track.qpos and not same else None
     views = make_views(session)

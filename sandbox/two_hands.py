@@ -6,13 +6,17 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from models.errors import InputError
 from models.surface import Surface
 from sandbox.devices.device import Device
+from sandbox.devices.shared import MergedTouches, SharedSurface
 from sandbox.settings import RunSettings
 from tasks.registry import hands_of
 from tasks.task import Task
+
+Array = NDArray[np.float64]
 
 DeviceMaker = Callable[[Task, Surface], Device]
 """Opens a device for a drawn task on a placed surface."""
@@ -52,7 +56,7 @@ def place_all(
 ) -> tuple[Surface, tuple[Surface, ...]]:
     """Where a task is drawn, and the surface of every hand.
 
-    The two surfaces of a task for two hands lie side by side, the first one to the right. In a task
+    The two surfaces of a task for two hands lie side by side (see `sides_of`). In a task
     for one hand they lie over the same place: two people with a screen each at one table.
 
     Args:
@@ -78,20 +82,60 @@ def place_all(
         raise InputError("upright surfaces do not stand side by side", where=kind.name)
     width, middle = float(placed.size[0]), placed.to_world(placed.size / 2)
     whole = replace(placed, width_in=2 * placed.width_in).centred_at(middle)
-    sides = [placed.centred_at(np.add(middle, (x, 0.0, 0.0))) for x in (width / 2, -width / 2)]
+    sides = [
+        placed.centred_at(np.add(middle, (0.5 * side * width, 0.0, 0.0)))
+        for side in sides_of(settings)
+    ]
     return whole, tuple(sides)
 
 
-def home(hand: int, settings: RunSettings, surface: Surface) -> np.ndarray:
+def sides_of(settings: RunSettings) -> tuple[int, int]:
+    """On which side each hand is: 1 is the right. The first one is, unless it is a left hand and
+    the second a right one."""
+    first, second = settings.persons
+    return (-1, 1) if first.left and not second.left else (1, -1)
+
+
+def home(hand: int, settings: RunSettings, surface: Surface) -> Array:
     """(2,) m in the world, the middle of a hand's own part of its surface.
 
     Args:
-        hand: 0 is at home to the right, 1 to the left.
+        hand: Which.
         settings: Of the run.
         surface: The hand's.
     """
-    share = 0.5 if settings.second is None or not settings.second.shared else (0.75, 0.25)[hand]
-    return np.asarray(surface.to_world(surface.size * [share, 0.5])[:2])
+    if settings.second is None or not settings.second.shared:
+        return np.asarray(surface.to_world(surface.size / 2)[:2])
+    return np.asarray(surface.to_world(homes(settings, surface)[hand])[:2])
+
+
+def homes(settings: RunSettings, surface: Surface) -> Array:
+    """(2, 2) m on a surface that two hands share, the middle of each hand's half."""
+    return np.array([surface.size * [0.5 + 0.25 * side, 0.5] for side in sides_of(settings)])
+
+
+def sharing(make_device: DeviceMaker, settings: RunSettings) -> PerHand:
+    """Opens a device once, for two hands that share its surface."""
+    opened: list[SharedSurface] = []
+
+    def first(task: Task, surface: Surface) -> Device:
+        opened[:] = [SharedSurface(make_device(task, surface), homes(settings, surface))]
+        return opened[0].parts[0]
+
+    def second(task: Task, surface: Surface) -> Device:
+        return opened[0].parts[1]
+
+    return PerHand((first, second))
+
+
+def merging(makers: PerHand) -> DeviceMaker:
+    """Opens both hands' devices on one surface, as one that feels the touches of both."""
+
+    def make(task: Task, surface: Surface) -> Device:
+        first, second = (maker(task, surface) for maker in makers.makers)
+        return MergedTouches((first, second))
+
+    return make
 
 
 def checked(makers: Sequence[DeviceMaker], hands: int, task: str) -> Sequence[DeviceMaker]:

@@ -23,6 +23,7 @@ from sandbox.headless import View, run_trial
 from sandbox.messages import Snapshot
 from sandbox.pacing import RealTime
 from sandbox.session import Session
+from sandbox.two_hands import DeviceMaker, with_each
 
 
 @dataclass(frozen=True)
@@ -80,6 +81,7 @@ def perform(options: RunOptions) -> int:
 
 def _run(options: RunOptions, chosen: Plan, events: EventLog, console: Console) -> dict[str, Any]:
     clock: list[RealTime] = []
+    started: list[bool] = []
 
     def pace(snapshot: Snapshot) -> None:
         if not clock:
@@ -89,8 +91,13 @@ def _run(options: RunOptions, chosen: Plan, events: EventLog, console: Console) 
     def say(notice: str) -> None:
         console.print(f"[yellow]{notice}[/]", soft_wrap=True)
 
-    def make_device(task: Any, surface: Any) -> Any:
-        device = with_lift(chosen.make_device, keys=False)(task, surface)
+    def announced(make: DeviceMaker) -> DeviceMaker:
+        def make_device(task: Any, surface: Any) -> Any:
+            return announce(make(task, surface), task)
+
+        return make_device
+
+    def announce(device: Any, task: Any) -> Any:
         address = getattr(device, "address", None)
         if address:
             console.print(f"listening for TUIO on [bold]{address}[/]")
@@ -99,7 +106,9 @@ def _run(options: RunOptions, chosen: Plan, events: EventLog, console: Console) 
         if damage:
             console.print(f"[yellow]{damage}[/]")
             events.tell("warning", what=str(damage))
-        events.tell("trial_start", task=task.name, seed=task.seed)
+        if not started:
+            started.append(True)
+            events.tell("trial_start", task=task.name, seed=task.seed)
         return device
 
     with ExitStack() as closing:
@@ -113,8 +122,9 @@ def _run(options: RunOptions, chosen: Plan, events: EventLog, console: Console) 
             return views
 
         caption = "simulated user" if options.device == "simulated" else ""
+        makers = with_each(with_lift(chosen.make_device, keys=False), announced)
         result = run_trial(
-            chosen.settings, make_device, make_views, options.record, chosen.about, options.dump
+            chosen.settings, makers, make_views, options.record, chosen.about, options.dump
         )
     events.tell("trial_end", **result)
     if clock and clock[0].lost > 0:

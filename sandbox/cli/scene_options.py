@@ -12,11 +12,12 @@ from models.errors import InputError
 from models.hand import IMPULSE_PROFILES
 from models.surface import Surface, parse_surface
 from sandbox.assembly import DeviceMaker
+from sandbox.cli.second_hand import SecondOptions, with_second
 from sandbox.cli.touch_devices import is_evdev, live_maker, native_surface, open_file
 from sandbox.devices.device import Device
 from sandbox.devices.discovery import find_device
 from sandbox.devices.recorded import RecordedDevice
-from sandbox.devices.simulated import SimulatedDevice
+from sandbox.devices.simulated import NEXT_PERSON, SimulatedDevice
 from sandbox.devices.spoiled import SpoiledDevice
 from sandbox.devices.tuio import DEFAULT_PORT, LOOPBACK, Transport
 from sandbox.devices.tuio_streams import DEFAULT_WEBSOCKET_PORT
@@ -25,6 +26,7 @@ from sandbox.profiles import find_profile
 from sandbox.recorded_task import recorded_task
 from sandbox.recording import Recording, is_recording, load_recording
 from sandbox.settings import RunSettings, bare
+from sandbox.two_hands import PerHand, home, merging, sharing
 from sandbox.variations import parse_variation
 from tasks.simulated_user.configuration import UserConfiguration
 from tasks.task import Task
@@ -47,7 +49,7 @@ _PARTS: dict[str, dict[str, Any]] = {
 
 
 @dataclass(frozen=True)
-class SceneOptions:
+class SceneOptions(SecondOptions):
     """What runs, and how."""
 
     task: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="TASK")] = "box-to-goal"
@@ -173,7 +175,30 @@ def plan(options: SceneOptions) -> Plan:
         InputError: An option's value is none of those it has.
     """
     recording = _recording(options.device)
-    settings = _settings(options, recording)
+    settings = with_second(_settings(options, recording), options, options.device, recording)
+    first = _plan(options, recording, settings, 0)
+    second = settings.second
+    if second is None:
+        return first
+    other = options.second_device or ("simulated" if recording is None else options.device)
+    more = replace(options, device=other, port=options.port and options.port + 1)
+    if options.second_user:
+        more = replace(more, user=options.second_user)
+    alone = second.shared and recording is None and options.device != "simulated"
+    if alone:
+        return replace(first, make_device=sharing(first.make_device, settings))
+    next_ = _plan(more, _recording(other), settings, 1)
+    makers = PerHand((first.make_device, next_.make_device))
+    about = first.about | {"second": next_.about}
+    if second.shared and recording is None:
+        return replace(first, about=about, make_device=sharing(merging(makers), settings))
+    return replace(first, about=about, live=first.live or next_.live, make_device=makers)
+
+
+def _plan(
+    options: SceneOptions, recording: Recording | None, settings: RunSettings, hand: int
+) -> Plan:
+    """What the options mean for one hand."""
     about: dict[str, Any] = {"device": options.device}
     if options.device == "simulated":
         user = _user(options)
@@ -188,10 +213,12 @@ def plan(options: SceneOptions) -> Plan:
                 settings.seed,
                 options.tell_labels,
                 options.drop_outs,
-                settings.person,
+                settings.persons[hand],
+                hand,
+                home(hand, settings, surface),
             )
 
-        return _keeping(settings, about, False, simulated)
+        return _keeping(settings, about, False, simulated, hand)
     maker = live_maker(options)
     if maker is not None:
         live = maker
@@ -202,18 +229,24 @@ def plan(options: SceneOptions) -> Plan:
         from sandbox.devices.mouse import MouseDevice
 
         return _keeping(
-            settings, about, True, lambda task, surface: MouseDevice(surface, settings.person)
+            settings,
+            about,
+            True,
+            lambda task, surface: MouseDevice(surface, settings.persons[hand]),
         )
     if recording is not None:
         played = recording
         about["user"] = recording.header.get("user")
-        return _keeping(settings, about, False, lambda task, surface: RecordedDevice(played))
+        whose = hand if hand in recording.inputs else 0
+        return _keeping(settings, about, False, lambda task, surface: RecordedDevice(played, whose))
     path = Path(options.device)
     open_file(path, None).device.close()  # what is wrong with it is said before anything is built
     return _keeping(settings, about, False, lambda task, surface: open_file(path, surface).device)
 
 
-def _keeping(settings: RunSettings, about: dict[str, Any], live: bool, make: DeviceMaker) -> Plan:
+def _keeping(
+    settings: RunSettings, about: dict[str, Any], live: bool, make: DeviceMaker, hand: int = 0
+) -> Plan:
     opened: list[Device] = []
     variation = settings.variation
     if not variation.neutral:
@@ -223,7 +256,7 @@ def _keeping(settings: RunSettings, about: dict[str, Any], live: bool, make: Dev
         device = make(task, surface)
         # What was recorded was spoiled then.
         if variation.spoils and not isinstance(device, RecordedDevice):
-            spoiled = SpoiledDevice(device, variation, surface, settings.seed)
+            spoiled = SpoiledDevice(device, variation, surface, settings.seed + hand * NEXT_PERSON)
             # Whoever shows snapshots has to do so through it; a window drives the device itself.
             opened.append(spoiled if hasattr(device, "show") else device)
             return spoiled

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 from models.errors import InputError
 from models.frames import TouchFrame
 from models.surface import Surface
 from sandbox.devices.device import Device
+from sandbox.two_hands import DeviceMaker, PerHand, makers_of
 from tasks.task import Task
 
 SPEED = 0.45
@@ -21,6 +23,7 @@ class LiftKeys:
 
     Args:
         device: Where the touches come from.
+        leader: Whose lift this one's is: of two hands, the same keys lift both.
 
     Attributes:
         device: As given.
@@ -29,8 +32,9 @@ class LiftKeys:
 
     has_lift = True
 
-    def __init__(self, device: Device) -> None:
+    def __init__(self, device: Device, leader: LiftKeys | None = None) -> None:
         self.device = device
+        self._leader = leader
         self.name = device.name
         self._lock = threading.Lock()
         self._direction = 0.0
@@ -63,6 +67,8 @@ class LiftKeys:
         passed, self._now = max(now - self._now, 0.0), now
         before = self._lift
         self._lift = min(max(before + direction * SPEED * passed, 0.0), 1.0)
+        if self._leader is not None:
+            self._lift = self._leader._lift
         frames = [replace(frame, lift=self._lift) for frame in self.device.poll(now)]
         if not frames and self._lift != before:
             frames = [replace(self._last, lift=self._lift, cancelled=frozenset())]
@@ -75,9 +81,7 @@ class LiftKeys:
         self.device.close()
 
 
-def with_lift(
-    make_device: Callable[[Task, Surface], Device], keys: bool
-) -> Callable[[Task, Surface], Device]:
+def with_lift(make_device: DeviceMaker, keys: bool) -> DeviceMaker:
     """Sees to it that a task which needs a lift control gets one.
 
     Args:
@@ -88,12 +92,15 @@ def with_lift(
         InputError: By what is returned: the task needs a lift control, and there is none.
     """
 
-    def make(task: Task, surface: Surface) -> Device:
-        device = make_device(task, surface)
+    led: list[LiftKeys] = []
+
+    def lifted(maker: DeviceMaker, task: Task, surface: Surface) -> Device:
+        device = maker(task, surface)
         if task.lift_range <= 0 or getattr(device, "has_lift", False):
             return device
         if keys:
-            return LiftKeys(device)
+            led.append(LiftKeys(device, led[0] if led else None))
+            return led[-1]
         device.close()
         raise InputError(
             "this task needs a lift control, and this device has none",
@@ -103,4 +110,12 @@ def with_lift(
             remedy=f"`sandbox play {task.name}` lifts with the keys up and down, whatever touches",
         )
 
-    return make
+    def first(task: Task, surface: Surface) -> Device:
+        led.clear()
+        return lifted(makers[0], task, surface)
+
+    makers = makers_of(make_device)
+    if len(makers) == 1:
+        return first
+    others = [partial(lifted, maker) for maker in makers[1:]]
+    return PerHand((first, *others))

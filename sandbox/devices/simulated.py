@@ -40,7 +40,7 @@ _LIFTING: dict[str, type[Stacker] | type[IdleLiftUser] | type[RandomLiftUser]] =
 }
 """Who plays a task with a lift control."""
 
-_NEXT_PERSON = 1_000_003
+NEXT_PERSON = 1_000_003
 """Added to the seed of who plays the second hand; beyond all seeds of trials."""
 
 
@@ -76,7 +76,7 @@ class SimulatedDevice:
     ) -> None:
         self._hand = hand
         # Two people do not share their chance.
-        seed += hand * _NEXT_PERSON
+        seed += hand * NEXT_PERSON
         self._shapes = {thing.name: thing for thing in task.objects}
         self._tell_labels = tell_labels
         self.finished = False

@@ -12,6 +12,7 @@ from typing import Any
 from models.errors import InputError
 from sandbox.assembly import digests
 from sandbox.cli.scene_options import Plan, SceneOptions, plan
+from sandbox.cli.second_hand import SecondOptions
 from tasks.registry import TASKS, find_task, task_names
 from tasks.task import Task
 
@@ -111,12 +112,17 @@ class RegressionPlan:
         settings = planned.settings.as_json()
         for each in ("task", "seed"):
             del settings[each]
-        return {
+        found = {
             "encoder": planned.settings.encoder,
             "settings": settings,
             "digests": digests(planned.settings),
             **planned.about,
         }
+        if not set(self.scene) & {f.name for f in fields(SecondOptions)}:
+            # Which tasks have a second hand follows from the tasks.
+            settings.pop("second", None)
+            found.pop("second", None)
+        return found
 
     def versions(self) -> dict[str, int]:
         """Version of every task."""

@@ -33,8 +33,9 @@ _STEP, _STEP_TURN = 0.025, float(np.deg2rad(8.0))
 """m and rad of one movement to the side, after which one looks what the other does."""
 _IN_PLACE, _STRAIGHT, _LEVEL = 0.005, float(np.deg2rad(3.0)), 0.004
 """m from its place to the side, rad, and m in height at which an end is left in peace."""
-_FALLEN = 0.014
-"""m by which an end may lag behind the rising hand before it is taken to have slipped."""
+_FALLEN, _BEHIND = 0.014, 0.008
+"""m by which an end may lag behind the rising hand, and behind the other end, before it is taken to
+have slipped."""
 _RESTS = 0.004
 """m above the table, below which a handle is taken to lie on it."""
 _ASIDE = 0.030
@@ -134,13 +135,17 @@ class Carrier(SkilledUser):
         height, top = _height(box), sight.goals[0].position[2] - _half(box)
         held = self._grasp.middle(box) + self._drawn_offset(sight, now)
         aside = float(np.linalg.norm(held - self._middle(now)))
-        lost = slid - height > _FALLEN or aside > _ASIDE or not sight.solid
+        lags = slid - height > _FALLEN
+        # An end that lies still while the other one rises has slipped; one whose hand does not rise
+        # at all has not: two who share a lift control wait for each other.
+        slipped = lags and self._other - height > _BEHIND
+        lost = slipped or aside > _ASIDE or not sight.solid
         if self._leaving or lost or self._tired(now):
             self._let_go(now)
             return
         wanted = min(top, self._other + _AHEAD) if self._patient else top
         arrivals = []
-        if abs(wanted - height) > _LEVEL:
+        if abs(wanted - height) > _LEVEL and (wanted < height or not lags):
             arrivals.append(self._slider.move(slid + wanted - height, now) + _FOLLOWS)
         up = min(height, self._other) if self._patient else height
         if up > _UP * top:
