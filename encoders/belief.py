@@ -78,6 +78,8 @@ class BeliefLabels:
         self._belief: Array = np.zeros(1)
         self._places: dict[int, Array] = {}
         self._looked: dict[int, Array] = {}
+        # Where the contacts have got to since `_places`, while there was nothing new about them.
+        self._moved: dict[int, tuple[float, float]] = {}
         self._answered: tuple[dict[int, int], Labelling] | None = None
 
     def assign(
@@ -90,7 +92,7 @@ class BeliefLabels:
         """
         if self._answered and fixed == self._answered[0] and self._nothing_new(contacts):
             # Nearly every frame: the answer is the last one's.
-            self._places = {i: np.array(contacts[i], float) for i in self._ids}
+            self._moved = dict(contacts)
             labelling = self._answered[1]
             return Labelling(dict(labelling.labels), labelling.probability)
         ids, xy = arranged(contacts, fixed)
@@ -147,6 +149,9 @@ class BeliefLabels:
         return float(self._belief[rows[0]])
 
     def _take_in(self, ids: tuple[int, ...], now: dict[int, Array]) -> None:
+        if self._moved:
+            self._places = {i: np.array(self._moved[i], float) for i in self._ids}
+            self._moved = {}
         stayed = tuple(i for i in ids if i in self._places)
         came = tuple(i for i in ids if i not in self._places)
         lifted = self._lifted_now(stayed, now) if stayed else {}
@@ -250,9 +255,11 @@ class BeliefLabels:
         x = [a[0] - b[0] for a, b in zip(places, looked, strict=True)]
         y = [a[1] - b[1] for a, b in zip(places, looked, strict=True)]
         mx, my = sum(x) / n, sum(y) / n
-        moved = sum((a - mx) ** 2 + (b - my) ** 2 for a, b in zip(x, y, strict=True)) / n
+        moved = 0.0
+        for a, b in zip(x, y, strict=True):
+            moved += (a - mx) ** 2 + (b - my) ** 2
         width = self.evidence.shapes[n].width * METRES_PER_INCH
-        return -expm1(-0.5 * moved / width**2)
+        return -expm1(-0.5 * (moved / n) / width**2)
 
 
 @cache

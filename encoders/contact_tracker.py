@@ -46,8 +46,7 @@ class Track:
     Attributes:
         id: Ours; stays the same when the device gives the finger a new id.
         device_id: The device's id at present.
-        xy: (2,) m, smoothed position on the surface.
-        raw: (2,) m, last position from the device.
+        place: (x, y) m, smoothed position on the surface.
         born: s, when it came down.
         lost_at: s, when the device lost it; None while it touches.
         grace: s for which it lives on once lost.
@@ -56,12 +55,16 @@ class Track:
 
     id: int
     device_id: int
-    xy: Array
-    raw: Array
+    place: tuple[float, float]
     born: float
     lost_at: float | None = None
     grace: float = 0.0
     device_label: int | None = None
+
+    @property
+    def xy(self) -> Array:
+        """(2,) m, `place` as an array."""
+        return np.array(self.place)
 
     @property
     def active(self) -> bool:
@@ -104,6 +107,9 @@ class ContactTracker:
         by_device = {t.device_id: t for t in self.tracks.values()}
 
         moves = []
+        # A first-order low-pass, exact for a position held over the step.
+        low_pass = self.settings.low_pass
+        share = 1.0 if low_pass <= 0 else -expm1(-dt / low_pass)
         for track in self.tracks.values():
             contact = seen.get(track.device_id)
             if contact is None:
@@ -111,17 +117,18 @@ class ContactTracker:
                     self._lose(track, frame)
             elif not track.active:
                 # The same id again: devices that keep ids need no inheritance.
-                self._find(track, contact, dt)
+                self._find(track, contact, share)
             else:
-                moves.append(self._follow(track, contact, dt))
+                moves.append(self._follow(track, contact, share))
         lost = [track for track in self.tracks.values() if not track.active]
         if lost and moves:
-            drift = np.mean(moves, axis=0)
+            right, down = np.mean(moves, axis=0).tolist()
             for track in lost:
-                track.xy = track.xy + drift
+                x, y = track.place
+                track.place = x + right, y + down
         new = [c for i, c in seen.items() if i not in by_device and i not in self._ignored_ids]
         for contact in sorted(new, key=lambda c: c.id):
-            self._arrive(contact, frame.time, dt)
+            self._arrive(contact, frame.time, share)
         self._expire(frame.time)
         self.ignored = tuple(seen[i] for i in sorted(self._ignored_ids))
 
@@ -134,14 +141,13 @@ class ContactTracker:
                 if way > self.settings.inherit:
                     del self.tracks[track.id]
 
-    def _follow(self, track: Track, contact: Contact, dt: float) -> Array:
-        before = track.xy
-        track.raw = np.array([contact.x, contact.y])
-        # A first-order low-pass, exact for a position held over the step.
-        share = 1.0 if self.settings.low_pass <= 0 else -expm1(-dt / self.settings.low_pass)
-        track.xy = before + share * (track.raw - before)
+    def _follow(self, track: Track, contact: Contact, share: float) -> tuple[float, float]:
+        """Takes a track a share of the way to its contact; returns how far that is."""
+        left, top = track.place
+        x, y = left + share * (contact.x - left), top + share * (contact.y - top)
+        track.place = x, y
         track.device_label = contact.label if contact.label is not None else track.device_label
-        return track.xy - before
+        return x - left, y - top
 
     def _lose(self, track: Track, frame: TouchFrame) -> None:
         cancelled = track.device_id in frame.cancelled
@@ -149,12 +155,12 @@ class ContactTracker:
         track.grace = self.settings.cancelled_grace if cancelled else self.settings.grace
         self._count("cancelled" if cancelled else "lifted")
 
-    def _find(self, track: Track, contact: Contact, dt: float) -> None:
+    def _find(self, track: Track, contact: Contact, share: float) -> None:
         track.device_id, track.lost_at = contact.id, None
         self._count("found again")
-        self._follow(track, contact, dt)
+        self._follow(track, contact, share)
 
-    def _arrive(self, contact: Contact, time: float, dt: float) -> None:
+    def _arrive(self, contact: Contact, time: float, share: float) -> None:
         xy = np.array([contact.x, contact.y])
         why = self._unfit(contact, xy)
         if why:
@@ -165,14 +171,14 @@ class ContactTracker:
         if lost and self.settings.grace > 0:
             nearest = min(lost, key=lambda t: (np.linalg.norm(t.xy - xy), t.id))
             if np.linalg.norm(nearest.xy - xy) <= self.settings.inherit:
-                self._find(nearest, contact, dt)
+                self._find(nearest, contact, share)
                 return
         if len(self.tracks) >= len(FINGERS):
             # A sixth contact while a lost finger still lives on: the living one wins.
             oldest = min(lost, key=lambda t: (t.lost_at, t.id))
             del self.tracks[oldest.id]
         self.tracks[self._next_id] = Track(
-            self._next_id, contact.id, xy, xy, time, device_label=contact.label
+            self._next_id, contact.id, (contact.x, contact.y), time, device_label=contact.label
         )
         self._next_id += 1
 

@@ -38,6 +38,9 @@ _SLACK = 1e-6
 
 _NONE = np.zeros(0, bool)
 
+_most = np.maximum.reduce
+"""The largest number of an array (n,), without the way through the array's own method."""
+
 
 class Corrected(NamedTuple):
     """A corrected pose (48,), its largest tip error in metres, and the steps it took."""
@@ -119,24 +122,25 @@ class FingertipCorrection:
         guess = np.array(guess, float)
         labels, targets = np.asarray(labels, int), np.asarray(targets, float)
         # The guess itself must be legal, or the first linearisation is taken at no hand at all.
-        guess[JOINTS] = guess[JOINTS].clip(self._lower, self._upper)
+        joints = guess[JOINTS]
+        np.minimum(np.maximum(joints, self._lower), self._upper, out=joints)
         q = guess.copy() if start is None else np.array(start, float)
         best = Corrected(q, np.inf, 0)
         # A guess whose tips are right already is the likeliest pose itself.
         moved = 0.0 if start is None else np.inf
         for iteration in range(s.iterations + 1):
             tips, jacobian = self._carried(q) if iteration == 0 else self._seen(q)
-            off = targets - tips[labels]
-            error = float(np.einsum("ij,ij->i", off, off).max()) ** 0.5
+            off = targets - tips.take(labels, 0)
+            error = float(_most(np.einsum("ij,ij->i", off, off))) ** 0.5
             # A start is where the last frame ended: exact perhaps, but not yet the likeliest pose.
             if error < max(best.error, s.tolerance) and (start is None or iteration > 0):
                 best = Corrected(q, error, iteration)
             if (error < s.tolerance and moved < settled) or iteration == s.iterations:
                 break
-            J = jacobian[labels].reshape(-1, 48)
+            J = jacobian.take(labels, 0).reshape(-1, 48)
             known = start is not None or iteration > 0
             new = self._step(guess, off.ravel() + J @ (q - guess), J, q[JOINTS] if known else None)
-            moved = float(np.abs(new - q).max())
+            moved = float(_most(np.abs(new - q)))
             q = new
         return best
 
@@ -148,7 +152,8 @@ class FingertipCorrection:
         """
         if self._last is not None:
             before, tips, jacobian = self._last
-            if (before[3:] == q[3:]).all():
+            # Most differ in their first numbers already.
+            if before[3] == q[3] and before[3:].tolist() == q[3:].tolist():
                 return tips + (q[:3] - before[:3]), jacobian
         return self._seen(q)
 
@@ -200,10 +205,10 @@ class FingertipCorrection:
                 new = guess + weights @ A
                 new[rows] = bound
             joints = new[JOINTS]
-            legal = joints.clip(lower, upper)
+            legal = np.minimum(np.maximum(joints, lower), upper)
             beyond = joints - legal
             wrong = np.sign(weights[k:]) == side[held] if len(held) else _NONE
-            if not wrong.any() and not (np.abs(beyond) > _SLACK).any():
+            if not (_most(np.abs(beyond)) > _SLACK or (len(held) and wrong.any())):
                 break
             side[held[wrong]] = 0
             side += (beyond > _SLACK).astype(np.int64) - (beyond < -_SLACK)

@@ -71,6 +71,7 @@ class NaturalLayout:
         ahead = np.angle(np.mean(np.exp(1j * np.angle(z @ mean.conj()))))
         self.places: Complex = mean * np.exp(1j * ahead)
         self.turns: Array = np.angle(z @ self.places.conj())
+        self._place_of: list[complex] = self.places.tolist()
         self._laid: dict[int, tuple[Complex, Array]] = {}
 
     def match(self, xy: ArrayLike) -> Match:
@@ -91,8 +92,8 @@ class NaturalLayout:
 
     def turn(self, xy: ArrayLike, labels: ArrayLike) -> float:
         """rad, turn of touches (k, 2), k from 2, whose fingers (k,) are known."""
-        z = _complex(xy).tolist()
-        there = self.places[np.asarray(labels, int)].tolist()
+        z = [complex(x, -y) for x, y in np.asarray(xy, float).tolist()]
+        there = [self._place_of[label] for label in np.asarray(labels, int).tolist()]
         # As `match`, for one labelling: plain numbers are quicker than arrays of two or three.
         middle, centre = sum(z) / len(z), sum(there) / len(there)
         way = sum((b - centre).conjugate() * (a - middle) for a, b in zip(z, there, strict=True))

@@ -6,8 +6,10 @@ arrival -> rate limit -> commanded pose. Session, evaluation and replay all use 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from math import dist, hypot
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +24,7 @@ from encoders.smoothing import Motion, PoseFilter, common_motion
 from encoders.trained import TrainedModel
 from models.frames import TouchFrame
 from models.kinematics import Kinematics
+from models.later import Later
 from models.limits import RateLimit, within_limits
 from models.pose import ROOT_POSITION, absolute_pose, surface_to_world
 from models.skeleton import Skeleton
@@ -31,6 +34,8 @@ Array = NDArray[np.float64]
 
 TURN_LENGTH = 0.08
 """m, from wrist to knuckles: an error of the hand's turn times this is an error of place."""
+
+_LOW = (Phase.COMING_DOWN, Phase.DOWN)
 
 _SETTLED = 0.010
 """rad (and m). A frame whose step was shorter need not take another one: the next frame goes on
@@ -81,7 +86,7 @@ class ReconstructedContact:
 
 
 @dataclass(frozen=True)
-class Reconstruction:
+class Reconstruction(Later):
     """The hand at one moment.
 
     Attributes:
@@ -167,7 +172,7 @@ class TouchReconstructor:
         self._known: frozenset[int] = frozenset()
         self._changed_at = -np.inf
         self._time: float | None = None
-        self._last_xy: dict[int, tuple[float, ...]] = {}
+        self._last_xy: dict[int, tuple[float, float]] = {}
         width, height = self.surface.size
         middle = absolute_pose(self._mean, (width / 2, height / 2))
         self._place = within_limits(self._centred(middle), self._kinematics.skeleton)
@@ -190,7 +195,7 @@ class TouchReconstructor:
         motion, speed = self._motion(dt)
         self._same_grasp = self._labels == self._previous_labels
         self._previous_labels = dict(self._labels)
-        named = {i: tracks[i].xy for i in self._labels}
+        named = {i: tracks[i].place for i in self._labels}
         u = None
         if named:
             u = self._contact_vector(named)
@@ -203,20 +208,25 @@ class TouchReconstructor:
             touched=bool(named) if self._arrival.phase is Phase.DOWN else bool(tracks),
             named=len(named) == len(tracks) > 0,
             speed=speed,
-            off=self._off(goal),
+            # A hand that is away, or on its way down, is not asked.
+            off=self._off(goal) if tracks and not self._low else 0.0,
         )
         if not tracks:
             self._filter.reset()
             self.labeller.reset()
-        return Reconstruction(
-            surface_to_world(self._commanded, self.surface),
-            self._arrival.phase,
-            frozenset(self._labels.values()),
-            u,
-            self._probability,
-            self._tip_error,
+        return Reconstruction.later(
             self._contacts(),
+            q=surface_to_world(self._commanded, self.surface),
+            phase=self._arrival.phase,
+            fingers=frozenset(self._labels.values()),
+            u=u,
+            probability=self._probability,
+            tip_error=self._tip_error,
         )
+
+    @property
+    def _low(self) -> bool:
+        return self._arrival.phase in _LOW
 
     def _name(self, time: float) -> None:
         """Names the fingers once the set of contacts has been stable for a while.
@@ -231,7 +241,7 @@ class TouchReconstructor:
             self._changed_at = time
         self._known = present
         settle = self.settings.arrival.settle if self.settings.arrival.hover > 0 else 0.0
-        low = self._arrival.phase in (Phase.COMING_DOWN, Phase.DOWN)
+        low = self._low
         # A labeller that remembers learns from how the touches move, and from where fingers leave,
         # even while the hand is down and what it says is not followed.
         again = self.labeller.remembers and settle > 0
@@ -244,14 +254,13 @@ class TouchReconstructor:
             if len(set(given.values())) == len(given):
                 self._labels, self._probability = given, 1.0
                 return
-        xy: dict[int, tuple[float, float]] = {i: tuple(t.xy.tolist()) for i, t in tracks.items()}
-        labelling = self.labeller.assign(xy, fixed)
+        labelling = self.labeller.assign({i: t.place for i, t in tracks.items()}, fixed)
         self._labels, self._probability = dict(labelling.labels), labelling.probability
 
     def _motion(self, dt: float) -> tuple[Motion, float]:
         """Common motion of the touches since the last step, and the fastest one's speed."""
         tracks = self._tracker.tracks
-        now = {i: tuple(t.xy.tolist()) for i, t in tracks.items()}
+        now = {i: t.place for i, t in tracks.items()}
         known = [i for i in now if i in self._last_xy]
         before, after = [self._last_xy[i] for i in known], [now[i] for i in known]
         self._last_xy = now
@@ -260,27 +269,29 @@ class TouchReconstructor:
             return motion, 0.0
         return motion, max(map(dist, before, after)) / dt
 
-    def _contact_vector(self, named: dict[int, Array]) -> Array:
+    def _contact_vector(self, named: dict[int, tuple[float, float]]) -> Array:
         inches = {
-            self._labels[i]: (float(xy[0]) / METRES_PER_INCH, float(xy[1]) / METRES_PER_INCH)
-            for i, xy in named.items()
+            self._labels[i]: (x / METRES_PER_INCH, y / METRES_PER_INCH)
+            for i, (x, y) in named.items()
         }
         return contact_vector(inches)
 
-    def _reconstruct(self, named: dict[int, Array], u: Array, motion: Motion, dt: float) -> Array:
+    def _reconstruct(
+        self, named: dict[int, tuple[float, float]], u: Array, motion: Motion, dt: float
+    ) -> Array:
         """The pose (48,) in the 3-D surface frame, at height 0."""
         ids = sorted(named)
         labels = np.array([self._labels[i] for i in ids])
-        places = [named[i].tolist() for i in ids]
+        places = [named[i] for i in ids]
         targets = np.array([(x, -y, PAD_HEIGHT) for x, y in places])
-        origin, carried = np.array(min(places)), motion.carried
+        carried = motion.carried
         if len(ids) == 1:
             # No layout, no information: the posture stays, and the hand goes where the finger is.
             guess = self._filter.step(self._held(carried), np.zeros(2), dt)
             guess = self._shifted(guess, labels, targets)
         else:
             relative = self.model.encoder.predict(u) if self.settings.encode else self._mean
-            guess = absolute_pose(relative, origin)
+            guess = _carried(relative, *min(places))
             if not self.settings.encode:
                 guess = self._shifted(guess, labels, targets)
             guess = self._filter.step(guess, carried, dt, motion.turn, motion.about)
@@ -296,10 +307,7 @@ class TouchReconstructor:
 
     def _held(self, carried: Array) -> Array:
         """The last pose, carried along with the touches."""
-        q = self._place.copy()
-        q[0] += carried[0]
-        q[1] -= carried[1]
-        return q
+        return _carried(self._place, *carried.tolist())
 
     def _shifted(self, q: Array, labels: NDArray[np.int64], targets: Array) -> Array:
         """The pose moved so that its tips lie on their targets on average."""
@@ -324,17 +332,30 @@ class TouchReconstructor:
     def _off(self, goal: Array) -> float:
         """m, how far the commanded hand is from its goal seen along the surface's normal."""
         rest = np.abs(goal - self._commanded)
-        return hypot(rest[0], rest[1]) + TURN_LENGTH * float(rest[3:].max())
+        x, y = rest[:2].tolist()
+        return hypot(x, y) + TURN_LENGTH * float(np.maximum.reduce(rest[3:]))
 
-    def _contacts(self) -> tuple[ReconstructedContact, ...]:
-        tracked = [
-            ReconstructedContact(
-                t.device_id, t.xy, self._labels.get(i), "active" if t.active else "lost"
-            )
-            for i, t in self._tracker.tracks.items()
-        ]
-        ignored = [
-            ReconstructedContact(c.id, np.array([c.x, c.y]), None, "ignored")
-            for c in self._tracker.ignored
-        ]
-        return (*tracked, *ignored)
+    def _contacts(self) -> Callable[[], dict[str, Any]]:
+        """What gives everything that is on the surface now, should somebody ask."""
+        tracks, ignored = self._tracker.tracks.items(), self._tracker.ignored
+        seen = [(t.device_id, t.place, self._labels.get(i), t.active) for i, t in tracks]
+
+        def contacts() -> dict[str, Any]:
+            tracked = [
+                ReconstructedContact(i, np.array(place), label, "active" if active else "lost")
+                for i, place, label, active in seen
+            ]
+            others = [
+                ReconstructedContact(c.id, np.array([c.x, c.y]), None, "ignored") for c in ignored
+            ]
+            return {"contacts": (*tracked, *others)}
+
+        return contacts
+
+
+def _carried(q: Array, right: float, down: float) -> Array:
+    """The pose (48,) carried along on the surface, m."""
+    q = q.copy()
+    q[0] += right
+    q[1] -= down
+    return q

@@ -71,13 +71,13 @@ class YawRange:
 
     def turn(self, u: Array) -> float | None:
         """rad, how a contact vector's hand is turned; None where one touch cannot tell."""
-        fingers = u[10:].nonzero()[0]
-        xy = u[:10].reshape(5, 2)[fingers]
+        numbers = u.tolist()
+        fingers = [f for f in range(5) if numbers[10 + f]]
         if len(fingers) < 2:
             return None
         if len(fingers) < LEAST:
-            return self.layout.turn(xy, fingers)
-        return self.layout.match(xy).turn
+            return self.layout.turn([numbers[2 * f : 2 * f + 2] for f in fingers], fingers)
+        return self.layout.match(u[:10].reshape(5, 2)[fingers]).turn
 
     def beyond(self, turn: float) -> float:
         """rad, how far a turn is outside of the range; 0 inside."""

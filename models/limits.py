@@ -58,7 +58,8 @@ class RateLimit:
         step = goal - previous
         vectors = step.reshape(16, 3)
         squares = np.einsum("ij,ij->i", vectors, vectors)
-        share = sqrt(max(squares[0] / self.linear**2, squares[1:].max() / self.angular**2)) / dt
+        most = float(np.maximum.reduce(squares[1:]))
+        share = sqrt(max(float(squares[0]) / self.linear**2, most / self.angular**2)) / dt
         return previous + step / share if share > 1.0 else goal
 
 

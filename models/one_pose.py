@@ -65,15 +65,39 @@ class OnePose:
         self._padded, self._vectors = np.zeros(POSE_SIZE + 1), np.empty(place.shape)
         # A turn and its left Jacobian are both x I + y cross(w) + z w w', with other x, y and z.
         self._shares = np.empty((1 + slots, 2, 3))
+        flat = self._shares.reshape(1 + slots, 6)
+        # Views of the places of 1 - b t2, of a and b (twice each) and of (1 - a) / t2.
+        self._share_1, self._share_a = flat[:, 0], flat[:, 1:4:2]
+        self._share_b, self._share_c = flat[:, 2:5:2], flat[:, 5]
         self._basis = np.zeros((1 + slots, 3, 9))
         self._basis[:, 0] = np.eye(3).ravel()
         self._products = self._basis[:, 2].reshape(1 + slots, 3, 3)
+        self._crosses = self._basis[:, 1]
+        self._turns = np.empty((1 + slots, 2, 9))
+        self._both = self._turns.reshape(1 + slots, 2, 3, 3)
+        self._bones = np.empty((slots, 2, 3, 3))
+        self._turn_of = self._bones[:, 0].reshape(_LEVELS, five, 3, 3)
+        self._left_of = self._bones[:, 1].reshape(_LEVELS, five, 3, 3)
         # From a bone's frame to its parent's, and from the frames of all levels to the world's.
         self._local = np.tile(np.eye(4), (_LEVELS, five, 1, 1))
         self._local[..., :3, 3] = anchor.reshape(_LEVELS, five, 3)
+        self._local_turn = self._local[..., :3, :3]
         self._frames = np.tile(np.eye(4), (1 + _LEVELS, five, 1, 1))
+        self._root_turn, self._root_place = self._frames[0, :, :3, :3], self._frames[0, :, :3, 3]
+        self._steps = [
+            (self._frames[i], self._local[i], self._frames[i + 1]) for i in range(_LEVELS)
+        ]
+        self._before, self._joints = self._frames[:-1, :, :3, :3], self._frames[1:, :, :3, 3]
+        self._ends = np.empty((five, 4, 1))
         self._axes = np.empty((1 + _LEVELS, five, 3, 3))
+        self._axes_root, self._axes_bones = self._axes[0], self._axes[1:]
         self._arms = np.empty((1 + _LEVELS, five, 3))
+        self._arms_root, self._arms_bones = self._arms[0], self._arms[1:]
+        self._flat_arms = self._arms.reshape(-1, 3)
+        self._crossed = np.empty((len(self._flat_arms), 9))
+        self._crossed_arms = self._crossed.reshape(self._axes.shape)
+        self._blocks = np.empty(self._axes.shape)
+        self._flat_blocks = self._blocks.reshape(-1)
         self._from, self._to = _scattering(place, five)
         self._blank = np.zeros((five, 3, POSE_SIZE))
         self._blank[..., ROOT_POSITION] = np.eye(3)
@@ -85,15 +109,15 @@ class OnePose:
     def tips_and_jacobian(self, q: Array) -> tuple[Array, Array]:
         """Fingertips (5, 3) and their derivative (5, 3, 48) by the pose (48,)."""
         tips, root_left, left = self._walk(q)
-        frames, axes, arms = self._frames, self._axes, self._arms
         # exp(w + d) = exp(J d) exp(w): the turn J d happens in the frame before the joint.
-        axes[0] = root_left
-        np.matmul(frames[:-1, :, :3, :3], left, axes[1:])
-        np.subtract(tips, q[ROOT_POSITION], arms[0])
-        np.subtract(tips, frames[1:, :, :3, 3], arms[1:])
-        blocks = (arms.reshape(-1, 3) @ _CROSS).reshape(axes.shape) @ axes
+        self._axes_root[:] = root_left
+        np.matmul(self._before, left, self._axes_bones)
+        np.subtract(tips, q[ROOT_POSITION], self._arms_root)
+        np.subtract(tips, self._joints, self._arms_bones)
+        np.matmul(self._flat_arms, _CROSS, self._crossed)
+        np.matmul(self._crossed_arms, self._axes, self._blocks)
         jacobian = self._blank.copy()
-        jacobian.reshape(-1)[self._to] = blocks.reshape(-1)[self._from]
+        jacobian.reshape(-1)[self._to] = self._flat_blocks.take(self._from)
         return tips, jacobian
 
     def _walk(self, q: Array) -> tuple[Array, Array, Array]:
@@ -104,32 +128,35 @@ class OnePose:
         self._padded[:POSE_SIZE] = q
         # With a mode other than "raise", numbers go to their places without a copy between.
         turned = self._turned(self._padded.take(self._place, None, self._vectors, "clip"))
-        bones = np.matmul(self._rest, turned[1:])
-        local, frames = self._local, self._frames
-        local[..., :3, :3] = bones[:, 0].reshape(_LEVELS, -1, 3, 3)
-        frames[0, :, :3, :3] = turned[0, 0]
-        frames[0, :, :3, 3] = q[ROOT_POSITION]
-        for level in range(_LEVELS):
-            np.matmul(frames[level], local[level], frames[level + 1])
-        tips = np.matmul(frames[_LEVELS], self._reach)[:, :3, 0].copy()
-        return tips, turned[0, 1], bones[:, 1].reshape(_LEVELS, -1, 3, 3)
+        np.matmul(self._rest, turned[1:], self._bones)
+        self._local_turn[:] = self._turn_of
+        self._root_turn[:] = turned[0, 0]
+        self._root_place[:] = q[ROOT_POSITION]
+        for before, local, after in self._steps:
+            np.matmul(before, local, after)
+        tips = np.matmul(self._frames[_LEVELS], self._reach, self._ends)[:, :3, 0].copy()
+        return tips, turned[0, 1], self._left_of
 
     def _turned(self, w: Array) -> Array:
         """(n, 2, 3, 3) exp(w) and left Jacobian of rotation vectors (n, 3); Rodrigues."""
-        shares, basis, products = self._shares, self._basis, self._products
-        np.multiply(w[:, :, None], w[:, None, :], products)
-        np.matmul(w, _SKEW, basis[:, 1])
+        np.multiply(w[:, :, None], w[:, None, :], self._products)
+        np.matmul(w, _SKEW, self._crosses)
         t2 = np.einsum("ij,ij->i", w, w)
         t2 += _TINY
         t = np.sqrt(t2)
         # 1 - cos loses half the digits for small angles; 2 sin^2(t/2) does not.
-        half = np.sin(0.5 * t) / t
-        a, b = np.sin(t) / t, 2.0 * half * half
-        shares[:, 0, 0] = 1.0 - b * t2
-        shares[:, 0, 1] = shares[:, 1, 0] = a
-        shares[:, 0, 2] = shares[:, 1, 1] = b
-        shares[:, 1, 2] = (1.0 - a) / t2
-        return np.matmul(shares, basis).reshape(-1, 2, 3, 3)
+        half = np.sin(0.5 * t)
+        half /= t
+        a = np.sin(t)
+        a /= t
+        b = 2.0 * half
+        b *= half
+        np.subtract(1.0, b * t2, self._share_1)
+        self._share_a[:] = a[:, None]
+        self._share_b[:] = b[:, None]
+        np.divide(1.0 - a, t2, self._share_c)
+        np.matmul(self._shares, self._basis, self._turns)
+        return self._both
 
 
 def _scattering(place: NDArray[np.int64], five: int) -> tuple[NDArray[np.int64], ...]:

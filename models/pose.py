@@ -43,7 +43,12 @@ def mirrored(q: ArrayLike) -> Array:
 
 def surface_to_world(q: ArrayLike, surface: Surface) -> Array:
     """World poses (..., 48) of poses in the 3-D surface frame."""
-    return _moved(q, surface.rotation, np.asarray(surface.origin))
+    if surface.aligned:
+        # To the bit: a matrix of a turn by nothing would round.
+        moved = np.array(q, float)
+        moved[..., ROOT_POSITION] += surface.corner
+        return moved
+    return _moved(q, surface.rotation, surface.corner)
 
 
 def world_to_surface(q: ArrayLike, surface: Surface) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple, Protocol
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 import mujoco
@@ -46,6 +47,32 @@ class SceneSpec:
     objects: tuple[Thing, ...] = ()
     table_friction: float = 0.5
     timestep: float = 0.002
+
+
+class BodyPoses(Protocol):
+    """Where all bodies are; MuJoCo's data, or a copy of two of its arrays."""
+
+    @property
+    def xpos(self) -> Array:
+        """(bodies, 3) m."""
+        ...
+
+    @property
+    def xmat(self) -> Array:
+        """(bodies, 9) rotations."""
+        ...
+
+
+class StillPoses(NamedTuple):
+    """Where all bodies were at one moment.
+
+    Attributes:
+        xpos: (bodies, 3) m.
+        xmat: (bodies, 9) rotations.
+    """
+
+    xpos: Array
+    xmat: Array
 
 
 class Scene:
@@ -102,7 +129,7 @@ class Scene:
         for geom in {*links, *ends.values()}:
             self.model.geom_contype[geom] = CONTACT_HAND if geom in solid else 0
 
-    def object_pose(self, data: mujoco.MjData, name: str) -> tuple[Array, Array]:
+    def object_pose(self, data: BodyPoses, name: str) -> tuple[Array, Array]:
         """Position (3,) and rotation (3, 3) of an object in the world."""
         body = self.object_bodies[name]
         return data.xpos[body].copy(), data.xmat[body].reshape(3, 3).copy()

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -29,6 +30,9 @@ PRESETS: dict[str, tuple[float, float]] = {
 """Landscape size of the touch area by name, inches. ipad2: 1024 x 768 at 132 ppi, the paper's."""
 
 _SIZE = re.compile(r"^\s*([0-9.]+)\s*x\s*([0-9.]+)\s*(in|mm|cm)?\s*$", re.IGNORECASE)
+_FLIP = np.array([1.0, -1.0])
+"""From the surface's y down to the 3-D surface frame's y up, and back."""
+
 _TO_INCHES = {"in": 1.0, "mm": 1.0 / 25.4, "cm": 1.0 / 2.54}
 
 
@@ -61,6 +65,18 @@ class Surface:
     def size(self) -> NDArray[np.float64]:
         """(2,) width and height, metres."""
         return np.array([self.width_in, self.height_in]) * METRES_PER_INCH
+
+    @cached_property
+    def corner(self) -> NDArray[np.float64]:
+        """(3,) the origin as an array; not to be changed."""
+        corner = np.array(self.origin, float)
+        corner.flags.writeable = False
+        return corner
+
+    @cached_property
+    def aligned(self) -> bool:
+        """Whether its axes are the world's."""
+        return bool((self.rotation == np.eye(3)).all())
 
     def centred_at(self, centre: ArrayLike) -> Surface:
         """The same rectangle with its middle at a world position (3,), metres."""
@@ -98,12 +114,13 @@ class Surface:
         points = np.asarray(xy, float)
         local = np.empty((*points.shape[:-1], 3))
         local[..., 0], local[..., 1], local[..., 2] = points[..., 0], -points[..., 1], height
-        return local @ self.rotation.T + np.asarray(self.origin)
+        return local @ self.rotation.T + self.corner
 
     def to_surface(self, world: ArrayLike) -> NDArray[np.float64]:
         """Surface points (..., 2) under world positions (..., 3): the foot of the normal."""
-        local = (np.asarray(world, float) - np.asarray(self.origin)) @ self.rotation
-        return np.stack([local[..., 0], -local[..., 1]], axis=-1)
+        local = (np.asarray(world, float) - self.corner) @ self.rotation
+        found: NDArray[np.float64] = local[..., :2] * _FLIP
+        return found
 
 
 def parse_surface(text: str) -> Surface:

@@ -11,17 +11,19 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from models.errors import RecordingError
+from models.frames import TouchFrame
 from sandbox.recording import (
     Line,
     RecordingLines,
     RecordingWriter,
     end_line,
+    input_line,
     keyframe_line,
 )
 from sandbox.track import TrackWriter
@@ -30,6 +32,18 @@ LAST = 100
 """Control states in a dump: 1.6 s."""
 MOST_DUMPS = 1000
 """Of one trial in one folder."""
+
+
+class _Input(NamedTuple):
+    """A frame, of which a line is made only where it is written."""
+
+    step: int
+    hand: int
+    frame: TouchFrame
+    state_hash: str
+
+    def line(self) -> Line:
+        return input_line(*self)
 
 
 class BlackBox(RecordingLines):
@@ -43,8 +57,15 @@ class BlackBox(RecordingLines):
     def __init__(self, header: dict[str, Any], recording: RecordingWriter | None = None) -> None:
         super().__init__()
         self._header, self._recording = header, recording
-        self._lines: list[Line | TrackWriter] = []
+        self._lines: list[Line | TrackWriter | _Input] = []
         self._last: deque[tuple[int, NDArray[np.float64], str]] = deque(maxlen=LAST)
+
+    def input(self, step: int, hand: int, frame: TouchFrame, state_hash: str) -> None:
+        """A frame that takes effect at a physics step, and the state's hash before it."""
+        if self._recording:
+            super().input(step, hand, frame, state_hash)
+        else:
+            self._lines.append(_Input(step, hand, frame, state_hash))
 
     def state(
         self,
@@ -88,7 +109,7 @@ class BlackBox(RecordingLines):
 
     def _packed(self) -> list[Line]:
         """What was kept, as lines."""
-        lines = [kept.line() if isinstance(kept, TrackWriter) else kept for kept in self._lines]
+        lines = [kept if isinstance(kept, dict) else kept.line() for kept in self._lines]
         found = [line for line in lines if line is not None]
         self._lines = list(found)
         return found

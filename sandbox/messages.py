@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from models.later import Later
 from tasks.score import Score
 from tasks.task import Goal
 
@@ -63,7 +64,7 @@ class ObjectView:
 
 
 @dataclass(frozen=True)
-class Snapshot:
+class Snapshot(Later):
     """One moment of a session.
 
     Attributes:

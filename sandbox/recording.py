@@ -49,8 +49,7 @@ class RecordingLines(ABC):
 
     def input(self, step: int, hand: int, frame: TouchFrame, state_hash: str) -> None:
         """A frame that takes effect at a physics step, and the state's hash before it."""
-        self._put({"kind": "input", "step": step, "hand": hand, **_to_json(frame),
-                   "hash": state_hash})  # fmt: skip
+        self._put(input_line(step, hand, frame, state_hash))
 
     def event(self, step: int, what: str, **details: Any) -> None:
         """Something else that takes effect, or has happened, at a physics step."""
@@ -88,6 +87,11 @@ class RecordingLines(ABC):
     @abstractmethod
     def _put(self, line: Line) -> None:
         """Keeps a line."""
+
+
+def input_line(step: int, hand: int, frame: TouchFrame, state_hash: str) -> Line:
+    """The line of a frame that takes effect at a physics step."""
+    return {"kind": "input", "step": step, "hand": hand, **_to_json(frame), "hash": state_hash}
 
 
 def keyframe_line(step: int, state: NDArray[np.float64], state_hash: str) -> Line:

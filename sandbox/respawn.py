@@ -85,15 +85,16 @@ class Respawn:
         """Whether a finger on a surface could reach an object where it is now."""
         position = data.xpos[place.body]
         reach = place.radius + FINGERTIP
-        x, up, off = ((position - surface.origin) @ surface.rotation).tolist()
+        x, up, off = ((position - surface.corner) @ surface.rotation).tolist()
         width, height = METRES_PER_INCH * surface.width_in, METRES_PER_INCH * surface.height_in
+        flat = _flat(surface)
         near = bool(
             position[2] > FLOOR
             and -reach < x < width + reach
             and -reach < -up < height + reach
-            and abs(off) < (CEILING if _flat(surface) else reach)
+            and abs(off) < (CEILING if flat else reach)
         )
-        if near and not _flat(surface):
+        if near and not flat:
             # Nobody sees how deep it is, and fingers close in one plane only: they must meet it.
             foot = position - (off - PAD_HEIGHT) * surface.rotation[:, 2]
             rotation = data.xmat[place.body].reshape(3, 3)

@@ -23,13 +23,14 @@ from encoders.yaw_range import YawWatch
 from models.errors import DivergenceError
 from models.frames import TouchFrame
 from models.hand import Hand
-from models.scene import Scene, SceneSpec
+from models.scene import BodyPoses, Scene, SceneSpec, StillPoses
 from sandbox.contact_modes import ContactMode, ContactModes, contact_mode
 from sandbox.devices.device import Device
 from sandbox.divergence import nonsense
 from sandbox.messages import ContactView, HandView, ObjectView, Snapshot
 from sandbox.respawn import Respawn
 from sandbox.solidity import Solidity, SolidityRules
+from sandbox.track import bits
 from tasks.goals import place
 from tasks.score import Scorer, Status
 from tasks.sensing import Sensing
@@ -212,21 +213,31 @@ class Session:
         return self.snapshot()
 
     def snapshot(self) -> Snapshot:
-        """What a view may see now."""
-        objects = {
-            thing.name: ObjectView(*self.scene.object_pose(self.data, thing.name))
-            for thing in self.task.objects
-        }
-        return Snapshot(
-            self.time,
-            self.step,
-            self.data.qpos.copy(),
-            tuple(self._hand_view(i, r) for i, r in enumerate(self.reconstructions)),
-            objects,
-            place(self.task.goals, objects),
-            self.scorer.score,
-            "; ".join(self._notices()),
-            self.contact,
+        """What a view may see now; most of it is worked out only where a view looks."""
+        poses = StillPoses(self.data.xpos.copy(), self.data.xmat.copy())
+        found, solid = tuple(self.reconstructions), [s.fingers for s in self._solidity]
+
+        def work_out() -> dict[str, Any]:
+            objects = {
+                thing.name: ObjectView(*self.scene.object_pose(poses, thing.name))
+                for thing in self.task.objects
+            }
+            hands = tuple(
+                self._hand_view(i, r, poses, fingers)
+                for i, (r, fingers) in enumerate(zip(found, solid, strict=True))
+            )
+            return {
+                "hands": hands, "objects": objects, "goals": place(self.task.goals, objects),
+            }  # fmt: skip
+
+        return Snapshot.later(
+            work_out,
+            time=self.time,
+            step=self.step,
+            qpos=self.data.qpos.copy(),
+            score=self.scorer.score,
+            notice="; ".join(self._notices()),
+            contact=self.contact,
         )
 
     def close(self) -> None:
@@ -308,7 +319,7 @@ class Session:
     def _chain(self) -> None:
         mujoco.mj_getState(self.scene.model, self.data, self._state, STATE)
         # What is solid is no part of MuJoCo's state, and decides as much about what comes next.
-        solid = bytes(sum(1 << f for f in s.fingers) for s in self._solidity)
+        solid = bytes([bits(s.fingers) for s in self._solidity])
         chained = blake2b(self._hash, digest_size=16)
         chained.update(self._state.data)
         chained.update(solid + self._contact.signature)
@@ -327,7 +338,9 @@ class Session:
             remedy="A smaller impulse limit, or a smaller time step, helps",
         )
 
-    def _hand_view(self, i: int, reconstruction: Reconstruction) -> HandView:
+    def _hand_view(
+        self, i: int, reconstruction: Reconstruction, poses: BodyPoses, solid: frozenset[int]
+    ) -> HandView:
         found = reconstruction.contacts
         places = self.rigs[i].reconstructor.surface.to_world([c.xy for c in found]) if found else ()
         contacts = tuple(
@@ -336,8 +349,8 @@ class Session:
         )
         return HandView(
             reconstruction.q,
-            self._solidity[i].tips(self.data),
-            self._solidity[i].fingers,
+            self._solidity[i].tips(poses),
+            solid,
             reconstruction.phase.value,
             contacts,
         )

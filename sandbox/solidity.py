@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from encoders.touch_reconstructor import Reconstruction
 from models.one_pose import OnePose
-from models.scene import Scene
+from models.scene import BodyPoses, Scene
 
 Array = NDArray[np.float64]
 
@@ -62,7 +62,7 @@ class Solidity:
         self._inner = np.maximum(0.0, 1.0 - (np.inf if end is None else end) / self._reach)
         self.fingers = GHOST
 
-    def tips(self, data: mujoco.MjData) -> Array:
+    def tips(self, data: BodyPoses) -> Array:
         """(5, 3) m, fingertips of the simulated hand."""
         return self._along(data, 1.0)
 
@@ -111,7 +111,8 @@ class Solidity:
             nearest = np.minimum(nearest, thing.clearance(points, position, rotation))
         return nearest.reshape(len(ALONG), -1).min(axis=0) - self._radius > CLEARANCE
 
-    def _along(self, data: mujoco.MjData, share: float | Array) -> Array:
+    def _along(self, data: BodyPoses, share: float | Array) -> Array:
         """(5, 3) m, points on the last links, from their joints (0) to their tips (1)."""
-        axis = data.xmat[self._bodies].reshape(-1, 3, 3)[:, :, 1]
-        return data.xpos[self._bodies] + (share * self._reach)[:, None] * axis
+        # The middle column of each rotation is a bone's own direction.
+        axis = data.xmat.take(self._bodies, 0)[:, 1::3]
+        return data.xpos.take(self._bodies, 0) + (share * self._reach)[:, None] * axis

@@ -69,6 +69,9 @@ class Sensing:
             for other in (TABLE, *hands, *(o.name for o in scene.spec.objects[i + 1 :]))
         }
         self._hands = hands
+        # MuJoCo's arrays stay where they are, so that parts of them need be looked for only once.
+        self._read = {key: data.sensordata[adr : adr + 4] for key, adr in self._sensors.items()}
+        self._read |= {(other, name): part for (name, other), part in self._read.items()}
         self._velocity = {
             thing.name: int(model.joint(thing.name).dofadr[0]) for thing in scene.spec.objects
         }
@@ -83,24 +86,24 @@ class Sensing:
             slides = int(np.sum(types == mujoco.mjtJoint.mjJNT_SLIDE))
             self._moves[thing.name] = slides or (1 if hinged else 3)
             self._levers[thing.name] = float(np.linalg.norm(joint.pos)) if hinged else 1.0
+        self._speeds = {
+            name: data.qvel[v : v + self._moves[name]] for name, v in self._velocity.items()
+        }
 
     def object(self, name: str) -> ObjectState:
         """The state of an object."""
         position, rotation = self._scene.object_pose(self._data, name)
-        v = self._velocity[name]
         return ObjectState(
             position,
             rotation,
-            self._levers[name] * hypot(*self._data.qvel[v : v + self._moves[name]].tolist()),
+            self._levers[name] * hypot(*self._speeds[name].tolist()),
             self.touching(name, TABLE),
             any(self.touching(name, hand) for hand in self._hands),
         )
 
     def touching(self, name: str, other: str) -> bool:
         """Whether a force passes between an object and the table, a hand or another object."""
-        adr = self._sensors.get((name, other))
-        adr = self._sensors[other, name] if adr is None else adr
-        found, *force = self._data.sensordata[adr : adr + 4].tolist()
+        found, *force = self._read[name, other].tolist()
         return found > 0 and any(force)
 
     def force(self, name: str, other: str) -> Array:

@@ -31,6 +31,11 @@ class DropOuts:
         self._next = _FIRST_ID
         self._time = 0.0
 
+    @property
+    def loses(self) -> bool:
+        """Whether it loses touches at all; otherwise a touch keeps its id."""
+        return self._rate > 0.0
+
     def spoil(self, frame: TouchFrame) -> TouchFrame:
         """The frame as the bad screen reports it."""
         dt, self._time = frame.time - self._time, frame.time

@@ -115,6 +115,14 @@ class SimulatedDevice:
 
     def show(self, snapshot: Snapshot) -> None:
         """Lets the user look at the screen."""
+        if self._screen.loses:
+            # Who is who on such a screen is known only now.
+            self._seated.look(self._sight(snapshot))
+            return
+        # Who acts four times in a second need not see sixty pictures.
+        self._seated.look(Sight.later(lambda: vars(self._sight(snapshot)), time=snapshot.time))
+
+    def _sight(self, snapshot: Snapshot) -> Sight:
         hand = snapshot.hands[self._hand]
         tips = {
             self._screen.own_id(c.id): hand.tips[c.label]
@@ -125,15 +133,13 @@ class SimulatedDevice:
             name: SeenObject(self._shapes[name], o.position, o.rotation)
             for name, o in snapshot.objects.items()
         }
-        self._seated.look(
-            Sight(
-                snapshot.time,
-                tips,
-                bool(hand.solid),
-                objects,
-                snapshot.goals,
-                snapshot.score.held,
-            )
+        return Sight(
+            snapshot.time,
+            tips,
+            bool(hand.solid),
+            objects,
+            snapshot.goals,
+            snapshot.score.held,
         )
 
     def poll(self, now: float) -> Sequence[TouchFrame]:

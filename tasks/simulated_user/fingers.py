@@ -106,8 +106,9 @@ class Fingers:
 
     def touches(self, now: float, surface: Surface) -> tuple[Contact, ...]:
         """What the screen feels now."""
-        self._shake(now)
-        noise = self._c.noise * self._rng.standard_normal(self._tremor.shape)
+        # What shakes the fingers, then what is only noise, in one draw.
+        shaken, noise = self._rng.standard_normal((2, *self._tremor.shape))
+        self._shake(now, shaken)
         span = zip(self._ids.tolist(), self._down_at.tolist(), self._up_at.tolist(), strict=True)
         touching = sorted(
             (contact, finger)
@@ -116,10 +117,16 @@ class Fingers:
         )
         if not touching:
             return ()
-        world = np.empty((len(noise), 3))
-        world[:, :2] = self.places(now) + self._tremor + noise
-        world[:, 2] = surface.origin[2]
-        xy = surface.to_surface(world).tolist()
+        places = self.places(now) + self._tremor + self._c.noise * noise
+        if surface.aligned:
+            # As `to_surface`, which is made for any direction.
+            left, top, _ = surface.origin
+            xy = [[x - left, -(y - top)] for x, y in places.tolist()]
+        else:
+            world = np.empty((len(noise), 3))
+            world[:, :2] = places
+            world[:, 2] = surface.origin[2]
+            xy = surface.to_surface(world).tolist()
         right, bottom = (surface.size - _MARGIN).tolist()
         return tuple(
             Contact(
@@ -146,8 +153,8 @@ class Fingers:
         length = float(np.linalg.norm(end - start, axis=1).max())
         return end + self._rng.normal(0.0, self._c.end_noise * length, 2)
 
-    def _shake(self, now: float) -> None:
+    def _shake(self, now: float, drawn: Array) -> None:
         keep = exp(-(now - self._last) / self._c.tremor_time)
         self._last = now
-        fresh = self._c.tremor * self._rng.standard_normal(self._tremor.shape)
+        fresh = self._c.tremor * drawn
         self._tremor = keep * self._tremor + sqrt(1.0 - keep * keep) * fresh

@@ -119,7 +119,7 @@ class SeatedUser:
 
     def look(self, sight: Sight) -> None:
         """Takes in what is on the screen now."""
-        self.user.look(self._seat.sight(sight))
+        self.user.look(Sight.later(lambda: vars(self._seat.sight(sight)), time=sight.time))
 
     def touch(self, now: float) -> TouchFrame:
         """What the fingers do on the real screen now."""

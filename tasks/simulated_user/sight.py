@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from models.later import Later
 from models.objects import Thing
 from tasks.task import Goal
 
@@ -35,7 +36,7 @@ class SeenObject:
 
 
 @dataclass(frozen=True)
-class Sight:
+class Sight(Later):
     """One moment on the screen.
 
     Attributes:
