@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from models.frames import FINGERS
 from models.pose import POSE_SIZE
@@ -34,32 +33,17 @@ class FrameTable:
     """A view that keeps what the tables tell of every snapshot."""
 
     def __init__(self) -> None:
-        self._poses: list[NDArray[np.float64]] = []
-        self._heads: list[tuple[float, int, str, str]] = []
-        self._labels: list[tuple[int | None, ...]] = []
-        self._places: list[NDArray[np.float64]] = []
-        self._rotations: list[NDArray[np.float64]] = []
-        self._names: tuple[str, ...] = ()
-        self._touches: list[tuple[Any, ...]] = []
-        self.first_contact: float | None = None
+        self._snapshots: list[Snapshot] = []
+
+    @property
+    def first_contact(self) -> float | None:
+        """s, when something first touched; None if nothing did."""
+        return next((s.time for s in self._snapshots if s.hands[0].contacts), None)
 
     def show(self, snapshot: Snapshot) -> None:
         """Looks at a snapshot; all of them."""
-        hand = snapshot.hands[0]
-        self._poses.append(hand.target)
-        solid = "".join(FINGERS[f][0] for f in sorted(hand.solid))
-        self._heads.append((snapshot.time, snapshot.step, hand.phase, solid))
-        named = {c.label: c.id for c in hand.contacts if c.label is not None}
-        self._labels.append(tuple(named.get(f) for f in range(5)))
-        self._names = tuple(snapshot.objects)
-        views = snapshot.objects.values()
-        self._places.append(np.array([o.position for o in views]))
-        self._rotations.append(np.array([o.rotation for o in views]))
-        for c in hand.contacts:
-            finger = "" if c.label is None else FINGERS[c.label]
-            self._touches.append((snapshot.time, c.id, *c.position, finger, c.state))
-        if hand.contacts and self.first_contact is None:
-            self.first_contact = snapshot.time
+        # It is taken apart after the trial: the session's loop has better things to do.
+        self._snapshots.append(snapshot)
 
     def write(self, folder: Path, stem: str) -> None:
         """Writes the tables of a recording `stem`.
@@ -70,28 +54,41 @@ class FrameTable:
         frames = self._frames()
         if find_spec("pyarrow"):
             write_atomically(folder / f"frames_{stem}.parquet", _parquet(frames), durable=False)
-        touches = dict(zip(("time_s", "contact", "x", "y", "z", "finger", "state"),
-                           [list(c) for c in zip(*self._touches, strict=True)] or [[]] * 7,
-                           strict=True))  # fmt: skip
+        touches = self._touches()
         for name, table in ((f"touches_{stem}.csv.gz", touches), (f"frames_{stem}.csv.gz", frames)):
             write_atomically(folder / name, _csv(table), durable=False)
 
     def _frames(self) -> dict[str, Any]:
-        """Columns by name."""
-        poses = np.array(self._poses).reshape(-1, POSE_SIZE)
-        places = np.array(self._places).reshape(len(poses), -1, 3)
-        rotations = np.array(self._rotations).reshape(*places.shape[:2], 3, 3)
-        things = np.concatenate([places, matrix_to_quaternion(rotations)], -1)
-        things = things.reshape(len(poses), things.shape[1] * 7)
-        parts = ("x", "y", "z", "qw", "qx", "qy", "qz")
-        names = [f"{name}_{part}" for name in self._names for part in parts]
-        time, step, phase, solid = ([head[i] for head in self._heads] for i in range(4))
-        return {
-            "time_s": time, "step": step, "phase": phase, "solid": solid,
-            **{f"touch_{f}": [ids[i] for ids in self._labels] for i, f in enumerate(FINGERS)},
+        """Columns by name, a row for every snapshot."""
+        shots = self._snapshots
+        hands = [s.hands[0] for s in shots]
+        poses = np.array([hand.target for hand in hands]).reshape(-1, POSE_SIZE)
+        named = [{c.label: c.id for c in hand.contacts} for hand in hands]
+        columns: dict[str, Any] = {
+            "time_s": [s.time for s in shots],
+            "step": [s.step for s in shots],
+            "phase": [hand.phase for hand in hands],
+            "solid": ["".join(FINGERS[f][0] for f in sorted(hand.solid)) for hand in hands],
+            **{f"touch_{name}": [ids.get(i) for ids in named] for i, name in enumerate(FINGERS)},
             **{name: poses[:, i] for i, name in enumerate(POSE_COLUMNS)},
-            **{name: things[:, i] for i, name in enumerate(names)},
-        }  # fmt: skip
+        }
+        for name in shots[0].objects if shots else ():
+            views = [s.objects[name] for s in shots]
+            places = np.array([view.position for view in views])
+            turns = matrix_to_quaternion(np.array([view.rotation for view in views]))
+            columns |= {f"{name}_{part}": places[:, i] for i, part in enumerate("xyz")}
+            columns |= {f"{name}_q{part}": turns[:, i] for i, part in enumerate("wxyz")}
+        return columns
+
+    def _touches(self) -> dict[str, Any]:
+        """Columns by name, a row for every contact of every snapshot."""
+        rows = [
+            (s.time, c.id, *map(float, c.position),
+             "" if c.label is None else FINGERS[c.label], c.state)
+            for s in self._snapshots for c in s.hands[0].contacts
+        ]  # fmt: skip
+        names = ("time_s", "contact", "x", "y", "z", "finger", "state")
+        return {name: [row[i] for row in rows] for i, name in enumerate(names)}
 
 
 def missing(folder: Path, stem: str) -> bool:

@@ -1,0 +1,214 @@
+"""What writing a study down costs: per touch frame, per minute, and on opening a large one.
+
+python -m benchmarks.study [--seconds 20]
+"""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from benchmarks.machine import describe_machine
+from sandbox.assembly import build
+from sandbox.devices.recorded import RecordedDevice
+from sandbox.devices.simulated import SimulatedDevice
+from sandbox.headless import trial_header
+from sandbox.keeping import Keeping
+from sandbox.pacing import RealTime
+from sandbox.recording import load_recording
+from sandbox.replay import settings_of
+from sandbox.settings import RunSettings
+from sandbox.study.design import Design
+from sandbox.study.design_file import load_design
+from sandbox.study.files import sync_file
+from sandbox.study.folder import SIMULATED, StudyFolder
+from sandbox.study.frames import FrameTable
+from sandbox.study.journal import Journal, Syncing
+from sandbox.study.plan import TrialStep
+from sandbox.study.players import no_search_for_garbage
+from sandbox.study.session_folder import SessionFolder
+from sandbox.study.simulate import simulated_person
+from sandbox.study.tables import rebuild_session, rebuild_study
+from tasks.simulated_user.configuration import UserConfiguration
+
+DESIGN = Path(__file__).resolve().parent.parent / "examples" / "study" / "design.toml"
+PEOPLE = 24
+CLOCKS = {"by the clock": time.perf_counter, "of processor time": time.thread_time}
+"""The first is what the loop waits for, with all that goes on beside it on a busy machine."""
+
+
+def main() -> None:
+    """Prints all numbers."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--seconds", type=float, default=20.0, help="simulated, of touches")
+    seconds = parser.parse_args().seconds
+    print(describe_machine())
+    with tempfile.TemporaryDirectory() as folder, no_search_for_garbage():
+        logging(Path(folder), seconds)
+        difference(Path(folder))
+        journal(Path(folder))
+        opening(Path(folder))
+
+
+class Timed:
+    """A recorder that times what the session's loop waits for."""
+
+    def __init__(self, recorder: Any, clock: str) -> None:
+        self._recorder, self._clock = recorder, clock
+        self.now = 0.0
+
+    def __getattr__(self, name: str) -> Callable[..., None]:
+        call = getattr(self._recorder, name)
+
+        def timed(*arguments: Any, **more: Any) -> None:
+            began = CLOCKS[self._clock]()
+            call(*arguments, **more)
+            self.now += CLOCKS[self._clock]() - began
+
+        return timed
+
+
+def logging(folder: Path, seconds: float) -> None:
+    """Time in the loop of a trial at real time, a touch frame in every control period; bytes."""
+    record = folder / "trial.jsonl"
+    # Nobody succeeds: `random` touches all the time, and the trial lasts as long as is wanted.
+    settings = RunSettings(task="box-to-goal", seed=3)
+    user = UserConfiguration(kind="random")
+    costs: dict[str, list[float]] = {name: [] for name in CLOCKS}
+    writing: list[float] = []
+    written = simulated = 0.0
+    size = frames = 0
+    seed = 3
+    while simulated < seconds:
+        record = folder / f"trial{seed}.jsonl"
+        which = "by the clock" if simulated < seconds / 2 else "of processor time"
+        keeping = Keeping(trial_header(settings, {}), record)
+        timed, table = Timed(keeping.recorder, which), FrameTable()
+        session = build(settings, lambda task, surface, s=seed: SimulatedDevice(
+            task, user, surface, s), timed)  # type: ignore[arg-type, misc]  # fmt: skip
+        device: Any = session.rigs[0].device
+        syncing = Syncing(lambda path=record: sync_file(path))  # type: ignore[misc]
+        clock = RealTime()
+        while not session.over and session.time < seconds / 2:
+            timed.now = 0.0
+            snapshot = session.advance()
+            began = CLOCKS[which]()
+            table.show(snapshot)
+            costs[which].append(timed.now + CLOCKS[which]() - began)
+            device.show(snapshot)
+            clock.wait(snapshot.time)
+        syncing.close()
+        simulated += session.time
+        keeping.end(session)
+        keeping.close()
+        began = time.perf_counter()
+        table.write(folder, record.stem)
+        writing.append(time.perf_counter() - began)
+        size += record.stat().st_size
+        frames += sum(p.stat().st_size for p in folder.glob(f"*_{record.stem}.*"))
+        seed += 1
+    written = 60.0 / simulated / 1e6
+    for what, values in costs.items():
+        p50, p99, most = 1e6 * np.percentile(values, [50, 99, 100])
+        mean = 1e6 * np.mean(values)
+        print(f"per touch frame, in the loop, {what}: mean {mean:.0f}, median {p50:.0f}, "
+              f"p99 {p99:.0f}, largest {most:.0f} microseconds ({len(values)} frames)")  # fmt: skip
+    print(f"recording: {size * written:.2f} MB per minute; derived tables: "
+          f"{frames * written:.2f} MB per minute, made in {1e3 * max(writing):.0f} ms at most "
+          "between trials")  # fmt: skip
+
+
+def difference(folder: Path, rounds: int = 5) -> None:
+    """Processor time of the loop with and without logging, on the very same touches."""
+    record = max(folder.glob("trial*.jsonl"), key=lambda path: path.stat().st_size)
+    recording = load_recording(record)
+    settings = settings_of(recording)
+    found: dict[bool, list[float]] = {False: [], True: []}
+    for n in range(2 * rounds):
+        logged = n % 2 == 1
+        keeping = Keeping(trial_header(settings, {}), folder / f"again{n}.jsonl")
+        table = FrameTable()
+        session = build(settings, lambda task, surface: RecordedDevice(recording),
+                        keeping.recorder if logged else None)  # fmt: skip
+        began, steps = time.thread_time(), 0
+        with threadpool_limits(1), no_search_for_garbage():
+            while not session.over:
+                snapshot = session.advance()
+                steps += 1
+                if logged:
+                    table.show(snapshot)
+        found[logged].append((time.thread_time() - began) / steps)
+        keeping.close()
+    without, with_ = (1e6 * float(np.median(found[logged])) for logged in (False, True))
+    print(f"a control period takes {without:.0f} microseconds of processor time without logging, "
+          f"{with_:.0f} with it: {with_ - without:.0f} more "
+          f"(medians of {rounds} runs each)")  # fmt: skip
+
+
+def journal(folder: Path) -> None:
+    """Time of a record."""
+    book = Journal(folder / "journal.jsonl")
+    for durable in (False, True):
+        costs = []
+        for i in range(300):
+            began = time.perf_counter()
+            book.append("note", durable, text=f"note {i}", trial=i)
+            costs.append(time.perf_counter() - began)
+        p50, p99 = 1e6 * np.percentile(costs, [50, 99])
+        what = "on the disk" if durable else "written"
+        print(f"journal record, {what}: median {p50:.0f}, p99 {p99:.0f} microseconds")
+    book.close()
+
+
+def opening(folder: Path) -> None:
+    """Time of opening a finished study of 24 people, with all tables of all of them."""
+    design = load_design(DESIGN)
+    study = fill(folder, design)
+    began = time.perf_counter()
+    design = load_design(DESIGN)
+    loaded = time.perf_counter()
+    study = StudyFolder(folder, design, SIMULATED)
+    # Nothing changes when nothing is new; the worst case is that all of it has to be written.
+    for name in ("trial_results.csv", "participants.csv", "questionnaires.csv", "codebook.csv"):
+        (study.path / name).unlink(missing_ok=True)
+    found = rebuild_study(study)
+    with SessionFolder(study, study.participants()[-1]) as session:
+        rebuild_session(session)
+    ended = time.perf_counter()
+    print(f"opening a study of {found['participants']} people and {found['trials']} trials that "
+          f"count: {ended - began:.2f} s, of which the design {loaded - began:.2f} s")  # fmt: skip
+
+
+def fill(folder: Path, design: Design) -> StudyFolder:
+    """A finished study: all its records, without its recordings."""
+    study = StudyFolder(folder, design, SIMULATED)
+    result = {
+        "task": "box-to-goal", "task_version": 1, "seed": 1, "success": True, "instant": True,
+        "held": True, "final": True, "status": "held", "progress": 1.0, "reason": "",
+        "time_s": 4.56, "diverged": "", "respawned": 0, "state_hash": "0" * 32,
+        "encoder": "best", "digests": {"encoder": "0" * 32, "labels": "0" * 32},
+        "measures": {"first_contact_s": 0.3, "lost_s": 0.0},
+    }  # fmt: skip
+    for number in range(PEOPLE):
+        person = study.add(**simulated_person(design, number))
+        with SessionFolder(study, person) as session:
+            for step in session.steps:
+                if not isinstance(step, TrialStep):
+                    session.write("step_done", step=step.id)
+                    continue
+                file = session.begin(step)
+                session.write("trial_end", step=step.id, trial=step.number, attempt=1,
+                              file=f"trials/{file.name}", result=result)  # fmt: skip
+            session.write("session_end", complete=True)
+    return study
+
+
+if __name__ == "__main__":
+    main()
