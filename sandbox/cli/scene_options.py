@@ -109,8 +109,7 @@ class SceneOptions(SecondOptions):
     """The simulated user; idle and random are control arms that must not succeed."""
 
     tell_labels: tyro.conf.FlagCreatePairsOff[bool] = False
-    """Believes what the device says of which finger touches: the simulated user (an upper bound for
-    labelling), or a sender of TUIO 2.0 that knows fingers."""
+    """The simulated user says which finger touches: an upper bound for labelling."""
 
     drop_outs: float = 0.0
     """Times per second that the simulated user's screen loses each touch, for 0.1 s; it comes back
