@@ -9,7 +9,7 @@ import queue
 import ssl
 import threading
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from http import HTTPStatus
 from urllib.parse import urlsplit
 
@@ -205,8 +205,9 @@ class PageServer:
             self._ready.put(error)
             return
         bound = next(iter(server.sockets)).getsockname()
-        known = {"token": self._token} if self._token else {}
-        self.access = Access(bound[0], bound[1], self._tls is not None, **known)
+        self.access = Access(bound[0], bound[1], self._tls is not None)
+        if self._token:
+            self.access = replace(self.access, token=self._token)
         self._ready.put(self.access)
         watch = asyncio.create_task(self._audience.watch())
         await self._closing.wait()
@@ -245,8 +246,8 @@ class PageServer:
         self._scheduled = False
         if self._moment is None or self._moment[0] is not self._shown or not len(self._audience):
             return
-        shown, touch, snapshot, *more = self._moment
-        poses, state = shown.poses(snapshot.qpos), state_of(snapshot, *more)
+        shown, touch, snapshot, paused, felt = self._moment
+        poses, state = shown.poses(snapshot.qpos), state_of(snapshot, paused, felt)
         self._audience.show(pack(shown.message.scene, touch, snapshot.time, poses, state))
 
 

@@ -71,8 +71,9 @@ export class Hud {
       "div",
       "hud",
       {},
-      make("header", "top", {}, words, score, this.buttons),
-      make("footer", "bottom", {}, state, this.size, this.caption),
+      make("header", "top", {}, words, score),
+      // Buttons are at the edge that the hand comes from: no task needs a finger there.
+      make("footer", "bottom", {}, state, this.size, this.caption, this.buttons),
       this.toast,
       this.end,
     );
