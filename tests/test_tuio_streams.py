@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import random
 import socket
 import struct
 import threading
@@ -285,3 +286,29 @@ def test_a_closed_device_leaves_nothing_behind() -> None:
     assert not [t for t in threading.enumerate() if t.name.startswith("tuio")]
     with contextlib.suppress(RuntimeError):
         assert not asyncio.all_tasks()
+
+
+def test_noise_on_connections_does_no_harm_to_those_who_speak(device: TuioDevice) -> None:
+    rng = random.Random(12)
+    with tcp(device) as good:
+        for n in range(150):
+            with tcp(device) as bad:
+                match n % 4:
+                    case 0:
+                        bad.sendall(rng.randbytes(rng.randrange(200)))
+                    case 1:  # a packet that never ends
+                        bad.sendall(struct.pack(">I", 400) + rng.randbytes(rng.randrange(400)))
+                    case 2:
+                        bad.sendall(framed(rng.randbytes(4 * rng.randrange(1, 40))))
+                    case _:
+                        pass  # comes and goes
+            with socket.create_connection(("127.0.0.1", device.websocket_port), PATIENCE) as odd:
+                odd.sendall(rng.choice((b"", b"GET / HTTP/1.1\r\n\r\n", rng.randbytes(60))))
+            good.sendall(framed(frame(n + 1, {1: (n / 256, 0.5)}, source="good")))
+            until(lambda n=n: seen(device, n / 256 * float(Surface().size[0])))  # type: ignore[misc]
+    until(lambda: not device.sources)
+    assert not device.finished
+
+
+def seen(device: TuioDevice, x: float) -> bool:
+    return any(abs(c.x - x) < 1e-9 for f in device.poll() for c in f.contacts)
