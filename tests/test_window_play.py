@@ -31,7 +31,7 @@ from tests.page_client import Page
 from tests.processes import PATIENCE, ROOT
 from tests.screen import Screen, screen
 from tests.test_window import PIXEL, Desk, drag
-from tests.viewed import mouse_session, viewed
+from tests.viewed import Viewed, advance, mouse_session, viewed
 
 pytestmark = pytest.mark.skipif(
     not sys.platform.startswith("linux"), reason="needs an X server in memory"
@@ -272,3 +272,53 @@ def test_mouse_and_page_touch_one_scene_and_the_session_says_how_long_touches_to
         play.process.kill()
         play.process.wait()
     assert record.exists() and record.with_stem("run-2").exists()
+
+
+class Game(Desk):
+    """A desk on which time goes on while the window is pumped."""
+
+    def __init__(self, display: Screen, seed: int) -> None:
+        self.session, mouse, surface = mouse_session(seed)
+        super().__init__(
+            display, Viewed(self.session.scene, surface, self.session.snapshot(), None)
+        )  # type: ignore[arg-type]
+        self.mouse = mouse
+        self.window.attach(mouse)
+
+    def pump(self) -> None:
+        if not self.session.over:
+            self.snapshot = advance(self.session, 0.02)
+        super().pump()
+
+    def share(self, world: Any) -> tuple[float, float]:
+        x, y = self.v.surface.to_surface(np.array(world)) / self.v.surface.size
+        return float(x), float(y)
+
+
+def test_a_box_is_brought_to_its_goal_with_pointer_wheel_and_keys_alone(
+    display: Screen, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(window, "SLOW", np.inf)
+    game = Game(display, seed=2)
+    task = game.session.task
+    start, goal = game.share(task.objects[0].position), game.share(task.goals[0].position)
+    game.do("mousemove", *game.at(start), "key", "3")
+    for _ in range(40):
+        game.pump()
+    for _ in range(8):
+        game.do("click", 5)
+    game.do("mousedown", 1)
+    for along in np.linspace(0.0, 1.0, 25)[1:]:
+        x, y = np.array(start) + along * (np.array(goal) - start)
+        game.do("mousemove", *game.at((float(x), float(y))))
+    game.do("mouseup", 1)
+    for _ in range(20):
+        game.pump()
+    game.window.screenshot().save(tmp_path / "there.png")
+    game.do("key", "space")
+    while not game.session.over and game.session.time < 30.0:
+        game.pump()
+    game.window.screenshot().save(tmp_path / "done.png")
+    game.window.close()
+    score = game.session.scorer.score
+    assert score.success, score.reason

@@ -30,7 +30,7 @@ SMALL, NORMAL, LARGE = 13, 15, 24
 sizes of text."""
 BAR_GROUND: Colour = (0.27, 0.31, 0.34)
 CODE_SHARE = 0.4
-"""Of the picture's height, for a code to be photographed."""
+"""Of the picture's shorter side, for a code to be photographed."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class Words:
         help: Lines at the right, such as the keys of a window.
         banner: Large, in the middle at the top, such as `paused`.
         footer: Small lines at the bottom right, such as how long a picture takes.
-        link: Shown as a code to be photographed, at the right; empty shows none.
+        link: Shown as a code to be photographed, at the left; empty shows none.
     """
 
     caption: str = ""
@@ -107,8 +107,10 @@ def stickers(
             Sticker(image, max(width - image.width - margin, 0), height - image.height - margin)
         )
     if words.link:
-        image = link_code(words.link, round(CODE_SHARE * height))
-        placed.append(Sticker(image, width - image.width - margin, (height - image.height) // 2))
+        # At the left, where neither the help nor the hand is.
+        image = link_code(words.link, round(CODE_SHARE * min(height, width)))
+        bottom -= image.height + margin // 2
+        placed.append(Sticker(image, margin, bottom))
     if words.banner:
         image = _label(words.banner, palette.PANEL, palette.TEXT, LARGE, scale)
         placed.append(Sticker(image, (width - image.width) // 2, margin))
