@@ -130,11 +130,12 @@ class PagePlay:
             result = keeping.end(session, latency=self.server.latency.as_json())
             keeping.close()
             session.close()
+            # Told here, since most sessions on the page end by being interrupted.
+            self.latest.update(result)
+            self.events.tell("trial_end", **result)
         self.server.publish(session.snapshot())
         if live.failure:
             raise live.failure
-        self.latest.update(result)
-        self.events.tell("trial_end", **result)
         report_dump(result, self.console)
         self.console.print(f"{session.task.name}: {result['status']} {result['reason']}")
 
