@@ -72,7 +72,7 @@ class FakeLeapd:
             channel.send(json.dumps({"serviceVersion": "0 (fake leapd)", "version": 6}))
             self._frames(channel)
         except ConnectionClosed:
-            pass
+            self.counts["clients that left"] += 1
 
     def _frames(self, channel: ServerConnection) -> None:
         begin, sent, turn = time.monotonic(), 0, 0

@@ -103,15 +103,9 @@ def _messages(
             data = decompress_base64(data.decode("ascii")).encode()
         except UnicodeDecodeError:
             raise RecordingError("this is neither JSON nor LZString's base64") from None
-    lines = data.lstrip().split(b"\n", 1)
-    if len(lines) == 2 and lines[1].strip() and lines[0].startswith(b"{"):
-        try:
-            msgspec.json.decode(lines[0])
-        except (msgspec.DecodeError, RecursionError):
-            pass  # One object over several lines, as a pretty-printed file has.
-        else:
-            messages, damage = _lines(data, where)
-            return messages, {}, damage
+    if _is_lines(data):
+        messages, damage = _lines(data, where)
+        return messages, {}, damage
     try:
         whole = msgspec.json.decode(data)
     except (msgspec.DecodeError, RecursionError, UnicodeDecodeError) as error:
@@ -129,6 +123,18 @@ def _messages(
     if frames and isinstance(frames[0], list):
         frames = _unpacked(frames[0], frames[1:])
     return _objects(frames), metadata if isinstance(metadata, dict) else {}, None
+
+
+def _is_lines(data: bytes) -> bool:
+    """Whether the first line is an object of its own, and not the beginning of a longer one."""
+    first, _, rest = data.lstrip().partition(b"\n")
+    if not rest.strip() or not first.startswith(b"{"):
+        return False
+    try:
+        msgspec.json.decode(first)
+    except (msgspec.DecodeError, RecursionError):
+        return False
+    return True
 
 
 def _lines(data: bytes, where: str) -> tuple[list[dict[str, Any]], RecordingError | None]:
