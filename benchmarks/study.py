@@ -1,6 +1,6 @@
 """What writing a study down costs: per touch frame, per minute, and on opening a large one.
 
-python -m benchmarks.study [--seconds 20]
+python -m benchmarks.study [--seconds 10]
 """
 
 from __future__ import annotations
@@ -40,14 +40,19 @@ from tasks.simulated_user.configuration import UserConfiguration
 
 DESIGN = Path(__file__).resolve().parent.parent / "examples" / "study" / "design.toml"
 PEOPLE = 24
-CLOCKS = {"by the clock": time.perf_counter, "of processor time": time.thread_time}
-"""The first is what the loop waits for, with all that goes on beside it on a busy machine."""
+CASES = (
+    ("at real time, by the clock", time.perf_counter, True),
+    ("at real time, processor time", time.thread_time, True),
+    ("without pauses, processor time", time.thread_time, False),
+)
+"""What is told, with which clock, and whether the loop pauses until a control period is due. By the
+clock, what goes on beside it on a busy machine counts too."""
 
 
 def main() -> None:
     """Prints all numbers."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--seconds", type=float, default=20.0, help="simulated, of touches")
+    parser.add_argument("--seconds", type=float, default=10.0, help="of touches, each time")
     seconds = parser.parse_args().seconds
     print(describe_machine())
     with tempfile.TemporaryDirectory() as folder, no_search_for_garbage():
@@ -60,7 +65,7 @@ def main() -> None:
 class Timed:
     """A recorder that times what the session's loop waits for."""
 
-    def __init__(self, recorder: Any, clock: str) -> None:
+    def __init__(self, recorder: Any, clock: Callable[[], float]) -> None:
         self._recorder, self._clock = recorder, clock
         self.now = 0.0
 
@@ -68,42 +73,41 @@ class Timed:
         call = getattr(self._recorder, name)
 
         def timed(*arguments: Any, **more: Any) -> None:
-            began = CLOCKS[self._clock]()
+            began = self._clock()
             call(*arguments, **more)
-            self.now += CLOCKS[self._clock]() - began
+            self.now += self._clock() - began
 
         return timed
 
 
 def logging(folder: Path, seconds: float) -> None:
     """Time in the loop of a trial at real time, a touch frame in every control period; bytes."""
-    record = folder / "trial.jsonl"
     # Nobody succeeds: `random` touches all the time, and the trial lasts as long as is wanted.
     settings = RunSettings(task="box-to-goal", seed=3)
     user = UserConfiguration(kind="random")
-    costs: dict[str, list[float]] = {name: [] for name in CLOCKS}
+    costs: list[list[float]] = []
     writing: list[float] = []
-    written = simulated = 0.0
+    simulated = 0.0
     size = frames = 0
-    seed = 3
-    while simulated < seconds:
+    for seed, (_, clock, paced) in enumerate(CASES, start=3):
+        costs.append([])
         record = folder / f"trial{seed}.jsonl"
-        which = "by the clock" if simulated < seconds / 2 else "of processor time"
         keeping = Keeping(trial_header(settings, {}), record)
-        timed, table = Timed(keeping.recorder, which), FrameTable()
+        timed, table = Timed(keeping.recorder, clock), FrameTable()
         session = build(settings, lambda task, surface, s=seed: SimulatedDevice(
             task, user, surface, s), timed)  # type: ignore[arg-type, misc]  # fmt: skip
         device: Any = session.rigs[0].device
         syncing = Syncing(lambda path=record: sync_file(path))  # type: ignore[misc]
-        clock = RealTime()
-        while not session.over and session.time < seconds / 2:
+        pace = RealTime()
+        while not session.over and session.time < seconds:
             timed.now = 0.0
             snapshot = session.advance()
-            began = CLOCKS[which]()
+            began = clock()
             table.show(snapshot)
-            costs[which].append(timed.now + CLOCKS[which]() - began)
+            costs[-1].append(timed.now + clock() - began)
             device.show(snapshot)
-            clock.wait(snapshot.time)
+            if paced:
+                pace.wait(snapshot.time)
         syncing.close()
         simulated += session.time
         keeping.end(session)
@@ -113,15 +117,14 @@ def logging(folder: Path, seconds: float) -> None:
         writing.append(time.perf_counter() - began)
         size += record.stat().st_size
         frames += sum(p.stat().st_size for p in folder.glob(f"*_{record.stem}.*"))
-        seed += 1
-    written = 60.0 / simulated / 1e6
-    for what, values in costs.items():
+    to_rate = 60.0 / simulated / 1e6
+    for (what, _, _), values in zip(CASES, costs, strict=True):
         p50, p99, most = 1e6 * np.percentile(values, [50, 99, 100])
         mean = 1e6 * np.mean(values)
-        print(f"per touch frame, in the loop, {what}: mean {mean:.0f}, median {p50:.0f}, "
+        print(f"per touch frame, {what}: mean {mean:.0f}, median {p50:.0f}, "
               f"p99 {p99:.0f}, largest {most:.0f} microseconds ({len(values)} frames)")  # fmt: skip
-    print(f"recording: {size * written:.2f} MB per minute; derived tables: "
-          f"{frames * written:.2f} MB per minute, made in {1e3 * max(writing):.0f} ms at most "
+    print(f"recording: {size * to_rate:.2f} MB per minute; derived tables: "
+          f"{frames * to_rate:.2f} MB per minute, made in {1e3 * max(writing):.0f} ms at most "
           "between trials")  # fmt: skip
 
 
