@@ -90,3 +90,13 @@ class MergedDevice:
     def _new(self) -> int:
         self._next += 1
         return self._next - 1
+
+
+def parts_of(device: object) -> list[object]:
+    """A device with all that are within it: merged, spoiled, measured or beside a lift control."""
+    found: list[object] = [device]
+    inner = vars(device).get("device") if hasattr(device, "__dict__") else None
+    for part in (inner, *getattr(device, "devices", ())):
+        if part is not None and all(part is not other for other in found):
+            found += parts_of(part)
+    return found

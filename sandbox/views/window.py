@@ -18,6 +18,7 @@ from models.scene import Scene
 from models.surface import Surface
 from sandbox.devices.device import Device
 from sandbox.devices.lift_keys import LiftKeys
+from sandbox.devices.merged import parts_of
 from sandbox.devices.mouse import MouseDevice
 from sandbox.messages import Snapshot
 from sandbox.views import palette
@@ -84,7 +85,7 @@ class Window:
         self.link = ""
         self.pictures, self.picture_time = 0, 0.0
         self.seen: Snapshot | None = None
-        self._surface = surface
+        self._surface = self._touched = surface
         self._mouse: MouseDevice | None = None
         self._lift: LiftKeys | None = None
         self._touching = self._looking = False
@@ -123,7 +124,7 @@ class Window:
                 # Whoever looks from elsewhere does so for the next trial, too.
                 camera = before.camera
             before.close()
-        self._surface, self._caption = surface, caption
+        self._surface, self._touched, self._caption = surface, surface, caption
         self._mouse = self._lift = self._snapshot = self.seen = self._shown = None
         self.paused = self._reset = self._contact = False
         glfw.set_window_title(self._context.handle, title)
@@ -141,9 +142,10 @@ class Window:
 
     def attach(self, device: Device) -> None:
         """Lets mouse and keys drive a device, as far as it is one that they can drive."""
-        parts = _parts(device)
+        parts = parts_of(device)
         self._lift = next((part for part in parts if isinstance(part, LiftKeys)), None)
         self._mouse = next((part for part in parts if isinstance(part, MouseDevice)), None)
+        self._touched = self._mouse.surface if self._mouse else self._surface
 
     def pump(self, snapshot: Snapshot | None) -> bool:
         """Takes in what the person did, and draws; False once the window is closed.
@@ -194,7 +196,7 @@ class Window:
         lens = self._renderer.lens if self._renderer else None
         if lens is None:
             raise HandSandboxError("the window has drawn nothing yet", remedy="Call pump first")
-        pixel, _ = lens.project(self._surface.to_world(xy))
+        pixel, _ = lens.project(self._touched.to_world(xy))
         x, y = pixel / np.array(lens.size) * glfw.get_window_size(self._context.handle)
         return float(x), float(y)
 
@@ -269,7 +271,7 @@ class Window:
         if lens is None:
             return None
         share = np.array([x, y]) / np.maximum(glfw.get_window_size(self._context.handle), 1)
-        return lens.pick(share * np.array(lens.size), self._surface)
+        return lens.pick(share * np.array(lens.size), self._touched)
 
     def _listen(self) -> None:
         """Has glfw call us; it would print and forget what goes wrong in there, `pump` tells."""
@@ -333,7 +335,7 @@ class Window:
             return
         if self._mouse is not None and glfw.KEY_1 <= key <= glfw.KEY_5:
             place = self._pick(*glfw.get_cursor_pos(self._context.handle))
-            self._mouse.hand(key - glfw.KEY_0, self._surface.size / 2 if place is None else place)
+            self._mouse.hand(key - glfw.KEY_0, self._touched.size / 2 if place is None else place)
         elif self._mouse is not None and key == glfw.KEY_SPACE:
             self._mouse.lift()
         elif key == glfw.KEY_H:
@@ -380,16 +382,6 @@ class Window:
         trace: TracebackType | None,
     ) -> None:
         self.close()
-
-
-def _parts(device: object) -> list[object]:
-    """A device with all that are within it: merged, spoiled, measured or beside a lift control."""
-    found: list[object] = [device]
-    inner = vars(device).get("device") if hasattr(device, "__dict__") else None
-    for part in (inner, *getattr(device, "devices", ())):
-        if part is not None and all(part is not other for other in found):
-            found += _parts(part)
-    return found
 
 
 def _same(one: Surface, other: Surface) -> bool:
