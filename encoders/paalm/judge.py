@@ -90,7 +90,11 @@ def calibrated_on(take: LeapTake, options: PaalmOptions) -> Paalm:
 
 
 def judged(
-    name: str, take: LeapTake, options: PaalmOptions | None = None, angles: bool = True
+    name: str,
+    take: LeapTake,
+    options: PaalmOptions | None = None,
+    angles: bool = True,
+    names: bool = True,
 ) -> Judgement:
     """One recording.
 
@@ -99,6 +103,7 @@ def judged(
         take: Frames and truth.
         options: Of PAALM; names are judged with the paper's order as well.
         angles: False where the recording has no truth for single joints.
+        names: False leaves the names of fingers out, which take two passes more.
     """
     options = options or PaalmOptions()
     paalm = calibrated_on(take, options)
@@ -110,9 +115,10 @@ def judged(
     figures = {
         **_angles(tables, take, angles),
         "ms_per_frame": milliseconds,
-        "identity_tracked": _identity(take, replace(options, identity="tracked")),
-        "identity_paper": _identity(take, replace(options, identity="paper")),
     }
+    for identity in ("tracked", "paper"):
+        chosen = replace(options, identity=identity)
+        figures[f"identity_{identity}"] = _identity(take, chosen) if names else float("nan")
     return Judgement(name, figures, int((~take.open).sum()))
 
 

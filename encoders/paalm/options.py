@@ -36,7 +36,7 @@ class PaalmOptions:
     """
 
     identity: Literal["paper", "tracked"] = "tracked"
-    direction: Literal["device", "knuckle_to_tip", "thumb"] = "knuckle_to_tip"
+    direction: Literal["device", "knuckle_to_tip", "thumb"] = "thumb"
     first_joint: Literal["ik", "direction"] = "ik"
     hidden: float = 0.45
     thumb_hidden: float = 0.9

@@ -34,8 +34,8 @@ from models.frames import FINGERS, HandFrame, SeenHand, Vector
 
 Array = NDArray[np.float64]
 
-_FIST = (60.0, 90.0)
-"""Degrees, MCP and PIP at least, of a finger that folded out of sight."""
+_FIST = 90.0
+"""Degrees, PIP at least, of a finger that folded out of sight."""
 _FOLDING = 0.8
 """A finger whose ratio was below this when it vanished is taken to have folded."""
 
@@ -208,6 +208,7 @@ class _Hand:
         for rigged, along in zip(self._rig, self._calibration.directions.tolist(), strict=True):
             x, y, z = (c * rigged.open_length for c in along)
             self._targets.append((x, y, z))
+        self._latest = list(self._targets)
         self._rows: list[tuple[float, float, float, float]] = [(0.0, 0.0, 0.0, 0.0)] * len(FINGERS)
         self._miss = [0.0] * len(FINGERS)
         self._ratios = [1.0] * len(FINGERS)
@@ -247,6 +248,7 @@ class _Hand:
                 # The paper's target: direction * ratio * length of the rig's finger.
                 d, s = palm.turn(pointing(finger)), self._ratios[name] * rigged.open_length
                 new = (s * d[0], s * d[1], s * d[2])
+            self._latest[name] = new
             old = self._targets[name]
             self._targets[name] = (
                 new[0] + keep * (old[0] - new[0]),
@@ -272,6 +274,10 @@ class _Hand:
 
     def _hold(self, name: int, palm: Palm, dt: float) -> None:
         """A finger that is not seen; the paper lets it stay in the same position."""
+        if self._unseen[name] == 0.0:
+            # Where it was, not where smoothing still had it.
+            self._targets[name] = self._latest[name]
+            self._solve(name)
         self._unseen[name] += dt
         if self._options.hold == "device" and self._palm is not None:
             self._targets[name] = palm.turn(self._palm.back(self._targets[name]))
@@ -279,8 +285,7 @@ class _Hand:
         if self._options.vanished == "folded" and self._ratios[name] < _FOLDING:
             share = 1.0 - exp(-dt / self._options.fold_seconds)
             flexion, spread, pip, _ = self._rows[name]
-            flexion += share * max(_FIST[0] - flexion, 0.0)
-            pip += share * max(_FIST[1] - pip, 0.0)
+            pip += share * max(_FIST - pip, 0.0)
             self._rows[name] = (flexion, spread, pip, self._rig[name].chain.dip(pip))
 
     def _result(self, palm: Palm, ids: dict[str, int | None], seen: bool) -> PaalmHand:

@@ -21,6 +21,7 @@ from encoders.paalm.judge import Judgement, judged, summary, test_seeds
 from encoders.paalm.recorded import as_first_software, independent, take_of_recording
 from models.errors import EncoderError, InputError, RecordingError
 from models.frames import SIDES
+from sandbox.cli.paalm_readings import SIMULATED_FIT, judge_readings, show_readings
 from sandbox.cli.parse import parse
 from sandbox.devices.leap_file import read_leap
 from sandbox.devices.leap_truth import take_with_truth
@@ -34,9 +35,6 @@ CONDITIONS = {
     "v3": ("v3", True),
 }
 """Name -> dialect, drop-outs. The first is the one that PAALM was written for."""
-
-SUBJECT_FIT = Coupling(0.631, 1.596)
-"""Least squares over the gestures of the simulated persons 0 to 9, who are never judged."""
 
 
 @dataclass(frozen=True)
@@ -60,6 +58,10 @@ class PaalmJudgeOptions:
     takes: int = 8
     """How many simulated persons, 30 seconds each."""
 
+    readings: bool = False
+    """Judge every other reading of the paper instead, one option at a time, on the simulated
+    persons 100, 101, ..., who are never judged otherwise."""
+
 
 def main(argv: list[str]) -> int:
     """Runs `sandbox evaluate --paalm ...`."""
@@ -68,6 +70,8 @@ def main(argv: list[str]) -> int:
         raise InputError(
             "nobody to judge", where="--takes", got=options.takes, expected="1 or more"
         )
+    if options.readings and options.paalm != SIMULATED:
+        raise InputError("readings are judged on simulated hands only", where="--readings")
     if options.json is not None and not options.json.absolute().parent.is_dir():
         raise InputError("there is no such folder", where=f"--json {options.json}")
     console = Console(stderr=True)
@@ -77,12 +81,17 @@ def main(argv: list[str]) -> int:
         def shown(share: float) -> None:
             bar.update(job, completed=share)
 
-        if options.paalm == SIMULATED:
+        if options.readings and options.paalm == SIMULATED:
+            found = judge_readings(options.takes, shown)
+        elif options.paalm == SIMULATED:
             found = _simulated(options.takes, shown)
         else:
             found = _folder(Path(options.paalm), shown)
     found = {"schema": SCHEMA, **found}
-    _show(found)
+    if options.readings:
+        show_readings(found)
+    else:
+        _show(found)
     if options.json is not None:
         text = json.dumps(found, indent=1, allow_nan=False) + "\n"
         try:
@@ -106,7 +115,7 @@ def _simulated(takes: int, shown: Callable[[float], None]) -> dict[str, Any]:
             if name == "v1":
                 printed.append(judged(str(seed), take, PAPER))
             if dialect == "v3":
-                _by_coupling(couplings, str(seed), take, SUBJECT_FIT)
+                _by_coupling(couplings, str(seed), take, SIMULATED_FIT)
             done += 1
             shown(done / parts)
     conditions = {name: summary(j) for name, j in results.items()}
