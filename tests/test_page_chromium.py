@@ -11,7 +11,7 @@ from urllib.parse import urlsplit
 import numpy as np
 import pytest
 
-from models.frames import TouchFrame
+from models.frames import Contact, TouchFrame
 from models.surface import METRES_PER_INCH
 from sandbox.assembly import build
 from sandbox.cli.play_page import rectangle
@@ -25,6 +25,7 @@ from sandbox.server.skins import pack_skin
 from sandbox.settings import RunSettings
 from tasks.simulated_user.configuration import UserConfiguration
 from tests.chromium import BINARY, Browser, Tab
+from tests.scripted import scripted
 from tests.test_page_server import Stage, wait_for
 
 pytestmark = pytest.mark.skipif(not os.path.exists(BINARY), reason="Debian's chromium is missing")
@@ -343,3 +344,34 @@ def test_what_the_buttons_ask_for_is_heard(stage: Stage, tab: Tab) -> None:
     assert found == [
         ("retry", ""), ("hand", "left"), ("pause", ""), ("resume", ""), ("task", "box-to-goal")
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize("task", ["box-to-goal", "stack-vertical"])
+def test_a_place_on_the_surface_is_drawn_on_the_pixel_that_touches_it(
+    browser: Browser, server: PageServer, task: str
+) -> None:
+    x_in, y_in = 2.5, 4.5
+    session = scripted(
+        lambda now: [Contact(1, x_in * METRES_PER_INCH, y_in * METRES_PER_INCH)],
+        task=task,
+        surface_in=(WIDTH / PPI, HEIGHT / PPI),
+    )
+    surface = session.rigs[0].reconstructor.surface
+    # Fingers that are not on this screen are drawn where the program has them in the world.
+    message = describe_scene(1, session.scene, session.task, surface, "right", "somebody else")
+    server.show_scene(message, session.scene)
+    tab = browser.open(server.url, width=WIDTH, height=HEIGHT, storage=KNOWN)
+    tab.wait(READY)
+    tab.wait("!!document.querySelector('.task').textContent")
+    server.publish(session.advance())
+    left, right, bottom = tab.wait(
+        "(() => { const c = document.querySelector('.rings'), w = c.width;"
+        "const d = c.getContext('2d').getImageData(0, 0, w, c.height).data;"
+        "let l = w, r = -1, b = -1; for (let i = 3; i < d.length; i += 4) if (d[i] > 40) {"
+        "const n = (i - 3) / 4; l = Math.min(l, n % w); r = Math.max(r, n % w);"
+        "b = Math.max(b, Math.floor(n / w)); } return r > 0 && [l, r, b]; })()"
+    )
+    radius = (right - left) / 2
+    assert (left + right) / 2 == pytest.approx(x_in * PPI, abs=1.0)
+    assert bottom - radius == pytest.approx(y_in * PPI, abs=1.5)
+    tab.close()
