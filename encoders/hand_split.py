@@ -36,7 +36,7 @@ class SplitSettings:
     settle: float = 0.048
     span: float = 0.21
     pull: float = 0.15
-    begin: float = 0.004
+    begin: float = 0.008
     crossed: float = 0.010
     memory: float = 1.0
 

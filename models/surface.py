@@ -10,7 +10,8 @@ a rotation of pi, just where a rotation vector is not continuous, and no encoder
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -121,6 +122,22 @@ class Surface:
         local = (np.asarray(world, float) - self.corner) @ self.rotation
         found: NDArray[np.float64] = local[..., :2] * _FLIP
         return found
+
+
+def enclosing(surfaces: Sequence[Surface]) -> Surface:
+    """The smallest rectangle around surfaces in one plane, as the first one lies.
+
+    Args:
+        surfaces: One or more; a single one, or several in one place, is given back as it is.
+    """
+    first = surfaces[0]
+    corners = [first.to_surface(s.to_world(np.stack([0.0 * s.size, s.size]))) for s in surfaces]
+    low, high = np.min(corners, axis=(0, 1)), np.max(corners, axis=(0, 1))
+    if np.allclose(low, 0.0, atol=1e-9) and np.allclose(high, first.size, atol=1e-9):
+        return first
+    width, height = ((high - low) / METRES_PER_INCH).tolist()
+    x, y, z = first.to_world(low).tolist()
+    return replace(first, width_in=width, height_in=height, origin=(x, y, z))
 
 
 def parse_surface(text: str) -> Surface:

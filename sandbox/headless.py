@@ -111,5 +111,10 @@ def trial_header(settings: RunSettings, about: dict[str, Any] | None = None) -> 
     }
 
 
+def looking_beside(session: Session) -> list[View]:
+    """`show` of all devices but the first one that look."""
+    return [rig.device.show for rig in session.rigs[1:] if hasattr(rig.device, "show")]
+
+
 def _looking_devices(session: Session) -> list[View]:
     return [rig.device.show for rig in session.rigs if hasattr(rig.device, "show")]

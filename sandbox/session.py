@@ -24,6 +24,7 @@ from models.errors import DivergenceError
 from models.frames import TouchFrame
 from models.hand import Hand
 from models.scene import BodyPoses, Scene, SceneSpec, StillPoses
+from models.surface import Surface, enclosing
 from sandbox.contact_modes import ContactMode, ContactModes, contact_mode
 from sandbox.devices.device import Device
 from sandbox.divergence import nonsense
@@ -143,6 +144,11 @@ class Session:
     def time(self) -> float:
         """s of simulated time since the trial began."""
         return self.step * self.scene.spec.timestep
+
+    @property
+    def whole_surface(self) -> Surface:
+        """Where all hands touch: around the surfaces of all of them."""
+        return enclosing([rig.reconstructor.surface for rig in self.rigs])
 
     @property
     def over(self) -> bool:

@@ -147,7 +147,7 @@ class RunSettings:
             InputError: A setting is missing or unknown: another version wrote it.
         """
         # What older recordings do not tell was so before it could be chosen.
-        older = {"contact": ContactMode.HARD.value, "variation": {}, "second": None}
+        older: dict[str, Any] = {"contact": ContactMode.HARD.value, "variation": {}, "second": None}
         values = {**asdict(Person()), **older, **values}
         names = {f.name for f in fields(cls)}
         if set(values) != names:

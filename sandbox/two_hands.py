@@ -51,6 +51,14 @@ def with_each(
     return change(make_device)
 
 
+def with_first(
+    make_device: DeviceMaker, change: Callable[[DeviceMaker], DeviceMaker]
+) -> DeviceMaker:
+    """The same with the first hand's maker changed."""
+    first, *others = makers_of(make_device)
+    return PerHand((change(first), *others)) if others else change(first)
+
+
 def place_all(
     placed: Surface, settings: RunSettings, kind: type[Task]
 ) -> tuple[Surface, tuple[Surface, ...]]:
@@ -114,16 +122,23 @@ def homes(settings: RunSettings, surface: Surface) -> Array:
     return np.array([surface.size * [0.5 + 0.25 * side, 0.5] for side in sides_of(settings)])
 
 
-def sharing(make_device: DeviceMaker, settings: RunSettings) -> PerHand:
-    """Opens a device once, for two hands that share its surface."""
-    opened: list[SharedSurface] = []
+def sharing(make_device: DeviceMaker, settings: RunSettings, opened: list[Device]) -> PerHand:
+    """Opens a device once, for two hands that share its surface.
+
+    Args:
+        make_device: Opens it.
+        settings: Of the run.
+        opened: Gets the first hand's part when it is opened.
+    """
+    parts: list[Device] = []
 
     def first(task: Task, surface: Surface) -> Device:
-        opened[:] = [SharedSurface(make_device(task, surface), homes(settings, surface))]
-        return opened[0].parts[0]
+        parts[:] = SharedSurface(make_device(task, surface), homes(settings, surface)).parts
+        opened.append(parts[0])
+        return parts[0]
 
     def second(task: Task, surface: Surface) -> Device:
-        return opened[0].parts[1]
+        return parts[1]
 
     return PerHand((first, second))
 

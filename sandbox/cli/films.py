@@ -21,4 +21,4 @@ def open_film(path: Path, session: Session, caption: str) -> FilmView:
     # Drawing loads OpenGL, which a run without a film never needs.
     from sandbox.views.film import FilmView
 
-    return FilmView(path, session.scene, session.rigs[0].reconstructor.surface, caption=caption)
+    return FilmView(path, session.scene, session.whole_surface, caption=caption)

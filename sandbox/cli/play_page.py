@@ -18,7 +18,7 @@ from sandbox.cli.scene_options import Plan, SceneOptions, plan
 from sandbox.cli.second_view import invite, publish, show_session
 from sandbox.devices.web import WebDevice
 from sandbox.events import EventLog, NoticeEvents
-from sandbox.headless import trial_header
+from sandbox.headless import looking_beside, trial_header
 from sandbox.keeping import Keeping
 from sandbox.live import LiveSession
 from sandbox.messages import Snapshot
@@ -26,6 +26,7 @@ from sandbox.server.page_server import PageServer
 from sandbox.server.protocol import Ask, Screen
 from sandbox.session import Session
 from sandbox.timing import Timing, timed
+from sandbox.two_hands import with_first
 from tasks.registry import TASKS
 
 TICK = 0.02
@@ -103,7 +104,8 @@ class PagePlay:
         timing = Timing(self.server.latency)
         try:
             make = chosen.make_device
-            make = timed(make, timing) if chosen.live else make
+            if chosen.live:
+                make = with_first(make, lambda maker: timed(maker, timing))
             session = build(chosen.settings, make, keeping.recorder)
         except InputError as error:
             keeping.close()
@@ -163,12 +165,15 @@ class PagePlay:
             self.events, lambda notice: self.console.print(f"[yellow]{notice}[/]")
         )
         looking = getattr(session.rigs[0].device, "show", None)
+        others = looking_beside(session)
 
         def on_step(snapshot: Snapshot) -> None:
             timing.stepped(snapshot)
             notices.show(snapshot)
             if looking:
                 looking(snapshot)
+            for look in others:
+                look(snapshot)
             publish(self.server, session, snapshot)
 
         return on_step

@@ -22,7 +22,7 @@ from sandbox.devices.lift_keys import with_lift
 from sandbox.devices.merged import MergedDevice
 from sandbox.devices.web import WebDevice
 from sandbox.events import EventLog, NoticeEvents
-from sandbox.headless import trial_header
+from sandbox.headless import looking_beside, trial_header
 from sandbox.keeping import Keeping
 from sandbox.live import LiveSession
 from sandbox.messages import Snapshot
@@ -30,6 +30,7 @@ from sandbox.server.latency import LatencyLog
 from sandbox.server.page_server import PageServer
 from sandbox.session import Session
 from sandbox.timing import Timing, timed
+from sandbox.two_hands import with_first
 from sandbox.views.window import Window
 from tasks.task import Task
 
@@ -204,16 +205,19 @@ class WindowPlay:
         """Opens the device, with the page's fingers beside it and a clock around both."""
         make_one = with_lift(chosen.make_device, keys=True)
 
-        def make_both(task: Task, surface: Surface) -> Device:
-            return MergedDevice((make_one(task, surface), WebDevice(surface)))
+        def beside_page(maker: DeviceMaker) -> DeviceMaker:
+            def make_both(task: Task, surface: Surface) -> Device:
+                return MergedDevice((maker(task, surface), WebDevice(surface)))
 
-        make = make_both if self.share else make_one
+            return make_both
+
+        make = with_first(make_one, beside_page) if self.share else make_one
         # Spoiled frames carry the session's time, in which nothing can be late.
         measured = chosen.live and not chosen.settings.variation.spoils
-        return timed(make, timing) if measured else make
+        return with_first(make, lambda maker: timed(maker, timing)) if measured else make
 
     def _open_window(self, session: Session, chosen: Plan) -> Window:
-        surface = session.rigs[0].reconstructor.surface
+        surface = session.whole_surface
         title = f"Hand Sandbox: {session.task.name}"
         caption = "simulated user" if chosen.about.get("user") is not None else ""
         if self.window is None:
@@ -239,6 +243,7 @@ class WindowPlay:
             self.events, lambda notice: self.console.print(f"[yellow]{notice}[/]")
         )
         looking = getattr(chosen.opened[-1], "show", None)
+        others = looking_beside(session)
         server = self.server
 
         def on_step(snapshot: Snapshot) -> None:
@@ -246,6 +251,8 @@ class WindowPlay:
             notices.show(snapshot)
             if looking:
                 looking(snapshot)
+            for look in others:
+                look(snapshot)
             if server:
                 publish(server, session, snapshot)
 

@@ -185,12 +185,14 @@ def plan(options: SceneOptions) -> Plan:
         more = replace(more, user=options.second_user)
     alone = second.shared and recording is None and options.device != "simulated"
     if alone:
-        return replace(first, make_device=sharing(first.make_device, settings))
+        return replace(first, make_device=sharing(first.make_device, settings, first.opened))
     next_ = _plan(more, _recording(other), settings, 1)
     makers = PerHand((first.make_device, next_.make_device))
     about = first.about | {"second": next_.about}
     if second.shared and recording is None:
-        return replace(first, about=about, make_device=sharing(merging(makers), settings))
+        return replace(
+            first, about=about, make_device=sharing(merging(makers), settings, first.opened)
+        )
     return replace(first, about=about, live=first.live or next_.live, make_device=makers)
 
 

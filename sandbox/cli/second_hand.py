@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import tyro
 
@@ -85,7 +85,7 @@ def with_second(
         "hand_size": options.second_hand_size,
         "turn": options.second_turn,
     }
-    given = {name: value for name, value in asked.items() if value is not None}
+    given: dict[str, Any] = {name: v for name, v in asked.items() if v is not None}
     if recording is not None and settings.second is not None:
         return settings
     for_two = hands_of(find_task(settings.task)) > 1

@@ -63,12 +63,14 @@ class MouseDevice:
         person: Which hand the keys put down, and from where; its size is that of the object.
 
     Attributes:
+        surface: As given.
         news: Is set when something has come in; a session may wait for it.
     """
 
     name = "mouse"
 
     def __init__(self, surface: Surface, person: Person | None = None) -> None:
+        self.surface = surface
         self._size = surface.size
         self._person = PersonFrame(replace(person or Person(), hand_size=1.0), surface)
         self._lock = threading.Lock()

@@ -20,6 +20,9 @@ FRONT_FILM_AZIMUTH, FRONT_FILM_ELEVATION, FRONT_FILM_DISTANCE = 64.0, -14.0, 0.4
 """deg, deg, m. Before an upright surface: as far round to the thumb's side as it takes to see a box
 between thumb and fingers, and from above, so that one sees the table and who stands on what."""
 
+TWO_HANDS = 1.5
+"""Of the surface's width: how far away a film's camera is at least where there are two hands."""
+
 FRONT_AZIMUTH, FRONT_ELEVATION, FRONT_DISTANCE = 90.0, -8.0, 0.36
 """deg, deg, m. As the person sees it: right is right, and up is up. Hands have to be drawn so that
 one sees through them, since they are before all that they hold."""
@@ -33,7 +36,12 @@ def film_camera(snapshot: Snapshot, surface: Surface) -> mujoco.MjvCamera:
     places += [np.asarray(goal.position) for goal in snapshot.goals]
     middle = np.mean(places, axis=0) if places else _middle(surface)
     spread = max((float(np.linalg.norm((p - middle)[:2])) for p in places), default=0.0)
-    camera = _free(FILM_AZIMUTH, FILM_ELEVATION, FILM_DISTANCE + 1.2 * max(spread - 0.04, 0.0))
+    distance = FILM_DISTANCE + 1.2 * max(spread - 0.04, 0.0)
+    if len(snapshot.hands) > 1:
+        # Hands come from both sides, wherever the things are.
+        middle = np.array([*_middle(surface)[:2], middle[2]])
+        distance = max(distance, TWO_HANDS * float(surface.size[0]))
+    camera = _free(FILM_AZIMUTH, FILM_ELEVATION, distance)
     # The hand reaches up and towards the person, so the picture's middle does as well.
     camera.lookat[:] = middle + np.array([0.005, -0.022, 0.042])
     return camera
