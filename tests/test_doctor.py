@@ -25,6 +25,7 @@ from sandbox.doctor.check import Check, ask
 from sandbox.doctor.devices import port_check
 from sandbox.doctor.graphics import graphics_checks
 from sandbox.doctor.packages import DEVELOPERS, USES, declared, package_checks, within
+from sandbox.doctor.speed import speed_check
 from sandbox.doctor.system import folder_check
 from tasks.registry import TASKS
 from tests.processes import ROOT
@@ -91,6 +92,15 @@ def test_without_a_screen_the_window_is_missing_and_a_page_is_proposed(
     display, drawing = graphics_checks()
     assert not display.ok and "--view web" in display.remedy
     assert not drawing.ok and "SIGABRT" in drawing.found and "apt-get" in drawing.remedy
+
+
+def test_it_simulates_a_second_to_say_how_fast_it_is(
+    found: list[Check], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (speed,) = [c for c in found if c.name == "speed"]
+    assert float(re.findall(r"[\d.]+", speed.found)[0]) > 0.0
+    monkeypatch.setattr("sandbox.doctor.speed._PROBE", "raise SystemExit('it does not even start')")
+    assert speed_check().found == "it does not even start" and not speed_check().ok
 
 
 def test_a_folder_can_be_written_or_not(tmp_path: Path) -> None:

@@ -16,6 +16,7 @@ from sandbox.doctor.check import Check
 from sandbox.doctor.devices import device_checks
 from sandbox.doctor.graphics import graphics_checks
 from sandbox.doctor.packages import package_checks
+from sandbox.doctor.speed import speed_check
 from sandbox.doctor.system import system_checks
 from sandbox.versions import versions
 
@@ -52,7 +53,8 @@ def main(argv: list[str]) -> int:
 
 def examine() -> list[Check]:
     """Every check, in the order of its group."""
-    found = [*system_checks(), *package_checks(), *graphics_checks(), *device_checks()]
+    found = [*system_checks(), speed_check(), *package_checks()]
+    found += [*graphics_checks(), *device_checks()]
     return sorted(found, key=lambda check: GROUPS.index(check.group))
 
 

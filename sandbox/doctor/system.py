@@ -66,7 +66,7 @@ def _clock() -> Check:
                  f"wakes up {1000 * median:.1f} ms late (median of {WAITS}), "
                  f"resolution {1e9 * resolution:.0f} ns",
                  "sessions in real time",
-                 "" if ok else "Close other programs, or use a machine with more processors")  # fmt: skip
+                 "" if ok else "Close other programs, or use another machine")  # fmt: skip
 
 
 def _ffmpeg() -> Check:
