@@ -250,7 +250,6 @@ def _run(options: RunOptions, console: Console) -> int:
     from sandbox.study.forms import TerminalForms
     from sandbox.study.runner import SessionRunner
     from sandbox.study.session_folder import SessionFolder
-    from sandbox.study.tables import rebuild_study
 
     if options.device == "simulated" and not options.pilot:
         raise StudyError("a simulated user is nobody's data", where="--device simulated",
@@ -264,7 +263,6 @@ def _run(options: RunOptions, console: Console) -> int:
     design = _load(options.file)
     study = StudyFolder(options.out, design, PILOT if options.pilot else REAL,
                         options.force_upgrade)  # fmt: skip
-    rebuild_study(study)
     say = _sayer(console)
     controls = Controls(say)
     terminal = Terminal(controls)
@@ -284,7 +282,6 @@ def _run(options: RunOptions, console: Console) -> int:
                                     options.device).run()  # fmt: skip
         finally:
             player.close()
-    rebuild_study(study)
     say(f"{person.ppid}: {outcome}")
     if outcome == "stopped":
         say(f"to go on: sandbox study run {options.file} --participant {person.ppid}")

@@ -24,7 +24,7 @@ from sandbox.study.plan import (
 )
 from sandbox.study.players import TICK, Ask, Played, Player
 from sandbox.study.session_folder import SessionFolder
-from sandbox.study.tables import rebuild_session
+from sandbox.study.tables import rebuild_session, rebuild_study
 
 MakeDevice = Callable[[TrialStep, RunSettings], DeviceMaker]
 """How the device of a trial is opened."""
@@ -170,6 +170,7 @@ class SessionRunner:
         try:
             played.table.write(session.path / "trackers", stem)
             rebuild_session(session)
+            rebuild_study(session.study)
         except StudyError as error:
             # The trial is safe in journal and recording; tables are made again from them.
             self.say(str(error))
@@ -192,6 +193,7 @@ class SessionRunner:
                     if attempt.end is not None and missing(trackers, recording.stem):
                         rebuild(recording, trackers)
             rebuild_session(session)
+            rebuild_study(session.study)
         except InputError as error:
             self.say(f"tables are not up to date: {error}")
 

@@ -14,7 +14,7 @@ from sandbox.recording import load_recording
 from sandbox.study.files import explain, locked, make_folder, sweep, sync_file, sync_folder
 from sandbox.study.folder import Participant, StudyFolder
 from sandbox.study.journal import SCHEMA, Journal, Record, Syncing
-from sandbox.study.plan import Step, TrialStep, session_plan
+from sandbox.study.plan import Step, TrialStep, session_plan, trials_of
 from sandbox.study.state import Attempt, SessionState
 from sandbox.versions import versions
 
@@ -66,6 +66,7 @@ class SessionFolder:
         self.state = SessionState.of(self.journal.records)
         if self.state.start:
             self._check()
+            self._check_plan()
         self._recover()
         self.resumed = bool(self.state.start)
         kind = "session_resume" if self.resumed else "session_start"
@@ -170,6 +171,20 @@ class SessionFolder:
                              got=", ".join(f"{n} {start.get(n)}" for n in wrong),
                              expected=", ".join(f"{n} {mine[n]}" for n in wrong),
                              remedy="Put it back where it came from")  # fmt: skip
+
+    def _check_plan(self) -> None:
+        """Refuses to go on by a plan that is not the one of the trials there are.
+
+        A design that was changed by force gives another plan to everybody.
+        """
+        planned = {t.number: t for t in trials_of(self.steps)}
+        for trial, attempts in self.state.attempts.items():
+            start, plan = attempts[-1].start, planned.get(trial)
+            if plan is None or (plan.seed, plan.levels) != (start["seed"], start["levels"]):
+                raise StudyError("this session was begun by another plan, since the design changed",
+                                 where=f"{self.path}, trial {trial}",
+                                 remedy="Finish it with the design that it began with, or leave "
+                                        "it as it is and take a new participant")  # fmt: skip
 
     def _recover(self) -> None:
         """Takes in, or marks, the attempt that was under way when the program ended."""

@@ -120,7 +120,6 @@ def simulate(
     if study.participants() and not resume:
         raise StudyError("there are simulated participants already", where=str(study.path),
                          remedy="--resume goes on with them; or use another --out")  # fmt: skip
-    rebuild_study(study)
     for number in range(participants):
         outcome = run_simulated(study, number, say)
         say(f"participant {number + 1} of {participants}: {outcome}")
