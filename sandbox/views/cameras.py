@@ -20,8 +20,9 @@ FRONT_FILM_AZIMUTH, FRONT_FILM_ELEVATION, FRONT_FILM_DISTANCE = 64.0, -14.0, 0.4
 """deg, deg, m. Before an upright surface: as far round to the thumb's side as it takes to see a box
 between thumb and fingers, and from above, so that one sees the table and who stands on what."""
 
-TWO_HANDS = 1.5
-"""Of the surface's width: how far away a film's camera is at least where there are two hands."""
+TWO_AZIMUTH, TWO_ELEVATION, TWO_DISTANCE = 82.0, -48.0, 1.35
+"""deg, deg, and shares of the surface's width: of a film of two hands, from the person's side, for
+hands that come from both sides hide what is behind them."""
 
 FRONT_AZIMUTH, FRONT_ELEVATION, FRONT_DISTANCE = 90.0, -8.0, 0.36
 """deg, deg, m. As the person sees it: right is right, and up is up. Hands have to be drawn so that
@@ -40,7 +41,7 @@ def film_camera(snapshot: Snapshot, surface: Surface) -> mujoco.MjvCamera:
     if len(snapshot.hands) > 1:
         # Hands come from both sides, wherever the things are.
         middle = np.array([*_middle(surface)[:2], middle[2]])
-        distance = max(distance, TWO_HANDS * float(surface.size[0]))
+        return _at(middle, TWO_AZIMUTH, TWO_ELEVATION, TWO_DISTANCE * float(surface.size[0]))
     camera = _free(FILM_AZIMUTH, FILM_ELEVATION, distance)
     # The hand reaches up and towards the person, so the picture's middle does as well.
     camera.lookat[:] = middle + np.array([0.005, -0.022, 0.042])
@@ -62,6 +63,12 @@ def camera_above(surface: Surface) -> mujoco.MjvCamera:
     camera = _free(90.0, 0.0 if surface.upright else -90.0, 0.6)
     camera.orthographic = 1
     camera.lookat[:] = _middle(surface)
+    return camera
+
+
+def _at(middle: np.ndarray, azimuth: float, elevation: float, distance: float) -> mujoco.MjvCamera:
+    camera = _free(azimuth, elevation, distance)
+    camera.lookat[:] = middle
     return camera
 
 
