@@ -26,12 +26,12 @@ class PlayOptions(PageOptions, SceneOptions):
 
     `sandbox play --tablet` prints a code: photograph it with a tablet, and play there. In the
     window, drag with the left button: one finger. Keys 1 to 5 put down a whole hand of so many
-    fingers, and h shows all keys. r starts again, p pauses.
+    fingers, and h shows all keys. r starts again, p pauses, s slows time down, q closes.
     """
 
     device: str = "mouse"
-    """mouse, web (a page in a browser), tuio, simulated, or a file: a recording of ours, or a
-    capture of TUIO packets."""
+    """mouse, web (a page in a browser), tuio, evdev (a touch screen of this machine), simulated, or
+    a file: a recording of ours, or a capture of TUIO packets."""
 
     view: Literal["auto", "window", "web", "film", "none"] = "auto"
     """Where it is seen. window: in a window, and on a page beside it, whose fingers play along with
