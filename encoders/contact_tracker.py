@@ -104,7 +104,7 @@ class ContactTracker:
         seen = {c.id: c for c in frame.contacts}
         self._ignored_ids = {i: why for i, why in self._ignored_ids.items() if i in seen}
         self._drop_reused_ids(seen)
-        by_device = {t.device_id: t for t in self.tracks.values()}
+        by_device = {t.device_id for t in self.tracks.values()}
 
         moves = []
         # A first-order low-pass, exact for a position held over the step.
@@ -120,23 +120,26 @@ class ContactTracker:
                 self._find(track, contact, share)
             else:
                 moves.append(self._follow(track, contact, share))
-        lost = [track for track in self.tracks.values() if not track.active]
+        lost = [track for track in self.tracks.values() if track.lost_at is not None]
         if lost and moves:
             right, down = np.mean(moves, axis=0).tolist()
             for track in lost:
                 x, y = track.place
                 track.place = x + right, y + down
         new = [c for i, c in seen.items() if i not in by_device and i not in self._ignored_ids]
-        for contact in sorted(new, key=lambda c: c.id):
+        for contact in sorted(new, key=lambda c: c.id) if new else ():
             self._arrive(contact, frame.time, share)
-        self._expire(frame.time)
+        if lost:
+            self._expire(frame.time)
         self.ignored = tuple(seen[i] for i in sorted(self._ignored_ids))
 
     def _drop_reused_ids(self, seen: dict[int, Contact]) -> None:
         """Forgets lost fingers whose id a device has given to a contact somewhere else."""
         for track in list(self.tracks.values()):
+            if track.lost_at is None:
+                continue
             contact = seen.get(track.device_id)
-            if contact is not None and not track.active:
+            if contact is not None:
                 way = np.linalg.norm(track.xy - np.array([contact.x, contact.y]))
                 if way > self.settings.inherit:
                     del self.tracks[track.id]

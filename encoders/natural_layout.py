@@ -11,6 +11,7 @@ Layouts are complex numbers here, x + iy with y up the screen: a product then tu
 from __future__ import annotations
 
 from cmath import phase
+from collections.abc import Iterable, Sequence
 from functools import cache
 from math import sqrt
 from typing import NamedTuple
@@ -90,10 +91,10 @@ class NaturalLayout:
         best = int(likeness.argmax())
         return Match(labels[best].copy(), phase(way[best]), float(likeness[best]))
 
-    def turn(self, xy: ArrayLike, labels: ArrayLike) -> float:
+    def turn(self, xy: Iterable[Sequence[float]], labels: Iterable[int]) -> float:
         """rad, turn of touches (k, 2), k from 2, whose fingers (k,) are known."""
-        z = [complex(x, -y) for x, y in np.asarray(xy, float).tolist()]
-        there = [self._place_of[label] for label in np.asarray(labels, int).tolist()]
+        z = [complex(p[0], -p[1]) for p in xy]
+        there = [self._place_of[label] for label in labels]
         # As `match`, for one labelling: plain numbers are quicker than arrays of two or three.
         middle, centre = sum(z) / len(z), sum(there) / len(there)
         way = sum((b - centre).conjugate() * (a - middle) for a, b in zip(z, there, strict=True))

@@ -67,11 +67,9 @@ class TurnedPose:
             if prepared is None:
                 return None
         fingers, (first, *others) = prepared
-        if any(
-            flag == 0.0 and (numbers[2 * f] != LIFTED or numbers[2 * f + 1] != LIFTED)
-            for f, flag in enumerate(flags)
-        ):
-            return None
+        for f, flag in enumerate(flags):
+            if flag == 0.0 and (numbers[2 * f] != LIFTED or numbers[2 * f + 1] != LIFTED):
+                return None
         x = [numbers[2 * f] for f in fingers]
         y = [-numbers[2 * f + 1] for f in fingers]
         v = [1.0]

@@ -110,13 +110,14 @@ class Fingers:
         shaken, noise = self._rng.standard_normal((2, *self._tremor.shape))
         self._shake(now, shaken)
         span = zip(self._ids.tolist(), self._down_at.tolist(), self._up_at.tolist(), strict=True)
-        touching = sorted(
+        touching = [
             (contact, finger)
             for finger, (contact, down, up) in enumerate(span)
             if down - 1e-9 <= now < up - 1e-9
-        )
+        ]
         if not touching:
             return ()
+        touching.sort()
         places = self.places(now) + self._tremor + self._c.noise * noise
         if surface.aligned:
             # As `to_surface`, which is made for any direction.
