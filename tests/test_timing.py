@@ -18,10 +18,13 @@ from sandbox.cli.main import main
 from sandbox.devices.lift_keys import LiftKeys
 from sandbox.devices.merged import MergedDevice
 from sandbox.devices.mouse import MouseDevice
+from sandbox.devices.tuio import TuioDevice
 from sandbox.live import LiveSession
 from sandbox.server.latency import LatencyLog
 from sandbox.settings import RunSettings
 from sandbox.timing import TimedDevice, Timing, timed
+from tests.processes import PATIENCE, Sender
+from tests.tuio_packets import frame
 from tests.viewed import advance, mouse_session, viewed
 
 
@@ -107,6 +110,19 @@ def test_a_clock_that_begins_with_its_device_is_set_right() -> None:
     time.sleep(0.01)
     TimedDevice(Late(viewed().surface), Timing(log)).poll(0.0)
     assert 10.0 <= log.percentiles()["waited"].p50 < 600_000.0
+
+
+def test_a_packet_of_a_tablet_is_timed_from_its_arrival() -> None:
+    log = LatencyLog()
+    with TuioDevice(viewed().surface, port=0) as tuio, Sender(tuio.port) as send:
+        device = TimedDevice(tuio, Timing(log))
+        sent = time.monotonic()
+        send(frame(1, {0: (0.5, 0.5)}))
+        assert tuio.wait(PATIENCE)
+        time.sleep(0.02)
+        assert len(device.poll(0.0)) == 1
+        # It cannot have come before it was sent, nor after `wait` knew of it.
+        assert 20.0 <= log.percentiles()["waited"].p50 <= 1000.0 * (time.monotonic() - sent)
 
 
 @pytest.mark.parametrize(("p95", "limit", "code"), [(20.0, 50.0, 0), (60.0, 50.0, 1)])
