@@ -73,8 +73,8 @@ def in_child(work: Callable[[Callable[[str], object]], object]) -> tuple[int, in
         os.close(reading)
         work(lambda text: os.write(writing, f"{text}\n".encode()))
         os._exit(0)
-    except BaseException:
-        os.write(writing, traceback.format_exc().encode())
+    except BaseException as error:
+        os.write(writing, "".join(traceback.format_exception(error)).encode())
         os._exit(1)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import fcntl
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from models.errors import StudyError
@@ -81,11 +81,9 @@ def sweep(folder: Path) -> None:
 
 
 def _remove(path: Path) -> None:
-    try:
+    # One that stays is in nobody's way: the next write takes another name, or writes over it.
+    with suppress(OSError):
         path.unlink(missing_ok=True)
-    except OSError as error:
-        # It is in nobody's way: the next write takes another name or writes over it.
-        _ = error
 
 
 def make_folder(path: Path) -> None:
@@ -131,8 +129,6 @@ def locked(path: Path, wait: bool, what: str = "") -> Iterator[None]:
 
 def _sign(fd: int) -> None:
     """Says who holds a lock, for the message that others get; a full disk does not matter here."""
-    try:
+    with suppress(OSError):
         os.ftruncate(fd, 0)
         os.pwrite(fd, f"process {os.getpid()} on {os.uname().nodename}\n".encode(), 0)
-    except OSError as error:
-        _ = error

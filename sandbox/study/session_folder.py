@@ -221,9 +221,8 @@ def finished_result(path: Path) -> dict[str, Any] | None:
         return None
     try:
         recording = load_recording(path)
-    except RecordingError as error:
+    except RecordingError:
         # Killed before its first line was whole.
-        _ = error
         return None
     if recording.damage or recording.end is None or recording.end["result"].get("broken_off"):
         return None
