@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.frames import Contact
-from models.surface import Surface
+from models.surface import METRES_PER_INCH, Surface
 from tasks.simulated_user.configuration import UserConfiguration
 
 Array = NDArray[np.float64]
@@ -67,6 +67,7 @@ class Fingers:
         self._ids = np.full(n, -1)
         self._next_id = 0
         self._last = 0.0
+        self._plan()
 
     def ids(self) -> list[int]:
         """Contact ids of the fingers that were last put down, thumb first."""
@@ -86,11 +87,19 @@ class Fingers:
         # The order of ids must not tell which finger is which.
         self._rng.shuffle(self._ids)
         self._next_id += n
+        self._plan()
 
     def lift(self, now: float) -> None:
         """Takes the fingers off, one shortly after another."""
         n = self._c.fingers
         self._up_at = now + self._rng.permutation(np.linspace(0.0, self._c.stagger, n))
+        self._plan()
+
+    def _plan(self) -> None:
+        """Contact, finger, and when it comes and goes; by contact."""
+        fingers = range(self._c.fingers)
+        times = self._down_at.tolist(), self._up_at.tolist()
+        self._spans = sorted(zip(self._ids.tolist(), fingers, *times, strict=True))
 
     def move(self, places: Array, now: float) -> float:
         """Moves every finger on its own; returns the time of arrival."""
@@ -109,10 +118,13 @@ class Fingers:
         # What shakes the fingers, then what is only noise, in one draw.
         shaken, noise = self._rng.standard_normal((2, *self._tremor.shape))
         self._shake(now, shaken)
+<<<<<<< HEAD
+=======
         span = zip(self._ids.tolist(), self._down_at.tolist(), self._up_at.tolist(), strict=True)
+>>>>>>> origin/main
         touching = [
             (contact, finger)
-            for finger, (contact, down, up) in enumerate(span)
+            for contact, finger, down, up in self._spans
             if down - 1e-9 <= now < up - 1e-9
         ]
         if not touching:
@@ -128,7 +140,8 @@ class Fingers:
             world[:, :2] = places
             world[:, 2] = surface.origin[2]
             xy = surface.to_surface(world).tolist()
-        right, bottom = (surface.size - _MARGIN).tolist()
+        right = surface.width_in * METRES_PER_INCH - _MARGIN
+        bottom = surface.height_in * METRES_PER_INCH - _MARGIN
         return tuple(
             Contact(
                 contact,
