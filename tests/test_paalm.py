@@ -13,11 +13,12 @@ from encoders.paalm.air import simulate_air
 from encoders.paalm.calibration_file import read_calibration, write_calibration
 from encoders.paalm.forward import LeapTake, seen
 from encoders.paalm.judge import judged, test_seeds
+from encoders.paalm.pair import moved, side_by_side
 from encoders.paalm.palm import palm_of
 from models.errors import EncoderError
 from models.frames import FINGERS, HandFrame, SeenHand
 from models.rotations import exp
-from tests.leap_hands import SHORT, calibrated, moved, side_by_side, take
+from tests.leap_hands import SHORT, calibrated, take
 
 judged_seeds = test_seeds  # Not a test, whatever pytest makes of its name.
 del test_seeds

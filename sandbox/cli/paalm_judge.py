@@ -18,6 +18,7 @@ from encoders.paalm import EQUAL, PAPER, TWO_THIRDS, Coupling, PaalmOptions
 from encoders.paalm.air import simulate_air
 from encoders.paalm.forward import LeapTake, seen
 from encoders.paalm.judge import Judgement, judged, summary, test_seeds
+from encoders.paalm.pair import two_hand_milliseconds
 from encoders.paalm.recorded import as_first_software, independent, take_of_recording
 from models.errors import EncoderError, InputError, RecordingError
 from models.frames import SIDES
@@ -123,6 +124,9 @@ def _simulated(takes: int, shown: Callable[[float], None]) -> dict[str, Any]:
         "source": "SIMULATED hands, simulated Leap: no person and no device",
         "seeds": seeds,
         **conditions["v1"],
+        "ms_per_frame_two_hands": two_hand_milliseconds(
+            seen(simulate_air(seeds[0]), seeds[0]), seen(simulate_air(seeds[0] + 1, "left"), 1)
+        ),
         "without_drop_outs": conditions["v1_without_drop_outs"],
         "v3": conditions["v3"],
         "paper_as_printed": summary(printed),
@@ -238,5 +242,14 @@ def _show(found: dict[str, Any]) -> None:
     console.print(
         Text(f"{found['source']}; {found['recordings']} recordings; degrees, percent, ms a frame")
     )
+    if "ms_per_frame_two_hands" in found:
+        console.print(Text(f"two hands: {found['ms_per_frame_two_hands']:.2f} ms a frame (median)"))
+    for name, row in found.get("couplings_v3", found.get("couplings", {})).items():
+        console.print(
+            Text(
+                f"joints, coupling {name}: PIP {row['pip_deg']:.2f}, DIP {row['dip_deg']:.2f}, "
+                f"PIP+DIP {row['pip_dip_deg']:.2f}"
+            )
+        )
     for what, why in found.get("left_out", {}).items():
         console.print(Text(f"left out: {what}: {why}"))
