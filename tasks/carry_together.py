@@ -37,6 +37,7 @@ SPEED_TOLERANCE = 0.050
 """m, rad and m/s within which the tray counts as being in its place."""
 
 _TRIES = 20_000
+"""Draws before a surface is said to be too small."""
 
 
 @dataclass(frozen=True)
@@ -85,8 +86,12 @@ class CarryTogether:
             InputError: The surface has no room for a start and a goal.
         """
         rng = np.random.default_rng([seed, cls.version, 20])
+        # Nowhere else is there a tray with both grips in their halves.
+        width, height = surface.size.tolist()
+        low = (max(width / 2 - GRIP + SEAM, 0.0), 0.0)
+        high = (min(width / 2 + GRIP - SEAM, width), height)
         for _ in range(_TRIES):
-            start, end = (rng.uniform(0.0, 1.0, (2, 2)) * surface.size).tolist()
+            start, end = rng.uniform(low, high, (2, 2)).tolist()
             yaw, goal_yaw = rng.uniform(-YAW, YAW, 2).tolist()
             far = dist(start, end)
             if (

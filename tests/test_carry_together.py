@@ -72,7 +72,7 @@ def test_one_skilled_hand_alone_only_tips_the_tray():
     session = build(chosen.settings, chosen.make_device)
     user, idle = (rig.device.user for rig in session.rigs)
     assert isinstance(user, Carrier) and isinstance(idle, IdleUser)
-    user._patient = False
+    user.patient = False
     slopes = []
     while session.time < 7.0:
         snapshot = session.advance()

@@ -91,7 +91,7 @@ class Carrier(SkilledUser):
         self._slider = Slider(reach, np.random.default_rng([seed, 7_008]))
         self._handling = HandleHandling()
         self._home = surface.to_world(surface.size / 2)[:2] if home is None else home
-        self._patient = patient
+        self.patient = patient
         self._side = 0
         self._other = 0.0
         self._waiting: float | None = None
@@ -143,11 +143,11 @@ class Carrier(SkilledUser):
         if self._leaving or lost or self._tired(now):
             self._let_go(now)
             return
-        wanted = min(top, self._other + _AHEAD) if self._patient else top
+        wanted = min(top, self._other + _AHEAD) if self.patient else top
         arrivals = []
         if abs(wanted - height) > _LEVEL and (wanted < height or not lags):
             arrivals.append(self._slider.move(slid + wanted - height, now) + _FOLLOWS)
-        up = min(height, self._other) if self._patient else height
+        up = min(height, self._other) if self.patient else height
         if up > _UP * top:
             self._waiting = None
             off, turn = self._missing(sight, box)
