@@ -1,0 +1,78 @@
+"""Carrying a tray together: how often two succeed, and that nobody does who is alone.
+
+python -m benchmarks.two_hands --seeds 40 --arms pair
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from typing import Any
+
+from benchmarks.success import wilson
+from models.surface import Surface
+from sandbox.cli.scene_options import SceneOptions, plan
+from sandbox.devices.device import Device
+from sandbox.headless import run_trial
+from sandbox.two_hands import DeviceMaker, with_first
+from tasks.task import Task
+
+TASK = "carry-together"
+
+ARMS: dict[str, dict[str, Any]] = {
+    "pair": {},
+    "pair, both right hands": {"second_hand": "right"},
+    "pair on one surface": {"one_surface": True, "surface": "15.52x5.82in"},
+    "one alone": {"second_user": "idle"},
+    "two at random": {"user": "random"},
+    "nobody": {"user": "idle"},
+}
+"""Options of `sandbox run`, by what they are called in the table."""
+
+
+def impatient(make_device: DeviceMaker) -> DeviceMaker:
+    """Opens a device whose simulated user waits for nobody at the other end."""
+
+    def make(task: Task, surface: Surface) -> Device:
+        device: Any = make_device(task, surface)
+        device.user.patient = False
+        opened: Device = device
+        return opened
+
+    return make
+
+
+def trial(arm: str, seed: int) -> dict[str, Any]:
+    """The result of a trial."""
+    chosen = plan(SceneOptions(task=TASK, seed=seed, **ARMS[arm]))
+    make = chosen.make_device
+    if arm == "one alone":
+        make = with_first(make, impatient)
+    return run_trial(chosen.settings, make, about=chosen.about)
+
+
+def main() -> None:
+    """Prints a table."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seeds", type=int, default=40, help="of every arm, from 0 on")
+    parser.add_argument("--arms", nargs="+", default=list(ARMS), choices=list(ARMS))
+    args = parser.parse_args()
+    print("| arm | success | 95 % interval | median time |")
+    print("|---|---|---|---|")
+    for arm in args.arms:
+        began = time.monotonic()
+        results = [trial(arm, seed) for seed in range(args.seeds)]
+        won = sum(r["success"] for r in results)
+        low, high = wilson(won, args.seeds)
+        times = sorted(r["time_s"] for r in results if r["success"])
+        median = f"{times[len(times) // 2]:.1f} s" if times else "-"
+        print(
+            f"| {arm} | {won}/{args.seeds} | {low:.1f} % to {high:.1f} % | {median} |", flush=True
+        )
+        failed = [r["seed"] for r in results if not r["success"]]
+        if won and failed:
+            print(f"failed seeds: {failed}; {time.monotonic() - began:.0f} s")
+
+
+if __name__ == "__main__":
+    main()
