@@ -118,10 +118,6 @@ class Fingers:
         # What shakes the fingers, then what is only noise, in one draw.
         shaken, noise = self._rng.standard_normal((2, *self._tremor.shape))
         self._shake(now, shaken)
-<<<<<<< HEAD
-=======
-        span = zip(self._ids.tolist(), self._down_at.tolist(), self._up_at.tolist(), strict=True)
->>>>>>> origin/main
         touching = [
             (contact, finger)
             for contact, finger, down, up in self._spans
