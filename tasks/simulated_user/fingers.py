@@ -125,7 +125,6 @@ class Fingers:
         ]
         if not touching:
             return ()
-        touching.sort()
         places = self.places(now) + self._tremor + self._c.noise * noise
         if surface.aligned:
             # As `to_surface`, which is made for any direction.
