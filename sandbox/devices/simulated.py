@@ -12,6 +12,7 @@ from models.errors import InputError
 from models.frames import TouchFrame
 from models.person import Person
 from models.surface import Surface
+from models.tray import Tray
 from sandbox.devices.drop_outs import DropOuts
 from sandbox.messages import Snapshot
 from tasks.registry import hands_of
@@ -91,6 +92,13 @@ class SimulatedDevice:
             make = FrontStacker
         used = surface if plain else seat.surface
         own = getattr(type(task), "user", None) if configuration.kind == "skilled" else None
+        carried = any(isinstance(thing, Tray) for thing in task.objects)
+        if own is None and configuration.kind == "skilled" and hands_of(task) > 1 and not carried:
+            raise InputError(
+                "two simulated users only know how to carry a tray",
+                where=task.name,
+                remedy="Give the task a user of its own",
+            )
         if own is None and configuration.kind == "skilled" and not task.goals:
             raise InputError(
                 "the simulated user brings things to goals, and this task has none",
