@@ -79,7 +79,25 @@ def test_what_a_service_would_send_of_a_frame_is_read_back_as_that_frame(dialect
                 assert b.length == pytest.approx(a.length, abs=1e-9)
                 if a.joints is not None:
                     np.testing.assert_allclose(b.joints, a.joints, atol=1e-9)
-    assert decoder.dialect in (("v1",) if dialect == "v1" else ("v2", "v3"))
+    assert decoder.dialect == ("v1" if dialect == "v1" else "v2")
+
+
+@pytest.mark.parametrize(
+    ("more", "dialect"),
+    (
+        ((), "v2"),
+        (("bases",), "bridge"),
+        (("bases", "stabilizedTipPosition", "touchDistance"), "v3"),
+        (("bases", "stabilizedTipPosition"), "v2"),
+    ),
+)
+def test_the_fields_of_a_finger_tell_who_is_speaking(more, dialect):
+    sent = leap_message(take(0, "v3").frames[0], 1)
+    for pointable in sent["pointables"]:
+        pointable |= dict.fromkeys(more, 0)
+    decoder = LeapDecoder()
+    assert decoder.feed(sent) is not None
+    assert decoder.dialect == dialect
 
 
 def test_a_length_that_is_a_width_by_mistake_does_not_matter_where_joints_are_known():

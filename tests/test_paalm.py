@@ -10,6 +10,7 @@ import pytest
 from encoders import Paalm
 from encoders.paalm import PAPER, PaalmOptions
 from encoders.paalm.air import simulate_air
+from encoders.paalm.average import average_calibration
 from encoders.paalm.calibration_file import read_calibration, write_calibration
 from encoders.paalm.forward import LeapTake, seen
 from encoders.paalm.judge import judged, test_seeds
@@ -332,3 +333,25 @@ def test_a_file_that_is_no_calibration_is_refused(content, tmp_path):
 def test_seeds_to_judge_on_follow_from_the_configuration_and_are_no_development_seeds():
     assert judged_seeds(5) == judged_seeds(8)[:5]
     assert len(set(judged_seeds(20))) == 20 and min(judged_seeds(20)) > 199
+
+
+def test_an_average_hand_is_rougher_than_the_measured_one_and_joints_need_no_measuring():
+    one, joints = take(2, drop_outs=False), take(2, "v3")
+    errors = {}
+    for name, made in (("v1", one), ("v3", joints)):
+        assumed = Paalm()
+        assumed.use({"right": average_calibration(made.frames, "right")})
+        found = tables(assumed, list(made.frames))
+        errors[name] = np.abs(found - made.angles)[:, 1:, 2].mean()
+    measured = np.abs(tables(calibrated(one), list(one.frames)) - one.angles)[:, 1:, 2].mean()
+    assert errors["v3"] < 8.0
+    assert measured < errors["v1"] < 30.0
+
+
+def test_joints_of_a_hand_that_is_never_open_are_judged_by_its_own_bones():
+    made = take(3, "v3")
+    closed = replace(made, open=np.zeros_like(made.open))
+    figures = judged("", closed).figures
+    assert figures["pip_deg"] < 8.0 and figures["dip_deg"] < 12.0
+    with pytest.raises(EncoderError, match="hardly ever"):
+        judged("", replace(closed, dialect="v1"))

@@ -54,6 +54,22 @@ def test_a_running_service_is_shown_as_its_recording_is(recording, capsys):
     assert len(shown(capsys)) > 20
 
 
+def test_a_recorded_hand_that_was_never_open_is_shown_as_an_average_one_and_that_is_said(
+    shared_data, capsys
+):
+    for name, frames in (("v1-hands.json", 744), ("waiting-short.json.lz", 118)):
+        path = str(shared_data / "leap" / name)
+        assert main(["paalm", "show", path, "--json"]) == 0
+        said = capsys.readouterr()
+        assert "average hand" in said.err
+        lines = [json.loads(line) for line in said.out.splitlines()]
+        assert len(lines) == frames
+        angles = lines[-1]["hands"]["right"]["angles"]
+        assert len(angles) == 20 and all(-40.0 <= v <= 110.0 for v in angles.values())
+        assert main(["paalm", "show", path, "--frames", "100"]) == 2
+        capsys.readouterr()
+
+
 @pytest.mark.parametrize(
     "args",
     (

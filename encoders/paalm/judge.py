@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.paalm.air import FROZEN_AIR
+from encoders.paalm.average import average_calibration
 from encoders.paalm.forward import FROZEN_LEAP, LeapTake
 from encoders.paalm.options import PaalmOptions
 from encoders.paalm.paalm import Paalm
@@ -25,6 +26,8 @@ from models.errors import EncoderError
 from models.frames import FINGERS
 
 Array = NDArray[np.float64]
+
+_LEAST_OPEN = 10
 
 CALIBRATION_SHARE = 0.8
 """Of the open frames, how many are asked for; some lack a finger."""
@@ -75,13 +78,22 @@ def test_seeds(count: int) -> list[int]:
 def calibrated_on(take: LeapTake, options: PaalmOptions) -> Paalm:
     """PAALM calibrated on a recording's open frames.
 
+    A hand that is hardly ever open, but whose joints the device knows, needs no measuring: its
+    standards are its own bones.
+
     Raises:
         EncoderError: There are too few, or the hand is not open in them.
     """
     is_open = [f for f, held in zip(take.frames, take.open, strict=True) if held]
-    if len(is_open) < 10:
+    if len(is_open) < _LEAST_OPEN and take.dialect == "v3":
+        paalm = Paalm(options)
+        paalm.use({take.side: average_calibration(take.frames, take.side, options)})
+        return paalm
+    if len(is_open) < _LEAST_OPEN:
         raise EncoderError(
-            "the hand is hardly ever held open", got=f"{len(is_open)} frames", expected="10 or more"
+            "the hand is hardly ever held open",
+            got=f"{len(is_open)} frames",
+            expected=f"{_LEAST_OPEN} or more",
         )
     paalm = Paalm(options)
     hands: Any = take.side

@@ -15,10 +15,11 @@ from rich.progress import Progress
 from rich.text import Text
 
 from encoders.paalm import PAPER, Paalm, PaalmFrame, PaalmOptions
+from encoders.paalm.average import average_calibration
 from encoders.paalm.calibration import PAPER_FRAMES, HandCalibration
 from encoders.paalm.calibration_file import read_calibration, write_calibration
-from models.errors import DeviceError, InputError
-from models.frames import HandFrame
+from models.errors import DeviceError, EncoderError, InputError
+from models.frames import SIDES, HandFrame
 from sandbox.devices.leap import DEFAULT_ADDRESS, LeapDevice, LeapFileDevice
 from sandbox.devices.leap_file import read_leap
 
@@ -61,8 +62,8 @@ def show(
     """Shows the joint angles of every frame.
 
     Without --calibration, the first frames with five fingers measure the hand, which has to be open
-    in them. As JSON, a line a frame on stdout: {"time", "hands": {side: {"angles", "ratios", "ids",
-    "held"}}}, angles in degrees.
+    in them; a recorded hand that is not is shown as an average one, which is said. As JSON, a line
+    a frame on stdout: {"time", "hands": {side: {"angles", "ratios", "ids", "held"}}}, degrees.
 
     Try: sandbox leap simulate --out hand.json
     then: sandbox paalm show hand.json
@@ -87,7 +88,13 @@ def show(
             paalm.use(read_calibration(calibration))
         else:
             wanted = frames or (PAPER_FRAMES if file is None else 100)
-            _measure(paalm, stream, hands, wanted)
+            try:
+                _measure(paalm, stream, hands, wanted)
+            except EncoderError as error:
+                if file is None or frames is not None:
+                    raise
+                # Nobody can be asked to open a recorded hand; it is shown all the same.
+                _assume(paalm, list(source.frames()), hands, error)
             if file is not None:
                 stream = source.frames()
         begin: float | None = None
@@ -201,6 +208,12 @@ def _measure(
         return paalm.calibrate(
             stream, hands, wanted, lambda share: bar.update(job, completed=share)
         )
+
+
+def _assume(paalm: Paalm, frames: list[HandFrame], hands: Hands, error: EncoderError) -> None:
+    sides = SIDES if hands == "both" else (hands,)
+    paalm.use({side: average_calibration(frames, side, paalm.options) for side in sides})
+    Console(stderr=True).print(Text(f"shown as an average hand, because {error}"))
 
 
 def _check(file: Path | None, device: str | None, frames: int | None, seconds: float) -> None:

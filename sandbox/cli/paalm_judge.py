@@ -155,7 +155,7 @@ def _folder(folder: Path, shown: Callable[[float], None]) -> dict[str, Any]:
     for number, (name, take, unnamed) in enumerate(takes):
         try:
             if unnamed is not None:
-                names.append(judged(name, unnamed, angles=False))
+                _names(names, left_out, name, unnamed)
             if not independent(take):
                 left_out[f"{name} (angles)"] = "PIP and DIP are equal by construction (Leap v2)"
             else:
@@ -180,6 +180,14 @@ def _folder(folder: Path, shown: Callable[[float], None]) -> dict[str, Any]:
         "couplings": {k: _short(j) for k, j in couplings.items()},
         "left_out": left_out,
     }
+
+
+def _names(found: list[Judgement], left_out: dict[str, str], name: str, unnamed: LeapTake) -> None:
+    """Names need an open hand, which angles of a device that knows joints do not."""
+    try:
+        found.append(judged(name, unnamed, angles=False))
+    except EncoderError as error:
+        left_out[f"{name} (names)"] = str(error)
 
 
 def _takes(path: Path) -> Iterator[tuple[str, LeapTake, LeapTake | None]]:

@@ -123,14 +123,18 @@ class LeapDecoder:
         return tuple(hands)
 
     def _learn(self, pointable: Mapping[str, Any]) -> None:
-        if self.dialect is None:
-            if "mcpPosition" not in pointable:
-                self.dialect = "v1"
-            elif "touchDistance" not in pointable and "bases" in pointable and "tool" in pointable:
-                # Packed recordings leave fields out; the bridge has no `timeVisible` either.
-                self.dialect = "v2" if "stabilizedTipPosition" in pointable else "bridge"
-            else:
-                self.dialect = "v3" if "bases" in pointable else "v2"
+        """What the first finger says about who is speaking."""
+        if self.dialect is not None:
+            return
+        if "mcpPosition" not in pointable:
+            self.dialect = "v1"
+        elif "bases" not in pointable:
+            self.dialect = "v2"
+        elif "stabilizedTipPosition" not in pointable:
+            self.dialect = "bridge"
+        else:
+            # Packed recordings of v2 keep the bases, but leave the touch zone out.
+            self.dialect = "v3" if "touchDistance" in pointable else "v2"
 
 
 def _finger(record: Mapping[str, Any]) -> SeenFinger:
