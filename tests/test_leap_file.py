@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from models.errors import RecordingError
@@ -54,6 +54,9 @@ FORMS: dict[str, Callable[[], str]] = {
     "lines": lambda: "".join(json.dumps(m) + "\n" for m in [{"version": 6}, *MESSAGES]),
     "printed prettily": lambda: json.dumps({"frames": MESSAGES}, indent=1),
 }
+
+
+SMALL = {form: text().encode() for form, text in FORMS.items()}
 
 
 @pytest.mark.parametrize("text", VECTORS)
@@ -104,6 +107,8 @@ def test_lines_are_good_up_to_the_damage(tmp_path):
         b'{"frames": [[1], [2, 3]]}',
         b'{"frames": [["id", {"hands": [["id"]]}], [1], 5]}',
         b"[" * 100_000,
+        b'{"ha\xf2ds": []}',
+        b'{"ha\xf2ds": []}\n{"hands": []}\n',
         FORMS["list"]()[:-300].encode(),
         FORMS["with metadata"]()[:3000].encode(),
         b"N4IgZgTghgtgpgZxALgNqgMYFcITgOwBcAxaeAJSkLhQEZaAGAOgBYAmAdgBoQBzRQjkQpUA",
@@ -114,6 +119,24 @@ def test_a_file_that_is_no_recording_is_refused_with_its_name(content, tmp_path)
     path.write_bytes(content)
     with pytest.raises(RecordingError, match=r"foreign\.json"):
         read_leap(path)
+
+
+@settings(max_examples=80)
+@given(
+    form=st.sampled_from(sorted(FORMS)),
+    damage=st.lists(st.tuples(st.floats(0, 1), st.integers(0, 255)), min_size=1, max_size=6),
+    cut=st.floats(0.05, 1.0),
+)
+def test_bytes_that_changed_are_refused_or_counted_and_raise_nothing_else(
+    form, damage, cut, tmp_path_factory
+):
+    content = bytearray(SMALL[form])
+    for place, byte in damage:
+        content[int(place * (len(content) - 1))] = byte
+    path = tmp_path_factory.mktemp("damaged") / "hand"
+    path.write_bytes(content[: int(cut * len(content))])
+    with contextlib.suppress(RecordingError):
+        assert read_leap(path).frames
 
 
 def test_a_missing_file_is_refused(tmp_path):

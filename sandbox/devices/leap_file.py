@@ -26,6 +26,9 @@ from sandbox.devices.leap_lz import decompress_base64
 LARGEST = 1 << 28
 """Bytes of a file that is read; an hour of two hands is about half of it."""
 
+_UNREADABLE = (msgspec.DecodeError, UnicodeDecodeError, RecursionError)
+"""What damaged JSON raises; names of fields that are no UTF-8 are no DecodeError."""
+
 _REMEDY = "`sandbox leap formats` lists what can be played"
 
 
@@ -108,7 +111,7 @@ def _messages(
         return messages, {}, damage
     try:
         whole = msgspec.json.decode(data)
-    except (msgspec.DecodeError, RecursionError, UnicodeDecodeError) as error:
+    except _UNREADABLE as error:
         raise RecordingError(f"the JSON is damaged or cut short: {error}") from error
     if isinstance(whole, list):
         return _objects(whole), {}, None
@@ -132,7 +135,7 @@ def _is_lines(data: bytes) -> bool:
         return False
     try:
         msgspec.json.decode(first)
-    except (msgspec.DecodeError, RecursionError):
+    except _UNREADABLE:
         return False
     return True
 
@@ -144,7 +147,7 @@ def _lines(data: bytes, where: str) -> tuple[list[dict[str, Any]], RecordingErro
             continue
         try:
             message = msgspec.json.decode(line)
-        except (msgspec.DecodeError, RecursionError) as error:
+        except _UNREADABLE as error:
             return messages, RecordingError(
                 f"the recording is damaged here: {error}",
                 where=f"{where}, line {number}",
