@@ -30,6 +30,13 @@ _OVER_DEVICE = np.array([0.0, 0.0, 0.20])
 """m, where hands are held."""
 
 
+_SPLAY = np.array([5.0, 6.0, 1.0, -5.0, -14.0])
+"""Degrees, spread of an open hand's fingers."""
+
+_HELD_OPEN = 2.0
+"""s, before a take made from a capture."""
+
+
 @dataclass(frozen=True)
 class AirConfiguration:
     """How simulated hands move. Angles in degrees, lengths in m, times in s.
@@ -137,8 +144,8 @@ def simulate_air(
 def takes_of_capture(capture: Capture, skeleton: Skeleton = ADULT) -> Iterator[AirTake]:
     """The takes of a capture of touches as hands over the device, one trial after another.
 
-    Nothing in such a capture says where a hand is open, so the frames in which all fingers are
-    stretched most, a tenth of all, are marked as open.
+    Hands on a surface are never held open, so every take begins with the same hand held open for
+    2 s, to be measured, which closes within half a second to what the capture begins with.
     """
     kinematics = Kinematics(skeleton)
     for trial in np.unique(capture.trial):
@@ -155,15 +162,32 @@ def takes_of_capture(capture: Capture, skeleton: Skeleton = ADULT) -> Iterator[A
         if skeleton.side == "left":
             rotation = rotation @ np.diag([-1.0, 1.0, 1.0])
         joints = np.einsum("tji,tfkj->tfki", rotation, world - origin[:, None, None])
-        stretch = np.linalg.norm(joints[:, 1:, 3] - joints[:, 1:, 0], axis=-1).min(axis=1)
+        time = capture.time[chosen] - capture.time[chosen][0]
+        step = float(np.median(np.diff(time))) if len(time) > 1 else 0.01
+        before = _opened(joints[0], step)
+        count = len(before)
         yield AirTake(
-            capture.time[chosen],
-            origin - np.median(origin, axis=0) + _OVER_DEVICE,
-            rotation,
-            joints,
-            stretch >= np.percentile(stretch, 90),
+            np.concatenate([step * np.arange(count), time + step * count]),
+            np.concatenate([np.repeat(origin[:1], count, axis=0), origin])
+            - np.median(origin, axis=0)
+            + _OVER_DEVICE,
+            np.concatenate([np.repeat(rotation[:1], count, axis=0), rotation]),
+            np.concatenate([before, joints]),
+            np.arange(count + len(time)) * step < _HELD_OPEN,
             skeleton.side,
         )
+
+
+def _opened(joints: Array, step: float) -> Array:
+    """(k, 5, 4, 3) the hand of some joints (5, 4, 3) held open, then closing to them."""
+    angles = angles_of_joints(joints)
+    lengths = np.linalg.norm(np.diff(joints, axis=1), axis=-1)
+    flat = np.zeros_like(angles)
+    flat[:, 1] = _SPLAY
+    flat[1:, 2] = FROZEN_AIR.open_bend[0]
+    share = np.clip((step * np.arange(round(2.5 / step)) - _HELD_OPEN) / 0.5, 0.0, 1.0)
+    share = (share * share * (3.0 - 2.0 * share))[:, None, None]
+    return joints_of_angles(flat + share * (angles - flat), joints[:, 0], lengths)
 
 
 def _body(rng: np.random.Generator, c: AirConfiguration) -> tuple[Array, Array]:
@@ -183,7 +207,7 @@ def _gestures(
 ) -> tuple[Array, Array]:
     """Closing of first and other joints (T, 5, 2), 0 to 1, and spread (T, 5) in degrees."""
     closing, apart = np.zeros((count, 5, 2)), np.zeros((count, 5))
-    splay = np.array([5.0, 6.0, 1.0, -5.0, -14.0])
+    splay = _SPLAY
     apart[:] = splay
     at = int(np.argmin(is_open)) if not is_open.all() else count
     while at < count:
