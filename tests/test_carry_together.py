@@ -10,19 +10,23 @@ import numpy as np
 import pytest
 
 from models.errors import InputError
+from models.objects import Box
 from models.surface import Surface, enclosing
 from models.tray import GRIP, HANDLE
 from sandbox.assembly import build
 from sandbox.cli.main import main
 from sandbox.cli.scene_options import SceneOptions, plan
 from sandbox.cli.second_hand import named
+from sandbox.devices.simulated import SimulatedDevice
 from sandbox.headless import run_trial
 from sandbox.recording import load_recording
+from sandbox.regress.plan import RegressionPlan
 from sandbox.replay import replay
 from sandbox.settings import RunSettings, SecondHand
 from tasks.carry_together import BORDER, SEAM, SLOPE_TOLERANCE, CarryTogether
 from tasks.registry import draw_task
 from tasks.simulated_user.carrier import Carrier
+from tasks.simulated_user.configuration import UserConfiguration
 from tasks.simulated_user.control_arms import IdleUser
 
 TASK = "carry-together"
@@ -196,3 +200,17 @@ def test_two_people_with_a_right_hand_each_carry_it_from_the_command_line(tmp_pa
     result = json.loads(out.read_text())
     assert result["success"] and result["second"]["device"] == "simulated"
     assert result["settings"]["second"]["hand"] == "right"
+
+
+def test_a_task_for_two_hands_without_a_tray_needs_users_of_its_own():
+    task = CarryTogether.draw(0, BOTH)
+    box = Box("tray", (0.02, 0.02, 0.02), 0.1, task.objects[0].position)
+    with pytest.raises(InputError, match="user of its own"):
+        SimulatedDevice(replace(task, objects=(box,)), UserConfiguration(), BOTH, 0)
+
+
+def test_a_regression_run_of_all_tasks_has_the_configuration_of_one_of_them():
+    first, second = (RegressionPlan(tasks, (0,)) for tasks in (("box-to-goal", TASK), (TASK,)))
+    assert first.configuration() == second.configuration()
+    asked = RegressionPlan((TASK,), (0,), {"second_hand": "right"})
+    assert asked.configuration()["settings"]["second"]["hand"] == "right"
