@@ -88,7 +88,7 @@ def with_second(
     given: dict[str, Any] = {name: v for name, v in asked.items() if v is not None}
     if recording is not None and settings.second is not None:
         return settings
-    for_two = hands_of(find_task(settings.task)) > 1
+    for_two = _for_two(settings.task)
     wanted = options.second_device is not None or options.one_surface
     if not (for_two or wanted):
         if given or options.second_user:
@@ -110,3 +110,11 @@ def with_second(
         shared=shared,
     )
     return replace(settings, second=replace(other, **given))
+
+
+def _for_two(task: str) -> bool:
+    """Whether a task is for two hands; one that there is not is refused where it is drawn."""
+    try:
+        return hands_of(find_task(task)) > 1
+    except InputError:
+        return False
