@@ -169,7 +169,7 @@ def test_a_box_that_fingers_still_meet_is_left_at_its_depth(deeper):
 def test_the_simulated_user_stacks_with_one_hand_and_replay_shows_it_to_the_bit(
     tmp_path, seed, hand, fingers
 ):
-    options = SceneOptions("stack-vertical", seed=seed, hand=hand, fingers=fingers)
+    options = SceneOptions(task="stack-vertical", seed=seed, hand=hand, fingers=fingers)
     planned = plan(options)
     file = tmp_path / "trial.jsonl"
     result = run_trial(planned.settings, planned.make_device, record=file)
@@ -181,7 +181,7 @@ def test_the_simulated_user_stacks_with_one_hand_and_replay_shows_it_to_the_bit(
 
 @pytest.mark.parametrize("user", ["idle", "random"])
 def test_who_does_not_try_does_not_stack(user):
-    planned = plan(SceneOptions("stack-vertical", seed=1, user=user))
+    planned = plan(SceneOptions(task="stack-vertical", seed=1, user=user))
     session = build(planned.settings, planned.make_device)
     device = session.rigs[0].device
     for _ in range(400):

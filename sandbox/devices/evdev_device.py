@@ -158,7 +158,7 @@ class LinuxNode:
     """
 
     def __init__(self, path: str, grab: bool = False) -> None:
-        evdev = _evdev()
+        evdev = _evdev(path)
         try:
             self._device = evdev.InputDevice(path)
         except OSError as error:
@@ -258,13 +258,13 @@ def _slots_request(size: int) -> int:
     return read << 30 | size << 16 | event << 8 | number
 
 
-def _evdev() -> Any:
+def _evdev(path: str = "") -> Any:
     try:
         import evdev
     except ImportError as error:
         raise DeviceError(
             "touch screens and trackpads need the package evdev, on Linux",
-            where="--device evdev",
+            where=f"--device evdev:{path}".rstrip(":"),
             remedy='pip install "hand-sandbox[evdev]"',
         ) from error
     return evdev
