@@ -11,18 +11,15 @@ What is wrong with one of them is said when it is asked for; nobody else's task 
 from __future__ import annotations
 
 import importlib
-import importlib.util
 import re
-import sys
-import traceback
-from functools import cache
-from hashlib import blake2b
-from importlib.metadata import EntryPoint, entry_points
+from importlib.metadata import EntryPoint
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from models import outside
 from models.errors import HandSandboxError, InputError
+from models.outside import failure, load_file, package
 from tasks.task import Task
 
 GROUP = "hand_sandbox.tasks"
@@ -36,13 +33,7 @@ _NUMBERS = ("version", "time_limit", "hold_time", "table_friction", "touch_heigh
 
 def offered() -> dict[str, list[EntryPoint]]:
     """What installed packages offer, by name; nothing of it is loaded."""
-    found: dict[str, list[EntryPoint]] = {}
-    for entry in sorted(entry_points(group=GROUP), key=lambda e: (e.name, e.value)):
-        # A package that is on the path twice, as in a checkout, offers the same thing twice.
-        same = found.setdefault(entry.name, [])
-        if entry.value not in [e.value for e in same]:
-            same.append(entry)
-    return found
+    return outside.offered(GROUP)
 
 
 def load_offered(name: str) -> type[Task] | None:
@@ -136,22 +127,6 @@ def check_task(kind: Any, where: str) -> None:
         raise InputError("this task lacks something", where=where, got=", ".join(sorted(missing)))
 
 
-def package(entry: EntryPoint) -> str:
-    """Name and version of the package that offers an entry point."""
-    return f"{entry.dist.name} {entry.dist.version}" if entry.dist else "an unnamed package"
-
-
-def failure(error: BaseException) -> str:
-    """An error of somebody else's code in a line: what, and in which line of which file."""
-    trace = traceback.extract_tb(error.__traceback__)
-    text = f"{type(error).__name__}: {' '.join(str(error).split())[:300]}"
-    # The machinery of imports says nothing to anybody.
-    theirs = [step for step in trace if not step.filename.startswith("<frozen")]
-    if isinstance(error, SyntaxError | ImportError) or not theirs:
-        return text
-    return f"{text} ({theirs[-1].filename}:{theirs[-1].lineno})"
-
-
 def _guarded(load: Any, where: str) -> Any:
     try:
         return load()
@@ -161,26 +136,10 @@ def _guarded(load: Any, where: str) -> Any:
         raise InputError("this task cannot be loaded", where=where, got=failure(error)) from error
 
 
-@cache
-def _load_file(path: Path) -> ModuleType:
-    # A name of its own, so that it hides no module; dataclasses look their module up by name.
-    name = f"{path.stem}_{blake2b(str(path).encode(), digest_size=4).hexdigest()}"
-    spec = importlib.util.spec_from_file_location(name, path)
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
-    try:
-        spec.loader.exec_module(module)
-    except BaseException:
-        del sys.modules[name]
-        raise
-    return module
-
-
 def _module_of(path: Path) -> ModuleType:
     if not path.is_file():
         raise InputError("there is no such file", where="the task's file", got=str(path))
-    found: ModuleType = _guarded(lambda: _load_file(path.resolve()), str(path))
+    found: ModuleType = _guarded(lambda: load_file(path.resolve()), str(path))
     return found
 
 

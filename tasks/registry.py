@@ -7,18 +7,11 @@ from typing import Any
 import numpy as np
 
 from models.errors import HandSandboxError, InputError
+from models.outside import failure, package
 from models.surface import Surface
 from tasks.box_to_goal import BoxToGoal
 from tasks.carry_together import CarryTogether
-from tasks.discovery import (
-    failure,
-    is_place,
-    load_offered,
-    load_place,
-    offered,
-    package,
-    place_file,
-)
+from tasks.discovery import is_place, load_offered, load_place, offered, place_file
 from tasks.stack import Stack, StackThree
 from tasks.stack_vertical import StackVertical
 from tasks.task import Task

@@ -13,18 +13,14 @@ the touch surface and the argument (an empty text without one), and gives a devi
 from __future__ import annotations
 
 import importlib
-import importlib.util
 import re
-import sys
 from collections.abc import Callable
-from functools import cache
-from hashlib import blake2b
-from importlib.metadata import EntryPoint, entry_points
+from importlib.metadata import EntryPoint
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 from models.errors import DeviceError, HandSandboxError
+from models.outside import failure, load_file, offered, package
 from models.surface import Surface
 from sandbox.devices.device import Device
 
@@ -41,13 +37,7 @@ _PARTS = ("poll", "close")
 
 def offered_devices() -> dict[str, list[EntryPoint]]:
     """What installed packages offer, by name; nothing of it is loaded."""
-    found: dict[str, list[EntryPoint]] = {}
-    for entry in sorted(entry_points(group=GROUP), key=lambda e: (e.name, e.value)):
-        # A package that is on the path twice, as in a checkout, offers the same thing twice.
-        same = found.setdefault(entry.name, [])
-        if entry.value not in [e.value for e in same]:
-            same.append(entry)
-    return found
+    return offered(GROUP)
 
 
 def find_device(text: str) -> Maker | None:
@@ -62,9 +52,6 @@ def find_device(text: str) -> Maker | None:
     """
     name, _, argument = text.partition(":")
     entries = offered_devices().get(name, [])
-    if entries:
-        # It knows tasks, which take long to load; most devices are ours.
-        from tasks.discovery import package
     if len(entries) > 1:
         raise DeviceError(
             "several packages offer a device of this name",
@@ -85,7 +72,7 @@ def find_device(text: str) -> Maker | None:
         path = Path(place)
         if not path.is_file():
             raise DeviceError("there is no such file", where="--device", got=place)
-        module = _guarded(lambda: _load_file(path.resolve()), where)
+        module = _guarded(lambda: load_file(path.resolve()), where)
     else:
         module = _guarded(lambda: importlib.import_module(place), where)
     found = getattr(module, member, None)
@@ -117,24 +104,6 @@ def _guarded(load: Callable[[], Any], where: str) -> Any:
     except HandSandboxError:
         raise
     except Exception as error:
-        from tasks.discovery import failure
-
         raise DeviceError(
             "this device cannot be opened", where=where, got=failure(error)
         ) from error
-
-
-@cache
-def _load_file(path: Path) -> ModuleType:
-    # A name of its own, so that it hides no module; dataclasses look their module up by name.
-    name = f"{path.stem}_{blake2b(str(path).encode(), digest_size=4).hexdigest()}"
-    spec = importlib.util.spec_from_file_location(name, path)
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
-    try:
-        spec.loader.exec_module(module)
-    except BaseException:
-        del sys.modules[name]
-        raise
-    return module
