@@ -5,7 +5,7 @@
 A plain client in a process of its own sends touch messages at a steady rate, two fingers that move,
 and waits for the first frame that says the message took effect. No browser, no display; what a page
 adds is its own drawing. Beside it, in the same run, an echo of the same socket: what the transport
-and the machine cost without any session.
+and the machine cost while a session runs, without a control step in between.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import os
 import platform
 import threading
 import time
+from contextlib import ExitStack
 from dataclasses import replace
 from typing import Any
 from urllib.parse import urlsplit
@@ -39,8 +40,11 @@ SCREEN = {"px_per_in": PX_PER_IN, "width_px": 1024, "height_px": 768, "calibrate
 def client(url: str, seconds: float, rate: float, out: Any) -> None:
     """Sends touches and beats, and puts the milliseconds of both round trips into `out`."""
     parts = urlsplit(url)
-    socket = connect(
-        f"ws://{parts.netloc}/?{parts.query}", origin=f"http://{parts.netloc}", compression=None
+    stack = ExitStack()
+    socket = stack.enter_context(
+        connect(
+            f"ws://{parts.netloc}/?{parts.query}", origin=f"http://{parts.netloc}", compression=None
+        )
     )
     hello = {"type": "hello", "protocol": 1, "client": "bench", "role": "player", "screen": SCREEN}
     socket.send(json.dumps(hello))
@@ -82,7 +86,7 @@ def client(url: str, seconds: float, rate: float, out: Any) -> None:
         time.sleep(max(0.0, start + seq / rate - time.perf_counter()))
     done.set()
     time.sleep(0.1)
-    socket.close()
+    stack.close()
     out.put((touches, echoes))
 
 
