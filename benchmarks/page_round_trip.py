@@ -1,128 +1,108 @@
 """How long a touch takes to come back as a frame, over a real socket with physics running.
 
-    python -m benchmarks.page_round_trip [--seconds 20] [--rate 60]
+    python -m benchmarks.page_round_trip [--seconds 20] [--rate 60] [--pin]
 
-A plain client in a process of its own sends touch messages at a steady rate, two fingers that move,
-and waits for the first frame that says the message took effect. No browser, no display; what a page
-adds is its own drawing. Beside it, in the same run, an echo of the same socket: what the transport
-and the machine cost while a session runs, without a control step in between.
+A plain client in a process of its own sends touch messages at a steady rate, two fingers that move.
+The rows:
+
+    touch to its frame    from sending a touch to having the first frame that contains what it did:
+                          there, reconstruction, eight steps of physics, the frame, and back
+    there and back        a beat and its echo on the same socket, between two touches, while the
+                          session runs: all of the way, without the control step
+    received to step      of the first row, what a touch waits in the program for its control step
+    control step          of the first row, that step: reconstruction and physics
+
+No browser, no display; what a page adds is its own drawing. `--pin` gives the server the first core
+and the client the second.
 """
 
 from __future__ import annotations
 
 import argparse
-import json
 import multiprocessing
 import os
 import platform
-import threading
-import time
-from contextlib import ExitStack
 from dataclasses import replace
-from typing import Any
-from urllib.parse import urlsplit
+from pathlib import Path
 
 import numpy as np
-from websockets.sync.client import connect
 
+from benchmarks.page_client import PX_PER_IN, measure
 from sandbox.assembly import build
+from sandbox.cli.second_view import publish
 from sandbox.devices.web import WebDevice
 from sandbox.live import LiveSession
+from sandbox.messages import Snapshot
 from sandbox.server.describe import describe_scene
-from sandbox.server.frames import unpack
 from sandbox.server.page_server import PageServer
 from sandbox.settings import RunSettings
-
-PX_PER_IN = 132.0
-SCREEN = {"px_per_in": PX_PER_IN, "width_px": 1024, "height_px": 768, "calibrated": True}
+from sandbox.timing import Timing, TimedDevice
 
 
-def client(url: str, seconds: float, rate: float, out: Any) -> None:
-    """Sends touches and beats, and puts the milliseconds of both round trips into `out`."""
-    parts = urlsplit(url)
-    stack = ExitStack()
-    socket = stack.enter_context(
-        connect(
-            f"ws://{parts.netloc}/?{parts.query}", origin=f"http://{parts.netloc}", compression=None
-        )
-    )
-    hello = {"type": "hello", "protocol": 1, "client": "bench", "role": "player", "screen": SCREEN}
-    socket.send(json.dumps(hello))
-    sent: dict[int, float] = {}
-    touches, echoes = [], []
-    lock = threading.Lock()
-    done = threading.Event()
+def served(server: PageServer) -> LiveSession:
+    """A session whose touches come from the server's page; not yet started."""
+    settings = replace(RunSettings(), surface_in=(1024 / PX_PER_IN, 768 / PX_PER_IN))
+    timing = Timing(server.latency)
+    device: list[WebDevice] = []
 
-    def receive() -> None:
-        for message in socket:
-            now = time.perf_counter()
-            if isinstance(message, bytes):
-                frame = unpack(message)
-                with lock:
-                    socket.send(json.dumps({"type": "got", "frame": frame.number}))
-                    for seq in [s for s in sent if s <= frame.touch]:
-                        touches.append((now - sent.pop(seq)) * 1e3)
-            else:
-                answer = json.loads(message)
-                if answer["type"] == "echo":
-                    echoes.append((now - answer["t"] / 1e3) * 1e3)
-            if done.is_set():
-                return
+    def opened(_: object, surface: object) -> TimedDevice:
+        device.append(WebDevice(surface))  # type: ignore[arg-type]
+        return TimedDevice(device[0], timing)
 
-    reader = threading.Thread(target=receive, daemon=True)
-    reader.start()
-    start = time.perf_counter()
-    seq = 0
-    while (now := time.perf_counter() - start) < seconds:
-        seq += 1
-        x, y = 500 + 60 * np.cos(2 * now), 380 + 60 * np.sin(2 * now)
-        contacts = [[1, x - 80, y + 60, 20.0], [2, x + 60, y - 60, 20.0]]
-        message = {"type": "touches", "seq": seq, "t": now * 1e3, "contacts": contacts}
-        with lock:
-            sent[seq] = time.perf_counter()
-            socket.send(json.dumps(message))
-            if seq % 2 == 0:
-                socket.send(json.dumps({"type": "beat", "t": time.perf_counter() * 1e3}))
-        time.sleep(max(0.0, start + seq / rate - time.perf_counter()))
-    done.set()
-    time.sleep(0.1)
-    stack.close()
-    out.put((touches, echoes))
+    session = build(settings, opened)  # type: ignore[arg-type]
+    # The trial must outlast the measurement, whatever the time limit of its task.
+    session.scorer.update = lambda *_: session.scorer.score  # type: ignore[method-assign]
+    surface = session.rigs[0].reconstructor.surface
+    scene = describe_scene(1, session.scene, session.task, surface, "right", "")
+    server.show_scene(scene, session.scene, device[0])
+
+    def on_step(snapshot: Snapshot) -> None:
+        timing.stepped(snapshot)
+        publish(server, session, snapshot)
+
+    return LiveSession(session, on_step, news=device[0].news)
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0] if __doc__ else "")
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--seconds", type=float, default=20.0)
     parser.add_argument("--rate", type=float, default=60.0)
+    parser.add_argument("--pin", action="store_true")
     given = parser.parse_args()
 
+    cores = sorted(os.sched_getaffinity(0))
     server = PageServer()
-    settings = replace(RunSettings(), surface_in=(1024 / PX_PER_IN, 768 / PX_PER_IN))
-    session = build(settings, lambda task, surface: WebDevice(surface, server.latency))
-    # The trial must outlast the measurement, whatever the time limit of its task.
-    session.scorer.update = lambda *_: session.scorer.score  # type: ignore[method-assign]
-    device = session.rigs[0].device
-    assert isinstance(device, WebDevice)
-    surface = session.rigs[0].reconstructor.surface
-    server.show_scene(
-        describe_scene(1, session.scene, session.task, surface, "right", ""), session.scene, device
-    )
-    live = LiveSession(session, server.publish, news=device.news)
+    live = served(server)
     live.start()
     context = multiprocessing.get_context("spawn")
     out = context.Queue()
-    process = context.Process(target=client, args=(server.url, given.seconds, given.rate, out))
+    core = cores[-1] if given.pin else None
+    process = context.Process(
+        target=measure, args=(server.url, given.seconds, given.rate, core, out)
+    )
     process.start()
+    if given.pin:
+        for thread in Path("/proc/self/task").iterdir():
+            os.sched_setaffinity(int(thread.name), {cores[0]})
     touches, echoes = out.get()
     process.join()
     live.stop()
     server.close()
-    print(f"{platform.processor() or platform.machine()}, {os.cpu_count()} cores, "
-          f"load {os.getloadavg()[0]:.1f}; {given.rate:g} touch messages a second")  # fmt: skip
-    for name, values in (("touch to frame", touches), ("echo alone", echoes)):
-        p50, p95, p99 = np.percentile(values, [50, 95, 99])
-        print(f"{name:<15} n {len(values):<6} p50 {p50:6.2f} ms  p95 {p95:6.2f}  p99 {p99:6.2f}")
-    print(f"simulated {session.time:.1f} s, given up {live.lost:.2f} s")
+    print(f"{platform.processor() or platform.machine()}, {len(cores)} cores"
+          f"{', pinned' if given.pin else ''}, load {os.getloadavg()[0]:.1f}; "
+          f"{given.rate:g} touch messages a second")  # fmt: skip
+    _row("touch to its frame", np.percentile(touches, [50, 95, 99]), len(touches))
+    _row("there and back", np.percentile(echoes, [50, 95, 99]), len(echoes))
+    step = server.latency.percentiles()
+    for name, kind in (("received to step", "waited"), ("control step", "stepped")):
+        p = step[kind]
+        _row(name, np.array([p.p50, p.p95, p.p99]), p.n)
+    print(f"simulated {live.session.time:.1f} s, given up {live.lost:.2f} s")
+
+
+def _row(name: str, found: np.ndarray, n: int) -> None:
+    p50, p95, p99 = found
+    print(f"{name:<18} n {n:<6} p50 {p50:6.2f} ms  p95 {p95:6.2f}  p99 {p99:6.2f}")
 
 
 if __name__ == "__main__":

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from weakref import WeakKeyDictionary
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from models.frames import FINGERS
 from models.scene import Scene
@@ -43,14 +45,28 @@ def press(scene: Scene, data: mujoco.MjData) -> list[list[float]]:
     found = [[0.0] * len(FINGERS) for _ in scene.spec.hands]
     if not data.ncon:
         return found
-    owner = {
-        model.body(hand.element_name(bone.name)).id: (i, bone.finger)
-        for i, hand in enumerate(scene.spec.hands)
-        for bone in hand.skeleton.bones
-    }
+    owner = _owners(scene)
     wrench = np.zeros(6)
-    for k, pair in enumerate(model.geom_bodyid[data.contact.geom].tolist()):
-        for i, finger in (owner[body] for body in pair if body in owner):
+    for k, pair in enumerate(owner[data.contact.geom].tolist()):
+        for i, finger in (divmod(part, len(FINGERS)) for part in pair if part >= 0):
             mujoco.mj_contactForce(model, data, k, wrench)
             found[i][finger] += float(np.linalg.norm(wrench[:3]))
     return found
+
+
+_OWNERS: WeakKeyDictionary[Scene, NDArray[np.int64]] = WeakKeyDictionary()
+
+
+def _owners(scene: Scene) -> NDArray[np.int64]:
+    """(geoms,) five times the hand plus the finger that a shape belongs to; -1: to none.
+
+    Worked out once per scene: names are looked up in strings, sixty times a second too slowly.
+    """
+    if scene not in _OWNERS:
+        bodies = np.full(scene.model.nbody, -1)
+        for i, hand in enumerate(scene.spec.hands):
+            for bone in hand.skeleton.bones:
+                body = scene.model.body(hand.element_name(bone.name)).id
+                bodies[body] = len(FINGERS) * i + bone.finger
+        _OWNERS[scene] = bodies[scene.model.geom_bodyid]
+    return _OWNERS[scene]

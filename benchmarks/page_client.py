@@ -1,0 +1,115 @@
+"""A client of the page's protocol on a plain socket, in one thread and a process of its own.
+
+It adds as little as Python can to the times that it measures: no browser, no library's threads.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import select
+import socket
+import struct
+import time
+from typing import Any
+from urllib.parse import urlsplit
+
+import numpy as np
+from websockets.client import ClientProtocol
+from websockets.frames import Frame, Opcode
+from websockets.uri import parse_uri
+
+from sandbox.server.frames import KIND
+from sandbox.server.protocol import PROTOCOL
+
+PX_PER_IN = 132.0
+SCREEN = {"px_per_in": PX_PER_IN, "width_px": 1024, "height_px": 768, "calibrated": True}
+
+
+class Line:
+    """A socket to the server, with the handshake made and hello said.
+
+    Args:
+        url: The page's link.
+    """
+
+    def __init__(self, url: str) -> None:
+        parts = urlsplit(url)
+        uri = parse_uri(f"ws://{parts.netloc}/?{parts.query}")
+        self._protocol = ClientProtocol(uri, origin=f"http://{parts.netloc}")  # type: ignore[arg-type]
+        self._socket = socket.create_connection((parts.hostname, parts.port))
+        self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self._protocol.send_request(self._protocol.connect())
+        self._flush()
+        while not self._protocol.events_received():
+            self._protocol.receive_data(self._socket.recv(65536))
+        hello = {"type": "hello", "protocol": PROTOCOL, "client": "bench", "role": "player"}
+        self.say(hello | {"screen": SCREEN})
+
+    def say(self, message: dict[str, Any]) -> None:
+        """Sends a message."""
+        self._protocol.send_text(json.dumps(message).encode())
+        self._flush()
+
+    def heard(self, until: float) -> list[tuple[Opcode, bytes]]:
+        """What comes next, or nothing if nothing does until a time of `perf_counter`."""
+        wait = max(0.0, until - time.perf_counter())
+        if not select.select([self._socket], [], [], wait)[0]:
+            return []
+        self._protocol.receive_data(self._socket.recv(1 << 20))
+        events = self._protocol.events_received()
+        return [(e.opcode, bytes(e.data)) for e in events if isinstance(e, Frame)]
+
+    def close(self) -> None:
+        """Hangs up."""
+        self._socket.close()
+
+    def _flush(self) -> None:
+        for data in self._protocol.data_to_send():
+            if data:
+                self._socket.sendall(data)
+
+
+def measure(url: str, seconds: float, rate: float, core: int | None, out: Any) -> None:
+    """Two fingers move at a steady rate, beats in between; both round trips in ms into `out`.
+
+    A beat is sent half a period after a touch, when no control step that a touch asked for is
+    being made, so that it says what the way there and back takes by itself.
+    """
+    if core is not None:
+        os.sched_setaffinity(0, {core})
+    line = Line(url)
+    sent: dict[int, float] = {}
+    touches: list[float] = []
+    echoes: list[float] = []
+    start = time.perf_counter()
+    due, seq, beat = start, 0, False
+    while (now := time.perf_counter()) - start < seconds:
+        if now >= due:
+            due += 0.5 / rate
+            if beat:
+                line.say({"type": "beat", "t": 1e3 * time.perf_counter()})
+            else:
+                seq += 1
+                touch = _touch(seq, now - start)
+                sent[seq] = time.perf_counter()
+                line.say(touch)
+            beat = not beat
+        for opcode, data in line.heard(due):
+            now = time.perf_counter()
+            if opcode is Opcode.TEXT:
+                answer = json.loads(data)
+                if answer["type"] == "echo":
+                    echoes.append(1e3 * now - answer["t"])
+            elif data[1] == KIND:
+                number, newest = struct.unpack_from("<II", data, 8)
+                touches += [1e3 * (now - sent.pop(s)) for s in [s for s in sent if s <= newest]]
+                line.say({"type": "got", "frame": number})
+    line.close()
+    out.put((touches, echoes))
+
+
+def _touch(seq: int, now: float) -> dict[str, Any]:
+    x, y = 500 + 60 * float(np.cos(2 * now)), 380 + 60 * float(np.sin(2 * now))
+    contacts = [[1, x - 80, y + 60, 20.0], [2, x + 60, y - 60, 20.0]]
+    return {"type": "touches", "seq": seq, "t": now * 1e3, "contacts": contacts}
