@@ -28,6 +28,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.page_client import PX_PER_IN, measure
+from models.surface import Surface
 from sandbox.assembly import build
 from sandbox.cli.second_view import publish
 from sandbox.devices.web import WebDevice
@@ -36,7 +37,8 @@ from sandbox.messages import Snapshot
 from sandbox.server.describe import describe_scene
 from sandbox.server.page_server import PageServer
 from sandbox.settings import RunSettings
-from sandbox.timing import Timing, TimedDevice
+from sandbox.timing import TimedDevice, Timing
+from tasks.task import Task
 
 
 def served(server: PageServer) -> LiveSession:
@@ -45,11 +47,11 @@ def served(server: PageServer) -> LiveSession:
     timing = Timing(server.latency)
     device: list[WebDevice] = []
 
-    def opened(_: object, surface: object) -> TimedDevice:
-        device.append(WebDevice(surface))  # type: ignore[arg-type]
+    def opened(_: Task, surface: Surface) -> TimedDevice:
+        device.append(WebDevice(surface))
         return TimedDevice(device[0], timing)
 
-    session = build(settings, opened)  # type: ignore[arg-type]
+    session = build(settings, opened)
     # The trial must outlast the measurement, whatever the time limit of its task.
     session.scorer.update = lambda *_: session.scorer.score  # type: ignore[method-assign]
     surface = session.rigs[0].reconstructor.surface
