@@ -7,6 +7,8 @@ import io
 from collections.abc import Sequence
 
 from sandbox.study.design import Design
+from sandbox.study.scoring_table import COLUMNS as SCORES
+from sandbox.study.scoring_table import score_columns
 
 COLUMNS = {
     "experiment": ("", "name of the study"),
@@ -94,6 +96,8 @@ def codebook(design: Design, trials: Sequence[str], answers: Sequence[str]) -> b
         writer.writerow(["trial_results.csv", name, *known[name]])
     for name in answers:
         writer.writerow(["questionnaires.csv", name, *known[name]])
+    for name in score_columns(design):
+        writer.writerow(["questionnaire_scores.csv", name, *{**known, **SCORES}[name]])
     for form in design.questionnaires:
         for item in form.items:
             ask = item.ask[design.languages[0]]

@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from sandbox.study.reading import Text
+from sandbox.study.scoring import Scale
+from sandbox.study.showing import Showing
 
 SCHEMA = 1
 """Version of the file's layout."""
@@ -62,10 +64,13 @@ class Item:
         name: Column or row in tables.
         kind: One of `ITEMS`.
         ask: The question.
-        choices: Of a choice.
+        choices: Of a choice, as they are kept.
         low, high, step: Of a scale or a number.
         ends: What both ends of a scale mean.
         optional: It may be left out.
+        means: What the choices are called, in their order; none: by what is kept.
+        shuffle: It changes places with its neighbours that are shuffled, too, and its choices with
+            each other, by chance and anew for everybody.
     """
 
     name: str
@@ -77,6 +82,12 @@ class Item:
     step: float = 1.0
     ends: tuple[Text, Text] | None = None
     optional: bool = False
+    means: tuple[Text, ...] = ()
+    shuffle: bool = False
+
+    def called(self, choice: str, language: str) -> str:
+        """What a choice is called in a language."""
+        return self.means[self.choices.index(choice)][language] if self.means else choice
 
 
 @dataclass(frozen=True)
@@ -88,12 +99,16 @@ class Form:
         title: For the participant.
         items: In order.
         at: `start`, `end`, or the factor after each of whose levels it is asked.
+        scales: How answers become scores.
+        source: Name and text of the file with its items; None where they are in the design.
     """
 
     name: str
     title: Text
     items: tuple[Item, ...]
     at: str
+    scales: tuple[Scale, ...] = ()
+    source: tuple[str, str] | None = None
 
 
 @dataclass(frozen=True)
@@ -150,6 +165,7 @@ class Design:
         expected: s that a trial takes, for plans.
         break_every: Trials; 0: none.
         break_time: s, shortest break.
+        showing: How trials on the page go.
         consent: Text, and its version; no text: none is asked for.
         instructions, demographics, questionnaires, exclusions: As named.
         digest: Of the file.
@@ -173,6 +189,7 @@ class Design:
     expected: float
     break_every: int
     break_time: float
+    showing: Showing
     consent: Text
     consent_version: str
     instructions: tuple[Instruction, ...]

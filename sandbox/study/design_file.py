@@ -12,7 +12,6 @@ from models.errors import StudyError
 from sandbox.study.conditions import SETTINGS, check_conditions
 from sandbox.study.design import (
     END,
-    ITEMS,
     ORDERS,
     SCHEMA,
     START,
@@ -21,21 +20,19 @@ from sandbox.study.design import (
     Factor,
     Form,
     Instruction,
-    Item,
     Level,
 )
 from sandbox.study.orders import MOST_FACTORIAL
+from sandbox.study.questionnaires import read_form, read_item
 from sandbox.study.reading import DesignError, Mistake, Reader, Table
-
-NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}$")
-"""Names of folders and columns: readable by every program on every system."""
+from sandbox.study.showing import read_showing
 
 MEASURES = ("time_s", "success", "instant", "held", "final", "progress", "first_contact_s")
 """Numbers of a trial that a rule may look at."""
 
 
-def load_design(path: Path) -> Design:
-    """Reads a design.
+def load_design(path: Path, try_out: bool = True) -> Design:
+    """Reads a design; see `parse_design`.
 
     Raises:
         DesignError: It has mistakes; all of them are told, with line and remedy.
@@ -48,11 +45,16 @@ def load_design(path: Path) -> Design:
                          remedy="`sandbox study new FILE` makes one") from None  # fmt: skip
     except UnicodeDecodeError as error:
         raise StudyError("the design is no UTF-8 text", where=str(path), got=str(error)) from None
-    return parse_design(text, path)
+    return parse_design(text, path, try_out)
 
 
-def parse_design(text: str, path: Path) -> Design:
+def parse_design(text: str, path: Path, try_out: bool = True) -> Design:
     """The design in a text that stands in a file.
+
+    Args:
+        text: All of it.
+        path: Of the file.
+        try_out: Whether every combination of levels is tried; not where a study is only read.
 
     Raises:
         DesignError: It has mistakes.
@@ -67,7 +69,7 @@ def parse_design(text: str, path: Path) -> Design:
         ) from None
     reader = Reader(text)
     design = _design(Table(reader, values), text, path)
-    if not reader.mistakes:
+    if try_out and not reader.mistakes:
         check_conditions(design, reader)
     if reader.mistakes:
         raise DesignError(path.name, reader.mistakes)
@@ -83,8 +85,9 @@ def _design(top: Table, text: str, path: Path) -> Design:
     factors = _factors(top)
     names = [factor.name for factor in factors]
     trials, breaks, consent = top.table("trials"), top.table("breaks"), top.table("consent")
+    forms = tuple(read_form(t, names, path.parent) for t in top.tables("questionnaires"))
     design = Design(
-        name=_name(top, "name"),
+        name=top.name("name"),
         title=top.string("title", ""),
         seed=top.number("seed", 0, 0, 2**53, whole=True),
         participants=top.number("participants", 12, 1, 10_000, whole=True),
@@ -100,13 +103,14 @@ def _design(top: Table, text: str, path: Path) -> Design:
         expected=float(trials.number("expected_s", 20.0, 0.05, 3600.0)),
         break_every=breaks.number("every", 0, 0, 10_000, whole=True),
         break_time=float(breaks.number("least_s", 30.0, 0.0, 7200.0)),
+        showing=read_showing(top, trials),
         consent=consent.text("text") if consent.has("text") else {},
         consent_version=consent.string("version", "1"),
         instructions=tuple(_instruction(t, factors) for t in top.tables("instructions")),
-        demographics=tuple(_item(t) for t in top.tables("demographics")),
-        questionnaires=tuple(_form(t, names, path) for t in top.tables("questionnaires")),
+        demographics=tuple(read_item(t) for t in top.tables("demographics")),
+        questionnaires=forms,
         exclusions=tuple(_exclusion(t) for t in top.tables("exclusions")),
-        digest=blake2b(text.encode(), digest_size=16).hexdigest(),
+        digest=_digest(text, forms),
         text=text,
         path=path,
     )
@@ -117,12 +121,12 @@ def _design(top: Table, text: str, path: Path) -> Design:
     return design
 
 
-def _name(table: Table, key: str) -> str:
-    name = table.string(key)
-    if name and not NAME.match(name):
-        table.wrong(key, f"got {name!r}",
-                    "Use up to 64 letters, digits, - and _; it names files")  # fmt: skip
-    return name
+def _digest(text: str, forms: tuple[Form, ...]) -> str:
+    """Of the design and of all files that belong to it."""
+    found = blake2b(text.encode(), digest_size=16)
+    for name, content in sorted({form.source for form in forms if form.source}):
+        found.update(b"\0" + name.encode() + b"\0" + content.encode())
+    return found.hexdigest()
 
 
 def _no_twice(top: Table, key: str, names: list[str]) -> None:
@@ -160,7 +164,7 @@ def _factors(top: Table) -> tuple[Factor, ...]:
 
 
 def _one_factor(table: Table, outer_ones: list[Factor]) -> Factor:
-    name = _name(table, "name")
+    name = table.name("name")
     setting = table.string("setting", name)
     order = table.choice("order", ORDERS, "blocked")
     outer = table.string("inside", "")
@@ -234,58 +238,9 @@ def _instruction(table: Table, factors: tuple[Factor, ...]) -> Instruction:
     return found
 
 
-def _item(table: Table) -> Item:
-    name, ask = _name(table, "name"), table.text("ask")
-    kind = table.choice("kind", ITEMS, "text")
-    choices = table.strings("choices")
-    low = float(table.number("low", 0.0, -1e9, 1e9))
-    high = float(table.number("high", 100.0, -1e9, 1e9))
-    step = float(table.number("step", 1.0, 1e-9, 1e9))
-    if kind == "choice" and len(choices) < 2:
-        table.wrong("choices", "a choice needs two or more", 'Write choices = ["yes", "no"]')
-    if kind in ("scale", "number") and not low < high:
-        table.wrong("low", f"{low:g} is not below {high:g}", "Swap low and high")
-    ends = (table.text("low_means"), table.text("high_means")) if table.has("low_means") else None
-    optional = table.raw("optional", False)
-    if not isinstance(optional, bool):
-        table.wrong("optional", f"got {optional!r}", "Write true or false")
-    table.done()
-    return Item(name, kind, ask, choices, low, high, step, ends, bool(optional))
-
-
-def _form(table: Table, names: list[str], path: Path) -> Form:
-    name = _name(table, "name")
-    at = table.choice("at", (START, END, *names), END)
-    file = table.string("file", "")
-    source = _instrument(table, file, path) if file else table
-    title = source.text("title")
-    items = tuple(_item(t) for t in source.tables("items"))
-    if not items and not (file and source is table):
-        table.wrong("items", "there is no question", "Add [[questionnaires.items]], or a file")
-    if source is not table:
-        source.done()
-        for mistake in source.reader.mistakes:
-            table.wrong("file", f"{file}, {mistake}", "Correct that file")
-    table.done()
-    return Form(name, title, items, at)
-
-
-def _instrument(table: Table, file: str, path: Path) -> Table:
-    """The questions in a file of their own, beside the design."""
-    try:
-        text = (path.parent / file).read_text(encoding="utf-8")
-        values = tomllib.loads(text)
-    except (OSError, ValueError) as error:
-        table.wrong("file", f"{file} cannot be read: {error}", "Give a TOML file with items")
-        return table
-    reader = Reader(text)
-    reader.languages = table.reader.languages
-    return Table(reader, values)
-
-
 def _exclusion(table: Table) -> Exclusion:
     found = Exclusion(
-        _name(table, "name"),
+        table.name("name"),
         table.choice("of", ("trial", "participant"), "trial"),
         table.choice("measure", MEASURES, MEASURES[0]),
         _bound(table, "below"),

@@ -75,7 +75,30 @@ class StudyFolder:
         with self.lock():
             sweep(self.path)
             self._lock_to(build_of(design), upgrade)
-            write_atomically(self.path / "design.toml", design.text.encode())
+            write_design(self.path, design)
+
+    @classmethod
+    def at(cls, path: Path) -> StudyFolder:
+        """A study that is there, for reading, keeping and tables, whatever program runs here.
+
+        Raises:
+            StudyError: The folder is none of a study, or its design cannot be read.
+        """
+        from sandbox.study.design_file import load_design
+
+        if not (path / "study.json").is_file():
+            raise StudyError("this is no folder of a study", where=str(path),
+                             expected="a folder with study.json, such as studies/NAME")  # fmt: skip
+        found = cls.__new__(cls)
+        found._about = read_about(path / "study.json")
+        found.path, found.mode = path, str(found._about["mode"])
+        found.design = load_design(path / "design.toml", try_out=False)
+        return found
+
+    @property
+    def about(self) -> dict[str, Any]:
+        """`study.json`."""
+        return dict(self._about)
 
     @property
     def id(self) -> str:
@@ -172,6 +195,15 @@ class StudyFolder:
                            before=self._about["build"], after=build)  # fmt: skip
         self._about = {**self._about, "build": build}
         write_atomically(path, _json(self._about))
+
+
+def write_design(folder: Path, design: Design) -> None:
+    """Puts a design, and the questionnaires' files that belong to it, into a study's folder."""
+    write_atomically(folder / "design.toml", design.text.encode())
+    for form in design.questionnaires:
+        if form.source:
+            make_folder((folder / form.source[0]).parent)
+            write_atomically(folder / form.source[0], form.source[1].encode())
 
 
 def folder_of(out: Path, name: str, mode: str) -> Path:

@@ -15,6 +15,7 @@ from typing import Any
 from sandbox.study.conditions import values_of
 from sandbox.study.design import END, START, Design, Factor, Form, Instruction, Level
 from sandbox.study.orders import cycle, order_of
+from sandbox.study.questionnaires import arranged
 
 READING = 20.0
 """s for a page of instructions."""
@@ -243,7 +244,9 @@ class _Plan:
         for form in self._design.questionnaires:
             if form.at == at:
                 block = self._block if at not in (START, END) else 0
-                yield FormStep(f"form:{form.name}:{self._trial}", form, block, levels)
+                step = f"form:{form.name}:{self._trial}"
+                seed = _seed(self._design.seed, "form", self._participant, step)
+                yield FormStep(step, arranged(form, seed), block, levels)
 
 
 def _seed(*parts: object) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -9,6 +10,9 @@ from typing import Any
 
 from models.errors import StudyError
 from sandbox.study.toml_lines import Path, TomlLines
+
+NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}$")
+"""Names of folders and columns: readable by every program on every system."""
 
 Text = dict[str, str]
 """A text by language."""
@@ -110,6 +114,21 @@ class Table:
             self.wrong(key, f"got {value!r}", "Write a text in quotation marks")
             return default or ""
         return value
+
+    def name(self, key: str) -> str:
+        """A name of a file, a column or a row."""
+        name = self.string(key)
+        if name and not NAME.match(name):
+            self.wrong(key, f"got {name!r}",
+                       "Use up to 64 letters, digits, - and _; it names files")  # fmt: skip
+        return name
+
+    def flag(self, key: str) -> bool:
+        """True or false; false where it is not given."""
+        value = self.raw(key, False)
+        if not isinstance(value, bool):
+            self.wrong(key, f"got {value!r}", "Write true or false")
+        return value is True
 
     def choice(self, key: str, options: Sequence[str], default: str) -> str:
         """One of some words."""

@@ -16,6 +16,8 @@ from sandbox.study.files import write_atomically
 from sandbox.study.folder import StudyFolder
 from sandbox.study.frames import STEMS
 from sandbox.study.journal import Record, read_journal
+from sandbox.study.plan import Step
+from sandbox.study.scoring_table import score_columns, score_rows
 from sandbox.study.session_folder import SESSION, SessionFolder, session_path
 from sandbox.study.state import Attempt, SessionState
 
@@ -169,20 +171,42 @@ def rebuild_session(session: SessionFolder, durable: bool = True) -> None:
     Raises:
         StudyError: One cannot be written; the older one is still there.
     """
-    design, state, path = session.study.design, session.state, session.path
+    write_session(session.study, session.path, session.state, session.steps,
+                  session.journal.records, durable)  # fmt: skip
+
+
+def write_session(
+    study: StudyFolder, path: Path, state: SessionState, steps: Sequence[Step],
+    records: Sequence[Record], durable: bool = True,
+) -> None:  # fmt: skip
+    """Writes the tables of a session that need not be open.
+
+    Args:
+        study: It belongs to.
+        path: Of the session.
+        state: What its journal says.
+        steps: Its plan.
+        records: Its journal.
+        durable: They are on the disk when this returns.
+
+    Raises:
+        StudyError: One cannot be written; the older one is still there.
+    """
+    design = study.design
     rows = trial_rows(design, state)
     files = {
         "trial_results.csv": csv_bytes(rows, trial_columns(design)),
         "questionnaires.csv": csv_bytes(answer_rows(state), answer_columns(design)),
+        "questionnaire_scores.csv": csv_bytes(score_rows(design, state), score_columns(design)),
         "codebook.csv": codebook(design, trial_columns(design), answer_columns(design)),
         "session_info/settings.json": json.dumps(
-            {"settings": design.settings, "build": session.study.build, "design": design.digest},
+            {"settings": design.settings, "build": study.build, "design": design.digest},
             indent=1, sort_keys=True,
         ).encode() + b"\n",
         "session_info/participant_details.csv": csv_bytes(
-            [person_row(design, state, state.done(session.steps)[1], rows)], person_columns(design)
+            [person_row(design, state, state.done(steps)[1], rows)], person_columns(design)
         ),
-        "session_info/log.csv": log_bytes(session.journal.records),
+        "session_info/log.csv": log_bytes(records),
     }  # fmt: skip
     for name, data in files.items():
         write_atomically(path / name, data, durable)
@@ -202,6 +226,7 @@ def rebuild_study(study: StudyFolder) -> dict[str, int]:
     design = study.design
     trials: list[Row] = []
     answers: list[Row] = []
+    scored: list[Row] = []
     people: list[Row] = []
     with study.lock():
         for person in study.participants():
@@ -216,11 +241,13 @@ def rebuild_study(study: StudyFolder) -> dict[str, int]:
             planned = len(trials_of(session_plan(design, person.number)))
             trials += rows
             answers += answer_rows(state)
+            scored += score_rows(design, state)
             people.append(person_row(design, state, planned, rows))
         for name, data in {
             "participants.csv": csv_bytes(people, person_columns(design)),
             "trial_results.csv": csv_bytes(trials, trial_columns(design)),
             "questionnaires.csv": csv_bytes(answers, answer_columns(design)),
+            "questionnaire_scores.csv": csv_bytes(scored, score_columns(design)),
             "codebook.csv": codebook(design, trial_columns(design), answer_columns(design)),
         }.items():
             write_atomically(study.path / name, data)

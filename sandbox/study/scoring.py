@@ -1,0 +1,101 @@
+"""Scores of questionnaires: pure functions of the answers, by rules that stand in a file.
+
+An answer that is missing gives no score, and the score says how many are missing: nothing is
+guessed or filled in.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+RULES = ("sum", "mean", "weighted")
+"""`sum` and `mean` of items. `weighted`: the mean of items, each weighted by how often it was
+chosen in the scale's pairwise comparisons (NASA-TLX: Hart and Staveland 1988)."""
+
+
+@dataclass(frozen=True)
+class Scale:
+    """How some answers become one number.
+
+    Attributes:
+        name: In tables.
+        rule: One of `RULES`.
+        items: Items that are numbers.
+        bounds: Lowest and highest answer of each item.
+        reverse: Items of which high + low - answer is taken.
+        from_zero: What counts is how far an answer is above its item's lowest.
+        factor: The result is multiplied by this.
+        pairs: For `weighted`: items whose answers are names of `items`.
+    """
+
+    name: str
+    rule: str
+    items: tuple[str, ...]
+    bounds: tuple[tuple[float, float], ...]
+    reverse: frozenset[str] = frozenset()
+    from_zero: bool = False
+    factor: float = 1.0
+    pairs: tuple[str, ...] = ()
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """The lowest and the highest score there can be."""
+        lows = [0.0 if self.from_zero else low for low, _ in self.bounds]
+        highs = [high - (low if self.from_zero else 0.0) for low, high in self.bounds]
+        if self.rule == "sum":
+            ends = (sum(lows), sum(highs))
+        elif self.rule == "mean":
+            ends = (sum(lows) / len(lows), sum(highs) / len(highs))
+        else:
+            ends = (min(lows), max(highs))
+        low, high = sorted((ends[0] * self.factor, ends[1] * self.factor))
+        return low, high
+
+
+@dataclass(frozen=True)
+class Score:
+    """What a scale says: a number, or None where answers are missing, and how many of them."""
+
+    scale: str
+    value: float | None
+    missing: int
+
+
+def score(scale: Scale, answers: Mapping[str, Any]) -> Score:
+    """Scores answers by item; an answer that is not there, or None, is missing."""
+    used = (*scale.items, *scale.pairs)
+    missing = sum(answers.get(name) is None for name in used)
+    if missing:
+        return Score(scale.name, None, missing)
+    values = [
+        _counted(scale, name, float(answers[name]), bounds)
+        for name, bounds in zip(scale.items, scale.bounds, strict=True)
+    ]
+    if scale.rule == "weighted":
+        found = _weighted(values, [tally(scale, answers)[name] for name in scale.items])
+    else:
+        found = sum(values) / (len(values) if scale.rule == "mean" else 1)
+    return Score(scale.name, found * scale.factor, 0)
+
+
+def scores(scales: Sequence[Scale], answers: Mapping[str, Any]) -> list[Score]:
+    """All scores of a form."""
+    return [score(scale, answers) for scale in scales]
+
+
+def tally(scale: Scale, answers: Mapping[str, Any]) -> dict[str, int]:
+    """How often each item of a weighted scale was chosen in its comparisons."""
+    chosen = [answers.get(name) for name in scale.pairs]
+    return {name: chosen.count(name) for name in scale.items}
+
+
+def _counted(scale: Scale, name: str, value: float, bounds: tuple[float, float]) -> float:
+    low, high = bounds
+    value = low + high - value if name in scale.reverse else value
+    return value - low if scale.from_zero else value
+
+
+def _weighted(values: Sequence[float], weights: Sequence[int]) -> float:
+    return sum(v * w for v, w in zip(values, weights, strict=True)) / sum(weights)
