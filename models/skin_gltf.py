@@ -30,6 +30,7 @@ Array = NDArray[np.float64]
 FLOAT, UNSIGNED_BYTE, UNSIGNED_SHORT = 5126, 5121, 5123
 VERTICES, INDICES = 34962, 34963
 """Numbers of glTF 2.0: component types, and what a piece of the buffer is for."""
+COMPONENTS = {"SCALAR": 1, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 TYPES = {FLOAT: np.float32, UNSIGNED_BYTE: np.uint8, UNSIGNED_SHORT: np.uint16}
 
 MATERIALS: dict[str, tuple[Colour, float]] = {
@@ -43,8 +44,8 @@ MATERIALS: dict[str, tuple[Colour, float]] = {
 
 def glb(skin: Skin, name: str = "hand") -> bytes:
     """A .glb of a skin at the zero pose."""
-    writer = _Writer()
-    primitives = [_primitive(writer, skin, i) for i in range(len(skin.parts))]
+    writer = GlbArrays()
+    primitives = [primitive(writer, skin, i) for i in range(len(skin.parts))]
     places, turns = frames(skin.skeleton, np.zeros(POSE_SIZE))
     names = ["palm", *(b.name for b in skin.skeleton.bones)]
     joints = []
@@ -65,14 +66,15 @@ def glb(skin: Skin, name: str = "hand") -> bytes:
         "meshes": [{"name": name, "primitives": primitives}],
         "skins": [{
             "joints": list(range(top)),
-            "inverseBindMatrices": writer.add(_inverses(places, turns), FLOAT, "MAT4"),
+            "inverseBindMatrices": writer.add(inverse_binds(places, turns), FLOAT, "MAT4"),
         }],
-        "materials": [_material(p.name) for p in skin.parts],
+        "materials": [material(p.name) for p in skin.parts],
     }  # fmt: skip
     return writer.finished(document)
 
 
-def _primitive(writer: _Writer, skin: Skin, index: int) -> dict[str, Any]:
+def primitive(writer: GlbArrays, skin: Skin, index: int) -> dict[str, Any]:
+    """One part of a skin at the zero pose, as a part of a mesh."""
     part = skin.parts[index]
     rest = skin.rest[part.vertices]
     triangles = skin.triangles[part.triangles] - part.vertices.start
@@ -97,7 +99,8 @@ def _primitive(writer: _Writer, skin: Skin, index: int) -> dict[str, Any]:
     }
 
 
-def _material(part: str) -> dict[str, Any]:
+def material(part: str) -> dict[str, Any]:
+    """What a part of the skin is made of."""
     colour, roughness = MATERIALS[part.partition("_")[0]]
     return {
         "name": part,
@@ -109,7 +112,7 @@ def _material(part: str) -> dict[str, Any]:
     }
 
 
-def _inverses(places: Array, turns: Array) -> Array:
+def inverse_binds(places: Array, turns: Array) -> Array:
     """(15, 16) from the mesh to each joint, column by column."""
     matrices = np.tile(np.eye(4), (len(places), 1, 1))
     matrices[:, :3, :3] = np.swapaxes(turns, 1, 2)
@@ -117,11 +120,12 @@ def _inverses(places: Array, turns: Array) -> Array:
     return np.swapaxes(matrices, 1, 2).reshape(-1, 16)
 
 
-class _Writer:
+class GlbArrays:
     """Collects arrays in one buffer, with their descriptions."""
 
     def __init__(self) -> None:
-        self._bytes = bytearray()
+        self.bytes = bytearray()
+        self._behind = 0
         self._views: list[dict[str, Any]] = []
         self._accessors: list[dict[str, Any]] = []
 
@@ -131,10 +135,10 @@ class _Writer:
     ) -> int:  # fmt: skip
         """Number of the accessor to an array."""
         stored = np.ascontiguousarray(values, TYPES[component])
-        view = {"buffer": 0, "byteOffset": len(self._bytes), "byteLength": stored.nbytes}
+        view = {"buffer": 0, "byteOffset": len(self.bytes), "byteLength": stored.nbytes}
         if target is not None:
             view["target"] = target
-        self._bytes += stored.tobytes() + bytes(-stored.nbytes % 4)
+        self.bytes += stored.tobytes() + bytes(-stored.nbytes % 4)
         accessor: dict[str, Any] = {
             "bufferView": len(self._views), "componentType": component, "type": kind,
             "count": len(stored),
@@ -147,18 +151,38 @@ class _Writer:
         self._accessors.append(accessor)
         return len(self._accessors) - 1
 
-    def finished(self, document: dict[str, Any]) -> bytes:
-        """The file: a header, the description, the buffer."""
+    def append(self, count: int, component: int, kind: str, **bounds: list[float]) -> int:
+        """Number of an accessor to `count` values that the caller puts behind the buffer.
+
+        They have to follow the arrays in the order of these calls, each a multiple of 4 bytes long.
+        """
+        size = count * COMPONENTS[kind] * np.dtype(TYPES[component]).itemsize
+        view = {"buffer": 0, "byteOffset": len(self.bytes) + self._behind, "byteLength": size}
+        self._behind += size
+        self._accessors.append({
+            "bufferView": len(self._views), "componentType": component, "type": kind,
+            "count": count, **bounds,
+        })  # fmt: skip
+        self._views.append(view)
+        return len(self._accessors) - 1
+
+    def head(self, document: dict[str, Any]) -> bytes:
+        """The file up to its buffer: header, description, and the head of the buffer's chunk."""
+        size = len(self.bytes) + self._behind
         document |= {
             "accessors": self._accessors,
             "bufferViews": self._views,
-            "buffers": [{"byteLength": len(self._bytes)}],
+            "buffers": [{"byteLength": size}],
         }
         text = json.dumps(document, separators=(",", ":")).encode()
         text += b" " * (-len(text) % 4)
         chunks = struct.pack("<II", len(text), 0x4E4F534A) + text
-        chunks += struct.pack("<II", len(self._bytes), 0x004E4942) + bytes(self._bytes)
-        return struct.pack("<III", 0x46546C67, 2, 12 + len(chunks)) + chunks
+        chunks += struct.pack("<II", size, 0x004E4942)
+        return struct.pack("<III", 0x46546C67, 2, 12 + len(chunks) + size) + chunks
+
+    def finished(self, document: dict[str, Any]) -> bytes:
+        """The file: a header, the description, the buffer."""
+        return self.head(document) + bytes(self.bytes)
 
 
 def write_glb(path: Path, skeleton: Skeleton) -> None:

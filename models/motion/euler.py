@@ -1,0 +1,112 @@
+"""Euler angles without jumps: of all triples that mean the same turn, the one nearest the last.
+
+R = R_a(alpha) R_b(beta) R_c(gamma), axes a, b, c all different. A turn has two families of triples,
+(alpha, beta, gamma) and (alpha + pi, pi - beta, gamma + pi), each up to whole turns. At the poles,
+beta = +-pi/2, only alpha +- gamma is known: gamma then stays where it was.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+POLE = 1e-7
+"""Cosine of the middle angle below which the outer two cannot be told apart."""
+
+ZONE = np.deg2rad(75.0)
+"""rad of the middle angle beyond which a joint may change from one family to the other."""
+
+TURN = 2.0 * np.pi
+
+
+def angles_of(rotations: Array, order: str) -> Array:
+    """Angles (..., 3) rad of rotations (..., 3, 3), in the order's order, middle one in +-pi/2."""
+    a, b, c = ("XYZ".index(letter) for letter in order)
+    sign = 1.0 if (b - a) % 3 == 1 else -1.0
+    sine = sign * rotations[..., a, c]
+    cosine = np.hypot(rotations[..., a, a], rotations[..., a, b])
+    middle = np.arctan2(sine, cosine)
+    first = np.arctan2(-sign * rotations[..., b, c], rotations[..., c, c])
+    last = np.arctan2(-sign * rotations[..., a, b], rotations[..., a, a])
+    pole = cosine < POLE
+    if np.any(pole):
+        # With gamma = 0 the rest of the matrix is a turn about the first axis.
+        alone = np.arctan2(sign * rotations[..., c, b], rotations[..., b, b])
+        first, last = np.where(pole, alone, first), np.where(pole, 0.0, last)
+    return np.stack([first, middle, last], axis=-1)
+
+
+class Continuous:
+    """Angles of joints over time, each the nearest to the one before.
+
+    Args:
+        order: Such as `ZXY`.
+
+    Attributes:
+        biggest_step: rad, most that any angle has changed from one moment to the next.
+    """
+
+    def __init__(self, order: str) -> None:
+        self.order = order
+        self.biggest_step = 0.0
+        self._last: Array | None = None
+
+    def angles(self, rotations: Array) -> Array:
+        """(n, J, 3) rad of the next n moments (n, J, 3, 3)."""
+        raw = angles_of(rotations, self.order)
+        if not len(raw):
+            return raw
+        before = np.zeros_like(raw[0]) if self._last is None else self._last
+        out = np.empty_like(raw)
+        calm = np.asarray((np.abs(raw[..., 1]) < ZONE).all(axis=0))
+        out[:, calm] = _unwrapped(raw[:, calm], before[calm])
+        if not calm.all():
+            out[:, ~calm] = self._one_by_one(raw[:, ~calm], before[~calm])
+        whole = out if self._last is None else np.concatenate([before[None], out])
+        if len(whole) > 1:
+            self.biggest_step = max(self.biggest_step, float(np.abs(np.diff(whole, axis=0)).max()))
+        self._last = out[-1].copy()
+        return out
+
+    def _one_by_one(self, raw: Array, before: Array) -> Array:
+        """Joints that come near a pole, where the families meet and the nearer one is taken."""
+        other = _other(raw)
+        poles = np.abs(np.cos(raw[..., 1])) < POLE
+        near = np.abs(raw[..., 1]) >= ZONE
+        out = np.empty_like(raw)
+        for i in range(len(raw)):
+            one, two = _nearest(raw[i], before), _nearest(other[i], before)
+            nearer = np.abs(one - before).sum(axis=-1) <= np.abs(two - before).sum(axis=-1)
+            first = np.where(near[i], nearer, np.cos(before[..., 1]) > 0)
+            chosen = np.where(first[..., None], one, two)
+            if poles[i].any():
+                chosen = np.where(poles[i][..., None], self._at_pole(raw[i], before), chosen)
+            out[i] = before = chosen
+        return out
+
+    def _at_pole(self, raw: Array, before: Array) -> Array:
+        """Angles whose last is the one before: only the outer ones' sum, or difference, is told."""
+        a, b, _ = ("XYZ".index(letter) for letter in self.order)
+        parity = 1.0 if (b - a) % 3 == 1 else -1.0
+        share = np.sign(raw[..., 1]) * parity
+        out = np.stack([raw[..., 0] - share * before[..., 2], raw[..., 1], before[..., 2]], axis=-1)
+        return _nearest(out, before)
+
+
+def _nearest(angles: Array, before: Array) -> Array:
+    """The same angles, whole turns away, nearest to those before."""
+    return np.asarray(angles + TURN * np.round((before - angles) / TURN))
+
+
+def _other(angles: Array) -> Array:
+    """The other family's angles for the same turns."""
+    return np.asarray(angles * [1.0, -1.0, 1.0] + np.pi)
+
+
+def _unwrapped(raw: Array, before: Array) -> Array:
+    """Angles (n, J, 3) in the family that they were in before (J, 3), without whole turns."""
+    second = np.cos(before[..., 1]) < 0
+    chosen = np.where(second[..., None], _other(raw), raw)
+    return np.asarray(np.unwrap(np.concatenate([before[None], chosen]), axis=0)[1:])

@@ -1,0 +1,105 @@
+"""Keys at an even rate, out of poses at whatever times they come.
+
+Between two poses the wrist moves straight and joints turn evenly (slerp). Poses are taken in a few
+at a time, and nothing is kept but the last one.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.errors import MotionError
+from models.motion.armature import Armature, Keys
+from models.motion.output import checked_rate
+from models.rotations import quaternion_to_matrix
+
+Array = NDArray[np.float64]
+
+SLACK = 1e-6
+"""Of a period, by which a key may lie after the last pose: clocks round."""
+
+
+class Poses(NamedTuple):
+    """n poses of H hands.
+
+    Attributes:
+        time: (n,) s, increasing.
+        root: (n, H, 3) m, wrists in the world.
+        turns: (n, H, 15, 4) unit quaternions w, x, y, z: palm in the world, bones from their rest.
+    """
+
+    time: Array
+    root: Array
+    turns: Array
+
+
+class Sampler:
+    """Turns poses into keys.
+
+    Args:
+        armatures: Of the hands.
+        rate: Hz.
+    """
+
+    def __init__(self, armatures: tuple[Armature, ...], rate: float) -> None:
+        self._armatures, self._rate = armatures, checked_rate(rate)
+        self._last: Poses | None = None
+        self._first = 0.0
+        self._next = 0
+
+    def add(self, poses: Poses) -> tuple[Keys, ...] | None:
+        """Keys of every hand that lie before the last of these poses; None where there are none.
+
+        Raises:
+            MotionError: The time does not increase.
+        """
+        if not len(poses.time):
+            return None
+        if self._last is None:
+            self._first = float(poses.time[0])
+        else:
+            poses = Poses(*(np.concatenate(pair) for pair in zip(self._last, poses, strict=True)))
+        if (np.diff(poses.time) <= 0).any() or not np.isfinite(poses.time).all():
+            raise MotionError("the time of the poses does not increase")
+        self._last = Poses(*(part[-1:] for part in poses))
+        time = poses.time - self._first
+        end = int(np.floor(time[-1] * self._rate + SLACK))
+        if end < self._next:
+            return None
+        at = np.arange(self._next, end + 1) / self._rate
+        self._next = end + 1
+        return self._between(time, poses, at)
+
+    def _between(self, time: Array, poses: Poses, at: Array) -> tuple[Keys, ...]:
+        before = np.clip(np.searchsorted(time, at, side="right") - 1, 0, max(len(time) - 2, 0))
+        after = np.minimum(before + 1, len(time) - 1)
+        span = np.maximum(time[after] - time[before], 1e-12)
+        share = np.clip((at - time[before]) / span, 0.0, 1.0)
+        part = share[:, None, None]
+        root = poses.root[before] + part * (poses.root[after] - poses.root[before])
+        turns = slerp(poses.turns[before], poses.turns[after], part[..., None])
+        matrices = quaternion_to_matrix(turns)
+        return tuple(
+            armature.of_turns(root[:, i], matrices[:, i])
+            for i, armature in enumerate(self._armatures)
+        )
+
+
+def slerp(a: Array, b: Array, share: Array) -> Array:
+    """Unit quaternions (..., 4) on the shorter way from a (share 0) to b (1)."""
+    cosine = np.sum(a * b, axis=-1, keepdims=True)
+    b = np.where(cosine < 0, -b, b)
+    # Twice the half angle's tangent keeps its digits where the angle is small.
+    angle = 2 * np.arctan2(
+        np.linalg.norm(a - b, axis=-1, keepdims=True), np.linalg.norm(a + b, axis=-1, keepdims=True)
+    )
+    sine = np.sin(angle)
+    small = sine < 1e-9
+    safe = np.where(small, 1.0, sine)
+    one = np.where(small, 1 - share, np.sin((1 - share) * angle) / safe)
+    two = np.where(small, share, np.sin(share * angle) / safe)
+    out = one * a + two * b
+    return np.asarray(out / np.linalg.norm(out, axis=-1, keepdims=True))

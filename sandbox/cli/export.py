@@ -1,0 +1,121 @@
+"""`sandbox export`: hands in motion, into files that other programs open."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+import tyro
+from rich.console import Console
+from rich.progress import Progress
+
+from models.errors import InputError
+from models.frames import FINGERS
+from models.motion.bvh_write import BvhWriter
+from models.motion.sampling import Poses
+from sandbox.cli.parse import parse
+from sandbox.export.sources import open_source
+from sandbox.export.targets import Exporter, ExportSettings, format_of
+
+Order = Literal["XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"]
+
+
+@dataclass(frozen=True)
+class ExportOptions:
+    """Writes a recorded hand's motion for other programs: keys at an even rate.
+
+    The end of the name chooses the format:
+
+        .bvh   skeleton and motion; Blender, Maya, MotionBuilder, ..
+        .glb   glTF 2.0: the skinned hand in motion; browsers, Blender, game engines
+        .amc   motion, and its skeleton beside it in a file .asf
+        .v     Vicon V: motion, and its skeleton beside it in a file .vsk
+        .vsk   Vicon VSK: the skeleton alone
+        .c3d   fingertips as points (--points joints adds the joints)
+        .csv   the same as a table: time, then x, y, z of each point, in m
+
+    docs/formats.md tells axes, units and Euler orders of each, and what each keeps and loses. Two
+    hands go into one .glb, .c3d or .csv, and into a file for each otherwise: out-right.bvh,
+    out-left.bvh.
+
+    Try: sandbox run box-to-goal --device simulated --seed 3 --record run.jsonl
+    then: sandbox export run.jsonl --to hand.bvh
+          sandbox export run.jsonl --to hand.glb
+          sandbox export run.jsonl --to commanded.bvh --of commanded --rate 120
+          sandbox export run.jsonl --to tips.csv --fingers thumb index
+    """
+
+    file: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="RECORDING|CAPTURE")]
+    """A recording (--record), or a capture (.npz)."""
+
+    to: Annotated[Path, tyro.conf.arg(metavar="FILE")]
+    """What is written; a file that is there is replaced."""
+
+    rate: Annotated[float, tyro.conf.arg(metavar="HZ")] = 60.0
+    """Keys a second. Recordings have 62.5 poses a second; between two, the hand moves evenly."""
+
+    of: Literal["simulated", "commanded"] = "simulated"
+    """Of a recording: the hand as it moved, or the pose it was told to take. The latter is not in
+    the file: the recording is played again, which takes longer."""
+
+    euler: Order = "ZXY"
+    """Order in which the rotations of a BVH file apply. The first is always the axis of flexion,
+    the last that of spreading (with a Y first, of twisting): no order makes angles jump."""
+
+    points: Literal["tips", "joints"] = "tips"
+    """What .c3d and .csv hold: fingertips, or joints and wrist, too."""
+
+    fingers: tuple[Literal["thumb", "index", "middle", "ring", "little"], ...] = FINGERS
+    """Whose points .c3d and .csv hold."""
+
+    take: Annotated[int, tyro.conf.arg(metavar="N")] = 1
+    """Which take of a capture, from 1: its takes do not follow one another without a gap."""
+
+
+def main(argv: list[str]) -> int:
+    """Runs `sandbox export ...`."""
+    options = parse(ExportOptions, "sandbox export", argv, append=False)
+    console, errors = Console(), Console(stderr=True)
+    settings = _settings(options)
+    format_of(options.to)
+    if options.to.absolute() == options.file.absolute():
+        raise InputError("this would replace what is read", where=f"--to {options.to}")
+    source = open_source(options.file, options.of, options.take)
+    with Progress(console=errors, transient=True) as progress:
+        bar = progress.add_task("writing keys", total=source.duration or None)
+        with Exporter(options.to, source.armatures, source.names, settings) as exporter:
+
+            def take(poses: Poses) -> None:
+                exporter.take(poses)
+                progress.update(bar, completed=float(poses.time[-1]))
+
+            damage = source.play(take)
+    if damage:
+        errors.print(f"{options.file}: {damage}", soft_wrap=True, markup=False, style="yellow")
+    seconds = (exporter.frames - 1) / options.rate
+    names = ", ".join(map(str, exporter.paths))
+    console.print(
+        f"{names}: {exporter.frames:,} keys at {options.rate:g} Hz, {seconds:.1f} s of "
+        f"{source.what}",
+        soft_wrap=True, markup=False,
+    )  # fmt: skip
+    for writer, _ in exporter.writers:
+        if isinstance(writer, BvhWriter):
+            step = float(np.rad2deg(writer.euler.biggest_step))
+            console.print(
+                f"{writer.paths[0].name}: angles in {options.euler} order, the greatest step "
+                f"between two keys {step:.1f} degrees",
+                soft_wrap=True, markup=False,
+            )  # fmt: skip
+    return 0
+
+
+def _settings(options: ExportOptions) -> ExportSettings:
+    if not 1 <= options.rate <= 1000:
+        raise InputError("out of range", where="--rate", got=options.rate, expected="1 to 1000 Hz")
+    fingers = tuple(sorted({FINGERS.index(name) for name in options.fingers}))
+    if not fingers:
+        raise InputError("no finger is left", where="--fingers", expected=", ".join(FINGERS))
+    return ExportSettings(options.rate, options.euler, options.points, fingers)

@@ -1,0 +1,234 @@
+"""Where poses to export come from: recordings, simulated or commanded, and captures.
+
+Recordings are read line by line, so that an hour needs no more memory than a second.
+"""
+
+from __future__ import annotations
+
+import json
+import zlib
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.capture import Capture
+from encoders.store import load_capture
+from models.errors import InputError, RecordingError
+from models.motion.armature import CHUNK, Armature
+from models.motion.sampling import Poses
+from models.pose import ROOT_POSITION, ROOT_ROTATION, joint_vectors
+from models.rotations import quaternion_exp
+from models.skeleton import ADULT
+from sandbox.messages import Snapshot
+from sandbox.recording import SCHEMA, is_recording, load_recording
+from sandbox.replay import replay
+from sandbox.session import Session
+from sandbox.settings import RunSettings
+from sandbox.track import Track, read_line
+
+Array = NDArray[np.float64]
+
+HAND_JOINTS = 3 + 4 * 15
+"""Joint positions of one hand in a scene; hands come before objects."""
+
+Take = Callable[[Poses], None]
+
+
+@dataclass(frozen=True)
+class Source:
+    """Poses of hands over time.
+
+    Attributes:
+        armatures: Of the hands.
+        names: Of the hands, `right`, `left` or `right_too`.
+        duration: s, as far as it is known beforehand; 0 where it is not.
+        what: In words, for people.
+        play: Gives all poses, a few at a time, to who takes them; tells what was wrong with the
+            rest, or nothing.
+    """
+
+    armatures: tuple[Armature, ...]
+    names: tuple[str, ...]
+    duration: float
+    what: str
+    play: Callable[[Take], str]
+
+
+def open_source(path: Path, of: str = "simulated", take: int = 1) -> Source:
+    """A recording or a capture, told apart by content.
+
+    Args:
+        path: The file.
+        of: `simulated` hands of a recording, as they were; or `commanded`, what they were told to
+            do, for which the recording is played again.
+        take: Which one of a capture, from 1.
+
+    Raises:
+        InputError: It is neither, or has no poses.
+    """
+    if not path.exists():
+        raise InputError("there is no such file", where=str(path))
+    if is_recording(path):
+        return _commanded(path) if of == "commanded" else _simulated(path)
+    try:
+        packed = path.open("rb").read(2) == b"PK"
+    except OSError as error:
+        raise InputError("cannot be read", where=str(path), got=error.strerror) from error
+    if not packed:
+        raise InputError(
+            "this is neither a recording nor a capture", where=str(path),
+            remedy="`--record FILE` of run and play makes a recording, `sandbox capture` a capture",
+        )  # fmt: skip
+    return _capture(load_capture(path), str(path), take)
+
+
+def poses_of(time: Array, q: Array) -> Poses:
+    """Poses of one hand at times (n,), from world poses (n, 48)."""
+    vectors = np.concatenate([q[:, None, ROOT_ROTATION], joint_vectors(q)], axis=1)
+    return Poses(time, q[:, None, ROOT_POSITION], quaternion_exp(vectors)[:, None])
+
+
+def poses_of_qpos(time: Array, qpos: Array, hands: int) -> Poses:
+    """Poses of hands at times (n,), from joint positions (n, nq) of a scene."""
+    values = qpos[:, : hands * HAND_JOINTS].reshape(len(qpos), hands, HAND_JOINTS)
+    turns = values[..., 3:].reshape(len(qpos), hands, 15, 4)
+    # A track is rounded, so that its quaternions are not quite of length one.
+    return Poses(time, values[..., :3], turns / np.linalg.norm(turns, axis=-1, keepdims=True))
+
+
+def hands_of(settings: RunSettings) -> tuple[tuple[Armature, ...], tuple[str, ...]]:
+    """Armatures and names of a session's hands."""
+    names: list[str] = []
+    for person in settings.persons:
+        names.append(person.hand if person.hand not in names else f"{person.hand}_too")
+    return tuple(Armature(p.skeleton(ADULT)) for p in settings.persons), tuple(names)
+
+
+def _simulated(path: Path) -> Source:
+    header = _header(path)
+    settings = RunSettings.from_json(header["settings"])
+    armatures, names = hands_of(settings)
+    timestep = settings.timestep
+
+    def run(take: Take) -> str:
+        found = False
+        for steps, qpos, damage in _tracks(path):
+            if damage:
+                return damage
+            if qpos.shape[1] < len(names) * HAND_JOINTS:
+                raise RecordingError(
+                    "its poses are another scene's", where=str(path),
+                    got=f"{qpos.shape[1]} joint positions",
+                    expected=f"at least {len(names) * HAND_JOINTS}",
+                )  # fmt: skip
+            take(poses_of_qpos(steps * timestep, qpos, len(names)))
+            found = True
+        if not found:
+            raise RecordingError(
+                "it holds no poses: an older version made it", where=str(path),
+                remedy="--of commanded plays it again and exports what the hand was told to do",
+            )  # fmt: skip
+        return ""
+
+    return Source(armatures, names, _length(path, timestep), "the simulated hand", run)
+
+
+def _commanded(path: Path) -> Source:
+    recording = load_recording(path)
+    settings = RunSettings.from_json(recording.header["settings"])
+    armatures, names = hands_of(settings)
+    duration = recording.end["step"] * settings.timestep if recording.end else 0.0
+
+    def run(take: Take) -> str:
+        def show(snapshot: Snapshot) -> None:
+            take(commanded_poses(snapshot))
+
+        def views(session: Session) -> list[Callable[[Snapshot], None]]:
+            return [show]
+
+        _, found = replay(recording, views)
+        if found.exact:
+            return recording.damage
+        return "played again, the states are not the recorded ones: so may be what is commanded"
+
+    return Source(armatures, names, duration, "what the hand was told to do", run)
+
+
+def commanded_poses(snapshot: Snapshot) -> Poses:
+    """What all hands are told to do at one moment."""
+    return together([poses_of(np.array([snapshot.time]), h.target[None]) for h in snapshot.hands])
+
+
+def together(hands: Sequence[Poses]) -> Poses:
+    """Poses of several hands at the same times."""
+    return Poses(
+        hands[0].time,
+        np.concatenate([h.root for h in hands], axis=1),
+        np.concatenate([h.turns for h in hands], axis=1),
+    )
+
+
+def _capture(capture: Capture, where: str, take: int) -> Source:
+    trials = np.unique(capture.trial)
+    if not 1 <= take <= len(trials):
+        raise InputError(
+            "it has no such take", where=f"{where}, --take", got=take,
+            expected=f"1 to {len(trials)}",
+        )  # fmt: skip
+    one = capture.select(capture.trial == trials[take - 1])
+    time = one.time - one.time[0]
+
+    def run(give: Take) -> str:
+        for a in range(0, len(time), CHUNK):
+            give(poses_of(time[a : a + CHUNK], one.q[a : a + CHUNK]))
+        return ""
+
+    what = f"take {take} of {len(trials)}, in the frame of the surface"
+    return Source((Armature(ADULT),), ("right",), float(time[-1]), what, run)
+
+
+def _header(path: Path) -> dict[str, Any]:
+    with path.open("rb") as file:
+        header: dict[str, Any] = json.loads(file.readline())
+    if header.get("schema") != SCHEMA:
+        raise RecordingError(
+            "another version's recording", where=str(path), got=header.get("schema"),
+            expected=f"schema {SCHEMA}",
+        )  # fmt: skip
+    return header
+
+
+def _tracks(path: Path) -> Iterator[tuple[Array, Array, str]]:
+    """Steps (n,) and joint positions (n, nq) of each line of a recording that has some.
+
+    Where the file is damaged, the last item says so, and has no poses.
+    """
+    nothing = np.zeros(0)
+    with path.open("rb") as file:
+        for number, text in enumerate(file, start=1):
+            # What else is in a line is of no use here, and most of the file.
+            if not text[:40].replace(b" ", b"").startswith(b'{"kind":"track"'):
+                continue
+            track = Track()
+            try:
+                read_line(json.loads(text), track)
+            except (ValueError, KeyError, TypeError, zlib.error) as error:
+                yield nothing, nothing, f"line {number} is damaged ({error}); what follows is left"
+                return
+            steps = sorted(track.qpos)
+            yield np.array(steps, float), np.array([track.qpos[s] for s in steps]), ""
+
+
+def _length(path: Path, timestep: float) -> float:
+    """s, from the end line where there is one: the last few bytes tell."""
+    with path.open("rb") as file:
+        file.seek(max(0, path.stat().st_size - 8192))
+        last = file.read().rstrip().rpartition(b"\n")[2]
+    try:
+        return float(json.loads(last)["step"]) * timestep
+    except (ValueError, KeyError, TypeError):
+        return 0.0

@@ -1,0 +1,168 @@
+"""Files to export to: which writer makes which, told by the end of the name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from models.errors import InputError
+from models.motion.armature import Armature, Keys
+from models.motion.output import MotionWriter
+from models.motion.sampling import Poses, Sampler
+
+
+@dataclass(frozen=True)
+class ExportSettings:
+    """How motion is written.
+
+    Attributes:
+        rate: Hz of the keys.
+        euler: Order of Euler angles, where the format leaves the choice.
+        points: `tips`, or `joints` with them: what points files hold.
+        fingers: Labels of the fingers that points files hold.
+    """
+
+    rate: float = 60.0
+    euler: str = "ZXY"
+    points: str = "tips"
+    fingers: tuple[int, ...] = (0, 1, 2, 3, 4)
+
+
+Maker = Callable[[Path, Sequence[Armature], Sequence[str], ExportSettings], MotionWriter]
+
+
+def _bvh(
+    path: Path, armatures: Sequence[Armature], names: Sequence[str], settings: ExportSettings
+) -> MotionWriter:
+    from models.motion.bvh_write import BvhWriter
+
+    return BvhWriter(path, armatures[0], settings.rate, settings.euler)
+
+
+def _glb(
+    path: Path, armatures: Sequence[Armature], names: Sequence[str], settings: ExportSettings
+) -> MotionWriter:
+    from models.motion.gltf_write import GltfWriter
+
+    return GltfWriter(path, tuple(armatures), settings.rate, tuple(f"{n} hand" for n in names))
+
+
+@dataclass(frozen=True)
+class Format:
+    """A kind of file.
+
+    Attributes:
+        make: Opens a writer.
+        together: Holds all hands; otherwise there is a file for each.
+        what: In words.
+    """
+
+    make: Maker
+    together: bool
+    what: str
+
+
+FORMATS: dict[str, Format] = {
+    ".bvh": Format(_bvh, False, "skeleton and motion, y up, cm, degrees"),
+    ".glb": Format(_glb, True, "skinned hands in motion, y up, m, quaternions"),
+}
+
+
+def format_of(path: Path) -> Format:
+    """The format that a file's name asks for.
+
+    Raises:
+        InputError: There is none.
+    """
+    found = FORMATS.get(path.suffix.lower())
+    if found is None:
+        raise InputError(
+            "this kind of file cannot be written",
+            where=f"--to {path}",
+            got=path.suffix or "no ending",
+            expected=", ".join(FORMATS),
+        )
+    return found
+
+
+class Exporter:
+    """Takes poses and writes keys, into one file or one for every hand.
+
+    Used as a context; the files appear when it ends without an error.
+
+    Args:
+        path: Of the file; with two hands and a format of one, each name gets its hand's.
+        armatures: Of the hands.
+        names: Of the hands.
+        settings: How.
+
+    Raises:
+        InputError: The file cannot be written there, or in this way.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        armatures: Sequence[Armature],
+        names: Sequence[str],
+        settings: ExportSettings,
+    ) -> None:
+        chosen = format_of(path)
+        if not path.absolute().parent.is_dir():
+            raise InputError("there is no such folder", where=f"--to {path}")
+        self._sampler = Sampler(tuple(armatures), settings.rate)
+        self._open = ExitStack()
+        self.writers: list[tuple[MotionWriter, tuple[int, ...]]] = []
+        with ExitStack() as undo:
+            for file, hands in _files(path, names, chosen.together):
+                some = [armatures[i] for i in hands]
+                writer = chosen.make(file, some, [names[i] for i in hands], settings)
+                undo.callback(writer.abort)
+                self.writers.append((writer, hands))
+            undo.pop_all()
+        for writer, _ in self.writers:
+            self._open.enter_context(writer)
+
+    @property
+    def frames(self) -> int:
+        """Keys written so far."""
+        return self.writers[0][0].frames
+
+    @property
+    def paths(self) -> list[Path]:
+        """The files."""
+        return [path for writer, _ in self.writers for path in writer.paths]
+
+    def take(self, poses: Poses) -> None:
+        """Writes the keys up to the last of some poses."""
+        keys = self._sampler.add(poses)
+        if keys is not None:
+            self.write(keys)
+
+    def write(self, keys: Sequence[Keys]) -> None:
+        """Writes keys of all hands."""
+        for writer, hands in self.writers:
+            writer.write(*(keys[i] for i in hands))
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._open.__exit__(kind, error, trace)
+
+
+def _files(path: Path, names: Sequence[str], together: bool) -> list[tuple[Path, tuple[int, ...]]]:
+    """Files, and the hands that each holds."""
+    every = tuple(range(len(names)))
+    if together or len(names) == 1:
+        return [(path, every)]
+    return [(path.with_stem(f"{path.stem}-{name}"), (i,)) for i, name in enumerate(names)]
