@@ -192,6 +192,10 @@ class HandFrame:
             raise FrameError("two hands of one frame share an id", got=sorted(ids))
 
 
+Frame = TouchFrame | HandFrame
+"""What a device says at one moment."""
+
+
 def _finite(vector: Vector, where: str, name: str) -> None:
     if len(vector) != 3 or not all(map(math.isfinite, vector)):
         raise FrameError(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from encoders import pca_ik_model
 from encoders.arrival import ArrivalSettings
@@ -150,8 +151,13 @@ def build(
     makers = checked(makers_of(make_device), len(persons), settings.task)
     model = load_encoder(settings.encoder)
     hands = _hands(persons, settings, task_type)
-    made = []
-    for person, surface in zip(persons, surfaces, strict=True):
+    made: list[Any] = []
+    for person, surface, in_air in zip(persons, surfaces, settings.in_airs, strict=True):
+        if in_air is not None:
+            rate = reconstructor_settings(settings).rate
+            found = in_air.reconstructor(person, surface, rate)
+            made.append(wear(found) if wear else found)
+            continue
 
         def trained_hand(surface: Surface) -> TouchReconstructor:
             return TouchReconstructor(
@@ -166,8 +172,10 @@ def build(
         made.append(wear(reconstructor) if wear else reconstructor)
     rules = SolidityRules(settings.ghost_until_clear, settings.distal_only)
     rigs = [
-        Rig(make(task, surface), reconstructor, hand, _yaw_watch(model))
-        for make, surface, reconstructor, hand in zip(makers, surfaces, made, hands, strict=True)
+        Rig(make(task, surface), reconstructor, hand, None if in_air else _yaw_watch(model))
+        for make, surface, reconstructor, hand, in_air in zip(
+            makers, surfaces, made, hands, settings.in_airs, strict=True
+        )
     ]
     friction = settings.variation.friction
     return Session(task, rigs, rules, settings.timestep, recorder, settings.contact, friction)

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.errors import RecordingError
-from models.frames import TouchFrame
+from models.frames import Frame
 from sandbox.recording import (
     Line,
     RecordingLines,
@@ -39,7 +39,7 @@ class _Input(NamedTuple):
 
     step: int
     hand: int
-    frame: TouchFrame
+    frame: Frame
     state_hash: str
 
     def line(self) -> Line:
@@ -60,7 +60,7 @@ class BlackBox(RecordingLines):
         self._lines: list[Line | TrackWriter | _Input] = []
         self._last: deque[tuple[int, NDArray[np.float64], str]] = deque(maxlen=LAST)
 
-    def input(self, step: int, hand: int, frame: TouchFrame, state_hash: str) -> None:
+    def input(self, step: int, hand: int, frame: Frame, state_hash: str) -> None:
         """A frame that takes effect at a physics step, and the state's hash before it."""
         if self._recording:
             super().input(step, hand, frame, state_hash)

@@ -1,10 +1,10 @@
 """Recordings: what came in and when it took effect, so that a run can be played again to the bit.
 
-JSON lines: a header, then `input` lines (a touch frame, the physics step at which it took effect,
-the state's hash just before), `event` lines (what else came in, such as another contact mode),
-`keyframe` lines (MuJoCo's integration state, once a second), `track` lines (a second's poses, for
-eyes), and an `end` line with the result. A program that dies loses at most the line it was writing
-and a second of the track.
+JSON lines: a header, then `input` lines (a frame of touches or of 3-D hands, the physics step at
+which it took effect, the state's hash just before), `event` lines (what else came in, such as
+another contact mode), `keyframe` lines (MuJoCo's integration state, once a second), `track` lines
+(a second's poses, for eyes), and an `end` line with the result. A program that dies loses at most
+the line it was writing and a second of the track.
 """
 
 from __future__ import annotations
@@ -24,8 +24,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.errors import InputError, RecordingError
-from models.frames import Contact, TouchFrame
+from models.frames import Frame
 from models.scene import CONTROL_PERIOD
+from sandbox.recorded_frames import frame_from_json, frame_to_json
 from sandbox.track import Track, TrackWriter, read_line
 
 SCHEMA = 1
@@ -47,7 +48,7 @@ class RecordingLines(ABC):
         self._track = TrackWriter()
         self._states = 0
 
-    def input(self, step: int, hand: int, frame: TouchFrame, state_hash: str) -> None:
+    def input(self, step: int, hand: int, frame: Frame, state_hash: str) -> None:
         """A frame that takes effect at a physics step, and the state's hash before it."""
         self._put(input_line(step, hand, frame, state_hash))
 
@@ -89,9 +90,9 @@ class RecordingLines(ABC):
         """Keeps a line."""
 
 
-def input_line(step: int, hand: int, frame: TouchFrame, state_hash: str) -> Line:
+def input_line(step: int, hand: int, frame: Frame, state_hash: str) -> Line:
     """The line of a frame that takes effect at a physics step."""
-    return {"kind": "input", "step": step, "hand": hand, **_to_json(frame), "hash": state_hash}
+    return {"kind": "input", "step": step, "hand": hand, **frame_to_json(frame), "hash": state_hash}
 
 
 def keyframe_line(step: int, state: NDArray[np.float64], state_hash: str) -> Line:
@@ -181,7 +182,7 @@ class RecordedInput:
     """A frame, the physics step at which it took effect, and the state's hash before it."""
 
     step: int
-    frame: TouchFrame
+    frame: Frame
     state_hash: str
 
 
@@ -277,7 +278,7 @@ def _take(line: Line, found: Recording) -> None:
     """Adds a line to a recording; kinds that a later version added are passed over."""
     kind = line["kind"]
     if kind == "input":
-        frame = _from_json(line)
+        frame = frame_from_json(line)
         step, state_hash = int(line["step"]), str(line["hash"])
         found.inputs.setdefault(int(line["hand"]), []).append(
             RecordedInput(step, frame, state_hash)
@@ -294,22 +295,3 @@ def _take(line: Line, found: Recording) -> None:
         found.events.append(RecordedEvent(int(line["step"]), str(line["event"]), details))
     elif kind == "track":
         read_line(line, found.track)
-
-
-def _to_json(frame: TouchFrame) -> dict[str, Any]:
-    contacts = [[c.id, c.x, c.y, c.size, c.label] for c in frame.contacts]
-    line: dict[str, Any] = {"time": frame.time, "contacts": contacts}
-    if frame.lift is not None:
-        line["lift"] = frame.lift
-    if frame.cancelled:
-        line["cancelled"] = sorted(frame.cancelled)
-    return line
-
-
-def _from_json(line: dict[str, Any]) -> TouchFrame:
-    contacts = tuple(
-        Contact(int(i), x, y, size, label) for i, x, y, size, label in line["contacts"]
-    )
-    return TouchFrame(
-        float(line["time"]), contacts, line.get("lift"), frozenset(line.get("cancelled", ()))
-    )

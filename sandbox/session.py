@@ -8,7 +8,7 @@ the bit, because nothing in here looks at a clock.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from hashlib import blake2b
 from typing import Any, Protocol
 
@@ -17,18 +17,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.arrival import Phase
+from encoders.paalm.hand_reconstructor import HandReconstructor
 from encoders.personal import Reconstructor
 from encoders.touch_reconstructor import Reconstruction
 from encoders.yaw_range import YawWatch
 from models.errors import DivergenceError
-from models.frames import TouchFrame
+from models.frames import Frame, TouchFrame
 from models.hand import Hand
 from models.scene import BodyPoses, Scene, SceneSpec, StillPoses
 from models.surface import Surface, enclosing
 from sandbox.contact_modes import ContactMode, ContactModes, contact_mode
-from sandbox.devices.device import Device
+from sandbox.devices.device import Device, HandDevice
 from sandbox.divergence import nonsense
 from sandbox.messages import ContactView, HandView, ObjectView, Snapshot
+from sandbox.newest import Newest
 from sandbox.respawn import Respawn
 from sandbox.solidity import Solidity, SolidityRules
 from sandbox.track import bits
@@ -52,14 +54,14 @@ class Rig:
     """A device, the reconstructor of its frames, and the hand they drive.
 
     Attributes:
-        device: Where touches come from.
+        device: Where touches, or the places of fingers in the air, come from.
         reconstructor: Makes poses of them.
         hand: Is driven by the poses.
         yaw: Notices hands that are turned too far; None notices nothing. It changes no pose.
     """
 
-    device: Device
-    reconstructor: Reconstructor
+    device: Device | HandDevice
+    reconstructor: Reconstructor | HandReconstructor
     hand: Hand
     yaw: YawWatch | None = None
 
@@ -67,7 +69,7 @@ class Rig:
 class Recorder(Protocol):
     """What writes a session down. It must not block, and never lose what it was given."""
 
-    def input(self, step: int, hand: int, frame: TouchFrame, state_hash: str) -> None:
+    def input(self, step: int, hand: int, frame: Frame, state_hash: str) -> None:
         """A frame that takes effect at a physics step, and the state's hash before it."""
         ...
 
@@ -125,7 +127,7 @@ class Session:
         self._respawn = Respawn(self.scene, [rig.reconstructor.surface for rig in rigs])
         self._back: tuple[float, str] = (-np.inf, "")
         self.diverged = ""
-        self._frames = [TouchFrame(0.0)] * len(hands)
+        self._newest = [Newest(getattr(r.reconstructor, "empty", TouchFrame(0.0))) for r in rigs]
         self._recorder = recorder
         self.step = 0
         self._begin()
@@ -176,7 +178,7 @@ class Session:
 
     def lift(self, hand: int) -> float | None:
         """Where the lift control of a hand's device is, 0 to 1; None where it has none."""
-        return self._frames[hand].lift
+        return getattr(self._newest[hand].frame, "lift", None)
 
     def tips(self, hand: int, data: mujoco.MjData) -> Array:
         """(5, 3) m, fingertips of a hand in a state of this session's model."""
@@ -307,20 +309,12 @@ class Session:
         self._solidity[i].update(self.data, reconstruction, self._contact.ghost)
         return reconstruction
 
-    def _latest(self, i: int) -> TouchFrame:
-        """The newest frame of a device, stamped with session time.
-
-        Of several frames in one control period the last one counts; touches that were cancelled in
-        any of them stay cancelled.
-        """
-        frames = self.rigs[i].device.poll(self.time)
-        if frames:
-            self._frames[i] = _stamped(frames, self.time)
-            if self._recorder:
-                self._recorder.input(self.step, i, self._frames[i], self.state_hash)
-        else:
-            self._frames[i] = replace(self._frames[i], time=self.time, cancelled=frozenset())
-        return self._frames[i]
+    def _latest(self, i: int) -> Any:
+        """The newest frame of a device, of the kind that its reconstructor takes."""
+        newest = self._newest[i]
+        if newest.take(self.rigs[i].device.poll(self.time), self.time) and self._recorder:
+            self._recorder.input(self.step, i, newest.frame, self.state_hash)
+        return newest.frame
 
     def _chain(self) -> None:
         mujoco.mj_getState(self.scene.model, self.data, self._state, STATE)
@@ -360,16 +354,6 @@ class Session:
             reconstruction.phase.value,
             contacts,
         )
-
-
-def _stamped(frames: Sequence[TouchFrame], time: float) -> TouchFrame:
-    """The last of some frames, at a time, with the touches that were cancelled in any of them."""
-    last = frames[-1]
-    if len(frames) == 1 and last.time == time and not last.cancelled:
-        return last
-    cancelled = frozenset().union(*(f.cancelled for f in frames))
-    present = {c.id for c in last.contacts}
-    return replace(last, time=time, cancelled=frozenset(cancelled - present))
 
 
 def describe(session: Session) -> dict[str, Any]:

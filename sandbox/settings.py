@@ -10,6 +10,7 @@ from models.hand import IMPULSE_PROFILES, SERVOS
 from models.person import HANDS, Person
 from models.surface import PRESETS, Surface
 from sandbox.contact_modes import ContactMode, contact_mode
+from sandbox.hand_input import HandInput
 from tasks.variation import Variation
 
 LABELS = ("history", "paper", "device")
@@ -26,12 +27,14 @@ class SecondHand:
         hand_size: Length of the hand against the trained one.
         turn: degrees, where its owner sits (see `models.person.Person`).
         shared: Both hands are on one surface; otherwise each has its own, of the same size.
+        in_air: How a 3-D device drives it; None where touches do.
     """
 
     hand: str = HANDS[1]
     hand_size: float = 1.0
     turn: int = 0
     shared: bool = False
+    in_air: HandInput | None = None
 
     def __post_init__(self) -> None:
         _ = self.person
@@ -49,10 +52,12 @@ class SecondHand:
             InputError: A name is missing or unknown.
         """
         names = {f.name for f in fields(cls)}
+        values = {"in_air": None, **values} if isinstance(values, dict) else values
         if not isinstance(values, dict) or set(values) != names:
             raise InputError("no such second hand", where="settings", got=str(values)[:80],
                              expected=", ".join(sorted(names)))  # fmt: skip
-        return cls(**values)
+        in_air = values["in_air"] and HandInput.from_json(values["in_air"])
+        return cls(**{**values, "in_air": in_air})
 
 
 @dataclass(frozen=True)
@@ -82,6 +87,7 @@ class RunSettings:
         turn: degrees, where the person sits (see `models.person.Person`).
         variation: How the trial differs from the one that is drawn, and touches from those made.
         second: Another hand in the scene; None where there is one hand only.
+        in_air: How a 3-D device drives the hand; None where touches do.
     """
 
     task: str = "box-to-goal"
@@ -106,6 +112,7 @@ class RunSettings:
     turn: int = 0
     variation: Variation = field(default_factory=Variation)
     second: SecondHand | None = None
+    in_air: HandInput | None = None
 
     def __post_init__(self) -> None:
         if self.labels not in LABELS:
@@ -126,17 +133,27 @@ class RunSettings:
         return (self.person, self.second.person) if self.second else (self.person,)
 
     @property
+    def in_airs(self) -> tuple[HandInput | None, ...]:
+        """How 3-D devices drive the hands, hand by hand."""
+        return (self.in_air, self.second.in_air) if self.second else (self.in_air,)
+
+    @property
     def surface(self) -> Surface:
         """The touch rectangle, not yet placed in the world."""
         return Surface(*self.surface_in, calibrated=self.surface_calibrated)
 
     def as_json(self) -> dict[str, Any]:
-        """For headers and results; a variation and a second hand only where there is one."""
+        """For headers and results; a variation, a second hand and what is said of 3-D devices
+        only where there are any."""
         values = asdict(self)
         if self.variation.neutral:
             del values["variation"]
         if self.second is None:
             del values["second"]
+        elif self.second.in_air is None:
+            del values["second"]["in_air"]
+        if self.in_air is None:
+            del values["in_air"]
         return values
 
     @classmethod
@@ -148,6 +165,7 @@ class RunSettings:
         """
         # What older recordings do not tell was so before it could be chosen.
         older: dict[str, Any] = {"contact": ContactMode.HARD.value, "variation": {}, "second": None}
+        older["in_air"] = None
         values = {**asdict(Person()), **older, **values}
         names = {f.name for f in fields(cls)}
         if set(values) != names:
@@ -162,6 +180,7 @@ class RunSettings:
             "surface_in": (float(width), float(height)),
             "variation": Variation.from_json(values["variation"]),
             "second": values["second"] and SecondHand.from_json(values["second"]),
+            "in_air": values["in_air"] and HandInput.from_json(values["in_air"]),
         }
         return cls(**{**values, **definite})
 

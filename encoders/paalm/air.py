@@ -113,7 +113,7 @@ def simulate_air(
     count = round((c.open_seconds + c.seconds) * c.rate)
     time = np.arange(count) / c.rate
     is_open = time < c.open_seconds
-    knuckles, lengths = _body(rng, c)
+    knuckles, lengths = body_of(rng, c)
     closing, apart = _gestures(rng, count, is_open, c)
     angles = np.empty((count, 5, 4))
     slope, offset = rng.normal(*c.slope), rng.normal(*c.offset)
@@ -190,7 +190,7 @@ def _opened(joints: Array, step: float) -> Array:
     return joints_of_angles(flat + share * (angles - flat), joints[:, 0], lengths)
 
 
-def _body(rng: np.random.Generator, c: AirConfiguration) -> tuple[Array, Array]:
+def body_of(rng: np.random.Generator, c: AirConfiguration) -> tuple[Array, Array]:
     """A person's knuckles (5, 3) in palm coordinates and bones (5, 3), m."""
     size = float(np.clip(1.0 + c.size * rng.standard_normal(), 0.8, 1.2))
     knuckles = np.array([ADULT.bones[i].anchor for i in ADULT.first_bone]) - PALM_CENTRE

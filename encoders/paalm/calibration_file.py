@@ -30,24 +30,38 @@ def write_calibration(hands: Mapping[str, HandCalibration], path: Path) -> None:
     """
     record = {
         "schema": SCHEMA,
-        "paalm_calibration": {
-            side: {
-                "standard": c.standard.tolist(),
-                "spread": c.spread.tolist(),
-                "tips": c.tips.tolist(),
-                "directions": c.directions.tolist(),
-                "bones": None if c.bones is None else c.bones.tolist(),
-                "frames": c.frames,
-                "seconds": c.seconds,
-                "left_out": c.left_out,
-            }
-            for side, c in hands.items()
-        },
+        "paalm_calibration": {side: calibration_to_json(c) for side, c in hands.items()},
     }
     try:
         path.write_text(json.dumps(record, indent=1, allow_nan=False) + "\n", encoding="utf-8")
     except OSError as error:
         raise EncoderError(f"it cannot be written: {error}", where=str(path)) from error
+
+
+def calibration_to_json(c: HandCalibration) -> dict[str, Any]:
+    """One hand's calibration as JSON values, exact to the bit."""
+    return {
+        "standard": c.standard.tolist(),
+        "spread": c.spread.tolist(),
+        "tips": c.tips.tolist(),
+        "directions": c.directions.tolist(),
+        "bones": None if c.bones is None else c.bones.tolist(),
+        "frames": c.frames,
+        "seconds": c.seconds,
+        "left_out": c.left_out,
+    }
+
+
+def calibration_from_json(side: str, fields: Mapping[str, Any]) -> HandCalibration:
+    """One hand's calibration read back.
+
+    Raises:
+        EncoderError: It is damaged.
+    """
+    try:
+        return _hand(_side(side), fields)
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise EncoderError(f"the calibration is damaged: {error}") from error
 
 
 def read_calibration(path: Path) -> dict[str, HandCalibration]:

@@ -28,6 +28,7 @@ def hand_pose(
     side: str = "right",
     device: Vector = (0.0, 0.0, 0.0),
     skeleton: Skeleton = ADULT,
+    size: float = 1.0,
 ) -> Array:
     """The pose (48,) in the world, within the skeleton's limits.
 
@@ -40,6 +41,7 @@ def hand_pose(
         side: `right` or `left`; the skeleton is always given as a right hand.
         device: m, where the device is in the world; its axes are the world's.
         skeleton: A right hand.
+        size: Length of the hand that takes the pose against the skeleton.
     """
     angles = np.deg2rad(np.asarray(table, float))
     rotation, origin = palm.rotation, np.add(palm.origin, device)
@@ -47,7 +49,7 @@ def hand_pose(
         rotation, origin = _MIRROR[:, None] * rotation, _MIRROR * origin
     q = np.zeros(POSE_SIZE)
     q[ROOT_ROTATION] = log(rotation)
-    q[ROOT_POSITION] = origin - rotation @ PALM_CENTRE
+    q[ROOT_POSITION] = origin - rotation @ np.multiply(size, PALM_CENTRE)
     turns = []
     before = np.eye(3)
     last = -1

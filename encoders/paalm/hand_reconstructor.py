@@ -6,22 +6,31 @@ can drive one by a Leap: `step(frame)`, `reset()`, `commanded`, and a `Reconstru
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import dataclass, field
+from math import exp
 
 import numpy as np
 from numpy.typing import NDArray
 
 from encoders.arrival import Phase
+from encoders.paalm.average import average_calibration
 from encoders.paalm.hand_pose import hand_pose
-from encoders.paalm.paalm import Paalm
+from encoders.paalm.paalm import Paalm, PaalmHand
 from encoders.paalm.palm import Palm
 from encoders.touch_reconstructor import Reconstruction
 from models.errors import EncoderError
 from models.frames import FINGERS, HandFrame, Vector
 from models.limits import RateLimit
+from models.one_pose import OnePose
+from models.person import Person
+from models.pose import ROOT_POSITION, ROOT_ROTATION
+from models.rotations import unwrapped
+from models.skeleton import ADULT
+from models.surface import Surface
 
 Array = NDArray[np.float64]
+
+_ALL = frozenset(range(len(FINGERS)))
 
 
 @dataclass(frozen=True)
@@ -31,28 +40,59 @@ class HandReconstructorSettings:
     Attributes:
         device: m, where the device is in the world. Its axes are the world's.
         rate: Bounds on the commanded pose's speed.
+        size: Length of the simulated hand against the average one.
+        root_smoothing: s, time constant of the palm's place and turn; 0 switches it off. PAALM
+            smooths fingers itself.
+        patience: s for which a hand that is not seen any more stays as it is, and solid: devices
+            lose hands for moments, and a box in its fingers should not fall each time.
+        rise, rise_speed: m by which, and m/s at which, a hand that stays away rises as a ghost, so
+            that it hides nothing.
+        near: m from its place at which a hand that was away is back, and may be solid again.
+        floor: m, world height below which no fingertip is commanded; the whole hand is raised.
+            Nobody feels the table, and a hand that is pushed into it crushes what it holds.
     """
 
     device: Vector = (0.0, 0.0, -0.10)
     rate: RateLimit = field(default_factory=RateLimit)
+    size: float = 1.0
+    root_smoothing: float = 0.04
+    patience: float = 0.3
+    rise: float = 0.08
+    rise_speed: float = 0.15
+    near: float = 0.02
+    floor: float = 0.0
 
 
 class HandReconstructor:
-    """One hand of a calibrated `Paalm`, as poses of the sandbox's hand.
+    """One hand of a `Paalm`, as poses of the sandbox's hand.
 
     Args:
-        paalm: Calibrated for the side; it belongs to this reconstructor from now on.
+        paalm: It belongs to this reconstructor from now on.
         side: `right` or `left`.
         settings: What takes part.
+        surface: What the workspace of a task is; None is the default tablet.
+        assume: A hand that was not calibrated is taken for an average one, or measured by the
+            device's own bones, when it is first seen.
+
+    Attributes:
+        empty: What a device has said before its first frame.
 
     Raises:
-        EncoderError: PAALM has not measured that hand.
+        EncoderError: PAALM has not measured that hand, and nothing is to be assumed.
     """
 
+    empty = HandFrame(0.0)
+
     def __init__(
-        self, paalm: Paalm, side: str = "right", settings: HandReconstructorSettings | None = None
+        self,
+        paalm: Paalm,
+        side: str = "right",
+        settings: HandReconstructorSettings | None = None,
+        surface: Surface | None = None,
+        assume: bool = False,
     ) -> None:
-        if side not in paalm.calibration:
+        self._assume = assume and side not in paalm.calibration
+        if side not in paalm.calibration and not assume:
             raise EncoderError(
                 "this hand was not calibrated",
                 got=side,
@@ -60,10 +100,13 @@ class HandReconstructor:
             )
         self.paalm, self.side = paalm, side
         self.settings = settings or HandReconstructorSettings()
+        self.surface = surface or Surface()
+        skeleton = Person(side, self.settings.size).skeleton(ADULT)
+        self._tips, self._radius = OnePose(skeleton), skeleton.tip_radius
         self.reset()
 
     @property
-    def counts(self) -> Counter[str]:
+    def counts(self) -> dict[str, int]:
         """How often frames or hands could not be used, by reason."""
         return self.paalm.counts
 
@@ -74,34 +117,82 @@ class HandReconstructor:
 
     def reset(self) -> None:
         """Back to an open hand 20 cm over the device."""
+        if self._assume:
+            self.paalm.use({})
         self.paalm.reset()
         self._time: float | None = None
         across = (1.0, 0.0, 0.0) if self.side == "right" else (-1.0, 0.0, 0.0)
         palm = Palm((0.0, 0.0, 0.20), across, (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-        open_hand = np.zeros((len(FINGERS), 4))
-        self._commanded = hand_pose(open_hand, palm, self.side, self.settings.device)
-        self._seen = False
+        self._commanded = self._goal = self._pose(np.zeros((len(FINGERS), 4)), palm)
+        self._seen_before = False
+        self._unseen = np.inf
+        self._here = False
 
     def step(self, frame: HandFrame) -> Reconstruction:
         """Takes in a hand frame; called once per control step, also when nothing has changed.
 
-        A hand that is not seen holds its pose and is a ghost: nobody can say where it is.
+        A hand that is not seen holds its pose for a moment, then rises as a ghost: nobody can say
+        where it is.
         """
         dt = 0.0 if self._time is None else max(frame.time - self._time, 0.0)
         self._time = frame.time if self._time is None else max(frame.time, self._time)
-        hand = self.paalm.step(frame).hands.get(self.side)
-        seen = hand is not None and hand.seen
-        if hand is not None:
-            goal = hand_pose(hand.table, hand.palm, self.side, self.settings.device)
-            first = not self._seen
-            self._commanded = goal if first else self.settings.rate(self._commanded, goal, dt)
-            self._seen = True
+        hand = self._look(frame)
+        if hand is not None and hand.seen:
+            self._follow(hand, dt)
+        else:
+            self._lose(dt)
         return Reconstruction(
             self._commanded,
-            Phase.DOWN if seen else Phase.AWAY,
-            frozenset(range(len(FINGERS))) if seen else frozenset(),
+            Phase.DOWN if self._here else Phase.COMING_DOWN if self._unseen == 0.0 else Phase.AWAY,
+            _ALL if self._here else frozenset(),
             None,
             1.0,
             float(hand.miss.max()) if hand is not None else float("nan"),
             (),
         )
+
+    def _look(self, frame: HandFrame) -> PaalmHand | None:
+        if self._assume and self.side not in self.paalm.calibration:
+            if not any(h.side in (None, self.side) for h in frame.hands):
+                return None
+            self.paalm.use({self.side: average_calibration([frame], self.side, self.paalm.options)})
+        return self.paalm.step(frame).hands.get(self.side)
+
+    def _follow(self, hand: PaalmHand, dt: float) -> None:
+        s, goal = self.settings, self._pose(hand.table, hand.palm)
+        first = not self._seen_before
+        # After a while of absence there is nothing to be smooth with.
+        if self._unseen <= s.patience and s.root_smoothing > 0.0:
+            keep = exp(-dt / s.root_smoothing)
+            turn = unwrapped(goal[ROOT_ROTATION], self._goal[ROOT_ROTATION])
+            goal[ROOT_ROTATION] = turn + keep * (self._goal[ROOT_ROTATION] - turn)
+            place = goal[ROOT_POSITION]
+            goal[ROOT_POSITION] = place + keep * (self._goal[ROOT_POSITION] - place)
+        self._goal = goal
+        above = self._above_floor(goal)
+        self._commanded = above if first else s.rate(self._commanded, above, dt)
+        self._seen_before, self._unseen = True, 0.0
+        off = float(np.linalg.norm(self._commanded[ROOT_POSITION] - above[ROOT_POSITION]))
+        self._here = self._here or off < s.near
+
+    def _lose(self, dt: float) -> None:
+        s = self.settings
+        self._unseen += dt
+        if self._unseen <= s.patience:
+            return
+        self._here = False
+        gone = self._unseen - s.patience
+        if self._seen_before and (gone - dt) * s.rise_speed < s.rise:
+            self._commanded = self._commanded.copy()
+            self._commanded[2] += s.rise_speed * min(dt, gone)
+
+    def _pose(self, table: Array, palm: Palm) -> Array:
+        return hand_pose(table, palm, self.side, self.settings.device, size=self.settings.size)
+
+    def _above_floor(self, q: Array) -> Array:
+        low = float((self._tips.tips(q)[:, 2] - self._radius).min()) - self.settings.floor
+        if low >= 0.0:
+            return q
+        raised = q.copy()
+        raised[2] -= low
+        return raised

@@ -1,11 +1,11 @@
-"""What every device offers to the session."""
+"""What every device offers to the session: one of touches, or one of hands in the air."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Protocol
 
-from models.frames import TouchFrame
+from models.frames import HandFrame, TouchFrame
 
 
 class Device(Protocol):
@@ -33,4 +33,23 @@ class Device(Protocol):
 
     def close(self) -> None:
         """Gives back sockets, files and threads; may be called twice."""
+        ...
+
+
+class HandDevice(Protocol):
+    """A source of hand frames; as `Device`, but for hands in the air."""
+
+    name: str
+
+    def poll(self, now: float) -> Sequence[HandFrame]:
+        """Frames since the last call, oldest first; `now` is session time, s."""
+        ...
+
+    @property
+    def finished(self) -> bool:
+        """True when no further frame can come."""
+        ...
+
+    def close(self) -> None:
+        """Gives everything back; may be called twice."""
         ...

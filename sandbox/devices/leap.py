@@ -11,7 +11,6 @@ from __future__ import annotations
 import threading
 from collections import Counter, deque
 from collections.abc import Sequence
-from typing import Protocol
 
 import msgspec
 from websockets.exceptions import WebSocketException
@@ -35,30 +34,6 @@ BACKGROUND = '{"background":true}'
 
 _FIRST_PAUSE, _LONGEST_PAUSE = 0.1, 2.0
 """s, between attempts to connect; doubled each time."""
-
-
-class HandDevice(Protocol):
-    """A source of hand frames; as `Device`, but for 3-D hands."""
-
-    name: str
-
-    @property
-    def counts(self) -> Counter[str]:
-        """What was used and what was left out, and why."""
-        ...
-
-    def poll(self, now: float) -> Sequence[HandFrame]:
-        """Frames since the last call, oldest first; `now` is session time, s."""
-        ...
-
-    @property
-    def finished(self) -> bool:
-        """True when no further frame can come."""
-        ...
-
-    def close(self) -> None:
-        """Gives everything back; may be called twice."""
-        ...
 
 
 class LeapFileDevice:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
-from models.frames import TouchFrame
 from models.scene import CONTROL_PERIOD
 from sandbox.recording import Recording
 
@@ -31,8 +31,8 @@ class RecordedDevice:
         # The last control period begins one period before the end.
         self._last = recording.end["step"] - period if recording.end else last
 
-    def poll(self, now: float) -> Sequence[TouchFrame]:
-        """Frames that took effect since the last call, up to now."""
+    def poll(self, now: float) -> Sequence[Any]:
+        """Frames that took effect since the last call, up to now; of touches or of 3-D hands."""
         self._now = now
         step = round(now / self._timestep)
         frames = []

@@ -1,0 +1,62 @@
+"""The newest frame of a device, stamped with session time: what a control period goes by."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from models.frames import Frame, HandFrame, TouchFrame
+
+SILENCE = 0.5
+"""s without a frame, after which a 3-D device is taken to see no hand. A device that works says
+sixty times a second and more what it sees, also when that is nothing; touches say only changes."""
+
+
+class Newest:
+    """Keeps what a device said last.
+
+    Args:
+        empty: What it has said before its first frame.
+
+    Attributes:
+        frame: Now.
+    """
+
+    def __init__(self, empty: Frame) -> None:
+        self.frame = empty
+        self._heard = 0.0
+
+    def take(self, frames: Sequence[Frame], time: float) -> bool:
+        """Takes in what has come since the last control period; whether that is anything.
+
+        Of several frames the last one counts; touches that were cancelled in any of them stay
+        cancelled.
+
+        Args:
+            frames: Oldest first, of one kind.
+            time: s, session time.
+        """
+        last = frames[-1] if frames else self.frame
+        if frames:
+            self._heard = time
+        if isinstance(last, TouchFrame):
+            self.frame = (
+                _stamped([f for f in frames if isinstance(f, TouchFrame)], time)
+                if frames
+                else replace(last, time=time, cancelled=frozenset())
+            )
+        elif time - self._heard > SILENCE:
+            self.frame = HandFrame(time, (), last.source)
+        else:
+            self.frame = last if last.time == time else replace(last, time=time)
+        return bool(frames)
+
+
+def _stamped(frames: Sequence[TouchFrame], time: float) -> TouchFrame:
+    """The last of some frames, at a time, with the touches that were cancelled in any of them."""
+    last = frames[-1]
+    if len(frames) == 1 and last.time == time and not last.cancelled:
+        return last
+    cancelled = frozenset().union(*(f.cancelled for f in frames))
+    present = {c.id for c in last.contacts}
+    return replace(last, time=time, cancelled=frozenset(cancelled - present))
