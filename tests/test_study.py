@@ -76,7 +76,7 @@ def test_tables_made_again_from_recordings_are_the_same_to_the_byte(
     trackers = folder / "trackers"
     names = [*trackers.glob("*T004*"), folder / "trial_results.csv"]
     before = {path: path.read_bytes() for path in names}
-    assert len(before) == 4
+    assert len(before) == 5
     for path in before:
         path.unlink()
     run_simulated(finished, 0, quiet)

@@ -58,6 +58,10 @@ class SimulatedDevice:
         person: Which hand they use and where they sit.
         hand: Which of the scene's hands is theirs.
         home: (2,) m in the world, the middle of their part of the screen; None is the screen's.
+
+    Attributes:
+        truth: Which finger each touch was, thumb 0 .. little 4, by the id that the screen gave it;
+            empty for users who only press about. No user and no encoder gets to see it.
     """
 
     name = "simulated"
@@ -75,6 +79,7 @@ class SimulatedDevice:
         hand: int = 0,
         home: NDArray[np.float64] | None = None,
     ) -> None:
+        self.truth: dict[int, int] = {}
         self._hand = hand
         # Two people do not share their chance.
         seed += hand * NEXT_PERSON
@@ -155,12 +160,20 @@ class SimulatedDevice:
         if self.finished:
             return []
         frame = self._seated.touch(now)
-        if self._tell_labels and isinstance(self.user, SkilledUser):
-            # The user puts down thumb, index, ... in this order.
-            order = {i: finger for finger, i in enumerate(self.user.finger_ids())}
+        if not isinstance(self.user, SkilledUser):
+            return [self._screen.spoil(frame)]
+        # The user puts down thumb, index, ... in this order.
+        order = {i: finger for finger, i in enumerate(self.user.finger_ids())}
+        if self._tell_labels:
             contacts = tuple(replace(c, label=order[c.id]) for c in frame.contacts)
             frame = replace(frame, contacts=contacts)
-        return [self._screen.spoil(frame)]
+        frame = self._screen.spoil(frame)
+        for contact in frame.contacts:
+            if contact.id not in self.truth:
+                finger = order.get(self._screen.own_id(contact.id))
+                if finger is not None:
+                    self.truth[contact.id] = finger
+        return [frame]
 
     def close(self) -> None:
         """The user leaves; there is nothing to give back."""

@@ -7,6 +7,7 @@ import io
 from collections.abc import Sequence
 
 from sandbox.study.design import Design
+from sandbox.study.measures import MEASURES
 from sandbox.study.scoring_table import COLUMNS as SCORES
 from sandbox.study.scoring_table import score_columns
 
@@ -32,21 +33,14 @@ COLUMNS = {
     "task": ("", "name of the task"),
     "encoder": ("", "what makes the hand's pose from touches"),
     "seed": ("", "start and goal of the trial follow from it"),
-    "success": ("0/1", "the goal was held for the task's hold time; the same as held"),
-    "instant": ("0/1", "the goal was reached at some moment"),
-    "held": ("0/1", "the goal was reached for the hold time without a break"),
-    "final": ("0/1", "the goal was still reached when the trial ended, 1 s after success"),
     "status": ("", "how the trial ended: held, timeout, failed, diverged, input_ended"),
-    "progress": ("0 to 1", "how near the goal was at the end"),
-    "time_s": ("s", "simulated time until the goal was held, or until the trial ended"),
     "reason": ("", "what was missing at the end"),
     "respawned": ("", "times that an object left the workspace and was put back"),
     "state_hash": ("", "BLAKE2b over all states; equal only for equal input, program and machine"),
-    "first_contact_s": ("s", "simulated time of the first touch"),
-    "lost_s": ("s", "real time by which the machine fell behind; 0 for a fast one"),
-    "latency_p50_ms": ("ms", "touch received to the step that it took effect in: median"),
-    "latency_p95_ms": ("ms", "95th percentile of the same"),
-    "latency_p99_ms": ("ms", "99th percentile of the same"),
+    **{
+        m.name: (m.unit, m.means + ("" if m.source == "ours" else f" ({m.source})"))
+        for m in MEASURES
+    },
     "trial_recording_location_0": ("", "the recording: `sandbox replay FILE`"),
     "hand_pose_location_0": ("", "60 Hz table; with the extra `study` also as .parquet"),
     "touches_location_0": ("", "all touches, one row per contact and moment"),
@@ -72,7 +66,17 @@ FRAMES = {
     "q_*": ("m, rad", "commanded pose in the world: root position, root rotation vector, then a "
             "rotation vector for each of 14 joints"),
     "touch_*": ("", "id of the contact that is this finger; empty: it does not touch"),
+    "true_*": ("", "id of the contact that truly is this finger, where somebody knows: a "
+               "simulated user, or a device that tells"),
     "OBJECT_*": ("m, 1", "place of an object, and its rotation as a quaternion w x y z"),
+    "OBJECT_digits": ("", "digits that push it, as letters t i m r l, p for the palm; empty, with "
+                      "an empty grip: not known"),
+    "OBJECT_grip_N": ("N", "sum of the normal forces of the hand on it"),
+    "OBJECT_by": ("", "what else pushes it: table, names of objects"),
+    "OBJECT_on": ("", "which of those bear it: push up 60 percent of its weight or more"),
+    "OBJECT_goal_*": ("m", "where its centre should be"),
+    "OBJECT_off_rad": ("rad", "about the vertical, from its goal to it, by the nearest turn that "
+                       "looks the same"),
 }  # fmt: skip
 TOUCHES = {
     "time_s": ("s", "simulated time since the trial's start"),

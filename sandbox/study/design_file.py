@@ -22,13 +22,11 @@ from sandbox.study.design import (
     Instruction,
     Level,
 )
+from sandbox.study.measures import OF_RULES
 from sandbox.study.orders import MOST_FACTORIAL
 from sandbox.study.questionnaires import read_form, read_item
 from sandbox.study.reading import DesignError, Mistake, Reader, Table
 from sandbox.study.showing import read_showing
-
-MEASURES = ("time_s", "success", "instant", "held", "final", "progress", "first_contact_s")
-"""Numbers of a trial that a rule may look at."""
 
 
 def load_design(path: Path, try_out: bool = True) -> Design:
@@ -242,7 +240,7 @@ def _exclusion(table: Table) -> Exclusion:
     found = Exclusion(
         table.name("name"),
         table.choice("of", ("trial", "participant"), "trial"),
-        table.choice("measure", MEASURES, MEASURES[0]),
+        table.choice("measure", OF_RULES, OF_RULES[0]),
         _bound(table, "below"),
         _bound(table, "above"),
     )

@@ -57,19 +57,18 @@ MEASURES: tuple[Measure, ...] = (
             "ours", ALL, "high", "Progress", True),
     Measure("time_s", "s", "simulated time until the goal was held, or until the trial ended",
             "ours", ALL, "low", "Time", True),
-    Measure("first_attempt_success", "0/1", "success with at most one grasp, no regrasp, no drop "
-            "and nothing that left the workspace", "ours", HANDLING, "high",
-            "Success at the first attempt"),
+    Measure("first_attempt_success", "0/1", "success without a regrasp, a drop, or a thing that "
+            "left the workspace", "ours", HANDLING, "high", "Success at the first attempt"),
     Measure("completion_s", "s", "time_s of a success; empty without one",
             "ours", ALL, "low", "Completion time"),
     Measure("first_contact_s", "s", "simulated time of the first touch",
             "ours", ALL, "low", "Time to first touch"),
     Measure("first_push_s", "s", "simulated time at which the hand first pushed a thing",
             "ours", HANDLING, "low", "Time to first contact"),
-    Measure("grasps", "", "stretches in which two digits or more pushed the same thing",
+    Measure("grasps", "", "stretches of pushing a thing in which two digits or more did at once",
             "ours", HANDLING, "low", "Grasps"),
-    Measure("regrasps", "", "grasps before success of something that was grasped before, and that "
-            "the hand had not pushed for 0.1 s or longer", "ours", HANDLING, "low", "Regrasps"),
+    Measure("regrasps", "", "grasps, up to time_s, of a thing that had been grasped and let go for "
+            "0.1 s or longer", "ours", HANDLING, "low", "Regrasps"),
     Measure("drops", "", "times that a thing touched nothing and fell by more than 10 mm",
             "ours", HANDLING, "low", "Drops"),
     Measure("palm_path_m", "m", "length of the commanded palm's path while the hand was down",
@@ -78,8 +77,8 @@ MEASURES: tuple[Measure, ...] = (
             "ours", ALL, "high", "Path efficiency of the palm"),
     Measure("object_path_m", "m", "length of the paths of all things that have a goal",
             "ours", GOALS, "low", "Path of the object"),
-    Measure("object_efficiency", "0 to 1", "distances between the ends of those paths over their "
-            "lengths", "ours", GOALS, "high", "Path efficiency of the object"),
+    Measure("object_efficiency", "0 to 1", "distances between the ends of those paths, added up, "
+            "over object_path_m", "ours", GOALS, "high", "Path efficiency of the object"),
     Measure("placement_error_m", "m", "distance of a thing from its goal at time_s; mean over "
             "goals", "ours", GOALS, "low", "Placement error"),
     Measure("placement_error_deg", "deg", "angle about the vertical of a thing against its goal at "
@@ -118,9 +117,13 @@ MEASURES: tuple[Measure, ...] = (
             "its goal, at time_s", ISO, PLACES, "", "Amplitude"),
     Measure("move_error_m", "m", "signed distance beyond the goal along that line, at time_s",
             ISO, PLACES, "", "Endpoint error along the way"),
-    Measure("throughput_bit_s", "bit/s", "effective throughput over the counted trials of this "
-            "participant with these levels; the same in all of their rows; 3 trials or more",
+    Measure("throughput_bit_s", "bit/s", "effective throughput over the successes that count of "
+            "this participant with these levels, 3 or more; the same in all rows of these levels",
             ISO, PLACES, "high", "Effective throughput"),
 )  # fmt: skip
+
+_NOT_OF_ONE_TRIAL = ("label_truth", "throughput_bit_s")
+OF_RULES = ("time_s", *(m.name for m in MEASURES if m.name not in ("time_s", *_NOT_OF_ONE_TRIAL)))
+"""Numbers of a trial that an exclusion rule may look at; the first is the default."""
 
 BY_NAME = {measure.name: measure for measure in MEASURES}

@@ -201,6 +201,7 @@ class _Trial:
 
     def step(self, session: Session, snapshot: Snapshot) -> None:
         """After every control period."""
+        self.table.watch(session)
         self.table.show(snapshot)
         looking = getattr(session.rigs[0].device, "show", None)
         if looking:
@@ -220,6 +221,10 @@ class _Trial:
             waited = told.get("waited", {})
             found["measures"] |= {f"latency_{p}_ms": waited.get(f"{p}_ms") for p in
                                   ("p50", "p95", "p99")}  # fmt: skip
+        truth = getattr(session.rigs[0].device, "truth", None)
+        if truth:
+            self.table.truth, self.table.truth_by = dict(truth), "simulated user"
+            found |= {"fingers": sorted(truth.items()), "fingers_by": "simulated user"}
         if self.broken:
             session.scorer.abort(Status.INPUT_ENDED, self.broken)
             found["broken_off"] = self.broken

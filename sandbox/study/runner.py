@@ -168,7 +168,7 @@ class SessionRunner:
         file = session.state.attempts[trial.number][-1].start["file"]
         stem = file.removeprefix("trials/").removesuffix(".jsonl")
         try:
-            played.table.write(session.path / "trackers", stem)
+            played.table.write(session.path / "trackers", stem, played.result)
             rebuild_session(session)
             rebuild_study(session.study)
         except StudyError as error:

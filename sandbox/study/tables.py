@@ -14,8 +14,10 @@ from sandbox.study.codebook import codebook
 from sandbox.study.design import Design
 from sandbox.study.files import write_atomically
 from sandbox.study.folder import StudyFolder
-from sandbox.study.frames import STEMS
+from sandbox.study.frames import STEMS, read_measures
 from sandbox.study.journal import Record, read_journal
+from sandbox.study.measures import MEASURES
+from sandbox.study.measures_throughput import throughput
 from sandbox.study.plan import Step
 from sandbox.study.scoring_table import score_columns, score_rows
 from sandbox.study.session_folder import SESSION, SessionFolder, session_path
@@ -28,8 +30,7 @@ OURS = ("mode", "participant_number", "hand", "hand_size", "attempt", "counted",
         "repetition", "excluded", "exclusion_reason")  # fmt: skip
 RESULTS = ("task", "encoder", "seed", "success", "instant", "held", "final", "status", "progress",
            "time_s", "reason", "respawned", "state_hash")  # fmt: skip
-MEASURES = ("first_contact_s", "lost_s", "latency_p50_ms", "latency_p95_ms",
-            "latency_p99_ms")  # fmt: skip
+MEASURED = tuple(m.name for m in MEASURES if m.name not in RESULTS)
 FILES = ("trial_recording_location_0", "hand_pose_location_0", "touches_location_0")
 
 Row = dict[str, Any]
@@ -43,24 +44,33 @@ PEOPLE = ("ppid", "number", "hand", "hand_size", "language", "mode", "simulated"
 def trial_columns(design: Design) -> list[str]:
     """Columns of `trial_results.csv`, the same in every session of a study."""
     factors = [f"factor_{f.name}" for f in design.factors]
-    return [*UXF, *OURS, *factors, *RESULTS, *MEASURES, *FILES]
+    return [*UXF, *OURS, *factors, *RESULTS, *MEASURED, *FILES]
 
 
-def trial_rows(design: Design, state: SessionState) -> list[Row]:
-    """One row for every finished attempt; exactly one of each trial counts."""
+def trial_rows(design: Design, state: SessionState, session: Path | None = None) -> list[Row]:
+    """One row for every finished attempt; exactly one of each trial counts.
+
+    Args:
+        design: Of the study.
+        state: What the session's journal says.
+        session: Its folder, for the measures that are made of 60 Hz tables.
+    """
     if not state.start:
         return []
     rows = [
-        _trial_row(design, state, attempt, attempt is state.counted(trial))
+        _trial_row(design, state, attempt, attempt is state.counted(trial), session)
         for trial, attempts in sorted(state.attempts.items())
         for attempt in attempts
         if attempt.end is not None
     ]
     _exclude_participant(design, state, rows)
+    _tell_throughput(rows)
     return rows
 
 
-def _trial_row(design: Design, state: SessionState, attempt: Attempt, counted: bool) -> Row:
+def _trial_row(
+    design: Design, state: SessionState, attempt: Attempt, counted: bool, folder: Path | None
+) -> Row:
     start, end = attempt.start, attempt.end or {}
     session, result = state.start, end["result"]
     trial = start["trial"]
@@ -87,12 +97,33 @@ def _trial_row(design: Design, state: SessionState, attempt: Attempt, counted: b
         "trial_recording_location_0": start["file"],
     }
     stem = Path(start["file"]).stem
+    if folder is not None:
+        row |= read_measures(folder / "trackers", stem)
     for column, kind in (("hand_pose_location_0", "frames"), ("touches_location_0", "touches")):
         row[column] = f"trackers/{STEMS[kind]}_{stem}.csv.gz"
     reason = state.excluded.get(trial, "") or _excluded_by_rule(design, row)
     if state.excluded_participant:
         reason = f"participant: {state.excluded_participant}"
     return {**row, "excluded": bool(reason), "exclusion_reason": reason}
+
+
+def _tell_throughput(rows: list[Row]) -> None:
+    """Puts the effective throughput of each combination of levels into all of its rows."""
+    cells: dict[tuple[Any, ...], list[Row]] = {}
+    for row in rows:
+        levels = tuple(v for name, v in row.items() if name.startswith("factor_"))
+        cells.setdefault((row["task"], *levels), []).append(row)
+    for some in cells.values():
+        moves = [
+            r for r in some
+            if r["counted"] and not r["practice"] and not r["excluded"] and r["success"]
+            and r.get("move_error_m") is not None
+        ]  # fmt: skip
+        found = throughput([r["move_amplitude_m"] for r in moves],
+                           [r["move_error_m"] for r in moves],
+                           [r["time_s"] for r in moves])  # fmt: skip
+        for row in some:
+            row["throughput_bit_s"] = found
 
 
 def _excluded_by_rule(design: Design, row: Row) -> str:
@@ -193,7 +224,7 @@ def write_session(
         StudyError: One cannot be written; the older one is still there.
     """
     design = study.design
-    rows = trial_rows(design, state)
+    rows = trial_rows(design, state, path)
     files = {
         "trial_results.csv": csv_bytes(rows, trial_columns(design)),
         "questionnaires.csv": csv_bytes(answer_rows(state), answer_columns(design)),
@@ -230,11 +261,12 @@ def rebuild_study(study: StudyFolder) -> dict[str, int]:
     people: list[Row] = []
     with study.lock():
         for person in study.participants():
-            journal = session_path(study.path, person.ppid) / "journal.jsonl"
+            folder = session_path(study.path, person.ppid)
+            journal = folder / "journal.jsonl"
             state = SessionState.of(read_journal(journal)) if journal.exists() else SessionState()
             if not state.start:
                 continue
-            rows = trial_rows(design, state)
+            rows = trial_rows(design, state, folder)
             for row in rows:
                 for name in FILES:
                     row[name] = f"{person.ppid}/S{SESSION:03d}/{row[name]}"
