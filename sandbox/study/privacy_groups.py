@@ -1,0 +1,53 @@
+"""How many people share what is known about them: k-anonymity (Sweeney 2002).
+
+Somebody whose age, handedness and the like nobody else in the table shares can be recognised by who
+knows them, pseudonym or not.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import floor
+from typing import Any
+
+SMALLEST = 5
+"""People who should share every combination; a usual choice, and no guarantee."""
+
+
+@dataclass(frozen=True)
+class Groups:
+    """Who shares what.
+
+    Attributes:
+        columns: What was compared.
+        smallest: k: the size of the smallest group; 0 where there is nobody.
+        few: Combinations that fewer than `SMALLEST` people share, with their number.
+    """
+
+    columns: tuple[str, ...]
+    smallest: int
+    few: tuple[tuple[tuple[Any, ...], int], ...]
+
+    @property
+    def exposed(self) -> int:
+        """How many people are in groups that are too small."""
+        return sum(count for _, count in self.few)
+
+
+def groups(people: Sequence[Mapping[str, Any]], columns: Sequence[str]) -> Groups:
+    """Groups of people who are equal in all of some columns."""
+    if not columns:
+        return Groups((), len(people), ())
+    counted = Counter(tuple(person.get(name) for name in columns) for person in people)
+    few = tuple((what, n) for what, n in counted.items() if n < SMALLEST)
+    return Groups(tuple(columns), min(counted.values(), default=0), few)
+
+
+def binned(value: Any, width: float) -> Any:
+    """A number rounded down to a multiple of a width; anything else as it is."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return value
+    low = floor(value / width) * width
+    return int(low) if low == int(low) else low
