@@ -33,7 +33,7 @@ class Page:
     name: str = "test"
     role: str = "player"
     screen: dict[str, Any] = field(default_factory=lambda: dict(SCREEN))
-    protocol: int = 1
+    protocol: int = 2
 
     def __post_init__(self) -> None:
         self._stack = ExitStack()

@@ -16,10 +16,11 @@ from hypothesis import strategies as st
 
 from models.errors import StudyError
 from sandbox.cli.main import main
+from sandbox.study.answers import read_answer
 from sandbox.study.controls import Command, Controls, Terminal, parse_command
 from sandbox.study.design import Item
 from sandbox.study.folder import StudyFolder
-from sandbox.study.forms import SimulatedForms, TerminalForms, read_answer
+from sandbox.study.forms import SimulatedForms, TerminalForms
 from sandbox.study.journal import read_journal
 from sandbox.study.players import HeadlessPlayer
 from sandbox.study.runner import Outcome, SessionRunner

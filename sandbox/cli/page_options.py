@@ -13,7 +13,7 @@ from sandbox.server.address import LOOPBACK, checked_address, local_network_addr
 from sandbox.server.describe import summary
 from sandbox.server.kept_token import kept_token
 from sandbox.server.page_server import PageServer, tls_context
-from sandbox.server.protocol import TaskName
+from sandbox.server.protocol import StudyView, TaskName
 from sandbox.versions import versions
 from tasks.registry import TASKS, hands_of
 
@@ -47,8 +47,12 @@ class PageOptions:
         return local_network_address() if self.tablet else LOOPBACK
 
 
-def open_page(options: PageOptions) -> PageServer:
+def open_page(options: PageOptions, study: StudyView | None = None) -> PageServer:
     """A server of the page.
+
+    Args:
+        options: Where.
+        study: Makes it a study's, without menus.
 
     Raises:
         DeviceError: The address or port cannot be had.
@@ -69,4 +73,6 @@ def open_page(options: PageOptions) -> PageServer:
     ]
     program = str(versions()["hand-sandbox"])
     token = kept_token(default_path().with_name("page-token")) if options.page_port else ""
-    return PageServer(options.page_host, options.page_port, tasks, program, tls, token=token)
+    return PageServer(
+        options.page_host, options.page_port, tasks, program, tls, token=token, study=study
+    )

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.resources import files
 from math import comb
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 from rich.console import Console
@@ -17,12 +16,10 @@ from rich.table import Table
 
 from models.errors import InputError, StudyError
 from sandbox.cli.parse import parse
+from sandbox.cli.study_run import RunOptions, run, sayer
 
 if TYPE_CHECKING:
     from sandbox.study.design import Design
-    from sandbox.study.folder import Participant, StudyFolder
-    from sandbox.study.players import Player
-    from sandbox.study.runner import MakeDevice
 
 File = Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="DESIGN")]
 
@@ -82,54 +79,6 @@ class SimulateOptions:
 
     force_upgrade: Annotated[str, tyro.conf.arg(metavar="REASON")] = ""
     """Goes on although program, encoder or design have changed; it is logged."""
-
-
-@dataclass(frozen=True)
-class RunOptions:
-    """Runs a participant's session: consent, instructions, practice, trials, breaks and forms.
-
-    The terminal is the experimenter's: h and Enter shows the keys. While a form is open there, a
-    key begins with a slash.
-    """
-
-    file: File
-    """The design."""
-
-    participant: Annotated[str, tyro.conf.arg(metavar="new|ID")] = ""
-    """new, or the id of somebody who has begun; without it, those are listed."""
-
-    out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path("studies")
-    """Where studies are kept."""
-
-    pilot: tyro.conf.FlagCreatePairsOff[bool] = False
-    """A rehearsal: its data go to a folder of their own and never mix with real ones."""
-
-    device: Literal["mouse", "tuio", "simulated"] = "mouse"
-    """Where touches come from. simulated: in a pilot only."""
-
-    view: Literal["window", "none"] = "window"
-    """none: trials without a window, as where another program shows them."""
-
-    hand: Literal["right", "left"] = "right"
-    """Which hand a new participant uses."""
-
-    hand_size: float = 1.0
-    """Length of a new participant's hand against the trained one; `sandbox calibrate` measures."""
-
-    language: str = ""
-    """Of a new participant; the design's first unless told otherwise."""
-
-    resume: tyro.conf.FlagCreatePairsOff[bool] = False
-    """Goes on with an interrupted session without asking."""
-
-    force_upgrade: Annotated[str, tyro.conf.arg(metavar="REASON")] = ""
-    """Goes on although program, encoder or design have changed; it is logged."""
-
-    port: int = 3333
-    """UDP port for TUIO."""
-
-    bind: Annotated[str, tyro.conf.arg(metavar="ADDRESS")] = "127.0.0.1"
-    """Address for TUIO; 0.0.0.0 is reached from the network."""
 
 
 def main(argv: list[str]) -> int:
@@ -237,122 +186,17 @@ def _simulate(options: SimulateOptions, console: Console) -> int:
     design = _load(options.file)
     study = StudyFolder(options.out, design, SIMULATED, options.force_upgrade)
     count = options.participants or design.participants
-    found = simulate(study, count, options.resume, _sayer(console))
+    found = simulate(study, count, options.resume, sayer(console))
     console.print(f"{escape(str(study.path))}: {found['participants']} simulated participants, "
                   f"{found['trials']} trials that count, {found['excluded']} excluded")  # fmt: skip
     return 0
-
-
-def _run(options: RunOptions, console: Console) -> int:
-    from sandbox.cli.demo import has_display
-    from sandbox.study.controls import Controls, Terminal
-    from sandbox.study.folder import PILOT, REAL, StudyFolder
-    from sandbox.study.forms import TerminalForms
-    from sandbox.study.runner import SessionRunner
-    from sandbox.study.session_folder import SessionFolder
-
-    if options.device == "simulated" and not options.pilot:
-        raise StudyError("a simulated user is nobody's data", where="--device simulated",
-                         remedy="Add --pilot, or use `sandbox study simulate`")  # fmt: skip
-    if options.view == "window" and not has_display():
-        raise InputError("there is no display to open a window on",
-                         remedy="--view none runs trials without one")  # fmt: skip
-    if options.view == "none" and options.device == "mouse":
-        raise InputError("the mouse needs a window", where="--device mouse",
-                         remedy="Use --device tuio")  # fmt: skip
-    design = _load(options.file)
-    study = StudyFolder(options.out, design, PILOT if options.pilot else REAL,
-                        options.force_upgrade)  # fmt: skip
-    say = _sayer(console)
-    controls = Controls(say)
-    terminal = Terminal(controls)
-    person = _person(options, study, console)
-    with SessionFolder(study, person) as session:
-        done, of = session.state.done(session.steps)
-        if session.resumed and not options.resume and not session.state.complete:
-            say(f"{person.ppid} has done {done} of {of} trials. Go on with the next? yes / no")
-            if (terminal.ask() or "no").strip().lower() not in ("y", "yes"):
-                return 0
-        say(f"participant {person.ppid}" + (", a pilot" if options.pilot else "")
-            + "; h and Enter shows your keys")  # fmt: skip
-        player, make_device = _player(options, person)
-        forms = TerminalForms(terminal, lambda text: console.print(text, markup=False))
-        try:
-            outcome = SessionRunner(session, player, make_device, forms, controls, say,
-                                    options.device).run()  # fmt: skip
-        finally:
-            player.close()
-    say(f"{person.ppid}: {outcome}")
-    if outcome == "stopped":
-        say(f"to go on: sandbox study run {options.file} --participant {person.ppid}")
-    return 0
-
-
-def _person(options: RunOptions, study: StudyFolder, console: Console) -> Participant:
-    from sandbox.study.pseudonym import read_pseudonym
-    from sandbox.study.simulate import simulated_person
-
-    if options.participant and options.participant != "new":
-        return study.find(read_pseudonym(options.participant))
-    unfinished = _unfinished(study)
-    if not options.participant:
-        raise StudyError("who takes part is missing", where="--participant",
-                         expected=", ".join(("new", *unfinished)))  # fmt: skip
-    if unfinished:
-        console.print(f"[yellow]not finished yet: {', '.join(unfinished)}[/]")
-    design = study.design
-    if options.language and options.language not in design.languages:
-        raise StudyError("the design has no texts in this language", where="--language",
-                         got=options.language, expected=", ".join(design.languages))  # fmt: skip
-    if options.device == "simulated":
-        return study.add(**simulated_person(design, len(study.participants())))
-    from models.person import Person
-
-    checked = Person(options.hand, options.hand_size)
-    return study.add(hand=checked.hand, hand_size=checked.hand_size,
-                     language=options.language or design.languages[0])  # fmt: skip
-
-
-def _unfinished(study: StudyFolder) -> list[str]:
-    """Those who have begun and not come to the end."""
-    from sandbox.study.journal import read_journal
-    from sandbox.study.session_folder import session_path
-    from sandbox.study.state import SessionState
-
-    found = []
-    for person in study.participants():
-        path = session_path(study.path, person.ppid) / "journal.jsonl"
-        state = SessionState.of(read_journal(path)) if path.exists() else SessionState()
-        if not state.complete and not state.excluded_participant:
-            found.append(person.ppid)
-    return found
-
-
-def _player(options: RunOptions, person: Participant) -> tuple[Player, MakeDevice]:
-    from sandbox.study.players import HeadlessPlayer, WindowPlayer
-    from sandbox.study.run_device import person_device
-
-    simulated = options.device == "simulated"
-    paced = not simulated or options.view == "window"
-    player: Player = HeadlessPlayer(paced)
-    if options.view == "window":
-        player = WindowPlayer("simulated user" if simulated else "")
-    return player, person_device(options.device, person, options.bind, options.port)
-
-
-def _sayer(console: Console) -> Callable[[str], object]:
-    def say(text: str) -> None:
-        console.print(f"[dim]{escape(text)}[/]", highlight=False)
-        sys.stdout.flush()
-
-    return say
 
 
 ACTIONS: dict[str, tuple[Any, Callable[[Any, Console], int]]] = {
     "new": (NewOptions, _new),
     "check": (CheckOptions, _check),
     "plan": (PlanOptions, _plan),
-    "run": (RunOptions, _run),
+    "run": (RunOptions, run),
     "simulate": (SimulateOptions, _simulate),
 }
 """Action -> its options and what it does."""

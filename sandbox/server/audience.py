@@ -22,15 +22,19 @@ from sandbox.server.latency import LatencyLog
 from sandbox.server.protocol import (
     CREDIT,
     PROTOCOL,
+    Answer,
     Ask,
     Beat,
     Drawn,
     Echo,
     Got,
     Hello,
+    Leave,
     Resized,
     Scene,
     Screen,
+    Sheet,
+    StudyView,
     TaskName,
     Touches,
     Up,
@@ -57,15 +61,22 @@ class Audience:
         version: Of the program.
         counters: Of refusals.
         latency: Of touches.
+        study: Makes the page one of a study; None: it is played for its own sake.
 
     Attributes:
         joined: Set once a player has come.
         asked: What the player asks for; read by another thread.
+        filled: What the player does with a study's sheets; read by another thread.
         screen: The player's screen; None before one came.
     """
 
     def __init__(
-        self, tasks: Sequence[TaskName], version: str, counters: Counters, latency: LatencyLog
+        self,
+        tasks: Sequence[TaskName],
+        version: str,
+        counters: Counters,
+        latency: LatencyLog,
+        study: StudyView | None = None,
     ) -> None:
         self._tasks, self._version = list(tasks), version
         self._counters, self._latency = counters, latency
@@ -75,8 +86,11 @@ class Audience:
         self._device: WebDevice | None = None
         self._frame: bytearray | None = None
         self._skins: Sequence[bytes] = ()
+        self._study = study
+        self._sheet: Sheet | None = None
         self.joined = threading.Event()
         self.asked: queue.SimpleQueue[Ask] = queue.SimpleQueue()
+        self.filled: queue.SimpleQueue[Answer | Leave] = queue.SimpleQueue()
         self.screen: Screen | None = None
 
     def __len__(self) -> int:
@@ -97,6 +111,24 @@ class Audience:
         """A message for everybody."""
         for client in self._clients:
             if client.hello:
+                client.say(text)
+
+    @property
+    def silence(self) -> float:
+        """s since the player was last heard; infinite while there is none. From any thread."""
+        heard = [c.heard for c in tuple(self._clients) if c.player]
+        return time.monotonic() - max(heard) if heard else float("inf")
+
+    def lay(self, sheet: Sheet, tell: bool) -> None:
+        """The sheet that the player has before them; not told, it is for who comes back."""
+        self._sheet = sheet
+        if tell:
+            self.say_to_player(encode(sheet))
+
+    def say_to_player(self, text: bytes) -> None:
+        """A message for the player alone: nobody looks over their shoulder."""
+        for client in self._clients:
+            if client.player:
                 client.say(text)
 
     def show(self, frame: bytearray) -> None:
@@ -157,7 +189,11 @@ class Audience:
 
     def _welcome(self, client: Client) -> None:
         role = "player" if client.player else "spectator"
-        client.say(encode(Welcome(PROTOCOL, self._version, role, self._tasks, CREDIT)))  # type: ignore[arg-type]
+        client.say(
+            encode(Welcome(PROTOCOL, self._version, role, self._tasks, CREDIT, self._study))  # type: ignore[arg-type]
+        )
+        if client.player and self._sheet:
+            client.say(encode(self._sheet))
         if self._scene:
             client.say(encode(self._scene))
             client.dress(self._skins)
@@ -197,8 +233,10 @@ class Audience:
                     self._device.push(up, client.screen)
             case Drawn() if client.player:
                 self._latency.add("drawn", up.after_ms)
-            case Ask() if client.player:
+            case Ask() if client.player and not self._study:
                 self.asked.put(up)
+            case Answer() | Leave() if client.player and self._study:
+                self.filled.put(up)
             case Hello():
                 self._counters.add("second hello")
             case _:

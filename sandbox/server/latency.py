@@ -49,6 +49,11 @@ class LatencyLog:
             if len(values) > 2 * KEPT:
                 del values[:KEPT]
 
+    def reset(self) -> None:
+        """Forgets everything: another trial begins."""
+        with self._lock:
+            self._values.clear()
+
     def percentiles(self) -> dict[str, Percentiles]:
         """By kind."""
         with self._lock:

@@ -11,6 +11,7 @@ import threading
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from http import HTTPStatus
+from typing import TypeVar
 from urllib.parse import urlsplit
 
 from websockets.asyncio.server import ServerConnection, serve
@@ -26,9 +27,24 @@ from sandbox.server.counters import Counters
 from sandbox.server.describe import BodyPoses, state_of
 from sandbox.server.frames import pack
 from sandbox.server.latency import LatencyLog
-from sandbox.server.protocol import LARGEST_MESSAGE, Ask, Scene, Screen, TaskName, Trouble, encode
+from sandbox.server.protocol import (
+    LARGEST_MESSAGE,
+    Answer,
+    Ask,
+    Leave,
+    Refusal,
+    Scene,
+    Screen,
+    Sheet,
+    StudyView,
+    TaskName,
+    Trouble,
+    encode,
+)
 from sandbox.server.senses import HandSense
 from sandbox.server.static import StaticFiles, plain
+
+_T = TypeVar("_T")
 
 
 @dataclass(frozen=True)
@@ -52,6 +68,7 @@ class PageServer:
         tls: Certificate and key for https.
         files: The page.
         token: That of a server before this one, so that its pages find back; empty: a new one.
+        study: Makes the page one of a study, without menus; None: it is played for its own sake.
 
     Raises:
         DeviceError: The address or port cannot be had.
@@ -71,11 +88,12 @@ class PageServer:
         tls: ssl.SSLContext | None = None,
         files: StaticFiles | None = None,
         token: str = "",
+        study: StudyView | None = None,
     ) -> None:
         self.counters, self.latency = Counters(), LatencyLog()
         self._tls, self._token = tls, token
         self._files = files or StaticFiles()
-        self._audience = Audience(tasks, version, self.counters, self.latency)
+        self._audience = Audience(tasks, version, self.counters, self.latency, study)
         self._shown: _Shown | None = None
         self._scenes = 0
         self._moment: tuple[_Shown, int, Snapshot, bool, Sequence[HandSense]] | None = None
@@ -117,13 +135,31 @@ class PageServer:
         """Whether a player has joined, after at most so many seconds."""
         return self._audience.joined.wait(timeout)
 
+    @property
+    def silence(self) -> float:
+        """s since the player was last heard; infinite while nobody plays."""
+        return self._audience.silence
+
     def asked(self) -> list[Ask]:
         """What the player has asked for since the last call."""
-        wishes = []
-        with contextlib.suppress(queue.Empty):
-            while True:
-                wishes.append(self._audience.asked.get_nowait())
-        return wishes
+        return _all_of(self._audience.asked)
+
+    def filled(self) -> list[Answer | Leave]:
+        """What the player has done with a study's sheets since the last call; not checked."""
+        return _all_of(self._audience.filled)
+
+    def lay(self, sheet: Sheet, tell: bool = True) -> None:
+        """What the player has before them, and gets again after coming back.
+
+        Args:
+            sheet: Of a study.
+            tell: False: the player's own page shows it already.
+        """
+        self._loop.call_soon_threadsafe(self._audience.lay, sheet, tell)
+
+    def refuse(self, refusal: Refusal) -> None:
+        """Tells the player that an answer is none."""
+        self._loop.call_soon_threadsafe(self._audience.say_to_player, encode(refusal))
 
     def next_scene(self) -> int:
         """The number of the scene that is shown next."""
@@ -249,6 +285,15 @@ class PageServer:
         shown, touch, snapshot, paused, felt = self._moment
         poses, state = shown.poses(snapshot.qpos), state_of(snapshot, paused, felt)
         self._audience.show(pack(shown.message.scene, touch, snapshot.time, poses, state))
+
+
+def _all_of(waiting: queue.SimpleQueue[_T]) -> list[_T]:
+    """What waits in a queue now."""
+    found = []
+    with contextlib.suppress(queue.Empty):
+        while True:
+            found.append(waiting.get_nowait())
+    return found
 
 
 def _silent_logger() -> logging.Logger:

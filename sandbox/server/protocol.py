@@ -14,7 +14,7 @@ from msgspec import Meta, Struct
 
 from models.errors import InputError
 
-PROTOCOL = 1
+PROTOCOL = 2
 """Version of all messages; both sides say it first, and part if it differs."""
 
 LARGEST_MESSAGE = 8192
@@ -29,6 +29,10 @@ Milliseconds = Annotated[float, Meta(ge=0, le=1e15)]
 Count = Annotated[int, Meta(ge=0, le=2**53)]
 Id = Annotated[int, Meta(ge=-(2**31), lt=2**53)]
 Word = Annotated[str, Meta(max_length=64)]
+LONGEST_ANSWER = 2000
+"""Characters of an answer in words."""
+Given = Annotated[str, Meta(max_length=LONGEST_ANSWER)] | Annotated[float, Meta(ge=-1e9, le=1e9)]
+"""An answer, before anybody has looked whether it is one."""
 
 
 class Screen(Struct, forbid_unknown_fields=True, frozen=True):
@@ -100,7 +104,22 @@ class Ask(Struct, tag="ask", forbid_unknown_fields=True, frozen=True):
     value: Word = ""
 
 
-Up = Hello | Resized | Touches | Got | Drawn | Beat | Ask
+class Answer(Struct, tag="answer", forbid_unknown_fields=True, frozen=True):
+    """What somebody has filled in for an item of a study's sheet; null takes it back."""
+
+    sheet: Count
+    item: Word
+    value: Given | None
+
+
+class Leave(Struct, tag="leave", forbid_unknown_fields=True, frozen=True):
+    """Somebody is through with a study's sheet, or says yes or no to it."""
+
+    sheet: Count
+    how: Literal["done", "yes", "no"]
+
+
+Up = Hello | Resized | Touches | Got | Drawn | Beat | Ask | Answer | Leave
 
 
 class TaskName(Struct, frozen=True):
@@ -111,14 +130,25 @@ class TaskName(Struct, frozen=True):
     lift: bool
 
 
+class StudyView(Struct, frozen=True):
+    """A page in a study: its words by what they are for, in the participant's language, and which
+    of task, goal, time, progress and sound a trial shows."""
+
+    language: str
+    words: dict[str, str]
+    shows: list[str]
+
+
 class Welcome(Struct, tag="welcome", frozen=True):
-    """The server's first message: what the page is (a player or a spectator), and what there is."""
+    """The server's first message: what the page is (a player or a spectator), and what there is.
+    In a study there are no menus."""
 
     protocol: int
     version: str
     role: Literal["player", "spectator"]
     tasks: list[TaskName]
     credit: int
+    study: StudyView | None = None
 
 
 class Geom(Struct, frozen=True):
@@ -169,13 +199,58 @@ class Trouble(Struct, tag="trouble", frozen=True):
     text: str
 
 
+class Choice(Struct, frozen=True):
+    """One of several answers: as it is kept, and as it is read."""
+
+    value: str
+    label: str
+
+
+class ItemView(Struct, frozen=True):
+    """A question in the participant's language; `low_means` and `high_means` are a scale's ends."""
+
+    name: str
+    kind: Literal["choice", "scale", "number", "text"]
+    ask: str
+    optional: bool
+    choices: list[Choice]
+    low: float
+    high: float
+    step: float
+    low_means: str
+    high_means: str
+
+
+class Sheet(Struct, tag="sheet", frozen=True):
+    """What a study's participant has before them instead of the scene; `none` shows the scene.
+
+    `answers` is what was filled in before, by item. A `rest` can be left after `seconds`.
+    """
+
+    sheet: int
+    kind: Literal["consent", "text", "form", "rest", "wait", "end", "none"]
+    title: str
+    text: str
+    items: list[ItemView]
+    answers: dict[str, str | float | None]
+    seconds: float
+
+
+class Refusal(Struct, tag="refusal", frozen=True):
+    """An answer that is none, and why; without an item, the whole sheet."""
+
+    sheet: int
+    item: str
+    text: str
+
+
 class Echo(Struct, tag="echo", frozen=True):
     """Answers a beat with its time."""
 
     t: float
 
 
-Down = Welcome | Scene | Trouble | Echo
+Down = Welcome | Scene | Trouble | Sheet | Refusal | Echo
 
 
 class ContactState(Struct, frozen=True):

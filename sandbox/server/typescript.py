@@ -71,6 +71,8 @@ def _type(kind: Any) -> str:
             return f"({_type(kind.item_type)})[]"
         case inspect.TupleType():
             return "[" + ", ".join(_type(t) for t in kind.item_types) + "]"
+        case inspect.DictType():
+            return f"Record<{_type(kind.key_type)}, {_type(kind.value_type)}>"
         case inspect.StructType():
             return str(kind.cls.__name__)
     raise TypeError(f"the page's types do not know {kind}")

@@ -11,6 +11,7 @@ from queue import Empty, SimpleQueue
 from typing import TextIO
 
 COMMANDS = {
+    "i": "where the session is",
     "p": "pause, or go on",
     "r": "repeat this trial, or the last one when none runs: r WHY",
     "s": "skip this trial or step: s WHY",

@@ -1,6 +1,7 @@
 """What a participant reads and answers: an interface, and two that are behind it.
 
-`Forms` is what a page or a window implements; here are the terminal, and a simulated participant.
+The page implements it, too (`sandbox.study.page_forms`); here are the terminal, and a simulated
+participant.
 """
 
 from __future__ import annotations
@@ -12,10 +13,10 @@ from typing import Any, Protocol
 import numpy as np
 
 from models.errors import StudyError
+from sandbox.study.answers import Answers, Draft, hint, read_answer
 from sandbox.study.controls import Terminal
 from sandbox.study.design import Form, Item
 
-Answers = dict[str, Any]
 Ready = Callable[[], None]
 """Called again and again while the participant thinks, so that the experimenter is heard; what it
 raises ends the form."""
@@ -32,8 +33,12 @@ class Forms(Protocol):
         """Shows a text until it is read."""
         ...
 
-    def ask(self, form: Form, language: str, ready: Ready) -> Answers:
-        """Answers by item; None where an optional one is left out."""
+    def ask(self, form: Form, language: str, ready: Ready, draft: Draft) -> Answers:
+        """Answers by item; None where an optional one is left out.
+
+        What was filled in before, in a form that was left or broken off, is in the draft; what is
+        filled in now is to be kept in it at once.
+        """
         ...
 
     def rest(self, least: float, ready: Ready) -> None:
@@ -60,11 +65,14 @@ class TerminalForms:
         self._show(f"{text}\n[Enter]")
         self._line(ready)
 
-    def ask(self, form: Form, language: str, ready: Ready) -> Answers:
+    def ask(self, form: Form, language: str, ready: Ready, draft: Draft) -> Answers:
         with self._terminal.form():
             if form.title.get(language):
                 self._show(form.title[language])
-            return {item.name: self._item(item, language, ready) for item in form.items}
+            for item in form.items:
+                if item.name not in draft.answers:
+                    draft.keep(item.name, self._item(item, language, ready))
+            return {item.name: draft.answers[item.name] for item in form.items}
 
     def rest(self, least: float, ready: Ready) -> None:
         until = time.monotonic() + least
@@ -81,11 +89,11 @@ class TerminalForms:
             f"{value:g} ({end[language]})"
             for value, end in zip((item.low, item.high), item.ends, strict=True)
         )  # fmt: skip
-        self._show(f"{item.ask[language]} {ends or hint(item)}")
+        self._show(f"{item.ask[language]} {ends or hint(item, language)}")
         while True:
             text = self._line(ready)
             try:
-                return read_answer(item, text)
+                return read_answer(item, text, language)
             except StudyError as error:
                 self._show(str(error))
 
@@ -102,46 +110,6 @@ class TerminalForms:
             raise StudyError("nobody can answer", where="the terminal",
                              remedy="Use a terminal; the study resumes at this step")  # fmt: skip
         return text
-
-
-def hint(item: Item) -> str:
-    """What may be answered."""
-    if item.kind == "choice":
-        return "(" + " / ".join(item.choices) + ")"
-    if item.kind in ("scale", "number"):
-        return f"({item.low:g} to {item.high:g})"
-    return ""
-
-
-def read_answer(item: Item, text: str) -> Any:
-    """An answer as it is kept.
-
-    Raises:
-        StudyError: It is none that this item has.
-    """
-    text = text.strip()
-    if not text:
-        if item.optional:
-            return None
-        raise StudyError("an answer is needed", where=item.name, expected=hint(item) or None)
-    if item.kind == "choice":
-        found = [c for c in item.choices if c.lower() == text.lower()]
-        if not found:
-            raise StudyError("this is none of the choices", where=item.name, got=text,
-                             expected=", ".join(item.choices))  # fmt: skip
-        return found[0]
-    if item.kind == "text":
-        return text
-    try:
-        value = float(text)
-    except ValueError:
-        value = float("nan")
-    steps = (value - item.low) / item.step
-    on_step = item.kind == "number" or abs(steps - round(steps)) < 1e-9 * max(1.0, abs(steps))
-    if not (item.low <= value <= item.high and on_step):
-        raise StudyError("this is no such number", where=item.name, got=text,
-                         expected=f"{item.low:g} to {item.high:g} by {item.step:g}")  # fmt: skip
-    return int(value) if value == int(value) else value
 
 
 class SimulatedForms:
@@ -161,7 +129,7 @@ class SimulatedForms:
     def instruct(self, text: str, ready: Ready) -> None:
         ready()
 
-    def ask(self, form: Form, language: str, ready: Ready) -> Answers:
+    def ask(self, form: Form, language: str, ready: Ready, draft: Draft) -> Answers:
         ready()
         # Equal after a kill: an answer follows from who is asked what, not from when.
         return {item.name: self._answer(form.name, item) for item in form.items}

@@ -91,7 +91,7 @@ class HeadlessPlayer:
 
     def play(self, ask: Ask) -> Played:
         keeping = Keeping(trial_header(ask.settings, ask.about), ask.record)
-        trial = _Trial(ask)
+        trial = Trial(ask)
         try:
             session = build(ask.settings, ask.make_device, keeping.recorder)
             try:
@@ -136,7 +136,7 @@ class WindowPlayer:
         from sandbox.views.window import Window
 
         keeping = Keeping(trial_header(ask.settings, ask.about), ask.record)
-        trial = _Trial(ask)
+        trial = Trial(ask)
         try:
             session = build(ask.settings, ask.make_device, keeping.recorder)
             self.close()
@@ -186,7 +186,7 @@ def no_search_for_garbage() -> Iterator[None]:
             gc.enable()
 
 
-class _Trial:
+class Trial:
     """What all players do at every step, and at the end."""
 
     def __init__(self, ask: Ask) -> None:
@@ -209,11 +209,14 @@ class _Trial:
         if session.time >= self._ask.time_limit - 1e-9:
             session.scorer.abort(Status.TIMEOUT, "the study's time limit")
 
-    def end(self, session: Session, keeping: Keeping, lost: float) -> Played:
-        """Ends the recording."""
+    def end(
+        self, session: Session, keeping: Keeping, lost: float, more: dict[str, Any] | None = None
+    ) -> Played:
+        """Ends the recording; `more` goes to the measures."""
         found: dict[str, Any] = {
-            "measures": {"first_contact_s": self.table.first_contact, "lost_s": round(lost, 6)}
-        }
+            "measures": {"first_contact_s": self.table.first_contact, "lost_s": round(lost, 6),
+                         **(more or {})}
+        }  # fmt: skip
         latency = getattr(session.rigs[0].device, "latency", None)
         if latency is not None:
             told = latency.as_json()

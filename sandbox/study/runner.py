@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import StrEnum
+from typing import Any
 
 from models.errors import InputError, StudyError
 from sandbox.assembly import DeviceMaker
 from sandbox.settings import RunSettings
+from sandbox.study.answers import Draft
 from sandbox.study.conditions import run_settings
 from sandbox.study.controls import Command, Controls
-from sandbox.study.forms import Forms
+from sandbox.study.forms import Forms, Ready
 from sandbox.study.frames import missing, rebuild
 from sandbox.study.plan import (
     BreakStep,
@@ -28,6 +30,8 @@ from sandbox.study.tables import rebuild_session, rebuild_study
 
 MakeDevice = Callable[[TrialStep, RunSettings], DeviceMaker]
 """How the device of a trial is opened."""
+Fit = Callable[[TrialStep, RunSettings, Ready], RunSettings]
+"""How a trial's settings are fitted to what the participant touches; may wait for it."""
 
 
 class Outcome(StrEnum):
@@ -54,6 +58,7 @@ class SessionRunner:
         controls: Of the experimenter.
         say: Tells the experimenter something.
         device: Name of the device, for recordings.
+        fit: See `Fit`.
     """
 
     session: SessionFolder
@@ -63,6 +68,7 @@ class SessionRunner:
     controls: Controls
     say: Callable[[str], object]
     device: str = "simulated"
+    fit: Fit = lambda trial, settings, ready: settings
 
     def __post_init__(self) -> None:
         self._left = self._why = ""
@@ -114,7 +120,13 @@ class SessionRunner:
                     session.write("step_done", step=step.id)
                 case FormStep():
                     began = time.monotonic()
-                    answers = self.forms.ask(step.form, language, self._ready)
+                    self.say(f"{session.person.ppid}  form {step.form.name}")
+                    draft = Draft(
+                        dict(session.state.drafts.get(step.id, {})),
+                        lambda item, answer: session.write("draft", step=step.id, item=item,
+                                                           answer=answer),
+                    )  # fmt: skip
+                    answers = self.forms.ask(step.form, language, self._ready, draft)
                     session.write("answers", durable=True, step=step.id, form=step.form.name,
                                   block=step.block, levels=step.levels, answers=answers,
                                   seconds=round(time.monotonic() - began, 3))  # fmt: skip
@@ -127,9 +139,11 @@ class SessionRunner:
     def _trial(self, trial: TrialStep) -> None:
         session, person = self.session, self.session.person
         settings = run_settings(trial.values, trial.seed, person.hand, person.hand_size)
-        if self.device == "tuio" and "surface" not in trial.values:
-            # TUIO tells no sizes: inches are a guess, and the recording says so.
-            settings = replace(settings, surface_calibrated=False)
+        try:
+            settings = self.fit(trial, settings, self._ready)
+        except _StepOver:
+            self.say("left")
+            return
         done, of = session.state.done(session.steps)
         levels = ", ".join(trial.levels.values())
         kind = "  practice" if trial.practice else ""
@@ -165,6 +179,7 @@ class SessionRunner:
             return
         session.finish(trial, played.result)
         self._last = trial
+        self.say(f"  {_told(played.result)}")
         file = session.state.attempts[trial.number][-1].start["file"]
         stem = file.removeprefix("trials/").removesuffix(".jsonl")
         try:
@@ -229,6 +244,8 @@ class SessionRunner:
                 self.controls.paused = not self.controls.paused
                 session.write("pause" if self.controls.paused else "go_on")
                 self.say("paused; p goes on" if self.controls.paused else "going on")
+            case "i":
+                self.say(self._where())
             case "n":
                 session.write("note", text=words, trial=trial.number if trial else None)
                 self.say("noted")
@@ -251,6 +268,22 @@ class SessionRunner:
             case _:
                 self.say("there was no trial yet")
 
+    def _where(self) -> str:
+        """Where the session is."""
+        done, of = self.session.state.done(self.session.steps)
+        left = [s for s in self.session.steps if s.id not in self.session.state.finished]
+        now = self._step.id if self._step else "the beginning"
+        pause = ", paused" if self.controls.paused else ""
+        return f"{self.session.person.ppid}: {done} of {of} trials, at {now}{pause}; {len(left)} " \
+               "steps left, this one included"  # fmt: skip
+
     def _under_way(self, trial: TrialStep) -> bool:
         attempt = self.session.state.attempts[trial.number][-1]
         return attempt.end is None and self.session.journal.records[-1]["kind"] != "trial_broken"
+
+
+def _told(result: dict[str, Any]) -> str:
+    """A trial's end, for the experimenter."""
+    away = result.get("measures", {}).get("away_s")
+    gone = f"; the page was gone for {away:.1f} s" if away else ""
+    return f"{result['status']}, {result['time_s']:.1f} s{gone}"

@@ -38,6 +38,7 @@ class SessionState:
         excluded: Reason by trial number.
         excluded_participant: Reason; empty while the participant counts.
         answers: Records of forms, in order; the last one of a step counts.
+        drafts: By step, what was filled in of a form so far.
         consent: Whether the participant agreed; None while not asked.
         complete: The session came to its planned end.
     """
@@ -49,6 +50,7 @@ class SessionState:
     excluded: dict[int, str] = field(default_factory=dict)
     excluded_participant: str = ""
     answers: dict[str, Record] = field(default_factory=dict)
+    drafts: dict[str, dict[str, Any]] = field(default_factory=dict)
     consent: bool | None = None
     complete: bool = False
 
@@ -77,6 +79,8 @@ class SessionState:
                 self.finished.add(record["step"])
             case "exclude":
                 self._exclude(record)
+            case "draft":
+                self.drafts.setdefault(record["step"], {})[record["item"]] = record["answer"]
             case "answers":
                 self.answers[record["step"]] = record
                 self.finished.add(record["step"])

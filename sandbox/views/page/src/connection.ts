@@ -2,7 +2,7 @@
 
 import { clientName, reload, socketAddress, spectator } from "./link";
 import { type Frame, parseFrame } from "./frame";
-import { type Down, PROTOCOL, type Scene, type Up, type Welcome } from "./protocol";
+import { type Down, PROTOCOL, type Refusal, type Scene, type Sheet, type Up, type Welcome } from "./protocol";
 import { currentScreen } from "./screen";
 import { type Skin, parseSkin } from "./skin";
 
@@ -31,6 +31,8 @@ export interface Listener {
   onScene(scene: Scene): void;
   onSkin(skin: Skin): void;
   onTrouble(text: string): void;
+  onSheet(sheet: Sheet): void;
+  onRefusal(refusal: Refusal): void;
   onFrame(frame: Frame): void;
   onRoundTrip(ms: number): void;
 }
@@ -119,6 +121,12 @@ export class Connection {
         break;
       case "trouble":
         this.listener.onTrouble(message.text);
+        break;
+      case "sheet":
+        this.listener.onSheet(message);
+        break;
+      case "refusal":
+        this.listener.onRefusal(message);
         break;
       case "echo":
         this.roundTrip = Math.max(performance.now() - message.t, 0);

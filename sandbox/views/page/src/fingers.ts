@@ -47,7 +47,10 @@ export class Fingers {
       if (document.visibilityState !== "visible") this.cancelAll();
     });
     for (const gesture of ["gesturestart", "gesturechange", "contextmenu", "selectstart", "dragstart"])
-      document.addEventListener(gesture, (e) => e.preventDefault());
+      document.addEventListener(gesture, (e) => {
+        // In a study's form there are fields to be written in.
+        if (!(e.target instanceof Element && e.target.closest("input, textarea"))) e.preventDefault();
+      });
   }
 
   get all(): Finger[] {

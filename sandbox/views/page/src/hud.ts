@@ -2,7 +2,7 @@
 
 import type { Condition } from "./connection";
 import { make, show, write } from "./dom";
-import type { Scene, State } from "./protocol";
+import type { Scene, State, StudyView } from "./protocol";
 
 const TOAST_MS = 2600;
 
@@ -37,6 +37,7 @@ export class Hud {
   private readonly sound: HTMLButtonElement;
   private readonly buttons: HTMLElement;
   private timer = 0;
+  private study: StudyView | null = null;
 
   constructor(wishes: Wishes) {
     const button = (text: string, onTap: () => void): HTMLButtonElement =>
@@ -89,8 +90,14 @@ export class Hud {
     this.root.classList.toggle("looking", !player);
   }
 
+  /** In a study there is what its design wants seen, in the participant's language. */
+  setStudy(view: StudyView): void {
+    this.study = view;
+    this.root.classList.add(...view.shows.map((what) => `shows-${what}`));
+  }
+
   setScene(scene: Scene): void {
-    write(this.task, title(scene.task));
+    write(this.task, this.study ? scene.task : title(scene.task));
     write(this.goal, scene.goal);
     write(this.hand, scene.hand === "right" ? "Right hand" : "Left hand");
     write(this.caption, scene.caption);
@@ -111,6 +118,10 @@ export class Hud {
     else if (state.paused) words = "Paused";
     else if (state.held) words = "Done: it stayed there";
     else if (state.reached) words = "There! Let it stay";
+    if (this.study) {
+      this.tellInStudy(state, this.study.words);
+      return;
+    }
     write(this.reason, words);
     if (state.notice) this.say(state.notice);
     if (over && player) {
@@ -125,6 +136,15 @@ export class Hud {
       this.end.classList.toggle("success", state.held);
     }
     show(this.end, over && player);
+  }
+
+  /** No score, no debugging: only what somebody has to know to go on. */
+  private tellInStudy(state: State, words: Record<string, string>): void {
+    const over = state.status !== "running";
+    const end = state.held ? "success" : state.status === "timeout" ? "time_up" : "over";
+    const now = state.paused ? "first_touch" : state.reached ? "let_stay" : "";
+    write(this.reason, words[over || state.held ? end : now] ?? "");
+    this.reason.classList.toggle("told", over || state.held);
   }
 
   setConnection(condition: Condition, words: string): void {

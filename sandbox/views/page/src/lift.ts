@@ -8,12 +8,13 @@ const KEY_STEP = 0.05;
 
 export class Lift {
   readonly root: HTMLElement;
+  private readonly word = make("span", "", { text: "lift" });
   private readonly knob = make("div", "lift-knob");
   private pointer: number | null = null;
   value = 0;
 
   constructor(private readonly tell: (value: number) => void) {
-    this.root = make("div", "lift", { label: "Lift" }, make("span", "", { text: "lift" }), this.knob);
+    this.root = make("div", "lift", { label: "Lift" }, this.word, this.knob);
     this.root.hidden = true;
     this.root.addEventListener("pointerdown", (e) => {
       this.pointer ??= e.pointerId;
@@ -40,6 +41,11 @@ export class Lift {
     this.root.classList.toggle("at-right", hand === "left");
     this.pointer = null;
     this.put(0);
+  }
+
+  /** What the control is called. */
+  call(word: string): void {
+    this.word.textContent = word;
   }
 
   private drag(event: PointerEvent): void {

@@ -13,12 +13,13 @@ import { Lift } from "./lift";
 import { reload } from "./link";
 import { measureScreen } from "./measure";
 import { taskMenu } from "./menu";
-import type { Ask, Scene, TaskName } from "./protocol";
+import type { Ask, Scene, StudyView, TaskName } from "./protocol";
 import { type Ring, Rings } from "./rings";
 import { calibrated, currentScreen, pxPerInch } from "./screen";
 import { Sender } from "./sender";
 import { Sheets } from "./sheet";
 import { Sound } from "./sound";
+import { Study } from "./study";
 import { Stage } from "./stage";
 
 /** ms between two reports of how long a touch took to be drawn. */
@@ -37,12 +38,14 @@ class Page {
   private readonly hint = new Hint();
   private readonly lift: Lift;
   private readonly doubt = new Doubt();
+  private readonly study = new Study((up) => this.connection.say(up));
   private readonly again = make("div", "lift-again", { text: "Lift your fingers and touch again" });
   private readonly trouble = make("div", "trouble");
   private readonly curtain = make("div", "curtain", { text: "The screen is elsewhere now" });
 
   private glass: Fingers | null = null;
   private player = false;
+  private inStudy: StudyView | null = null;
   private tasks: TaskName[] = [];
   private scene: Scene | null = null;
   private frame: Frame | null = null;
@@ -77,6 +80,7 @@ class Page {
       this.hint.root,
       this.again,
       this.trouble,
+      this.study.root,
       this.curtain,
     );
     this.sheets = new Sheets(document.body, (open) => this.ask(open ? "pause" : "resume"));
@@ -86,11 +90,14 @@ class Page {
       onCondition: (condition, words) => {
         this.hud.setConnection(condition, words);
         if (condition !== "open") this.glass?.cancelAll();
-        this.curtain.textContent = words;
-        show(this.curtain, condition === "ended" || condition === "lost");
+        const told = this.inStudy?.words[condition === "ended" ? "ended" : "lost"];
+        this.curtain.textContent = told ?? words;
+        const shut = condition === "ended" || condition === "lost";
+        show(this.curtain, (shut || (!!told && condition !== "open")) && !this.study.over);
       },
       onWelcome: (welcome) => {
         this.tasks = welcome.tasks;
+        if (welcome.study) this.enterStudy(welcome.study);
         this.player = welcome.role === "player";
         this.sender.active = this.player;
         this.hud.setPlayer(this.player);
@@ -102,6 +109,8 @@ class Page {
         this.stage.dress(skin);
         this.dirty = true;
       },
+      onSheet: (sheet) => this.study.lay(sheet),
+      onRefusal: (refusal) => this.study.refuse(refusal),
       onTrouble: (text) => {
         this.trouble.textContent = `${text}\nChoose another task, or play on a larger screen.`;
         show(this.trouble, true);
@@ -117,9 +126,22 @@ class Page {
     requestAnimationFrame((now) => this.draw(now));
   }
 
+  /** Nothing but the task, and no wishes: the experimenter has those. */
+  private enterStudy(view: StudyView): void {
+    if (this.inStudy) return;
+    this.inStudy = view;
+    this.study.enter(view);
+    this.hud.setStudy(view);
+    this.lift.call(view.words["lift"] ?? "");
+    this.again.textContent = view.words["lift_again"] ?? "";
+    this.sound.muted = !view.shows.includes("sound");
+  }
+
   // -- what the computer says -------------------------------------------------------------------
 
   private open(scene: Scene): void {
+    // Fingers that are still there from the trial before have touched that one.
+    if (this.inStudy && scene.scene !== this.scene?.scene) this.glass?.cancelAll();
     this.scene = scene;
     this.frame = null;
     this.pressed.clear();
@@ -131,7 +153,7 @@ class Page {
     this.layOut();
     this.lift.open(this.player && scene.lift > 0, scene.hand);
     this.sender.setLift(this.player && scene.lift > 0 ? 0 : null);
-    if (this.player && !scene.caption) this.hint.open(scene.goal);
+    if (this.player && !scene.caption && !this.inStudy) this.hint.open(scene.goal);
   }
 
   private take(frame: Frame): void {
@@ -163,7 +185,7 @@ class Page {
   }
 
   private ask(what: Ask["what"], value = ""): void {
-    if (this.player) this.connection.say({ type: "ask", what, value });
+    if (this.player && !this.inStudy) this.connection.say({ type: "ask", what, value });
   }
 
   private key(event: KeyboardEvent): void {
@@ -172,7 +194,7 @@ class Page {
     if (event.key === "F5" || (event.ctrlKey && event.key === "r")) {
       event.preventDefault();
       reload();
-    } else if (event.ctrlKey) return;
+    } else if (event.ctrlKey || this.inStudy) return;
     else if (event.key === "r") this.ask("retry");
     else if (event.key === "m") this.hud.setSound(this.sound.toggle());
     else if (event.key === "Escape") this.sheets.close();

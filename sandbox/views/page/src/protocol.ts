@@ -1,6 +1,6 @@
 // Written by `python -m sandbox.server.typescript` from sandbox/server/protocol.py.
 
-export const PROTOCOL = 1;
+export const PROTOCOL = 2;
 export const FRAME_KIND = 1;
 export const POSE_BYTES = 28;
 export const SKIN_KIND = 2;
@@ -65,6 +65,21 @@ export interface Ask {
   value?: string;
 }
 
+/** What somebody has filled in for an item of a study's sheet; null takes it back. */
+export interface Answer {
+  type: "answer";
+  sheet: number;
+  item: string;
+  value: string | number | null;
+}
+
+/** Somebody is through with a study's sheet, or says yes or no to it. */
+export interface Leave {
+  type: "leave";
+  sheet: number;
+  how: "done" | "no" | "yes";
+}
+
 /** A task that can be chosen: its name, one line about it, whether it needs a lift control. */
 export interface TaskName {
   name: string;
@@ -72,7 +87,14 @@ export interface TaskName {
   lift: boolean;
 }
 
-/** The server's first message: what the page is (a player or a spectator), and what there is. */
+/** A page in a study: its words by what they are for, in the participant's language, and which of task, goal, time, progress and sound a trial shows. */
+export interface StudyView {
+  language: string;
+  words: Record<string, string>;
+  shows: (string)[];
+}
+
+/** The server's first message: what the page is (a player or a spectator), and what there is. In a study there are no menus. */
 export interface Welcome {
   type: "welcome";
   protocol: number;
@@ -80,6 +102,7 @@ export interface Welcome {
   role: "player" | "spectator";
   tasks: (TaskName)[];
   credit: number;
+  study?: StudyView | null;
 }
 
 /** A shape on a body: MuJoCo's type and sizes, place (m) and turn (w, x, y, z) on the body. */
@@ -121,6 +144,46 @@ export interface Scene {
 /** Something that the person has to know before there is a scene, and what to do about it. */
 export interface Trouble {
   type: "trouble";
+  text: string;
+}
+
+/** One of several answers: as it is kept, and as it is read. */
+export interface Choice {
+  value: string;
+  label: string;
+}
+
+/** A question in the participant's language; `low_means` and `high_means` are a scale's ends. */
+export interface ItemView {
+  name: string;
+  kind: "choice" | "number" | "scale" | "text";
+  ask: string;
+  optional: boolean;
+  choices: (Choice)[];
+  low: number;
+  high: number;
+  step: number;
+  low_means: string;
+  high_means: string;
+}
+
+/** What a study's participant has before them instead of the scene; `none` shows the scene. `answers` is what was filled in before, by item. A `rest` can be left after `seconds`. */
+export interface Sheet {
+  type: "sheet";
+  sheet: number;
+  kind: "consent" | "end" | "form" | "none" | "rest" | "text" | "wait";
+  title: string;
+  text: string;
+  items: (ItemView)[];
+  answers: Record<string, string | number | null>;
+  seconds: number;
+}
+
+/** An answer that is none, and why; without an item, the whole sheet. */
+export interface Refusal {
+  type: "refusal";
+  sheet: number;
+  item: string;
   text: string;
 }
 
@@ -168,6 +231,6 @@ export interface State {
   paused: boolean;
 }
 
-export type Up = Hello | Resized | Touches | Got | Drawn | Beat | Ask;
+export type Up = Hello | Resized | Touches | Got | Drawn | Beat | Ask | Answer | Leave;
 
-export type Down = Welcome | Scene | Trouble | Echo;
+export type Down = Welcome | Scene | Trouble | Sheet | Refusal | Echo;

@@ -1,0 +1,306 @@
+"""`sandbox study run`: one participant's session, on their page, in a window or in the terminal."""
+
+from __future__ import annotations
+
+import sys
+import time
+import webbrowser
+from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import tyro
+from rich.console import Console
+from rich.markup import escape
+
+from models.errors import InputError, StudyError
+
+if TYPE_CHECKING:
+    from sandbox.study.controls import Controls, Terminal
+    from sandbox.study.folder import Participant, StudyFolder
+    from sandbox.study.forms import Forms
+    from sandbox.study.players import Player
+    from sandbox.study.session_folder import SessionFolder
+    from sandbox.study.study_page import StudyPage
+
+FAREWELL = 1.0
+"""s in which the page gets its last words before the program ends."""
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """Runs a participant's session: consent, instructions, practice, trials, breaks and forms.
+
+    `sandbox study run design.toml --participant new --tablet` prints a code: photograph it with the
+    participant's tablet; all of the session is on its page. `--device web` is the same in a browser
+    of this machine. Otherwise trials are in a window, and forms on a page beside it.
+
+    The terminal is the experimenter's: h and Enter shows the keys. Where forms are in the terminal,
+    too, a key begins with a slash while one is open.
+    """
+
+    file: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="DESIGN")]
+    """The design."""
+
+    participant: Annotated[str, tyro.conf.arg(metavar="new|ID")] = ""
+    """new, or the id of somebody who has begun; without it, those are listed."""
+
+    out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path("studies")
+    """Where studies are kept."""
+
+    pilot: tyro.conf.FlagCreatePairsOff[bool] = False
+    """A rehearsal: its data go to a folder of their own and never mix with real ones."""
+
+    device: Annotated[str, tyro.conf.arg(metavar="{web,mouse,tuio,evdev,simulated}")] = "mouse"
+    """Where touches come from. web: the page, which --tablet implies. evdev, evdev:NODE: a touch
+    screen of this machine. simulated: in a pilot only."""
+
+    view: Literal["window", "none"] = "window"
+    """none: trials without a window, as where another program shows them. With --device web they
+    are on the page."""
+
+    forms: Literal["auto", "page", "terminal"] = "auto"
+    """Where consent, instructions, questions and breaks are. auto: on the page, save with
+    --device simulated."""
+
+    tablet: tyro.conf.FlagCreatePairsOff[bool] = False
+    """The page on a tablet in the same network."""
+
+    lan: Annotated[str | None, tyro.conf.arg(metavar="ADDRESS")] = None
+    """Serves the page on this address instead."""
+
+    page_port: int = 0
+    """TCP port of the page; 0 takes a free one. On a port of your choice the link stays the same,
+    and a tablet finds back by itself when the program is started anew."""
+
+    tls_cert: Annotated[str | None, tyro.conf.arg(metavar="FILE")] = None
+    """Certificate for https, with --tls-key."""
+
+    tls_key: Annotated[str | None, tyro.conf.arg(metavar="FILE")] = None
+    """Key of the certificate."""
+
+    no_browser: tyro.conf.FlagCreatePairsOff[bool] = False
+    """Opens no browser for forms beside a window; the link is printed either way."""
+
+    hand: Literal["right", "left"] = "right"
+    """Which hand a new participant uses."""
+
+    hand_size: float = 1.0
+    """Length of a new participant's hand against the trained one; `sandbox calibrate` measures."""
+
+    language: str = ""
+    """Of a new participant; the design's first unless told otherwise."""
+
+    resume: tyro.conf.FlagCreatePairsOff[bool] = False
+    """Goes on with an interrupted session without asking."""
+
+    force_upgrade: Annotated[str, tyro.conf.arg(metavar="REASON")] = ""
+    """Goes on although program, encoder or design have changed; it is logged."""
+
+    port: int = 3333
+    """UDP port for TUIO."""
+
+    bind: Annotated[str, tyro.conf.arg(metavar="ADDRESS")] = "127.0.0.1"
+    """Address for TUIO; 0.0.0.0 is reached from the network."""
+
+    @property
+    def touches(self) -> str:
+        """The device: a page in the network is one."""
+        return "web" if self.tablet or self.lan is not None else self.device
+
+    @property
+    def has_page(self) -> bool:
+        """Whether the participant gets a page."""
+        auto = self.forms == "auto" and self.device != "simulated"
+        return self.touches == "web" or self.forms == "page" or auto
+
+
+def run(options: RunOptions, console: Console) -> int:
+    """Runs a session, or what is left of it."""
+    from sandbox.study.controls import Controls, Terminal
+    from sandbox.study.design_file import load_design
+    from sandbox.study.folder import PILOT, REAL, StudyFolder
+    from sandbox.study.session_folder import SessionFolder
+
+    _check(options)
+    design = load_design(options.file)
+    study = StudyFolder(options.out, design, PILOT if options.pilot else REAL,
+                        options.force_upgrade)  # fmt: skip
+    say = sayer(console)
+    controls = Controls(say)
+    terminal = Terminal(controls)
+    person = _person(options, study, console)
+    with SessionFolder(study, person) as session:
+        done, of = session.state.done(session.steps)
+        if session.resumed and not options.resume and not session.state.complete:
+            say(f"{person.ppid} has done {done} of {of} trials. Go on with the next? yes / no")
+            if (terminal.ask() or "no").strip().lower() not in ("y", "yes"):
+                return 0
+        say(f"participant {person.ppid}" + (", a pilot" if options.pilot else "")
+            + "; h and Enter shows your keys")  # fmt: skip
+        with ExitStack() as closing:
+            page = _open_page(options, session, console, closing)
+            outcome = _play(options, session, page, controls, terminal, console)
+    say(f"{person.ppid}: {outcome}")
+    if outcome == "stopped":
+        say(f"to go on: sandbox study run {options.file} --participant {person.ppid}")
+    return 0
+
+
+def _check(options: RunOptions) -> None:
+    """What fits together, before anything is written."""
+    from sandbox.cli.demo import has_display
+    from sandbox.cli.touch_devices import is_evdev
+
+    if options.device not in ("web", "mouse", "tuio", "simulated") and not is_evdev(options.device):
+        raise InputError("there is no such device for a study", where="--device",
+                         got=options.device,
+                         expected="web, mouse, tuio, evdev, evdev:NODE or simulated")  # fmt: skip
+    if options.device == "simulated" and not options.pilot:
+        raise StudyError("a simulated user is nobody's data", where="--device simulated",
+                         remedy="Add --pilot, or use `sandbox study simulate`")  # fmt: skip
+    if options.touches == "web":
+        if options.device not in ("web", "mouse"):
+            raise InputError("touches come from the page or from elsewhere, not both",
+                             where="--tablet, --lan", got=f"--device {options.device}",
+                             remedy="Leave one of them out")  # fmt: skip
+        if options.forms == "terminal":
+            raise InputError("with trials on the page, forms are there, too",
+                             where="--forms terminal", remedy="Leave it out")  # fmt: skip
+        return
+    if options.view == "window" and not has_display():
+        raise InputError("there is no display to open a window on",
+                         remedy="--device web runs trials on a page, --view none without a view",
+                         )  # fmt: skip
+    if options.view == "none" and options.device == "mouse":
+        raise InputError("the mouse needs a window", where="--device mouse",
+                         remedy="Use --device web or --device tuio")  # fmt: skip
+
+
+def _open_page(
+    options: RunOptions, session: SessionFolder, console: Console, closing: ExitStack
+) -> StudyPage | None:
+    """The participant's page, and how it is opened."""
+    if not options.has_page:
+        return None
+    from sandbox.cli.demo import has_display
+    from sandbox.cli.page_options import PageOptions, open_page
+    from sandbox.cli.play_page import say_refusals
+    from sandbox.cli.second_view import invite
+    from sandbox.events import EventLog
+    from sandbox.study.study_page import StudyPage, study_view
+
+    where = PageOptions(options.tablet, options.lan, options.page_port, options.tls_cert,
+                        options.tls_key)  # fmt: skip
+    language = session.person.language
+    server = open_page(where, study_view(language, session.study.design.showing.shows))
+    closing.callback(lambda: say_refusals(server, console))
+    closing.callback(server.close)
+    page = StudyPage(server, language, sayer(console))
+    invite(server, where, EventLog(None), console)
+    beside = options.touches != "web" and options.view == "window"
+    if beside and has_display() and not options.no_browser:
+        webbrowser.open(server.url)
+    return page
+
+
+def _play(
+    options: RunOptions,
+    session: SessionFolder,
+    page: StudyPage | None,
+    controls: Controls,
+    terminal: Terminal,
+    console: Console,
+) -> str:
+    from sandbox.cli.touch_devices import TouchOptions
+    from sandbox.study.forms import TerminalForms
+    from sandbox.study.page_forms import PageForms
+    from sandbox.study.run_device import fitting, person_device
+    from sandbox.study.runner import SessionRunner
+
+    person, name = session.person, options.touches
+    touch = TouchOptions(device=name, bind=options.bind, port=options.port)
+    forms: Forms
+    if page is not None and options.forms != "terminal":
+        forms = PageForms(page, lambda: controls.paused)
+    else:
+        forms = TerminalForms(terminal, lambda text: console.print(text, markup=False))
+    player = _player(options, session, page)
+    runner = SessionRunner(
+        session, player, person_device(touch, person, page), forms, controls, sayer(console),
+        name, fitting(name, page),
+    )  # fmt: skip
+    try:
+        outcome = runner.run()
+        if page is not None and outcome != "stopped":
+            page.lay("end", text=page.words["end"])
+            time.sleep(FAREWELL)
+        return str(outcome)
+    finally:
+        player.close()
+
+
+def _player(options: RunOptions, session: SessionFolder, page: StudyPage | None) -> Player:
+    from sandbox.study.page_player import PagePlayer
+    from sandbox.study.players import HeadlessPlayer, WindowPlayer
+    from sandbox.study.study_page import Beside
+
+    if page is not None and options.touches == "web":
+        return PagePlayer(page, session.study.design.showing, session.person.language)
+    simulated = options.device == "simulated"
+    player: Player = HeadlessPlayer(paced=not simulated)
+    if options.view == "window":
+        player = WindowPlayer("simulated user" if simulated else "")
+    return player if page is None else Beside(player, page)
+
+
+def _person(options: RunOptions, study: StudyFolder, console: Console) -> Participant:
+    from sandbox.study.pseudonym import read_pseudonym
+    from sandbox.study.simulate import simulated_person
+
+    if options.participant and options.participant != "new":
+        return study.find(read_pseudonym(options.participant))
+    unfinished = _unfinished(study)
+    if not options.participant:
+        raise StudyError("who takes part is missing", where="--participant",
+                         expected=", ".join(("new", *unfinished)))  # fmt: skip
+    if unfinished:
+        console.print(f"[yellow]not finished yet: {', '.join(unfinished)}[/]")
+    design = study.design
+    if options.language and options.language not in design.languages:
+        raise StudyError("the design has no texts in this language", where="--language",
+                         got=options.language, expected=", ".join(design.languages))  # fmt: skip
+    if options.device == "simulated":
+        return study.add(**simulated_person(design, len(study.participants())))
+    from models.person import Person
+
+    checked = Person(options.hand, options.hand_size)
+    return study.add(hand=checked.hand, hand_size=checked.hand_size,
+                     language=options.language or design.languages[0])  # fmt: skip
+
+
+def _unfinished(study: StudyFolder) -> list[str]:
+    """Those who have begun and not come to the end."""
+    from sandbox.study.journal import read_journal
+    from sandbox.study.session_folder import session_path
+    from sandbox.study.state import SessionState
+
+    found = []
+    for person in study.participants():
+        path = session_path(study.path, person.ppid) / "journal.jsonl"
+        state = SessionState.of(read_journal(path)) if path.exists() else SessionState()
+        if not state.complete and not state.excluded_participant:
+            found.append(person.ppid)
+    return found
+
+
+def sayer(console: Console) -> Callable[[str], object]:
+    """Tells the experimenter something, at once."""
+
+    def say(text: str) -> None:
+        console.print(f"[dim]{escape(text)}[/]", highlight=False)
+        sys.stdout.flush()
+
+    return say

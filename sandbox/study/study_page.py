@@ -1,0 +1,154 @@
+"""A participant's page: what lies on it now, who is there, and what they did with it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+
+import msgspec
+
+from sandbox.devices.web import WebDevice
+from sandbox.server.page_server import PageServer
+from sandbox.server.protocol import Answer, ItemView, Leave, Refusal, Sheet, StudyView
+from sandbox.study.players import Ask, Played, Player
+from sandbox.study.words import words_in
+
+TICK = 0.02
+"""s between two looks at what the participant and the experimenter want."""
+GONE = 3.0
+"""s without a word from the page, which beats twice a second, after which it is gone."""
+
+Given = str | float | None
+
+
+class StudyPage:
+    """One page for a whole session, and the same for forms and for trials.
+
+    Args:
+        server: Of the page, opened for a study.
+        language: The participant's.
+        say: Tells the experimenter something.
+
+    Attributes:
+        server: As given.
+        words: In the participant's language.
+        device: Of the trial that runs; see `opened`.
+    """
+
+    def __init__(
+        self, server: PageServer, language: str, say: Callable[[str], object] = lambda text: None
+    ) -> None:
+        self.server, self.say = server, say
+        self.words = words_in(language)
+        self.device: WebDevice | None = None
+        self._sheet = Sheet(0, "wait", "", self.words["wait"], [], {}, 0.0)
+        self._gone_since: float | None = None
+        self._came = False
+        self.wait()
+
+    def lay(
+        self, kind: str, title: str = "", text: str = "", items: Sequence[ItemView] = (),
+        answers: dict[str, Given] | None = None, seconds: float = 0.0,
+    ) -> None:  # fmt: skip
+        """Puts a sheet before the participant, in place of what was there."""
+        self._sheet = Sheet(
+            self._sheet.sheet + 1, kind, title, text, list(items), dict(answers or {}), seconds,  # type: ignore[arg-type]
+        )  # fmt: skip
+        self.server.lay(self._sheet)
+
+    def wait(self, word: str = "wait") -> None:
+        """Nothing to do for the moment."""
+        self.lay("wait", text=self.words[word])
+
+    def reveal(self) -> None:
+        """The scene is seen."""
+        self.lay("none")
+
+    def keep(self, answers: dict[str, Given] | None = None, seconds: float | None = None) -> None:
+        """What a page that comes back is to show of the sheet; the present one knows it."""
+        values: dict[str, object] = {}
+        if answers is not None:
+            values["answers"] = dict(answers)
+        if seconds is not None:
+            values["seconds"] = seconds
+        self._sheet = msgspec.structs.replace(self._sheet, **values)
+        self.server.lay(self._sheet, tell=False)
+
+    def refuse(self, item: str, text: str) -> None:
+        """Says why an answer is none."""
+        self.server.refuse(Refusal(self._sheet.sheet, item, text))
+
+    def done(self) -> list[Answer | Leave]:
+        """What the participant did with the sheet since the last call; not checked.
+
+        What was meant for an earlier sheet is passed over.
+        """
+        self.look()
+        return [up for up in self.server.filled() if up.sheet == self._sheet.sheet]
+
+    def opened(self, device: WebDevice) -> WebDevice:
+        """Remembers the device of a trial."""
+        self.device = device
+        return device
+
+    @property
+    def gone(self) -> float:
+        """s for which the page has been gone; 0 while it is there."""
+        return 0.0 if self._gone_since is None else time.monotonic() - self._gone_since
+
+    def look(self) -> None:
+        """Sees whether the page is there, and tells the experimenter when that changes."""
+        silent = self.server.silence
+        if silent > GONE and self._gone_since is None:
+            self._gone_since = time.monotonic() - (min(silent, GONE) if self._came else 0.0)
+            if self._came:
+                self.say("the participant's page is gone; it comes back, or is opened anew")
+        elif silent <= GONE and self._gone_since is not None:
+            self._gone_since = None
+            if self._came:
+                self.say("the participant's page is back")
+        if silent <= GONE and not self._came:
+            self._came = True
+            self.say("the participant's page is open")
+
+    def await_somebody(self, ready: Callable[[], None]) -> None:
+        """Waits until the page is open; `ready` is called meanwhile, and may raise."""
+        told = False
+        while True:
+            ready()
+            self.look()
+            if not self._gone_since:
+                return
+            if not told:
+                self.say("waiting for the participant's page")
+                told = True
+            time.sleep(TICK)
+
+
+class Beside:
+    """A player whose trials are elsewhere: the page says so meanwhile.
+
+    Args:
+        player: In a window, or seen by another program.
+        page: The participant's, for forms.
+    """
+
+    def __init__(self, player: Player, page: StudyPage) -> None:
+        self._player, self._page = player, page
+
+    def play(self, ask: Ask) -> Played:
+        """See `sandbox.study.players.Player`."""
+        self._page.wait("elsewhere")
+        try:
+            return self._player.play(ask)
+        finally:
+            self._page.wait()
+
+    def close(self) -> None:
+        """Closes the player."""
+        self._player.close()
+
+
+def study_view(language: str, shows: Sequence[str]) -> StudyView:
+    """What a page has to know that it is a study's."""
+    return StudyView(language, words_in(language), list(shows))

@@ -1,0 +1,253 @@
+// The questions of a study's form: one field for every kind of item. None has a value before
+// somebody has given one.
+
+import { make, show, write } from "./dom";
+import type { ItemView } from "./protocol";
+
+export type Value = string | number | null;
+
+/** Positions of a scale up to which each is a button; of more, it is a line. */
+const MOST_BUTTONS = 11;
+/** Positions up to which a line has marks. */
+const MOST_MARKS = 41;
+/** ms after the last key that words are sent. */
+const TYPED_MS = 300;
+
+export interface Field {
+  readonly item: ItemView;
+  readonly root: HTMLElement;
+  readonly value: Value;
+  /** What was answered before; tells nobody. */
+  put(value: Value): void;
+  /** Says what is wrong; nothing: it is right. */
+  complain(text: string): void;
+  /** Sends what is still being typed. */
+  settle(): void;
+}
+
+/** @param tell Is told of every answer. */
+export function makeField(
+  item: ItemView,
+  words: Record<string, string>,
+  tell: (value: Value) => void,
+): Field {
+  const wrong = make("p", "wrong");
+  show(wrong, false);
+  let value: Value = null;
+  const complain = (text: string): void => {
+    write(wrong, text);
+    show(wrong, text !== "");
+    root.classList.toggle("is-wrong", text !== "");
+  };
+  const give = (given: Value): void => {
+    value = given;
+    complain("");
+    tell(given);
+  };
+  const control = CONTROLS[item.kind](item, words, give, complain);
+  const ask = make("p", "ask", { text: item.ask });
+  if (item.optional) ask.append(make("span", "optional", { text: ` (${words["optional"]})` }));
+  const root = make("div", `item item-${item.kind}`, {}, ask, control.root, wrong);
+  return {
+    item,
+    root,
+    get value() {
+      return value;
+    },
+    put(given) {
+      value = given;
+      control.put(given);
+    },
+    complain,
+    settle: () => control.settle?.(),
+  };
+}
+
+interface Control {
+  root: HTMLElement;
+  put(value: Value): void;
+  settle?(): void;
+}
+
+type Maker = (
+  item: ItemView,
+  words: Record<string, string>,
+  give: (value: Value) => void,
+  complain: (text: string) => void,
+) => Control;
+
+/** Buttons of which one is chosen; an optional answer is taken back by a second tap. */
+function buttons(
+  name: string,
+  item: ItemView,
+  options: { value: Value; label: string }[],
+  give: (value: Value) => void,
+): Control {
+  let chosen: Value = null;
+  const all = options.map(({ value, label }) => {
+    const button = make("button", "option", {
+      text: label,
+      onTap: () => {
+        put(item.optional && chosen === value ? null : value);
+        give(chosen);
+      },
+    });
+    button.setAttribute("role", "radio");
+    return button;
+  });
+  const put = (value: Value): void => {
+    chosen = value;
+    all.forEach((button, i) => {
+      const on = options[i]!.value === value;
+      button.classList.toggle("chosen", on);
+      button.setAttribute("aria-checked", String(on));
+    });
+  };
+  const root = make("div", name, { label: item.ask }, ...all);
+  root.setAttribute("role", "radiogroup");
+  put(null);
+  return { root, put };
+}
+
+function ends(item: ItemView): HTMLElement {
+  const row = make(
+    "div",
+    "ends",
+    {},
+    make("span", "", { text: item.low_means }),
+    make("span", "", { text: item.high_means }),
+  );
+  show(row, item.low_means !== "" || item.high_means !== "");
+  return row;
+}
+
+const steps = (item: ItemView): number => Math.floor((item.high - item.low) / item.step + 1e-9);
+const at = (item: ItemView, step: number): number =>
+  Number((item.low + step * item.step).toPrecision(12));
+
+/** A line to be touched anywhere; there is no mark on it before. */
+function line(item: ItemView, words: Record<string, string>, give: (v: Value) => void): Control {
+  const last = steps(item);
+  const mark = make("div", "mark");
+  const hint = make("span", "line-hint", { text: words["slide"] ?? "" });
+  const track = make("div", "track", {}, hint);
+  if (last < MOST_MARKS)
+    for (let i = 0; i <= last; i++) {
+      const tick = make("i", i % 5 === 0 || last <= 10 ? "tick long" : "tick");
+      tick.style.left = `${(100 * i) / last}%`;
+      track.append(tick);
+    }
+  track.append(mark);
+  const root = make("div", "line", { label: item.ask }, track);
+  root.tabIndex = 0;
+  root.setAttribute("role", "slider");
+  root.setAttribute("aria-valuemin", String(item.low));
+  root.setAttribute("aria-valuemax", String(item.high));
+  let step: number | null = null;
+  let pointer: number | null = null;
+  const draw = (): void => {
+    show(mark, step !== null);
+    show(hint, step === null);
+    if (step === null) return;
+    mark.style.left = `${(100 * step) / last}%`;
+    root.setAttribute("aria-valuenow", String(at(item, step)));
+  };
+  const follow = (event: PointerEvent): void => {
+    const box = track.getBoundingClientRect();
+    const share = Math.min(Math.max((event.clientX - box.left) / box.width, 0), 1);
+    step = Math.round(share * last);
+    draw();
+  };
+  root.addEventListener("pointerdown", (event) => {
+    if (pointer !== null) return;
+    pointer = event.pointerId;
+    follow(event);
+  });
+  window.addEventListener("pointermove", (event) => {
+    if (event.pointerId === pointer && root.isConnected) follow(event);
+  });
+  for (const end of ["pointerup", "pointercancel"] as const)
+    window.addEventListener(end, (event) => {
+      if (event.pointerId !== pointer) return;
+      pointer = null;
+      if (step !== null && root.isConnected) give(at(item, step));
+    });
+  root.addEventListener("keydown", (event) => {
+    const by = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 }[event.key];
+    if (!by) return;
+    event.preventDefault();
+    step = step === null ? 0 : Math.min(Math.max(step + by, 0), last);
+    draw();
+    give(at(item, step));
+  });
+  draw();
+  return {
+    root: make("div", "", {}, root, ends(item)),
+    put(value) {
+      step = typeof value === "number" ? Math.round((value - item.low) / item.step) : null;
+      draw();
+    },
+  };
+}
+
+function scale(item: ItemView, words: Record<string, string>, give: (v: Value) => void): Control {
+  const last = steps(item);
+  if (last >= MOST_BUTTONS) return line(item, words, give);
+  const options = Array.from({ length: last + 1 }, (_, i) => at(item, i)).map((value) => ({
+    value,
+    label: String(value),
+  }));
+  const row = buttons("points", item, options, give);
+  return { root: make("div", "", {}, row.root, ends(item)), put: row.put };
+}
+
+function written(
+  input: HTMLInputElement | HTMLTextAreaElement,
+  read: (text: string) => void,
+): Control {
+  let timer = 0;
+  const now = (): void => {
+    if (!timer) return;
+    window.clearTimeout(timer);
+    timer = 0;
+    read(input.value);
+  };
+  input.addEventListener("input", () => {
+    window.clearTimeout(timer);
+    timer = window.setTimeout(now, TYPED_MS);
+  });
+  input.addEventListener("blur", now);
+  return {
+    root: input,
+    put(value) {
+      if (document.activeElement !== input) input.value = value === null ? "" : String(value);
+    },
+    settle: now,
+  };
+}
+
+const CONTROLS: Record<ItemView["kind"], Maker> = {
+  choice: (item, _words, give) => buttons("options", item, item.choices, give),
+  scale,
+  number(item, words, give, complain) {
+    const input = make("input", "entry short", { label: item.ask });
+    input.inputMode = "decimal";
+    input.autocomplete = "off";
+    input.placeholder = `${item.low} – ${item.high}`;
+    return written(input, (text) => {
+      const typed = text.trim().replace(",", ".");
+      const value = typed === "" ? null : Number(typed);
+      if (value === null || (value >= item.low && value <= item.high)) return give(value);
+      give(null);
+      const [low, high] = [String(item.low), String(item.high)];
+      complain((words["number"] ?? "").replace("{low}", low).replace("{high}", high));
+    });
+  },
+  text(item, words, give) {
+    const input = make("textarea", "entry", { label: item.ask });
+    input.rows = 3;
+    input.maxLength = 2000;
+    input.placeholder = words["write"] ?? "";
+    return written(input, (text) => give(text.trim() === "" ? null : text));
+  },
+};

@@ -1,0 +1,197 @@
+// A study's sheets: consent, instructions, forms and breaks, above the scene. What is on them is the
+// computer's; answers go there at once, and are only right once they have been looked at there.
+
+import { make, show, write } from "./dom";
+import { type Field, type Value, makeField } from "./items";
+import type { Leave, Refusal, Sheet, StudyView, Up } from "./protocol";
+
+/** CSS pixels between two questions, as in study.css. */
+const GAP = 18;
+
+export class Study {
+  readonly root = make("section", "study");
+  private words: Record<string, string> = {};
+  private sheet: Sheet | null = null;
+  private fields: Field[] = [];
+  private pages: Field[][] = [];
+  private page = 0;
+  private timer = 0;
+
+  constructor(private readonly say: (up: Up) => boolean) {
+    show(this.root, false);
+  }
+
+  /** Whether the session is over, and the computer need not be there any more. */
+  get over(): boolean {
+    return this.sheet?.kind === "end";
+  }
+
+  enter(view: StudyView): void {
+    this.words = view.words;
+    document.documentElement.lang = view.language;
+    document.body.classList.add("in-study");
+  }
+
+  lay(sheet: Sheet): void {
+    const again = sheet.sheet === this.sheet?.sheet && sheet.kind === "form" && this.fields.length;
+    this.sheet = sheet;
+    if (again) {
+      // The page was away for a moment: what it had not sent is not answered.
+      for (const field of this.fields) field.put(sheet.answers[field.item.name] ?? null);
+      return;
+    }
+    window.clearInterval(this.timer);
+    this.fields = [];
+    this.root.replaceChildren();
+    show(this.root, sheet.kind !== "none");
+    this.root.dataset["kind"] = sheet.kind;
+    if (document.activeElement instanceof HTMLElement) document.activeElement.blur();
+    if (sheet.kind === "none") return;
+    this.root.scrollTop = 0;
+    if (sheet.kind === "form") this.form(sheet);
+    else if (sheet.kind === "rest") this.rest(sheet);
+    else this.text(sheet);
+  }
+
+  refuse(refusal: Refusal): void {
+    if (refusal.sheet !== this.sheet?.sheet) return;
+    const field = this.fields.find((f) => f.item.name === refusal.item);
+    if (!field) return;
+    this.turn(this.pages.findIndex((page) => page.includes(field)));
+    field.complain(refusal.text);
+    field.root.scrollIntoView({ block: "center" });
+  }
+
+  // -- the kinds of sheets ----------------------------------------------------------------------
+
+  private text(sheet: Sheet): void {
+    const card = make("div", "page words-page", {}, ...paragraphs(sheet.text));
+    const foot: HTMLElement[] = [];
+    if (sheet.kind === "consent")
+      foot.push(this.button("decline", "quiet", () => this.leave("no")),
+                this.button("agree", "primary", () => this.leave("yes")));
+    if (sheet.kind === "text") foot.push(this.button("next", "primary", () => this.leave("done")));
+    if (sheet.kind === "wait") card.prepend(make("div", "waiting", {}, ...[0, 1, 2].map(() => make("i", ""))));
+    this.root.append(card);
+    if (foot.length) this.root.append(make("footer", "foot", {}, ...foot));
+  }
+
+  private rest(sheet: Sheet): void {
+    const clock = make("div", "rest-clock");
+    const go = this.button("next", "primary", () => this.leave("done"));
+    const words = make("p", "", { text: sheet.text });
+    const until = performance.now() + 1000 * sheet.seconds;
+    const count = (): void => {
+      const left = Math.ceil((until - performance.now()) / 1000);
+      const whole = Math.max(left, 0);
+      write(clock, `${Math.floor(whole / 60)}:${String(whole % 60).padStart(2, "0")}`);
+      show(clock, left > 0);
+      show(go, left <= 0);
+      words.classList.toggle("faint", left > 0);
+    };
+    this.timer = window.setInterval(count, 200);
+    const title = make("h2", "", { text: sheet.title });
+    this.root.append(
+      make("div", "page words-page", {}, title, clock, words),
+      make("footer", "foot", {}, go),
+    );
+    count();
+  }
+
+  private form(sheet: Sheet): void {
+    this.fields = sheet.items.map((item) => {
+      const field = makeField(item, this.words, (value) => this.answer(item.name, value));
+      field.put(sheet.answers[item.name] ?? null);
+      return field;
+    });
+    const title = make("h2", "", { text: sheet.title });
+    show(title, sheet.title !== "");
+    const list = make("div", "items");
+    const bar = make("div", "form-bar", {}, make("i", ""));
+    const back = this.button("back", "quiet", () => this.turn(this.page - 1));
+    const next = this.button("next", "primary", () => this.next());
+    back.classList.add("go-back");
+    next.classList.add("go-on");
+    this.root.append(
+      make("div", "page form-page", {}, title, list),
+      make("footer", "foot", {}, back, bar, next),
+    );
+    this.divide(list);
+    const open = this.pages.findIndex((page) =>
+      page.some((f) => !f.item.optional && f.value === null),
+    );
+    const started = this.fields.some((f) => f.value !== null);
+    this.turn(!started ? 0 : open < 0 ? this.pages.length - 1 : open);
+  }
+
+  /** As many questions on each page as the screen has room for. */
+  private divide(list: HTMLElement): void {
+    list.append(...this.fields.map((f) => f.root));
+    const foot = this.root.querySelector<HTMLElement>(".foot")!;
+    const around = list.offsetTop + foot.offsetHeight + 2 * GAP;
+    const room = window.innerHeight - around;
+    this.pages = [];
+    let height = Infinity;
+    for (const field of this.fields) {
+      const own = field.root.offsetHeight + GAP;
+      if (height + own > room) {
+        this.pages.push([]);
+        height = 0;
+      }
+      this.pages[this.pages.length - 1]!.push(field);
+      height += own;
+    }
+  }
+
+  private turn(to: number): void {
+    this.page = Math.min(Math.max(to, 0), this.pages.length - 1);
+    const now = this.pages[this.page] ?? [];
+    this.root.querySelector(".items")!.replaceChildren(...now.map((f) => f.root));
+    this.root.scrollTop = 0;
+    const last = this.page === this.pages.length - 1;
+    show(this.root.querySelector<HTMLElement>(".go-back")!, this.page > 0);
+    write(this.root.querySelector<HTMLElement>(".go-on")!, this.words[last ? "done" : "next"] ?? "");
+    const bar = this.root.querySelector<HTMLElement>(".form-bar")!;
+    bar.style.visibility = this.pages.length > 1 ? "visible" : "hidden";
+    const share = (this.page + 1) / this.pages.length;
+    (bar.firstElementChild as HTMLElement).style.transform = `scaleX(${share})`;
+  }
+
+  private next(): void {
+    for (const field of this.fields) field.settle();
+    const missing = (this.pages[this.page] ?? []).filter(
+      (f) => !f.item.optional && f.value === null,
+    );
+    for (const field of missing) field.complain(this.words["required"] ?? "");
+    if (missing[0]) missing[0].root.scrollIntoView({ block: "center" });
+    else if (this.page < this.pages.length - 1) this.turn(this.page + 1);
+    else this.leave("done");
+  }
+
+  // -- what goes to the computer ----------------------------------------------------------------
+
+  private answer(item: string, value: Value): void {
+    if (this.sheet) this.say({ type: "answer", sheet: this.sheet.sheet, item, value });
+  }
+
+  private leave(how: Leave["how"]): void {
+    if (this.sheet) this.say({ type: "leave", sheet: this.sheet.sheet, how });
+  }
+
+  private button(word: string, kind: string, onTap: () => void): HTMLButtonElement {
+    return make("button", `button large ${kind}`, { text: this.words[word] ?? word, onTap });
+  }
+}
+
+/** Paragraphs are parted by empty lines, as they are typed; lines that begin with - are a list. */
+function paragraphs(text: string): HTMLElement[] {
+  return text
+    .trim()
+    .split(/\n\s*\n/)
+    .map((part) => {
+      const lines = part.split("\n").map((l) => l.trim());
+      if (lines.every((l) => l.startsWith("- ")))
+        return make("ul", "", {}, ...lines.map((l) => make("li", "", { text: l.slice(2) })));
+      return make("p", "", { text: lines.join(" ") });
+    });
+}
