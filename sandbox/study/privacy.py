@@ -32,6 +32,7 @@ from sandbox.study.tables import rebuild_study, write_session
 
 DEMOGRAPHICS = "demographics"
 ABOUT = "anonymised.json"
+TABLES = ("csv.gz", "parquet", "json")
 
 Say = Callable[[str], object]
 
@@ -178,9 +179,10 @@ def _write_session(
                 for line in _whole_lines(recording.read_bytes()).split(b"\n")
             )
             write_atomically(path / attempt.start["file"], copied, durable=False)
-        for stem in STEMS.values():
+        # What is derived from poses and touches: numbers, and names of fingers and things.
+        for stem in (*STEMS.values(), "measures"):
             for table in (source / "trackers").glob(f"{stem}_{recording.stem}.*"):
-                if table.name.split(".", 1)[1] in ("csv.gz", "parquet", "csv"):
+                if table.name.split(f"_{recording.stem}.", 1)[1] in TABLES:
                     shutil.copyfile(table, path / "trackers" / table.name)
 
 
