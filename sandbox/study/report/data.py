@@ -1,0 +1,240 @@
+"""A study's tables as they lie in a folder: who did what, and which trials are used.
+
+Only the CSVs are read, so that a report can be made of anybody's copy; the one thing that is taken
+from `study.json`, where there is one, is the name and kind of a study without trials.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from hashlib import sha256
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from models.errors import StudyError
+
+if TYPE_CHECKING:
+    from pandas import DataFrame, Series
+
+NEEDED = ("ppid", "trial_num", "counted", "practice", "excluded", "success", "time_s")
+"""Columns of `trial_results.csv` without which there is nothing to say."""
+NUMBERS = ("session_num", "trial_num", "counted", "practice", "excluded", "success", "time_s",
+           "attempt", "block_num", "trial_num_in_block", "repetition")  # fmt: skip
+FACTOR = "factor_"
+BETWEEN_NAMES = " · "
+"""Between the levels in a condition's name."""
+TIMEOUT = "timeout"
+
+
+@dataclass(frozen=True)
+class Factor:
+    """What was varied.
+
+    Attributes:
+        name: As in the design.
+        levels: In the design's order.
+        within: At least one participant did more than one of them.
+    """
+
+    name: str
+    levels: tuple[str, ...]
+    within: bool
+
+    @property
+    def column(self) -> str:
+        """In the tables."""
+        return FACTOR + self.name
+
+
+@dataclass(frozen=True)
+class StudyData:
+    """A study's tables.
+
+    Attributes:
+        name: Of the study.
+        mode: real, pilot, simulated, or unknown.
+        factors: In the design's order.
+        trials: Every finished attempt, as it is in the table; numbers are numbers.
+        used: Attempts that count, neither practice nor excluded; with `condition`, `cell` (its
+            number), `position` (1, 2, ... of the participant's trials that are no practice) and
+            `censored` (no success: the time it would have taken is longer than `time_s`).
+        conditions: Names of all combinations of levels that were used, in the design's order.
+        people: `participants.csv`, or what the trials tell.
+        answers: `questionnaires.csv`; may be empty.
+        scores: `questionnaire_scores.csv`; may be empty.
+        codebook: Unit and meaning of columns of `trial_results.csv`.
+        digest: SHA-256 of `trial_results.csv`.
+    """
+
+    name: str
+    mode: str
+    factors: tuple[Factor, ...]
+    trials: DataFrame
+    used: DataFrame
+    conditions: tuple[str, ...]
+    people: DataFrame
+    answers: DataFrame
+    scores: DataFrame
+    codebook: dict[str, tuple[str, str]] = field(default_factory=dict)
+    digest: str = ""
+
+    @property
+    def ppids(self) -> list[str]:
+        """Participants of whom trials are used, in order of first appearance."""
+        return list(dict.fromkeys(self.used["ppid"]))
+
+    def factor(self, name: str) -> Factor:
+        """A factor by its name."""
+        return next(f for f in self.factors if f.name == name)
+
+
+def load_study(folder: Path) -> StudyData:
+    """A study's tables.
+
+    Args:
+        folder: Of the study: where `trial_results.csv` is.
+
+    Raises:
+        StudyError: There is none, or it is not a table of trials.
+    """
+    path = folder / "trial_results.csv"
+    if not path.is_file():
+        raise StudyError("there is no trial_results.csv", where=str(folder),
+                         expected="the folder of a study",
+                         remedy="It is OUT/NAME, OUT/NAME-pilot or OUT/NAME-simulated")  # fmt: skip
+    trials = read_table(path)
+    missing = [name for name in NEEDED if name not in trials.columns]
+    if missing:
+        raise StudyError("columns are missing", where=str(path), got=", ".join(trials.columns[:8]),
+                         expected=", ".join(missing))  # fmt: skip
+    for name in NUMBERS:
+        if name in trials.columns:
+            trials[name] = to_numbers(trials[name], path)
+    meanings = _codebook(folder)
+    about = _about(folder)
+    factors = _factors(trials, meanings)
+    used, conditions = _used(trials, factors)
+    people = _optional(folder / "participants.csv")
+    if "ppid" not in people.columns:
+        people = trials[["ppid"]].drop_duplicates().reset_index(drop=True)
+    return StudyData(
+        name=_only(trials, "experiment", path) or about.get("experiment") or folder.resolve().name,
+        mode=_only(trials, "mode", path) or about.get("mode") or "unknown",
+        factors=factors,
+        trials=trials,
+        used=used,
+        conditions=conditions,
+        people=people,
+        answers=_optional(folder / "questionnaires.csv"),
+        scores=_optional(folder / "questionnaire_scores.csv"),
+        codebook=meanings,
+        digest=sha256(path.read_bytes()).hexdigest(),
+    )
+
+
+def read_table(path: Path) -> DataFrame:
+    """A table of which every cell is text: a pseudonym like 12E345 is no number.
+
+    Raises:
+        StudyError: It is no table.
+    """
+    import pandas as pd
+
+    try:
+        return pd.read_csv(path, dtype=str, keep_default_na=False, encoding="utf-8")
+    except (ValueError, pd.errors.ParserError) as error:
+        raise StudyError("this is no table", where=str(path), got=str(error).strip()[:120],
+                         remedy="Opening the study again makes its tables anew: "
+                                "`sandbox study run`")  from None  # fmt: skip
+    except OSError as error:
+        raise StudyError("the table cannot be read", where=str(path),
+                         got=error.strerror) from None  # fmt: skip
+
+
+def to_numbers(column: Series, path: Path | None = None) -> Series:
+    """A column's cells as numbers, empty ones as NaN.
+
+    Raises:
+        StudyError: Another cell is none; only with `path`, else it is NaN.
+    """
+    import pandas as pd
+
+    numbers = pd.to_numeric(column.astype(str).str.strip(), errors="coerce").astype(float)
+    wrong = numbers.isna() & (column.astype(str).str.strip() != "")
+    if path is not None and wrong.any():
+        row = int(wrong.to_numpy().argmax())
+        raise StudyError("this is no number", where=f"{path}: {column.name}, row {row + 2}",
+                         got=str(column.iloc[row])[:40])  # fmt: skip
+    return numbers
+
+
+def _optional(path: Path) -> DataFrame:
+    import pandas as pd
+
+    return read_table(path) if path.is_file() else pd.DataFrame()
+
+
+def _only(trials: DataFrame, column: str, path: Path) -> str:
+    """The one value of a column; empty where there is none."""
+    found = [x for x in dict.fromkeys(trials.get(column, ())) if x]
+    if len(found) > 1:
+        raise StudyError("data of different kinds must not be mixed", where=f"{path}: {column}",
+                         got=", ".join(found[:4]), expected="the same in every row")  # fmt: skip
+    return str(found[0]) if found else ""
+
+
+def _about(folder: Path) -> dict[str, Any]:
+    try:
+        about = json.loads((folder / "study.json").read_bytes())
+    except (OSError, ValueError):
+        return {}
+    return about if isinstance(about, dict) else {}
+
+
+def _codebook(folder: Path) -> dict[str, tuple[str, str]]:
+    table = _optional(folder / "codebook.csv")
+    if not {"table", "column", "unit", "meaning"} <= set(table.columns):
+        return {}
+    rows = table[table["table"] == "trial_results.csv"]
+    return {row.column: (row.unit, row.meaning) for row in rows.itertuples(index=False)}
+
+
+def _factors(trials: DataFrame, meanings: dict[str, tuple[str, str]]) -> tuple[Factor, ...]:
+    main = trials[(trials["counted"] == 1) & (trials["practice"] != 1)]
+    factors = []
+    for column in trials.columns:
+        if not column.startswith(FACTOR):
+            continue
+        seen = [x for x in dict.fromkeys(main[column]) if x]
+        told = meanings.get(column, ("", ""))[1].removeprefix("level: ").split(", ")
+        # The codebook's order is the design's; a level that it does not know comes last.
+        levels = [x for x in told if x in seen] + [x for x in seen if x not in told]
+        within = len(main) > 0 and bool((main.groupby("ppid")[column].nunique() > 1).any())
+        factors.append(Factor(column.removeprefix(FACTOR), tuple(levels), within))
+    return tuple(factors)
+
+
+def _used(trials: DataFrame, factors: Sequence[Factor]) -> tuple[DataFrame, tuple[str, ...]]:
+    import numpy as np
+
+    order = [name for name in ("session_num", "trial_num") if name in trials.columns]
+    main = trials[(trials["counted"] == 1) & (trials["practice"] != 1)]
+    main = main.sort_values(order, kind="stable").copy()
+    # Excluded trials were experience, too: they have a place in the row.
+    main["position"] = main.groupby("ppid", sort=False).cumcount() + 1
+    used = main[(main["excluded"] != 1) & main["success"].isin([0, 1])].copy()
+    used = used.sort_values("ppid", kind="stable").reset_index(drop=True)
+    columns = [f.column for f in factors if len(f.levels) > 1]
+    names = used[columns].agg(BETWEEN_NAMES.join, axis=1) if columns and len(used) else None
+    used["condition"] = "all" if names is None else names
+    rank = {f.column: {x: i for i, x in enumerate(f.levels)} for f in factors}
+    seen = used[["condition", *columns]].drop_duplicates()
+    keys = [tuple(rank[c].get(row[c], -1) for c in columns) for _, row in seen.iterrows()]
+    conditions = tuple(str(seen["condition"].iloc[i]) for i in
+                       sorted(range(len(keys)), key=keys.__getitem__))  # fmt: skip
+    number = {name: i for i, name in enumerate(conditions)}
+    used["cell"] = np.array([number[x] for x in used["condition"]], dtype=int)
+    used["censored"] = used["success"] != 1
+    return used, conditions

@@ -1,0 +1,158 @@
+"""Intervals of means over people and of shares of trials, with people as what varies.
+
+Many trials of one person tell less than as many of different people; all intervals here know it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import inf, nan, sqrt
+
+import numpy as np
+
+LEVEL = 0.95
+"""Probability that an interval covers the truth."""
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A number with its interval; nan where it cannot be told."""
+
+    value: float
+    low: float
+    high: float
+
+
+def t_quantile(freedom: float) -> float:
+    """Of Student's t, two-sided, for `LEVEL`; infinite without degrees of freedom."""
+    from scipy import stats
+
+    return float(stats.t.ppf(0.5 + LEVEL / 2, freedom)) if freedom > 0 else inf
+
+
+def mean_interval(values: Sequence[float]) -> Estimate:
+    """A mean over people, with Student's interval; without one for a single person."""
+    x = np.asarray(values, dtype=float)
+    x = x[np.isfinite(x)]
+    if not len(x):
+        return Estimate(nan, nan, nan)
+    if len(x) < 2:
+        return Estimate(float(x[0]), nan, nan)
+    half = t_quantile(len(x) - 1) * float(x.std(ddof=1)) / sqrt(len(x))
+    return Estimate(float(x.mean()), float(x.mean()) - half, float(x.mean()) + half)
+
+
+def within_intervals(table: np.ndarray) -> list[Estimate]:
+    """Means of conditions with intervals for comparing them: differences between people taken out.
+
+    Cousineau 2005, corrected as in Morey 2008. People who lack a condition are left out of the
+    half-widths, not of the means.
+
+    Args:
+        table: (people, conditions); nan for what somebody lacks.
+    """
+    means = [mean_interval(column[np.isfinite(column)]) for column in table.T]
+    whole = table[np.isfinite(table).all(axis=1)]
+    people, count = whole.shape
+    if people < 2 or count < 2:
+        return means
+    centred = whole - whole.mean(axis=1, keepdims=True) + whole.mean()
+    spread = centred.std(axis=0, ddof=1) * sqrt(count / (count - 1))
+    halves = t_quantile(people - 1) * spread / sqrt(people)
+    return [Estimate(m.value, m.value - h, m.value + h)
+            for m, h in zip(means, halves, strict=True)]  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Share:
+    """A share of trials.
+
+    Attributes:
+        value: Mean over people of their own shares.
+        low, high: Wilson's interval with `effective` trials.
+        effective: As many independent trials would tell as much.
+    """
+
+    value: float
+    low: float
+    high: float
+    effective: float
+
+
+def share(rates: Sequence[float], trials: Sequence[int], effect: float = 1.0) -> Share:
+    """A share of trials of several people, with Wilson's interval for clustered trials.
+
+    The number of trials is divided by the design effect, as in Saha, Miller and Wang 2016; the
+    quantile is Student's, as people are few.
+
+    Args:
+        rates: Everybody's own share.
+        trials: Everybody's trials.
+        effect: Design effect to be assumed where the rates do not tell: all 0 or all 1.
+    """
+    x, n = np.asarray(rates, dtype=float), np.asarray(trials, dtype=float)
+    people, total = len(x), float(n.sum())
+    if not people:
+        return Share(nan, nan, nan, 0.0)
+    p = float(x.mean())
+    if people < 2:
+        # One person's trials tell about that person.
+        low, high = _wilson(p, total, t_quantile(1e6))
+        return Share(p, low, high, total)
+    spread = float(x.var(ddof=1)) / people
+    effective = total / max(effect, 1.0)
+    if spread > 0.0 and 0.0 < p < 1.0:
+        effective = min(total, p * (1.0 - p) / spread)
+    low, high = _wilson(p, effective, t_quantile(people - 1))
+    return Share(p, low, high, effective)
+
+
+def design_effect(rates: Sequence[float], trials: Sequence[int]) -> float:
+    """Variance of a share over that of as many independent trials; at least 1."""
+    x, n = np.asarray(rates, dtype=float), np.asarray(trials, dtype=float)
+    if len(x) < 2:
+        return 1.0
+    p = float(x.mean())
+    if not 0.0 < p < 1.0:
+        return 1.0
+    return max(1.0, float(x.var(ddof=1)) / len(x) * float(n.sum()) / (p * (1.0 - p)))
+
+
+def _wilson(p: float, n: float, z: float) -> tuple[float, float]:
+    if n <= 0:
+        return 0.0, 1.0
+    middle = (p + z * z / (2 * n)) / (1 + z * z / n)
+    half = z * sqrt(p * (1 - p) / n + z * z / (4 * n * n)) / (1 + z * z / n)
+    # Rounding must not put the share itself outside.
+    return min(max(0.0, middle - half), p), max(min(1.0, middle + half), p)
+
+
+def difference(a: Share, b: Share, correlation: float = 0.0) -> Estimate:
+    """`a` less `b`, with the limits of both put together: Newcombe 1998, Zou and Donner 2008.
+
+    Never of width zero, also where everybody always succeeded.
+
+    Args:
+        a, b: Shares.
+        correlation: Of people's shares; 0 for different people.
+    """
+    d = a.value - b.value
+
+    def reach(x: float, y: float) -> float:
+        return sqrt(max(0.0, x * x + y * y - 2.0 * correlation * x * y))
+
+    low = d - reach(a.value - a.low, b.high - b.value)
+    high = d + reach(a.high - a.value, b.value - b.low)
+    return Estimate(d, max(-1.0, low), min(1.0, high))
+
+
+def holm(ps: Sequence[float]) -> list[float]:
+    """P values adjusted for how many they are (Holm 1979); nan stays."""
+    known = sorted((p, i) for i, p in enumerate(ps) if np.isfinite(p))
+    out = [nan] * len(ps)
+    worst = 0.0
+    for rank, (p, i) in enumerate(known):
+        worst = max(worst, min(1.0, p * (len(known) - rank)))
+        out[i] = worst
+    return out
