@@ -18,6 +18,8 @@ MESSAGES_PER_SECOND, BURST = 240.0, 240.0
 """Touches at 120 Hz, acknowledgements at 60 Hz and beats are 185 a second."""
 PATIENCE = 240
 """Messages that are refused before the connection is closed."""
+MOST_WORDS = 512
+"""Messages that may wait for a page that does not read: echoes for minutes. Then it is let go."""
 
 
 class Client:
@@ -50,6 +52,7 @@ class Client:
         self._words: deque[tuple[bytes, bool]] = deque()
         self._skins: tuple[bytes, ...] = ()
         self._newest: bytearray | None = None
+        self._deaf = False
         self._sent = self._acknowledged = 0
         self._news = asyncio.Event()
         self.sent_at: dict[int, float] = {}
@@ -61,8 +64,13 @@ class Client:
 
     def say(self, message: bytes, text: bool = True) -> None:
         """Queues a JSON message, or bytes; all are sent, in order, before any later frame."""
-        self._words.append((message, text))
-        self._news.set()
+        if len(self._words) < MOST_WORDS:
+            self._words.append((message, text))
+            self._news.set()
+        elif not self._deaf:
+            self._deaf = True
+            self._counters.add("page that does not read")
+            self.connection.transport.abort()
 
     def dress(self, skins: Sequence[bytes]) -> None:
         """Queues the hands' skins that the page does not have already."""

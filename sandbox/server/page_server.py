@@ -25,6 +25,7 @@ from sandbox.server.access import Access
 from sandbox.server.audience import GREETING, MOST_CLIENTS, Audience
 from sandbox.server.counters import Counters
 from sandbox.server.describe import BodyPoses, state_of
+from sandbox.server.door import Door, watched
 from sandbox.server.frames import pack
 from sandbox.server.latency import LatencyLog
 from sandbox.server.protocol import (
@@ -92,6 +93,7 @@ class PageServer:
     ) -> None:
         self.counters, self.latency = Counters(), LatencyLog()
         self._tls, self._token = tls, token
+        self._door = Door(self.counters)
         self._files = files or StaticFiles()
         self._audience = Audience(tasks, version, self.counters, self.latency, study)
         self._shown: _Shown | None = None
@@ -235,7 +237,7 @@ class PageServer:
                 close_timeout=1,
                 server_header=None,
                 logger=_silent_logger(),
-                create_connection=_counted_connection(self.counters),
+                create_connection=watched(self._door),
             )
         except OSError as error:
             self._ready.put(error)
@@ -265,10 +267,11 @@ class PageServer:
         if reason:
             self.counters.add(f"wrong {reason}")
             return plain(HTTPStatus.FORBIDDEN, "This link is not valid. Scan the code again.")
+        full = wants_socket and len(self._audience) >= 2 * MOST_CLIENTS
+        if full or not self._door.let_in(connection):
+            self.counters.add("too many clients")
+            return plain(HTTPStatus.SERVICE_UNAVAILABLE, "Too many pages are open.")
         if wants_socket:
-            if len(self._audience) >= 2 * MOST_CLIENTS:
-                self.counters.add("too many clients")
-                return plain(HTTPStatus.SERVICE_UNAVAILABLE, "Too many pages are open.")
             return None
         origin = f"{'wss' if self._tls else 'ws'}://{hosts[0]}"
         return self._files.response(urlsplit(request.path).path, origin, self.access.token)
@@ -301,18 +304,6 @@ def _silent_logger() -> logging.Logger:
     logger = logging.Logger("hand_sandbox.page")
     logger.addHandler(logging.NullHandler())
     return logger
-
-
-def _counted_connection(counters: Counters) -> type[ServerConnection]:
-    """A kind of connection that is counted if it ends before it made a request."""
-
-    class Counted(ServerConnection):
-        def connection_lost(self, exc: Exception | None) -> None:
-            if self.request is None:
-                counters.add("failed handshake")
-            super().connection_lost(exc)
-
-    return Counted
 
 
 def tls_context(certificate: str, key: str) -> ssl.SSLContext:

@@ -1,0 +1,202 @@
+"""Strangers and sluggards at the page's door: the session goes on, and each of them is counted.
+
+The quick runs take a second; ten times as long with `--full`.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import gc
+import os
+import resource
+import socket
+import sys
+import time
+from collections import deque
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from urllib.parse import urlsplit
+
+import pytest
+
+from sandbox.live import LiveSession
+from sandbox.server.client import MOST_WORDS, Client
+from sandbox.server.counters import Counters
+from sandbox.server.door import MOST_GUESTS, MOST_STRANGERS
+from sandbox.server.page_server import PageServer
+from tests.page_client import Page
+from tests.test_page_server import Stage, opened, wait_for
+
+QUICK, FULL = 1_000, 10_000
+"""Connections, one a millisecond."""
+
+STAYING = 800
+"""Of them, that are there at once as far as they decide."""
+WARM = 400
+MEGABYTE = 2**20
+
+needs_proc = pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
+
+
+@pytest.fixture
+def stage() -> Iterator[Stage]:
+    server = PageServer()
+    yield opened(server)
+    server.close()
+
+
+@pytest.fixture
+def live(stage: Stage) -> Iterator[LiveSession]:
+    """The stage's session, running in real time."""
+    # It must outlast the test, whatever the time limit of its task.
+    scorer = stage.session.scorer
+    scorer.update = lambda *_: scorer.score  # type: ignore[method-assign]
+    live = LiveSession(stage.session, stage.server.publish, news=stage.device.news)
+    live.start()
+    yield live
+    live.stop()
+
+
+def words(url: str) -> list[bytes]:
+    """What strangers say: nothing, half a request, garbage, no token, and a foreign page's."""
+    parts = urlsplit(url)
+    start = f"GET / HTTP/1.1\r\nHost: {parts.netloc}\r\n"
+    foreign = (
+        f"GET {parts.path}?{parts.query} HTTP/1.1\r\nHost: {parts.netloc}\r\n"
+        "Upgrade: websocket\r\nConnection: Upgrade\r\nOrigin: http://evil.example\r\n"
+        "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n"
+    )
+    return [b"", start.encode(), b"\x00\xff" * 32 + b"\r\n\r\n", f"{start}\r\n".encode(),
+            foreign.encode()]  # fmt: skip
+
+
+def storm(url: str, count: int) -> float:
+    """So many strangers, one a millisecond, each of whom stays for a while; s that it took."""
+    parts = urlsplit(url)
+    said = words(url)
+    links: deque[socket.socket] = deque()
+    start = time.monotonic()
+    for n in range(count):
+        time.sleep(max(0.0, start + 0.001 * n - time.monotonic()))
+        link = socket.create_connection((parts.hostname, parts.port), timeout=20.0)
+        links.append(link)
+        # Whoever is turned away in the middle of a sentence is turned away all the same.
+        with contextlib.suppress(OSError):
+            link.sendall(said[n % len(said)])
+        if len(links) > STAYING:
+            links.popleft().close()
+    took = time.monotonic() - start
+    for link in links:
+        link.close()
+    return took
+
+
+def memory() -> int:
+    """Bytes in memory."""
+    gc.collect()
+    with open("/proc/self/statm") as text:
+        return int(text.read().split()[1]) * resource.getpagesize()
+
+
+def handles() -> int:
+    return len(os.listdir("/proc/self/fd"))
+
+
+def a_storm_is_weathered(stage: Stage, live: LiveSession, count: int) -> None:
+    url, counters = stage.server.url, stage.server.counters
+
+    def counted() -> int:
+        return sum(counters.as_dict().values())
+
+    with Page(url) as page, ProcessPoolExecutor(1, get_context("spawn")) as others:
+        page.until("scene")
+        # Whatever is made once is there before memory is looked at.
+        others.submit(storm, url, WARM).result()
+        assert wait_for(lambda: counted() == WARM), counters.as_dict()
+        before, handles_before, step = memory(), handles(), stage.session.step
+        attack = others.submit(storm, url, count)
+        answered = most = 0
+        while not attack.done():
+            seq = page.touch((1, 2.0 + 0.001 * (answered % 50), 2.0))
+            while page.until("frame")["touch"] < seq:
+                pass
+            answered += 1
+            most = max(most, handles())
+        print(f"{count} in {attack.result():.1f} s, {answered} touches answered meanwhile")
+        assert answered > count / 200, "the player's touches are answered all the while"
+        assert stage.session.step > step
+        assert wait_for(lambda: counted() >= WARM + count), counters.as_dict()
+        assert counted() == WARM + count, "each of them once"
+        # The system hands over a hundred at once, and who is sent away goes a moment later.
+        assert most - handles_before <= MOST_STRANGERS + 300
+        assert memory() - before < 24 * MEGABYTE
+        assert not live.over
+        with Page(url, "late", role="spectator") as late:
+            late.until("frame")
+
+
+@needs_proc
+def test_a_thousand_strangers_a_second_are_counted_and_the_session_goes_on(stage, live):
+    a_storm_is_weathered(stage, live, QUICK)
+
+
+@needs_proc
+@pytest.mark.full
+def test_a_thousand_strangers_a_second_for_ten_seconds_change_nothing(stage, live):
+    a_storm_is_weathered(stage, live, FULL)
+
+
+def asks_and_never_listens(url: str) -> socket.socket:
+    """Somebody with the token who fetches the page's largest file and never reads it."""
+    parts = urlsplit(url)
+    link = socket.create_connection((parts.hostname, parts.port), timeout=5.0)
+    link.sendall(f"GET /app.js?{parts.query} HTTP/1.1\r\nHost: {parts.netloc}\r\n\r\n".encode())
+    return link
+
+
+def test_pages_that_do_not_read_cost_the_others_nothing(stage, live):
+    """They say hello, take no frame, and ask for echoes that they do not read."""
+    sluggards = [Page(stage.server.url, f"slow {n}", role="spectator") for n in range(4)]
+    with Page(stage.server.url, "quick") as page:
+        page.until("scene")
+        for k in range(60):
+            for sluggard in sluggards:
+                sluggard.say(type="beat", t=float(k))
+            seq = page.touch((1, 2.0 + 0.001 * k, 2.0))
+            while page.until("frame")["touch"] < seq:
+                pass
+        assert stage.server.clients == 5
+    for sluggard in sluggards:
+        sluggard.socket.socket.shutdown(socket.SHUT_RDWR)
+        sluggard.close()
+    assert wait_for(lambda: stage.server.clients == 0)
+
+
+def test_what_waits_for_a_page_that_does_not_read_is_bounded() -> None:
+    counters, aborted = Counters(), []
+
+    class Transport:
+        def abort(self) -> None:
+            aborted.append(True)
+
+    class Connection:
+        transport = Transport()
+
+    client = Client(Connection(), counters, time.monotonic)  # type: ignore[arg-type]
+    for _ in range(3 * MOST_WORDS):
+        client.say(b"echo")
+    assert len(client._words) == MOST_WORDS
+    assert aborted == [True]
+    assert counters.as_dict() == {"page that does not read": 1}
+
+
+@needs_proc
+def test_files_that_are_fetched_and_not_read_take_a_bounded_place(stage, live):
+    before = memory()
+    links = [asks_and_never_listens(stage.server.url) for _ in range(120)]
+    assert wait_for(lambda: memory() - before < MOST_GUESTS * MEGABYTE)
+    for link in links:
+        link.close()
+    with Page(stage.server.url) as page:
+        page.until("frame")
