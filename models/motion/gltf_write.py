@@ -1,7 +1,8 @@
 """Writes skinned hands in motion as one binary glTF 2.0 file (.glb), key by key.
 
-Metres, up is +y. Joints are nodes below one another, each in its own frame; a turned node above the
-wrist makes our z up theirs. Keys are linear: quaternions for every joint, the wrist's place besides.
+Metres, up is +y. Joints are nodes below one another, each in its own frame; a turned node above
+the wrist makes our z up theirs. Keys are linear: a quaternion for every joint, and the wrist's
+place.
 A file's description comes before its numbers, and a joint's numbers lie side by side: until the end
 every channel waits in a temporary file of its own.
 """
@@ -160,7 +161,8 @@ class GltfWriter(MotionWriter):
         """Channels, in the order in which their numbers follow."""
         last = float(np.float32((self.frames - 1) / self._rate))
         time = arrays.append(self.frames, FLOAT, "SCALAR", min=[0.0], max=[last])
-        samplers, channels = [], []
+        samplers: list[dict[str, Any]] = []
+        channels: list[dict[str, Any]] = []
         for i, armature in enumerate(self._armatures):
             paths = [("translation", 0, "VEC3")]
             paths += [("rotation", j, "VEC4") for j in range(len(armature.names))]

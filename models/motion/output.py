@@ -16,6 +16,9 @@ from models.motion.armature import Keys
 
 Array = NDArray[np.float64]
 
+NUMBER = "%.6f"
+"""Of text formats in cm and degrees: what is rounded off is less than 1e-7 m at a fingertip."""
+
 
 class Output:
     """A file that is written under another name, and gets its own when it is whole.
@@ -93,6 +96,7 @@ class MotionWriter(ABC):
     def write(self, *hands: Keys) -> None:
         """Appends the same moments of every hand."""
 
+    @abstractmethod
     def finish(self) -> None:
         """Completes what could not be known before the end."""
 
@@ -140,16 +144,11 @@ def checked_rate(rate: float) -> float:
     return rate
 
 
-def rows(values: Array, line: str) -> bytes:
+def rows(values: Array, line: str, decimals: int = 6) -> bytes:
     """Rows (n, k) as text, each by the same pattern of k numbers.
 
     All rows at once, which takes a third of the time of one after the other.
     """
     # Zero has no sign in a text.
-    rounded = np.round(values, DECIMALS) + 0.0
+    rounded = np.round(values, decimals) + 0.0
     return (line * len(rounded) % tuple(rounded.ravel().tolist())).encode("ascii")
-
-
-DECIMALS = 6
-"""Of the text formats: a millionth of a centimetre and of a degree, less than 1e-8 m at a tip."""
-NUMBER = f"%.{DECIMALS}f"

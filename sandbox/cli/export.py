@@ -19,6 +19,7 @@ from sandbox.cli.parse import parse
 from sandbox.export.sources import open_source
 from sandbox.export.targets import Exporter, ExportSettings, format_of
 
+Finger = Literal["thumb", "index", "middle", "ring", "little"]
 Order = Literal["XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"]
 
 
@@ -67,7 +68,7 @@ class ExportOptions:
     points: Literal["tips", "joints"] = "tips"
     """What .c3d and .csv hold: fingertips, or joints and wrist, too."""
 
-    fingers: tuple[Literal["thumb", "index", "middle", "ring", "little"], ...] = FINGERS
+    fingers: tuple[Finger, ...] = ("thumb", "index", "middle", "ring", "little")
     """Whose points .c3d and .csv hold."""
 
     take: Annotated[int, tyro.conf.arg(metavar="N")] = 1

@@ -1,1 +1,1 @@
-"""Hands in motion, out of recordings, captures and running sessions, into files of other programs."""
+"""Hands in motion: out of recordings, captures and sessions, into other programs' files."""

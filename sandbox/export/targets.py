@@ -11,8 +11,16 @@ from typing import Self
 
 from models.errors import InputError
 from models.motion.armature import Armature, Keys
+from models.motion.asf_write import AmcWriter
+from models.motion.bvh_write import BvhWriter
+from models.motion.c3d_write import C3dWriter
+from models.motion.gltf_write import GltfWriter
 from models.motion.output import MotionWriter
+from models.motion.points import HandPoints
+from models.motion.points_csv import PointsCsvWriter
 from models.motion.sampling import Poses, Sampler
+from models.motion.vicon_v_write import VWriter
+from models.motion.vsk_write import VskWriter
 
 
 @dataclass(frozen=True)
@@ -36,19 +44,51 @@ Maker = Callable[[Path, Sequence[Armature], Sequence[str], ExportSettings], Moti
 
 
 def _bvh(
-    path: Path, armatures: Sequence[Armature], names: Sequence[str], settings: ExportSettings
+    path: Path, hands: Sequence[Armature], names: Sequence[str], settings: ExportSettings
 ) -> MotionWriter:
-    from models.motion.bvh_write import BvhWriter
-
-    return BvhWriter(path, armatures[0], settings.rate, settings.euler)
+    return BvhWriter(path, hands[0], settings.rate, settings.euler)
 
 
 def _glb(
-    path: Path, armatures: Sequence[Armature], names: Sequence[str], settings: ExportSettings
+    path: Path, hands: Sequence[Armature], names: Sequence[str], settings: ExportSettings
 ) -> MotionWriter:
-    from models.motion.gltf_write import GltfWriter
+    return GltfWriter(path, tuple(hands), settings.rate, tuple(f"{n} hand" for n in names))
 
-    return GltfWriter(path, tuple(armatures), settings.rate, tuple(f"{n} hand" for n in names))
+
+def _amc(
+    path: Path, hands: Sequence[Armature], names: Sequence[str], settings: ExportSettings
+) -> MotionWriter:
+    return AmcWriter(path, hands[0], settings.rate)
+
+
+def _v(
+    path: Path, hands: Sequence[Armature], names: Sequence[str], settings: ExportSettings
+) -> MotionWriter:
+    return VWriter(path, hands[0], settings.rate, names[0])
+
+
+def _vsk(
+    path: Path, hands: Sequence[Armature], names: Sequence[str], settings: ExportSettings
+) -> MotionWriter:
+    return VskWriter(path, hands[0])
+
+
+def _c3d(
+    path: Path, hands: Sequence[Armature], names: Sequence[str], settings: ExportSettings
+) -> MotionWriter:
+    return C3dWriter(path, _points(hands, names, settings), settings.rate)
+
+
+def _csv(
+    path: Path, hands: Sequence[Armature], names: Sequence[str], settings: ExportSettings
+) -> MotionWriter:
+    return PointsCsvWriter(path, _points(hands, names, settings), settings.rate)
+
+
+def _points(
+    hands: Sequence[Armature], names: Sequence[str], settings: ExportSettings
+) -> HandPoints:
+    return HandPoints(hands, names, settings.points == "joints", settings.fingers)
 
 
 @dataclass(frozen=True)
@@ -69,6 +109,12 @@ class Format:
 FORMATS: dict[str, Format] = {
     ".bvh": Format(_bvh, False, "skeleton and motion, y up, cm, degrees"),
     ".glb": Format(_glb, True, "skinned hands in motion, y up, m, quaternions"),
+    ".amc": Format(_amc, False, "motion, with its skeleton in .asf; y up, cm, degrees"),
+    ".asf": Format(_amc, False, "the same"),
+    ".v": Format(_v, False, "motion, with its skeleton in .vsk; z up, mm, rad"),
+    ".vsk": Format(_vsk, False, "the skeleton alone"),
+    ".c3d": Format(_c3d, True, "points in motion, z up, mm"),
+    ".csv": Format(_csv, True, "points in motion, z up, m"),
 }
 
 
