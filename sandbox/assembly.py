@@ -155,8 +155,7 @@ def build(
     for person, surface, in_air in zip(persons, surfaces, settings.in_airs, strict=True):
         if in_air is not None:
             rate = reconstructor_settings(settings).rate
-            found = in_air.reconstructor(person, surface, rate)
-            made.append(wear(found) if wear else found)
+            made.append(in_air.reconstructor(person, surface, rate))
             continue
 
         def trained_hand(surface: Surface) -> TouchReconstructor:

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.errors import InputError, RecordingError
-from models.frames import Frame
+from models.frames import Frame, TouchFrame
 from models.scene import CONTROL_PERIOD
 from sandbox.recorded_frames import frame_from_json, frame_to_json
 from sandbox.track import Track, TrackWriter, read_line
@@ -220,6 +220,21 @@ class Recording:
     track: Track = field(default_factory=Track)
     end: dict[str, Any] | None = None
     damage: str = ""
+
+    def touches(self, hand: int = 0) -> list[TouchFrame]:
+        """The touch frames of a hand.
+
+        Raises:
+            RecordingError: It was moved in the air.
+        """
+        frames = [entry.frame for entry in self.inputs.get(hand, [])]
+        found = [frame for frame in frames if isinstance(frame, TouchFrame)]
+        if len(found) < len(frames):
+            raise RecordingError(
+                "this recording is of a hand in the air, and has no touches", where=str(self.path),
+                remedy="`sandbox run` and `sandbox replay` play it",
+            )  # fmt: skip
+        return found
 
 
 def is_recording(path: Path) -> bool:

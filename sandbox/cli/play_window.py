@@ -213,7 +213,9 @@ class WindowPlay:
 
         make = with_first(make_one, beside_page) if self.share else make_one
         # Spoiled frames carry the session's time, in which nothing can be late.
-        measured = chosen.live and not chosen.settings.variation.spoils
+        # Nobody knows what a Leap's clock has to do with this machine's.
+        spoils = chosen.settings.variation.spoils
+        measured = chosen.live and not spoils and chosen.settings.in_air is None
         return with_first(make, lambda maker: timed(maker, timing)) if measured else make
 
     def _open_window(self, session: Session, chosen: Plan) -> Window:

@@ -9,9 +9,17 @@ from typing import Annotated, Any, Literal
 import tyro
 
 from models.errors import InputError
-from models.hand import IMPULSE_PROFILES
 from models.surface import Surface, parse_surface
 from sandbox.assembly import DeviceMaker
+from sandbox.cli.impulse import impulse_limit
+from sandbox.cli.leap_devices import (
+    LeapOptions,
+    from_one,
+    is_leap,
+    leap_maker,
+    over_one,
+    with_leaps,
+)
 from sandbox.cli.second_hand import SecondOptions, with_second
 from sandbox.cli.touch_devices import is_evdev, live_maker, native_surface, open_file
 from sandbox.devices.device import Device
@@ -49,16 +57,19 @@ _PARTS: dict[str, dict[str, Any]] = {
 
 
 @dataclass(frozen=True)
-class SceneOptions(SecondOptions):
+class SceneOptions(LeapOptions, SecondOptions):
     """What runs, and how."""
 
     task: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="TASK")] = "box-to-goal"
     """Task to do; `sandbox` lists them. Or FILE.py with one of your own."""
 
-    device: Annotated[str, tyro.conf.arg(metavar="{simulated,tuio,mouse,evdev,FILE}")] = "simulated"
+    device: Annotated[str, tyro.conf.arg(metavar="{simulated,tuio,mouse,evdev,leap,FILE}")] = (
+        "simulated"
+    )
     """Where touches come from: the simulated user, a TUIO sender, the mouse in the window, a touch
     screen of this Linux machine, a device of your own (docs/write-a-device.md), or a file: a
-    recording of ours, what `touches record` wrote, or a capture of TUIO packets."""
+    recording of ours, what `touches record` wrote, or a capture of TUIO packets. Or a hand in the
+    air, over a Leap: leap, leap-simulated[:v1], or a Leap recording, .json or .json.lz."""
 
     encoder: Annotated[
         str, tyro.conf.arg(metavar="{paper,linear,quadratic,cubic,pca-ik,best,FILE}")
@@ -175,6 +186,9 @@ def plan(options: SceneOptions) -> Plan:
     """
     recording = _recording(options.device)
     settings = with_second(_settings(options, recording), options, options.device, recording)
+    if recording is None:
+        played = _recording(options.second_device) if options.second_device else None
+        settings = with_leaps(settings, options, played)
     first = _plan(options, recording, settings, 0)
     second = settings.second
     if second is None:
@@ -183,6 +197,10 @@ def plan(options: SceneOptions) -> Plan:
     more = replace(options, device=other, port=options.port and options.port + 1)
     if options.second_user:
         more = replace(more, user=options.second_user)
+    if from_one(options):
+        next_ = _plan(more, None, settings, 1)
+        two = (first.make_device, next_.make_device) if "user" in next_.about else None
+        return replace(first, make_device=over_one(two, first.make_device, settings))
     alone = second.shared and recording is None and options.device != "simulated"
     if alone:
         return replace(first, make_device=sharing(first.make_device, settings, first.opened))
@@ -220,6 +238,12 @@ def _plan(
             )
 
         return _keeping(settings, about, False, simulated, hand)
+    if is_leap(options.device):
+        user = _user(options)
+        opens = leap_maker(options, settings, user, hand)
+        if options.device.startswith("leap-simulated"):
+            about["user"] = user.as_json()
+        return _keeping(settings, about, options.device == "leap", opens, hand)
     maker = live_maker(options)
     if maker is not None:
         live = maker
@@ -269,14 +293,16 @@ def _keeping(
 
 def _recording(device: str) -> Recording | None:
     path = Path(device)
-    if device in ("simulated", "tuio", "mouse", "web") or (not path.exists() and _live(device)):
+    if device in ("simulated", "tuio", "mouse", "web") or is_leap(device):
+        return None
+    if not path.exists() and _live(device):
         return None
     if not path.exists():
         raise InputError(
             "there is no such device or file",
             where="--device",
             got=device,
-            expected="simulated, tuio, mouse, web, evdev or a file",
+            expected="simulated, tuio, mouse, web, evdev, leap, leap-simulated or a file",
             remedy="`sandbox touches formats` lists the files that play as devices",
         )
     return load_recording(path) if is_recording(path) else None
@@ -305,7 +331,7 @@ def _settings(options: SceneOptions, recording: Recording | None) -> RunSettings
     values: dict[str, Any] = {
         "encoder": options.encoder,
         "servo": options.servo,
-        "impulse": _impulse(options.impulse),
+        "impulse": impulse_limit(options.impulse),
         "contact": options.contact,
     }
     if options.encoder == "paper" or options.bare:
@@ -347,23 +373,6 @@ def _defaults_apart_from_input(options: SceneOptions) -> bool:
     )
     person = ("hand", "hand_size", "turn", "profile")
     return all(getattr(options, k) == getattr(plain, k) for k in (*pipeline, *person))
-
-
-def _impulse(text: str) -> float:
-    if text in IMPULSE_PROFILES:
-        return IMPULSE_PROFILES[text]
-    try:
-        value = float(text)
-        if not 0 < value < float("inf"):
-            raise ValueError
-    except ValueError:
-        raise InputError(
-            "this is no impulse limit",
-            where="--impulse",
-            got=text,
-            expected="paper, safe or a positive number of N s per 1/60 s",
-        ) from None
-    return value
 
 
 def _user(options: SceneOptions) -> UserConfiguration:

@@ -176,7 +176,7 @@ def _recording(path: Path, surface: Surface | None) -> Opened | None:
         return None
     recording = load_recording(path)
     told = recording.header["settings"].get("surface_in")
-    frames = [entry.frame for entry in recording.inputs.get(0, [])]
+    frames = recording.touches()
     damage = RecordingError(recording.damage, where=str(path)) if recording.damage else None
     size = Surface(float(told[0]), float(told[1])) if told else guessed_surface()
     return Opened(FramesDevice(frames, damage), surface or size)

@@ -33,8 +33,7 @@ def read_touch_log(path: Path, surface: Surface | None) -> tuple[TouchLog, str]:
     """
     if is_recording(path):
         recording = load_recording(path)
-        inputs = recording.inputs.get(0, [])
-        return _log((entry.frame for entry in inputs), path), recording.damage
+        return _log(recording.touches(), path), recording.damage
     head = first_line(path)
     if "hex" in head:
         if surface is None:

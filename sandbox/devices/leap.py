@@ -37,12 +37,21 @@ _FIRST_PAUSE, _LONGEST_PAUSE = 0.1, 2.0
 
 
 class LeapFileDevice:
-    """Plays a recording as the device it was taken from; time 0 is its first frame."""
+    """Plays a recording as the device it was taken from; time 0 is its first frame.
+
+    Args:
+        recording: Read by `read_leap`.
+
+    Attributes:
+        damage: What ended the file early; None where it is whole.
+    """
 
     name = "leap recording"
+    has_lift = True
 
     def __init__(self, recording: LeapRecording) -> None:
         self._recording = recording
+        self.damage = recording.damage
         self._next = 0
 
     @property
@@ -78,6 +87,7 @@ class LeapDevice:
     """
 
     name = "leap"
+    has_lift = True
     finished = False
 
     def __init__(self, address: str = DEFAULT_ADDRESS) -> None:
@@ -85,7 +95,7 @@ class LeapDevice:
             raise DeviceError(
                 "this is no WebSocket address", where="--leap", got=address, expected="ws://..."
             )
-        self.address = address
+        self.url = address
         self._decoder = LeapDecoder("leap")
         self._frames: deque[HandFrame] = deque()
         self._news = threading.Condition()
@@ -140,7 +150,7 @@ class LeapDevice:
 
     def _listen(self) -> None:
         with connect(
-            self.address,
+            self.url,
             open_timeout=3.0,
             close_timeout=1.0,
             max_size=LARGEST_MESSAGE,

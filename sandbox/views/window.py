@@ -16,7 +16,7 @@ from PIL import Image
 from models.errors import HandSandboxError
 from models.scene import Scene
 from models.surface import Surface
-from sandbox.devices.device import Device
+from sandbox.devices.device import Device, HandDevice
 from sandbox.devices.lift_keys import LiftKeys
 from sandbox.devices.merged import parts_of
 from sandbox.devices.mouse import MouseDevice
@@ -140,7 +140,7 @@ class Window:
         if before is not None:
             self._renderer.shadows = before.shadows
 
-    def attach(self, device: Device) -> None:
+    def attach(self, device: Device | HandDevice) -> None:
         """Lets mouse and keys drive a device, as far as it is one that they can drive."""
         parts = parts_of(device)
         self._lift = next((part for part in parts if isinstance(part, LiftKeys)), None)

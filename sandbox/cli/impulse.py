@@ -1,0 +1,28 @@
+"""The limit of every servo on the command line: a profile's name, or a number."""
+
+from __future__ import annotations
+
+from models.errors import InputError
+from models.hand import IMPULSE_PROFILES
+
+
+def impulse_limit(text: str) -> float:
+    """N s per 1/60 s.
+
+    Raises:
+        InputError: The text is neither a profile nor a positive number.
+    """
+    if text in IMPULSE_PROFILES:
+        return IMPULSE_PROFILES[text]
+    try:
+        value = float(text)
+        if not 0 < value < float("inf"):
+            raise ValueError
+    except ValueError:
+        raise InputError(
+            "this is no impulse limit",
+            where="--impulse",
+            got=text,
+            expected="paper, safe or a positive number of N s per 1/60 s",
+        ) from None
+    return value

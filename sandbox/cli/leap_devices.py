@@ -1,0 +1,219 @@
+"""Hands in the air on the command line: which devices are 3-D ones, and what they need."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Annotated, Any, cast
+
+import tyro
+from rich.console import Console
+from rich.text import Text
+
+from encoders.paalm import Paalm
+from encoders.paalm.average import average_calibration
+from encoders.paalm.calibration import HandCalibration
+from encoders.paalm.calibration_file import read_calibration
+from encoders.paalm.eye import DIALECTS
+from models.errors import DeviceError, EncoderError, InputError
+from models.surface import Surface
+from sandbox.devices.device import Device
+from sandbox.devices.leap import DEFAULT_ADDRESS, LeapDevice, LeapFileDevice
+from sandbox.devices.leap_file import LeapRecording, read_leap
+from sandbox.devices.leap_user import SimulatedLeap
+from sandbox.devices.shared_leap import BothOver, SharedLeap
+from sandbox.hand_input import UNDER, HandInput
+from sandbox.recording import Recording
+from sandbox.settings import RunSettings
+from sandbox.two_hands import DeviceMaker, PerHand
+from tasks.simulated_user.configuration import UserConfiguration
+from tasks.task import Task
+
+LIVE, SIMULATED = "leap", "leap-simulated"
+SUFFIXES = (".json", ".lz")
+"""Of Leap recordings; touches are in files of other names."""
+PATIENCE = 3.0
+"""s that a live device has to say something."""
+OPEN_FRAMES = 100
+"""Frames of a recorded open hand that measure it, as in `sandbox paalm show`."""
+
+
+@dataclass(frozen=True)
+class LeapOptions:
+    """Of hands in the air."""
+
+    leap: Annotated[str, tyro.conf.arg(metavar="URL")] = DEFAULT_ADDRESS
+    """Where --device leap finds leapd or the Ultraleap bridge."""
+
+    leap_at: Annotated[str, tyro.conf.arg(metavar="X,Y,Z")] = ",".join(f"{c:g}" for c in UNDER)
+    """Where the Leap is in the scene, m from the middle of the table's top: right, away, up. A hand
+    20 cm over the device is 10 cm over the table unless this says otherwise."""
+
+    calibration: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Your hand as `sandbox paalm calibrate --out FILE` measured it; without one, an average hand,
+    or what a recording's open hand or the device's own bones say."""
+
+
+def is_leap(device: str) -> bool:
+    """Whether a device's name means a 3-D one: `leap`, `leap-simulated`, or a Leap recording."""
+    if device == LIVE or device.partition(":")[0] == SIMULATED:
+        return True
+    path = Path(device)
+    return path.suffix in SUFFIXES and path.is_file()
+
+
+def from_one(options: Any) -> bool:
+    """Whether both hands, where there are two, are over the same device."""
+    return is_leap(options.device) and options.second_device in (None, options.device)
+
+
+def with_leaps(
+    settings: RunSettings, options: Any, second_recording: Recording | None
+) -> RunSettings:
+    """The settings with what has to be known of 3-D devices.
+
+    Args:
+        settings: Of both hands.
+        options: `LeapOptions` with `device` and `second_device`.
+        second_recording: What the second hand's device plays, where it is another recording.
+
+    Raises:
+        InputError: A place or a calibration cannot be used, or both hands are of one side.
+    """
+    if is_leap(options.device):
+        if settings.variation.spoils:
+            raise InputError("touches can be spoiled, hands in the air cannot", where="--vary")
+        settings = replace(settings, in_air=hand_input(options, options.device, settings.hand))
+    second = settings.second
+    if second is None:
+        return settings
+    other = options.second_device or options.device
+    if second_recording is not None:
+        played = RunSettings.from_json(second_recording.header["settings"])
+        in_air = played.in_airs[1 if 1 in second_recording.inputs else 0]
+    elif is_leap(other):
+        in_air = hand_input(options, other, second.hand)
+    else:
+        return settings
+    if from_one(options) and settings.hand == second.hand:
+        raise InputError(
+            "one Leap tells two hands by their sides", where="--hand", got=f"two {second.hand} ones"
+        )
+    shared = second.shared and in_air is None
+    return replace(settings, second=replace(second, in_air=in_air, shared=shared))
+
+
+def hand_input(options: LeapOptions, device: str, side: str) -> HandInput:
+    """Place and calibration of one hand.
+
+    Raises:
+        InputError: They cannot be used.
+    """
+    try:
+        x, y, z = map(float, options.leap_at.split(","))
+    except ValueError:
+        raise InputError(
+            "this is no place", where="--leap-at", got=options.leap_at, expected="X,Y,Z in m"
+        ) from None
+    found: HandCalibration | None = None
+    if options.calibration is not None:
+        known = read_calibration(options.calibration)
+        if side not in known:
+            raise InputError(
+                "this hand was not measured", where=f"--calibration {options.calibration}",
+                got=side, expected=", ".join(known),
+            )  # fmt: skip
+        found = known[side]
+    elif device == LIVE:
+        _say(f"no --calibration: your {side} hand is taken for an average one")
+    elif not device.startswith(SIMULATED):
+        found = _recorded(read_leap(Path(device)), side, device)
+    return HandInput.of((x, y, z), found)
+
+
+def leap_maker(options: Any, settings: RunSettings, user: UserConfiguration, hand: int) -> Any:
+    """What opens a 3-D device for one hand.
+
+    Args:
+        options: `LeapOptions` with `device`.
+        settings: Of the run.
+        user: Who moves the hand over a simulated device.
+        hand: Whose.
+
+    Raises:
+        InputError: There is no such dialect, or the file cannot be read.
+    """
+    device: str = options.device
+    if device == LIVE:
+        return lambda task, surface: _live(options.leap)
+    if not device.startswith(SIMULATED):
+        recording = read_leap(Path(device))
+        return lambda task, surface: LeapFileDevice(recording)
+    _, _, dialect = device.partition(":")
+    dialect = dialect or DIALECTS[0]
+    if dialect not in DIALECTS:
+        raise InputError(
+            "no such dialect of the Leap", where="--device", got=device,
+            expected=" or ".join(f"{SIMULATED}:{d}" for d in DIALECTS),
+        )  # fmt: skip
+    in_air = settings.in_airs[hand]
+    assert in_air is not None
+    person, at = settings.persons[hand], in_air.at
+    return lambda task, surface: SimulatedLeap(task, user, settings.seed, at, dialect, person, hand)
+
+
+def over_one(makers: tuple[Any, Any] | None, make: Any, settings: RunSettings) -> PerHand:
+    """Opens one device for both hands, split by side.
+
+    Args:
+        makers: Of two simulated people, who share one; None where a single device sees both.
+        make: Of the single device.
+        settings: Of the run.
+    """
+    parts: list[Device] = []
+    first_side, second_side = (person.hand for person in settings.persons)
+
+    def first(task: Task, surface: Surface) -> Device:
+        device = BothOver([m(task, surface) for m in makers]) if makers else make(task, surface)
+        shared = SharedLeap(device, (first_side, second_side))
+        parts[:] = [cast(Device, part) for part in shared.parts]
+        return parts[0]
+
+    def second(task: Task, surface: Surface) -> Device:
+        return parts[1]
+
+    found: tuple[DeviceMaker, ...] = (first, second)
+    return PerHand(found)
+
+
+def _live(address: str) -> LeapDevice:
+    device = LeapDevice(address)
+    if not device.wait(PATIENCE):
+        device.close()
+        raise DeviceError(
+            "the Leap service says nothing", where=address,
+            got=device.trouble or f"no frame for {PATIENCE:g} s",
+            remedy="Start leapd or the Ultraleap bridge, or try `sandbox leap fake FILE`",
+        )  # fmt: skip
+    return device
+
+
+def _recorded(recording: LeapRecording, side: str, name: str) -> HandCalibration:
+    """The hand of a recording: measured where it is held open, else an average one."""
+    sides = {h.side for f in recording.frames for h in f.hands}
+    if sides and None not in sides and side not in sides:
+        other = ", ".join(sorted(str(s) for s in sides))
+        raise InputError(
+            "this hand is not in the recording", where=name, got=side, expected=other,
+            remedy=f"--hand {other}",
+        )  # fmt: skip
+    paalm = Paalm()
+    try:
+        return paalm.calibrate(recording.frames, cast(Any, side), OPEN_FRAMES)[side]
+    except EncoderError as error:
+        _say(f"taken for an average hand, because {error}")
+        return average_calibration(recording.frames, side, paalm.options)
+
+
+def _say(text: str) -> None:
+    Console(stderr=True).print(Text(text, style="yellow"))
