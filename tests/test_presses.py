@@ -2,7 +2,8 @@
 
 A hand's fingertips lie as they do when it is about to grip, somewhere on the surface and turned.
 Its fingers come down, move and leave in any order, several at once now and then. The same story
-goes through TUIO 1.1, TUIO 2.0 and the page. The quick run is a tenth of the long one.
+goes through TUIO 1.1, TUIO 2.0, the page, and as pins through the mouse. The quick run is a tenth
+of the long one.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ import pytest
 from models.frames import TouchFrame
 from models.surface import METRES_PER_INCH, Surface
 from sandbox.devices.conformance import check_frames
-from sandbox.devices.mouse import default_hand
+from sandbox.devices.mouse import GRAB_RADIUS, MouseDevice, default_hand
 from sandbox.devices.tuio import touch_frame
 from sandbox.devices.tuio_senders import Tuio
 from sandbox.devices.web import WebDevice
@@ -163,6 +164,54 @@ def the_page_tells_all(events: int) -> None:
     assert not device.touched
 
 
+def the_mouse_tells_all(events: int) -> None:
+    """Every finger is a pin: shift and a click put it down, shift and a click on it lift it."""
+    device, frames = MouseDevice(SURFACE), []
+    down: dict[int, tuple[float, float]] = {}
+    rng, done = random.Random(13), 0
+    places = [(x * WIDTH, y * HEIGHT) for x, y in hand(rng)]
+    while done < events:
+        if not down and rng.random() < 0.3:
+            places = [(x * WIDTH, y * HEIGHT) for x, y in hand(rng)]
+        for finger in rng.sample(range(5), rng.choice((1, 1, 2, 5))):
+            near = [other for other in down if math.dist(down[other], places[finger]) < GRAB_RADIUS]
+            if finger not in down and near:
+                continue  # a click there would take hold of another finger
+            if finger in down and near != [finger]:
+                continue
+            done += 1
+            device.press(places[finger], pin=True)
+            if finger in down:
+                del down[finger]
+            else:
+                down[finger] = places[finger]
+            device.release()
+            frames += device.poll(0.0)
+            there = sorted((c.x, c.y) for c in frames[-1].contacts)
+            assert len(there) == len(down)
+            for got, wanted in zip(there, sorted(down.values()), strict=True):
+                assert math.dist(got, wanted) < 1e-9
+        fate = rng.random()
+        if fate < 0.05:
+            # A finger that is the pointer itself comes and goes beside those that stay.
+            corner = (0.0, 0.0) if all(math.dist(p, (0, 0)) > 0.02 for p in places) else None
+            if corner:
+                device.press(corner)
+                assert len(device.poll(0.0)[-1].contacts) == len(down) + 1
+                device.release()
+                assert len(device.poll(0.0)[-1].contacts) == len(down)
+        elif fate < 0.08 and down:
+            done += len(down)
+            device.lift()
+            down.clear()
+            frames += device.poll(0.0)
+            assert frames[-1].contacts == ()
+    device.close()
+    frames += device.poll(0.0)
+    assert frames[-1].contacts == ()
+    check_frames(frames, SURFACE)
+
+
 @BOTH
 def test_every_press_and_lift_comes_through_tuio(encode: Encoder) -> None:
     tuio_tells_all(encode, QUICK)
@@ -177,6 +226,10 @@ def test_every_press_and_lift_comes_through_the_page() -> None:
     the_page_tells_all(QUICK)
 
 
+def test_every_press_and_lift_comes_through_the_mouse() -> None:
+    the_mouse_tells_all(QUICK)
+
+
 @pytest.mark.full
 @BOTH
 def test_ten_thousand_presses_and_lifts_come_through_tuio(encode: Encoder) -> None:
@@ -187,3 +240,8 @@ def test_ten_thousand_presses_and_lifts_come_through_tuio(encode: Encoder) -> No
 @pytest.mark.full
 def test_ten_thousand_presses_and_lifts_come_through_the_page() -> None:
     the_page_tells_all(FULL)
+
+
+@pytest.mark.full
+def test_ten_thousand_presses_and_lifts_come_through_the_mouse() -> None:
+    the_mouse_tells_all(FULL)
