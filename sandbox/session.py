@@ -58,12 +58,14 @@ class Rig:
         reconstructor: Makes poses of them.
         hand: Is driven by the poses.
         yaw: Notices hands that are turned too far; None notices nothing. It changes no pose.
+        rules: When this hand is solid; None goes by the session's.
     """
 
     device: Device | HandDevice
     reconstructor: Reconstructor | HandReconstructor
     hand: Hand
     yaw: YawWatch | None = None
+    rules: SolidityRules | None = None
 
 
 class Recorder(Protocol):
@@ -121,7 +123,7 @@ class Session:
         self.scene = Scene(SceneSpec(hands, task.objects, task.table_friction, timestep))
         self.scene.model.geom_friction[:, 0] *= friction
         self.data = mujoco.MjData(self.scene.model)
-        self._solidity = [Solidity(self.scene, i, rules) for i in range(len(hands))]
+        self._solidity = [Solidity(self.scene, i, r.rules or rules) for i, r in enumerate(rigs)]
         self._contact = ContactModes(self.scene, contact_mode(contact))
         self._asked: ContactMode | None = None
         self._respawn = Respawn(self.scene, [rig.reconstructor.surface for rig in rigs])
@@ -175,6 +177,10 @@ class Session:
     def solid(self, hand: int) -> frozenset[int]:
         """Labels of a hand's fingers that can touch things now."""
         return self._solidity[hand].fingers
+
+    def heard(self, hand: int) -> Frame:
+        """The newest frame of a hand's device, stamped with session time."""
+        return self._newest[hand].frame
 
     def lift(self, hand: int) -> float | None:
         """Where the lift control of a hand's device is, 0 to 1; None where it has none."""

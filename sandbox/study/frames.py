@@ -49,6 +49,7 @@ class FrameTable:
         self._contacts: list[Contacts | None] = []
         self._session: Session | None = None
         self._touching: Touching | None = None
+        self._told: dict[int, int] = {}
         self.truth: dict[int, int] = {}
         self.truth_by = ""
 
@@ -68,6 +69,9 @@ class FrameTable:
         self._snapshots.append(snapshot)
         if self._session is not None:
             self._contacts.append(Touching.copy(self._session.data))
+            for contact in getattr(self._session.heard(0), "contacts", ()):
+                if contact.label is not None:
+                    self._told[contact.id] = contact.label
 
     def forget_contacts(self) -> None:
         """Makes who pushes what unknown: what was simulated is not what is shown."""
@@ -84,6 +88,8 @@ class FrameTable:
         Raises:
             StudyError: One cannot be written.
         """
+        if not self.truth and self._told:
+            self.truth, self.truth_by = self._told, "device"
         frames = self._frames()
         if find_spec("pyarrow"):
             write_atomically(folder / f"frames_{stem}.parquet", _parquet(frames), durable=False)
