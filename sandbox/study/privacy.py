@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import shutil
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 from uuid import uuid4
@@ -18,17 +18,16 @@ from uuid import uuid4
 from models.errors import StudyError
 from sandbox.study.design import Design
 from sandbox.study.export_folder import new_folder
+from sandbox.study.export_tables import rebuild_all
 from sandbox.study.files import make_folder, write_atomically
 from sandbox.study.folder import StudyFolder, write_design
 from sandbox.study.frames import STEMS
 from sandbox.study.journal import Record, read_journal
-from sandbox.study.plan import session_plan
 from sandbox.study.privacy_groups import Groups, binned, groups
 from sandbox.study.privacy_records import EPOCH, Disguise, disguised, disguised_line, without_places
 from sandbox.study.pseudonym import new_pseudonym
 from sandbox.study.session_folder import session_path
 from sandbox.study.state import SessionState
-from sandbox.study.tables import rebuild_study, write_session
 
 DEMOGRAPHICS = "demographics"
 ABOUT = "anonymised.json"
@@ -196,15 +195,10 @@ def _finish(work: Path, masking: Masking, without_consent: int) -> Anonymised:
     copy = StudyFolder.at(work)
     design = copy.design
     people: list[dict[str, Any]] = []
-    for person in copy.participants():
-        path = session_path(work, person.ppid)
-        records = read_journal(path / "journal.jsonl")
-        state = SessionState.of(records)
-        write_session(copy, path, state, session_plan(design, person.number), records, False)
+    for state in rebuild_all(copy).values():
         asked = [r["answers"] for r in state.answers.values() if r["form"] == DEMOGRAPHICS]
-        people.append({"hand": person.hand, "language": person.language,
+        people.append({"hand": state.start["hand"], "language": state.start["language"],
                        **(asked[-1] if asked else {})})  # fmt: skip
-    rebuild_study(copy)
     columns = ["hand", "language"] + [
         item.name for item in design.demographics
         if item.name not in masking.drop and (masking.words or item.kind != "text")
@@ -221,7 +215,7 @@ def _finish(work: Path, masking: Masking, without_consent: int) -> Anonymised:
         "may_still_tell": ["the order of arrival (participant_number)", "hand_size",
                            "how somebody moves (touches and poses)"],
     }))  # fmt: skip
-    return Anonymised(len(people), without_consent, replace(found))
+    return Anonymised(len(people), without_consent, found)
 
 
 def lines(records: list[Record]) -> bytes:
