@@ -114,7 +114,9 @@ class Scene:
         """Where in `ctrl` the pose of a hand goes."""
         return slice(hand * POSE_SIZE, (hand + 1) * POSE_SIZE)
 
-    def set_solid(self, hand: int, fingers: frozenset[int], whole: bool = False) -> None:
+    def set_solid(
+        self, hand: int, fingers: frozenset[int], whole: bool = False, links: int = 1
+    ) -> None:
         """Chooses what of a hand collides with objects.
 
         Args:
@@ -122,11 +124,17 @@ class Scene:
             fingers: Labels whose distal link is solid; empty makes the hand a ghost.
             whole: Makes every bone solid instead (an ablation: the rest of the hand only gets in
                 the way, since nobody sees where it is).
+            links: How many of a finger's links are solid, from its tip inwards.
         """
-        links, ends = self._geoms[hand].values(), self._ends[hand]
+        geoms, ends = self._geoms[hand].values(), self._ends[hand]
         # What is solid of a last link is that link itself, or a geom of its own.
-        solid = set(links) if whole and fingers else {ends[f] for f in fingers}
-        for geom in {*links, *ends.values()}:
+        solid = set(geoms) if whole and fingers else {ends[f] for f in fingers}
+        if links > 1:
+            bones = self.spec.hands[hand].skeleton.bones
+            for finger in fingers:
+                own = [b.name for b in bones if b.finger == finger]
+                solid |= {self._geoms[hand][name] for name in own[-links:-1]}
+        for geom in {*geoms, *ends.values()}:
             self.model.geom_contype[geom] = CONTACT_HAND if geom in solid else 0
 
     def object_pose(self, data: BodyPoses, name: str) -> tuple[Array, Array]:

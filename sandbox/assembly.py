@@ -53,6 +53,10 @@ fingertips. Fingers reach over what stands below and before what they hold, in a
 sees."""
 
 
+IN_AIR: dict[str, Any] = {"links": 1, "together": True}
+"""What is solid of a hand in the air; docs/paalm.md has the measurement."""
+
+
 def load_encoder(name: str) -> TrainedModel:
     """A built-in encoder by name, or a trained model's file.
 
@@ -170,8 +174,11 @@ def build(
         reconstructor = personal(person, surface, trained_hand)
         made.append(wear(reconstructor) if wear else reconstructor)
     rules = SolidityRules(settings.ghost_until_clear, settings.distal_only)
+    air_rules = replace(rules, **IN_AIR)
     rigs = [
-        Rig(make(task, surface), reconstructor, hand, None if in_air else _yaw_watch(model))
+        Rig(make(task, surface), reconstructor, hand, None, air_rules)
+        if in_air
+        else Rig(make(task, surface), reconstructor, hand, _yaw_watch(model))
         for make, surface, reconstructor, hand, in_air in zip(
             makers, surfaces, made, hands, settings.in_airs, strict=True
         )

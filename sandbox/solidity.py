@@ -38,10 +38,14 @@ class SolidityRules:
     Attributes:
         ghost_until_clear: A hand that is down stays a ghost until its tips are outside all objects.
         distal_only: Only the last links of touching fingers are ever solid; otherwise every link.
+        links: How many links of a finger are solid, from its tip inwards.
+        together: A hand becomes solid as a whole; otherwise every finger by itself.
     """
 
     ghost_until_clear: bool = True
     distal_only: bool = True
+    links: int = 1
+    together: bool = True
 
 
 class Solidity:
@@ -53,6 +57,10 @@ class Solidity:
         name = scene.spec.hands[hand].element_name
         last = {b.finger: b for b in skeleton.bones}
         self._bodies = np.array([scene.model.body(name(last[f].name)).id for f in sorted(last)])
+        # Two of a finger's links at most are looked at before they become solid.
+        before = [[b for b in skeleton.bones if b.finger == f][-2] for f in sorted(last)]
+        self._before_radius = np.array([b.radius for b in before])
+        self._before = np.array([scene.model.body(name(b.name)).id for b in before])
         self._reach = np.array([last[f].length for f in sorted(last)])
         self._radius = skeleton.tip_radius
         self._commanded = OnePose(skeleton)
@@ -94,22 +102,37 @@ class Solidity:
             fit = frozenset(f for f in joining if free[f])
             # A hand that comes down becomes solid as a whole: one finger ahead of the others would
             # push away what they are about to grasp.
-            if staying:
+            if staying or not self._rules.together:
                 staying |= fit
             elif fit == joining:
                 staying = fit
         if staying != self.fingers:
-            self._scene.set_solid(self._hand, staying, whole=not self._rules.distal_only)
+            rules = self._rules
+            self._scene.set_solid(
+                self._hand, staying, whole=not rules.distal_only, links=rules.links
+            )
             self.fingers = staying
 
     def _clear(self, data: mujoco.MjData) -> NDArray[np.bool_]:
         """(5,) whether each last link is outside all objects."""
-        points = self.links(data)
+        points = np.concatenate([self.links(data), *self._inner_links(data)])
         nearest = np.full(len(points), np.inf)
         for thing in self._scene.spec.objects:
             position, rotation = self._scene.object_pose(data, thing.name)
             nearest = np.minimum(nearest, thing.clearance(points, position, rotation))
-        return nearest.reshape(len(ALONG), -1).min(axis=0) - self._radius > CLEARANCE
+        rows = nearest.reshape(-1, len(self._reach))
+        last, inner = rows[: len(ALONG)], rows[len(ALONG) :]
+        clear = last.min(axis=0) - self._radius > CLEARANCE
+        if len(inner):
+            clear &= inner.min(axis=0) - self._before_radius > CLEARANCE
+        return np.asarray(clear)
+
+    def _inner_links(self, data: BodyPoses) -> list[Array]:
+        """(5, 3) m each, points along the links before the last ones, where they are solid."""
+        if self._rules.links == 1:
+            return []
+        start, end = data.xpos.take(self._before, 0), data.xpos.take(self._bodies, 0)
+        return [start + share * (end - start) for share in ALONG]
 
     def _along(self, data: BodyPoses, share: float | Array) -> Array:
         """(5, 3) m, points on the last links, from their joints (0) to their tips (1)."""
