@@ -58,8 +58,7 @@ class PagePlayer:
             try:
                 with no_search_for_garbage():
                     while not live.over and not trial.broken:
-                        still = trial.halted()
-                        still = watching.still(trial) or still
+                        still = watching.still(trial)
                         live.pause(still)
                         if still:
                             self._page.server.publish(session.snapshot(), True)
@@ -116,11 +115,12 @@ class _Watching:
         self._waited: float | None = None if self._waiting else 0.0
         self._away = 0.0
         self._last, self._times = self._shown, 0
-        self._gone = False
+        self._gone = self._halted = False
 
     def still(self, trial: Trial) -> bool:
         """Whether time is to stand still now; may break the trial off."""
         self._page.look()
+        self._pause(trial.halted())
         now = time.monotonic()
         passed, self._last = now - self._last, now
         was, self._gone = self._gone, self._page.gone > 0.0
@@ -132,11 +132,22 @@ class _Watching:
                 trial.broken = trial.broken or "the participant's page was gone"
             elif self._showing.when_gone == "pause":
                 self._waiting = True
-        elif self._waiting and self._device.touched:
+        elif self._waiting and not self._halted and self._device.touched:
             self._waiting = False
             if self._waited is None:
                 self._waited = now - self._shown
-        return self._waiting
+        return self._waiting or self._halted
+
+    def _pause(self, halted: bool) -> None:
+        """Takes the scene out of sight while the experimenter pauses; then a touch goes on."""
+        if halted == self._halted:
+            return
+        self._halted = halted
+        if halted:
+            self._waiting = True
+            self._page.wait("paused")
+        else:
+            self._page.reveal()
 
     def measures(self) -> dict[str, float | int | None]:
         """s from the scene being seen to the first touch, and how long and often the page was gone

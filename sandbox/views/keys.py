@@ -23,6 +23,21 @@ HELP = (
     "h  hide this",
 )
 
+LEAP = 62
+"""Control periods that the arrow keys go on or back: a second."""
+
+REPLAY_HELP = (
+    "p  pause, and on",
+    "left, right  back and on by a second",
+    "comma, period  back and on by a step",
+    "s  slow motion: half, a quarter, a tenth",
+    "r  from the beginning",
+    "right drag  look from elsewhere",
+    "v  from above, and back",
+    "q  close",
+    "h  hide this",
+)
+
 LIFT_HELP = ("up, down  lift and lower the hand",)
 
 

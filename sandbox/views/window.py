@@ -23,7 +23,7 @@ from sandbox.devices.mouse import MouseDevice
 from sandbox.messages import Snapshot
 from sandbox.views import palette
 from sandbox.views.cameras import camera_above, window_camera
-from sandbox.views.keys import HINT, keys
+from sandbox.views.keys import HINT, LEAP, keys
 from sandbox.views.overlay import Words
 from sandbox.views.renderer import LARGEST, Renderer
 from sandbox.views.window_context import Loan, WindowContext
@@ -44,6 +44,8 @@ PLAIN_SHRINK = 1.6
 """Drawn smaller by this where there is no graphics card, and stretched."""
 
 LIFT = {glfw.KEY_UP: 1.0, glfw.KEY_DOWN: -1.0}
+MOVES = {glfw.KEY_LEFT: -LEAP, glfw.KEY_RIGHT: LEAP, glfw.KEY_COMMA: -1, glfw.KEY_PERIOD: 1}
+"""Control periods by which the keys go back and on in what is only looked at."""
 
 SPEEDS = {1.0: "", 0.5: "slow motion 1/2", 0.25: "slow motion 1/4", 0.1: "slow motion 1/10"}
 """Simulated seconds per second, in the order of the key's presses -> what is written meanwhile."""
@@ -66,6 +68,7 @@ class Window:
         paused: The person wants simulated time to stand still.
         speed: Simulated seconds per second that the person wants, one of `SPEEDS`.
         footer: Lines at the bottom right.
+        help: What the keys do; None tells of those for trials.
         link: Shown as a code to be photographed; empty shows none.
         pictures: How many were drawn so far.
         picture_time: s that the last one took.
@@ -82,6 +85,7 @@ class Window:
     ) -> None:
         self.paused, self.speed = False, 1.0
         self.footer: tuple[str, ...] = ()
+        self.help: tuple[str, ...] | None = None
         self.link = ""
         self.pictures, self.picture_time = 0, 0.0
         self.seen: Snapshot | None = None
@@ -90,6 +94,7 @@ class Window:
         self._lift: LiftKeys | None = None
         self._touching = self._looking = False
         self._reset = self._help = self._above = self._contact = False
+        self._moves = 0
         self._shown: object = None
         self._picture: Image.Image | None = None
         self._snapshot: Snapshot | None = None
@@ -181,6 +186,11 @@ class Window:
         asked, self._contact = self._contact, False
         return asked
 
+    def take_moves(self) -> int:
+        """Control periods by which the person wants to go on, or back; told once."""
+        moves, self._moves = self._moves, 0
+        return moves
+
     def screenshot(self) -> Image.Image:
         """The picture that the window shows now, RGB."""
         if self._picture is None:
@@ -215,7 +225,7 @@ class Window:
         size, window = self._drawn_size(), glfw.get_framebuffer_size(self._context.handle)
         renderer.words = Words(
             self._caption,
-            keys(lift=self._lift is not None) if self._help else HINT,
+            (self.help or keys(lift=self._lift is not None)) if self._help else HINT,
             "paused" if self.paused else SPEEDS[self.speed] or self._contact_word(),
             self.footer,
             self.link,
@@ -331,6 +341,8 @@ class Window:
         if self._lift is not None and key in LIFT:
             self._lift.hold(LIFT[key] if action != glfw.RELEASE else 0.0)
             return
+        if key in MOVES and action != glfw.RELEASE:
+            self._moves += MOVES[key]
         if action != glfw.PRESS:
             return
         if self._mouse is not None and glfw.KEY_1 <= key <= glfw.KEY_5:
