@@ -23,6 +23,12 @@ INCH = 0.0254
 """m; a file's lengths divided by its `length` unit are taken for inches, the usual reading of the
 CMU files, which nothing printed confirms."""
 
+CMU_RATE = 120.0
+"""Hz."""
+
+RATE_REMARK = "#!keys a second:"
+"""Before the rate in a remark, where our own files have it."""
+
 _TURNS = {"rx": "x", "ry": "y", "rz": "z"}
 _SHIFTS = {"tx": 0, "ty": 1, "tz": 2}
 
@@ -89,20 +95,23 @@ def read_asf(path: Path, inch: float = INCH) -> AcclaimSkeleton:
     )
 
 
-def read_amc(path: Path, skeleton: AcclaimSkeleton, rate: float = 120.0) -> Motion:
+def read_amc(path: Path, skeleton: AcclaimSkeleton, rate: float | None = None) -> Motion:
     """Reads a motion of a skeleton.
 
     Args:
         path: The file.
         skeleton: From `read_asf`.
-        rate: Hz; the format does not say it, CMU's is 120.
+        rate: Hz; the format does not say it. None takes what our own files say in a remark, and
+            otherwise CMU's 120.
 
     Raises:
         MotionError: It is no AMC file, a frame is incomplete or out of order, or a bone unknown.
     """
+    lines = read_lines(path, "an AMC file")
+    if rate is None:
+        rate = _remarked_rate(lines, str(path))
     if not 0 < rate < np.inf:
         raise MotionError("this is no frame rate", got=rate, expected="a positive number of Hz")
-    lines = read_lines(path, "an AMC file")
     degrees = skeleton.degrees
     wanted = {bone.name: len(bone.freedoms) for bone in skeleton.bones if bone.freedoms}
     frames: list[dict[str, list[float]]] = []
@@ -135,6 +144,14 @@ def read_amc(path: Path, skeleton: AcclaimSkeleton, rate: float = 120.0) -> Moti
     _check_whole(frames, wanted, str(path))
     columns = {name: np.array([frame[name] for frame in frames]) for name in wanted}
     return _motion(skeleton, columns, len(frames), degrees, 1.0 / rate)
+
+
+def _remarked_rate(lines: list[str], where: str) -> float:
+    """Hz, out of a remark before the first frame."""
+    for line in lines[:20]:
+        if line.startswith(RATE_REMARK):
+            return numbers(line.removeprefix(RATE_REMARK).split(), 1, where)[0]
+    return CMU_RATE
 
 
 def _motion(

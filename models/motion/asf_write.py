@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.motion.armature import Y_UP, Armature, Keys
+from models.motion.asf import RATE_REMARK
 from models.motion.euler import Continuous
 from models.motion.output import NUMBER, MotionWriter, checked_rate, rows
 
@@ -24,9 +25,6 @@ ORDER = "ZYX"
 CENTIMETRES = 100.0
 LENGTH = 2.54
 """The file's unit of length: numbers divided by it are inches."""
-
-RATE_REMARK = "#!keys a second:"
-"""Before the rate, in a remark: the format itself does not tell it."""
 
 
 class AmcWriter(MotionWriter):

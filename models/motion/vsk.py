@@ -1,8 +1,8 @@
 """Vicon skeletons (.vsk): segments inside one another, each with its joint; markers on them.
 
 XML, millimetres, radians. A segment's `POSITION` and `ORIENTATION` (a rotation vector) are its
-joint's in the parent segment; any of the numbers may be the name of a parameter, with a sign. Nobody
-has printed the format: this follows a genuine file and the reader of the DART library.
+joint's in the parent segment; any of the numbers may be the name of a parameter, with a sign.
+Nobody has printed the format: this follows a genuine file and the reader of the DART library.
 """
 
 from __future__ import annotations

@@ -19,6 +19,7 @@ from sandbox.cli.parse import parse
 from sandbox.cli.scene_options import Plan, SceneOptions, plan
 from sandbox.devices.lift_keys import with_lift
 from sandbox.events import EventLog, NoticeEvents
+from sandbox.export.view import MotionView
 from sandbox.headless import View, run_trial
 from sandbox.messages import Snapshot
 from sandbox.pacing import RealTime
@@ -38,6 +39,10 @@ class RunOptions(SceneOptions):
 
     film: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """Draws a film: .webp, .gif, or .mp4 with the extra `film`."""
+
+    motion: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Writes the hands' motion as it happens, 60 keys a second: .bvh, .glb, .amc, .v, .c3d, .csv.
+    `sandbox export` does the same with a recording, and has more to choose from."""
 
 
 def main(argv: list[str]) -> int:
@@ -119,6 +124,8 @@ def _run(options: RunOptions, chosen: Plan, events: EventLog, console: Console) 
                 views.append(pace)
             if options.film:
                 views.append(closing.enter_context(open_film(options.film, session, caption)).show)
+            if options.motion:
+                views.append(closing.enter_context(MotionView(options.motion, session)).show)
             return views
 
         caption = "simulated user" if options.device == "simulated" else ""

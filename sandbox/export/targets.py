@@ -158,10 +158,10 @@ class Exporter:
         settings: ExportSettings,
     ) -> None:
         chosen = format_of(path)
+        self._open = ExitStack()
         if not path.absolute().parent.is_dir():
             raise InputError("there is no such folder", where=f"--to {path}")
         self._sampler = Sampler(tuple(armatures), settings.rate)
-        self._open = ExitStack()
         self.writers: list[tuple[MotionWriter, tuple[int, ...]]] = []
         with ExitStack() as undo:
             for file, hands in _files(path, names, chosen.together):

@@ -1,0 +1,78 @@
+"""A view of a session, running or replayed, that writes the hands' motion down as it happens."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import TracebackType
+from typing import Literal, Self
+
+import numpy as np
+
+from models.motion.armature import Armature
+from models.motion.sampling import Poses
+from sandbox.export.sources import commanded_poses, poses_of_qpos
+from sandbox.export.targets import Exporter, ExportSettings
+from sandbox.messages import Snapshot
+from sandbox.session import Session
+
+Of = Literal["simulated", "commanded"]
+
+
+def simulated_poses(snapshot: Snapshot) -> Poses:
+    """Where all hands are at one moment."""
+    return poses_of_qpos(np.array([snapshot.time]), snapshot.qpos[None], len(snapshot.hands))
+
+
+class MotionView:
+    """Writes the motion of a session's hands; the files appear when it is closed.
+
+    A session that somebody stops (Ctrl-C) keeps what was written so far.
+
+    Args:
+        path: Of the file; its ending chooses the format.
+        session: That it will be shown.
+        settings: How it is written.
+        of: The hands as they move, or what they are told to do.
+
+    Raises:
+        InputError: The file cannot be written there.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        session: Session,
+        settings: ExportSettings | None = None,
+        of: Of = "simulated",
+    ) -> None:
+        hands = [rig.hand for rig in session.rigs]
+        self._poses = simulated_poses if of == "simulated" else commanded_poses
+        self._exporter = Exporter(
+            path,
+            tuple(Armature(hand.skeleton) for hand in hands),
+            tuple(hand.name for hand in hands),
+            settings or ExportSettings(),
+        )
+
+    @property
+    def paths(self) -> list[Path]:
+        """The files."""
+        return self._exporter.paths
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Takes in one moment."""
+        self._exporter.take(self._poses(snapshot))
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        stopped = kind is not None and issubclass(kind, KeyboardInterrupt)
+        if stopped and self._exporter.frames:
+            kind, error, trace = None, None, None
+        self._exporter.__exit__(kind, error, trace)
