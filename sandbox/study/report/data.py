@@ -23,8 +23,8 @@ NEEDED = ("ppid", "trial_num", "counted", "practice", "excluded", "success", "ti
 NUMBERS = ("session_num", "trial_num", "counted", "practice", "excluded", "success", "time_s",
            "attempt", "block_num", "trial_num_in_block", "repetition")  # fmt: skip
 FACTOR = "factor_"
-BETWEEN_NAMES = " · "
-"""Between the levels in a condition's name."""
+BETWEEN_NAMES = " / "
+"""Between the levels in a condition's name; plain letters, as some spreadsheets know no others."""
 TIMEOUT = "timeout"
 
 

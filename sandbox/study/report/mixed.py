@@ -23,6 +23,7 @@ from sandbox.study.report.comparisons import (
     t_difference,
 )
 from sandbox.study.report.data import Factor, StudyData
+from sandbox.study.report.intervals import t_quantile
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -199,9 +200,11 @@ def mixed_differences(data: StudyData, rows: DataFrame, model: Mixed) -> list[Di
     return found
 
 
-def practice_effect(model: Mixed) -> tuple[float, float] | None:
-    """Change with every doubling of trials done, and its standard error."""
+def practice_effect(model: Mixed) -> tuple[float, float, float] | None:
+    """Change with every doubling of trials done, with its interval."""
     if PRACTICE not in model.names:
         return None
     i = model.names.index(PRACTICE)
-    return float(model.coefficients[i]), float(np.sqrt(model.covariance[i, i]))
+    value, error = float(model.coefficients[i]), float(np.sqrt(model.covariance[i, i]))
+    half = error * t_quantile(model.people - 1)
+    return value, value - half, value + half

@@ -23,7 +23,7 @@ from sandbox.study.report.comparisons import (
     pairs_of,
     t_difference,
 )
-from sandbox.study.report.data import StudyData
+from sandbox.study.report.data import StudyData, to_numbers
 from sandbox.study.report.intervals import Estimate, Share, design_effect, difference, share
 from sandbox.study.report.mixed import FEWEST_PEOPLE, fixed_effects
 
@@ -53,8 +53,12 @@ class Successes:
     people: int
 
 
-def rates(data: StudyData) -> tuple[list[str], np.ndarray, np.ndarray]:
+def rates(data: StudyData, name: str = "success") -> tuple[list[str], np.ndarray, np.ndarray]:
     """Everybody's successes in every condition.
+
+    Args:
+        data: Of the study.
+        name: Of the measure, whose values are 0 and 1.
 
     Returns:
         Pseudonyms; (people, conditions) shares, nan where there was no trial; numbers of trials.
@@ -63,23 +67,26 @@ def rates(data: StudyData) -> tuple[list[str], np.ndarray, np.ndarray]:
     row = {ppid: i for i, ppid in enumerate(people)}
     done = np.zeros((len(people), len(data.conditions)))
     won = np.zeros_like(done)
-    where = (data.used["ppid"].map(row).to_numpy(int), data.used["cell"].to_numpy(int))
+    values = to_numbers(data.used[name])
+    used = data.used[values.notna()]
+    where = (used["ppid"].map(row).to_numpy(int), used["cell"].to_numpy(int))
     np.add.at(done, where, 1.0)
-    np.add.at(won, where, data.used["success"].to_numpy(float))
+    np.add.at(won, where, values[values.notna()].to_numpy(float))
     return people, np.divide(won, done, out=np.full_like(done, nan), where=done > 0), done
 
 
-def success_differences(data: StudyData) -> list[Successes]:
-    """All pairs of levels."""
+def success_differences(data: StudyData, name: str = "success") -> list[Successes]:
+    """All pairs of levels, in success or in another measure of 0 and 1."""
     if not len(data.used):
         return []
-    _, own, done = rates(data)
+    _, own, done = rates(data, name)
     usual = design_effect(*_overall(own, done))
     return [_compare(pair, own, done, usual) for pair in pairs_of(data)]
 
 
 def _overall(own: np.ndarray, done: np.ndarray) -> tuple[list[float], list[int]]:
-    return list(np.nanmean(own, axis=1)), [int(n) for n in done.sum(axis=1)]
+    who = done.any(axis=1)
+    return list(np.nanmean(own[who], axis=1)), [int(n) for n in done[who].sum(axis=1)]
 
 
 def _compare(pair: Pair, own: np.ndarray, done: np.ndarray, usual: float) -> Successes:

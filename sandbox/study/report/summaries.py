@@ -110,25 +110,15 @@ def _back(what: Quantity, e: Estimate) -> Estimate:
 
 def _shares(data: StudyData, what: Quantity, groups: list[tuple[str, list[int]]],
             table: np.ndarray) -> list[Share]:  # fmt: skip
-    rows, _ = rows_with(data, what)
-    _, _, done = rates(data) if what.name == "success" else (None, None, _counts(data, rows))
-    usual = design_effect(list(_mean(person_means(data, what))), [int(n) for n in done.sum(axis=1)])
+    _, own, done = rates(data, what.name)
+    who = done.any(axis=1)
+    usual = design_effect(list(_mean(own)[who]), [int(n) for n in done[who].sum(axis=1)])
     found = []
     for (_, cells), column in zip(groups, table.T, strict=True):
         known = np.isfinite(column)
         found.append(share(list(column[known]),
                            [int(n) for n in done[:, cells].sum(axis=1)[known]], usual))  # fmt: skip
     return found
-
-
-def _counts(data: StudyData, rows: object) -> np.ndarray:
-    import pandas as pd
-
-    assert isinstance(rows, pd.DataFrame)
-    people = {ppid: i for i, ppid in enumerate(data.ppids)}
-    done = np.zeros((len(people), len(data.conditions)))
-    np.add.at(done, (rows["ppid"].map(people).to_numpy(int), rows["cell"].to_numpy(int)), 1.0)
-    return done
 
 
 def median_with_unseen(data: StudyData, cell: int) -> float:

@@ -1,0 +1,66 @@
+"""Makes the report of a study's folder: `report.html`, the CSVs and the R script beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from models.errors import StudyError
+from sandbox.study.files import make_folder, write_atomically
+
+PAGE, SCRIPT = "report.html", "analysis.R"
+NEEDS = ("pandas", "statsmodels", "matplotlib", "jinja2")
+
+
+def make_report(
+    folder: Path, out: Path, measures: Sequence[str] = (),
+    say: Callable[[str], object] = lambda text: None,
+) -> Path:  # fmt: skip
+    """Makes a report.
+
+    Args:
+        folder: Of the study, or of a copy of its tables.
+        out: Where it goes; made where there is none.
+        measures: To be compared besides time and success.
+        say: Told what is going on.
+
+    Returns:
+        The page's path.
+
+    Raises:
+        StudyError: There are no tables, one is damaged, a measure is none, a library is missing,
+            or it cannot be written.
+    """
+    check_libraries()
+    from sandbox.study.report.analysis import analyse
+    from sandbox.study.report.data import load_study
+    from sandbox.study.report.out_tables import tables
+    from sandbox.study.report.page import page
+    from sandbox.study.report.script import script
+
+    say("reading the tables")
+    data = load_study(folder)
+    say(f"models of {len(data.used)} trials of {len(data.ppids)} participants")
+    found = analyse(data, measures)
+    make_folder(out)
+    say("pictures and tables")
+    for name, content in tables(found).items():
+        write_atomically(out / name, content, durable=False)
+    write_atomically(out / SCRIPT, script(found).encode(), durable=False)
+    write_atomically(out / PAGE, page(found).encode(), durable=False)
+    return out / PAGE
+
+
+def check_libraries() -> None:
+    """Says what is missing.
+
+    Raises:
+        StudyError: With the extra that brings it.
+    """
+    from importlib.util import find_spec
+
+    missing = [name for name in NEEDS if find_spec(name) is None]
+    if missing:
+        raise StudyError("the report needs more libraries", got=", ".join(missing),
+                         expected="the extra `study`",
+                         remedy="pip install 'hand-sandbox[study]'")  # fmt: skip

@@ -1,0 +1,76 @@
+"""What a page is made of: sections with paragraphs, tables, and pictures with their numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table of texts.
+
+    Attributes:
+        caption: What it is.
+        head: Of the columns.
+        rows: Texts; the first of each row is its name.
+        note: Below it.
+    """
+
+    caption: str
+    head: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    note: str = ""
+    kind: str = field(default="table", init=False)
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A picture, and beside it a table with the same.
+
+    Attributes:
+        svg: The picture.
+        caption: What it shows and how to read it.
+        table: The same in numbers.
+    """
+
+    svg: str
+    caption: str
+    table: Table
+    kind: str = field(default="picture", init=False)
+
+
+@dataclass(frozen=True)
+class Words:
+    """A paragraph.
+
+    Attributes:
+        text: Plain.
+        tone: empty; `note` for what limits a result; `lead` for the result itself.
+    """
+
+    text: str
+    tone: str = ""
+    kind: str = field(default="words", init=False)
+
+
+Part = Table | Picture | Words
+
+
+@dataclass
+class Section:
+    """A section of the page.
+
+    Attributes:
+        id: Of its anchor.
+        title: Its heading.
+        parts: In order.
+    """
+
+    id: str
+    title: str
+    parts: list[Part] = field(default_factory=list)
+
+    def say(self, text: str, tone: str = "") -> None:
+        """Adds a paragraph."""
+        self.parts.append(Words(text, tone))

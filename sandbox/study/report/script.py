@@ -1,0 +1,154 @@
+"""The same models as an R script that reads the CSVs beside it."""
+
+from __future__ import annotations
+
+from sandbox.study.report.analysis import Analysis, Modelled
+from sandbox.study.report.mixed import PRACTICE, Mixed
+from sandbox.study.report.quantities import LOG
+
+HEAD = """\
+# The models of report.html, in R: Rscript analysis.R, in the folder of the CSVs.
+# Needs lme4; takes survival and geepack where they are installed. Writes comparisons_R.csv.
+
+options(width = 100)
+text <- read.csv("trials.csv", colClasses = "character", check.names = FALSE,
+                 na.strings = character(0), encoding = "UTF-8")
+trials <- text
+# A pseudonym like 12E345 and a level like 1 are no numbers.
+for (name in setdiff(names(text), {texts}))
+  trials[[name]] <- suppressWarnings(as.numeric(text[[name]]))
+contrasts <- read.csv("contrasts.csv", colClasses = c(first = "character", second = "character"),
+                      encoding = "UTF-8")
+conditions <- {conditions}
+trials$condition <- factor(trials$condition, levels = conditions)
+within <- {within}
+found <- NULL
+
+# Differences between levels from the means of conditions: t intervals whose degrees of freedom are
+# those of a paired t test over people, or of groups.
+compare <- function(measure, model, rows, estimate, covariance) {{
+  names(estimate) <- sub("^condition", "", names(estimate))
+  dimnames(covariance) <- list(names(estimate), names(estimate))
+  for (pair in split(contrasts, ~ factor + first + second, drop = TRUE)) {{
+    if (!all(pair$condition %in% names(estimate))) next
+    w <- setNames(rep(0, length(estimate)), names(estimate))
+    w[pair$condition] <- pair$weight
+    people <- length(unique(rows$ppid))
+    groups <- length(unique(rows[[paste0("factor_", pair$factor[1])]]))
+    freedom <- if (pair$factor[1] %in% within) people - 1 else people - groups
+    value <- sum(w * estimate)
+    error <- sqrt(drop(t(w) %*% covariance %*% w))
+    half <- qt(0.975, freedom) * error
+    found <<- rbind(found, data.frame(
+      measure = measure, model = model, factor = pair$factor[1], first = pair$first[1],
+      second = pair$second[1], estimate = value, low = value - half, high = value + half,
+      error = error, freedom = freedom, p = 2 * pt(-abs(value / error), freedom)))
+  }}
+}}
+"""
+
+MIXED = """
+# {title}: linear mixed model{scale}.
+rows <- trials[is.finite(trials${name}){more}, ]
+{thin}rows$y <- {forward}
+rows$condition <- droplevels(rows$condition)
+rows$practice <- log2(rows$position) - mean(log2(rows$position))
+fit <- lme4::lmer({formula}, data = rows, REML = TRUE)
+print(summary(fit), correlation = FALSE)
+compare("{name}", "mixed model", rows, lme4::fixef(fit), as.matrix(vcov(fit)))
+"""
+
+CENSORED = """
+# Completion time where some were not seen: a trial without success took longer than it lasted.
+if (requireNamespace("survival", quietly = TRUE)) {{
+  rows <- trials[trials$time_s > 0, ]
+  rows <- rows[rows$condition %in% rows$condition[rows$success == 1], ]
+  rows$condition <- droplevels(rows$condition)
+  rows$practice <- log2(rows$position) - mean(log2(rows$position))
+  tobit <- function(rows) {{
+    fit <- survival::survreg(survival::Surv(time_s, success) ~ {fixed}, data = rows,
+                             dist = "lognormal")
+    coef(fit)
+  }}
+  all <- tobit(rows)
+  # The jackknife that leaves one person out.
+  people <- unique(rows$ppid)
+  without <- sapply(people, function(who) tobit(rows[rows$ppid != who, ])[names(all)])
+  centred <- without - rowMeans(without)
+  covariance <- (length(people) - 1) / length(people) * centred %*% t(centred)
+  compare("time_s", "with unseen times", rows, all, covariance)
+}}
+"""
+
+SUCCESS = """
+# Success: differences of people's own shares, and odds by generalised estimating equations.
+own <- tapply(trials$success, list(trials$ppid, trials$condition), mean)
+print(round(colMeans(own, na.rm = TRUE), 4))
+if (requireNamespace("geepack", quietly = TRUE) && {finite}) {{
+  rows <- trials[order(trials$ppid), ]
+  rows$condition <- droplevels(rows$condition)
+  rows$practice <- log2(rows$position) - mean(log2(rows$position))
+  # Jackknifed errors are near those of Mancl and DeRouen in the report.
+  fit <- geepack::geeglm(success ~ {fixed}, data = rows, id = factor(ppid),
+                         family = binomial, corstr = "exchangeable", std.err = "jack")
+  compare("success", "GEE", rows, coef(fit), vcov(fit))
+}}
+"""
+
+TAIL = """
+# Estimates are on the scale of the model: of logarithms of times, of log odds.
+print(found, digits = 5, row.names = FALSE)
+write.csv(found, "comparisons_R.csv", row.names = FALSE)
+"""
+
+
+def script(found: Analysis) -> str:
+    """The R script."""
+    data = found.data
+    texts = ["ppid", "condition", "status", *(f.column for f in data.factors)]
+    parts = [HEAD.format(texts=_vector(texts), conditions=_vector(list(data.conditions)),
+                         within=_vector([f.name for f in data.factors if f.within]))]  # fmt: skip
+    for one in (found.time, *found.asked):
+        if one is not None and isinstance(one.model, Mixed):
+            parts.append(_mixed(one, one.model))
+    fixed = "0 + condition" if len(data.conditions) > 1 else "1"
+    practice = found.time is not None and (
+        not isinstance(found.time.model, Mixed) or PRACTICE in found.time.model.names
+    )
+    both = fixed + (" + practice" if practice else "")
+    if len(data.conditions) > 1:
+        if found.unseen:
+            parts.append(CENSORED.format(fixed=both))
+        finite = "FALSE" if isinstance(found.odds, str) else "TRUE"
+        parts.append(SUCCESS.format(fixed=both, finite=finite))
+    return "".join(parts) + TAIL
+
+
+def _mixed(one: Modelled, model: Mixed) -> str:
+    what = one.described.what
+    several = "condition" if len(model.present) > 1 else "1"
+    terms = ["0 + condition" if several == "condition" else "1"]
+    if PRACTICE in model.names:
+        terms.append("practice")
+    terms.append("(1 | ppid)")
+    terms += [f"(1 | ppid:`factor_{k.removeprefix('person x ')}`)" for k in model.spreads
+              if k.startswith("person x ")]  # fmt: skip
+    more = ""
+    if what.scale == LOG:
+        more = f" & trials${what.name} > 0"
+    if what.name == "time_s":
+        more += " & trials$success == 1"
+    # A measure of several trials together stands in all of their rows.
+    thin = "" if model.trials == sum(s.trials for s in one.described.conditions) else (
+        "rows <- rows[!duplicated(rows[c('ppid', 'condition')]), ]\n")  # fmt: skip
+    return MIXED.format(
+        title=what.title, scale=" of the logarithm" if what.scale == LOG else "", name=what.name,
+        more=more, thin=thin,
+        forward=f"log(rows${what.name})" if what.scale == LOG else f"rows${what.name}",
+        formula="y ~ " + " + ".join(terms),
+    )  # fmt: skip
+
+
+def _vector(names: list[str]) -> str:
+    quoted = ['"' + n.replace("\\", "\\\\").replace('"', '\\"') + '"' for n in names]
+    return "c(" + ", ".join(quoted) + ")" if quoted else "character(0)"
