@@ -88,13 +88,15 @@ class FingertipCorrection:
         settings: CorrectionSettings | None = None,
     ) -> None:
         skeleton = kinematics.skeleton
-        self._kinematics = OnePose(skeleton)
+        self._skeleton = skeleton
+        # One for every set of fingers that has touched, in the order of its contacts.
+        self._kinematics: dict[tuple[int, ...], OnePose] = {}
         self.settings = settings or CorrectionSettings()
         floor = np.full(48, self.settings.floor_angle**2)
         floor[:3] = self.settings.floor_position**2
         self._covariance = np.asarray(covariance, float) + np.diag(floor)
         self._lower, self._upper = skeleton.lower, skeleton.upper
-        self._last: tuple[Array, Array, Array] | None = None
+        self._last: tuple[OnePose, Array, Array, Array] | None = None
 
     def correct(
         self,
@@ -120,7 +122,8 @@ class FingertipCorrection:
         s = self.settings
         settled = s.settled if settled is None else settled
         guess = np.array(guess, float)
-        labels, targets = np.asarray(labels, int), np.asarray(targets, float)
+        targets = np.asarray(targets, float)
+        kinematics = self._kinematics_of(tuple(np.asarray(labels, int).tolist()))
         # The guess itself must be legal, or the first linearisation is taken at no hand at all.
         joints = guess[JOINTS]
         np.minimum(np.maximum(joints, self._lower), self._upper, out=joints)
@@ -129,39 +132,45 @@ class FingertipCorrection:
         # A guess whose tips are right already is the likeliest pose itself.
         moved = 0.0 if start is None else np.inf
         for iteration in range(s.iterations + 1):
-            tips, jacobian = self._carried(q) if iteration == 0 else self._seen(q)
-            off = targets - tips.take(labels, 0)
-            error = float(_most(np.einsum("ij,ij->i", off, off))) ** 0.5
+            seen = self._carried if iteration == 0 else self._seen
+            tips, J = seen(kinematics, q)
+            off = targets - tips
+            error = max(x * x + y * y + z * z for x, y, z in off.tolist()) ** 0.5
             # A start is where the last frame ended: exact perhaps, but not yet the likeliest pose.
             if error < max(best.error, s.tolerance) and (start is None or iteration > 0):
                 best = Corrected(q, error, iteration)
             if (error < s.tolerance and moved < settled) or iteration == s.iterations:
                 break
-            J = jacobian.take(labels, 0).reshape(-1, 48)
             known = start is not None or iteration > 0
             new = self._step(guess, off.ravel() + J @ (q - guess), J, q[JOINTS] if known else None)
             moved = float(_most(np.abs(new - q)))
             q = new
         return best
 
-    def _carried(self, q: Array) -> tuple[Array, Array]:
-        """Fingertips and Jacobian of the pose where a frame begins.
+    def _kinematics_of(self, labels: tuple[int, ...]) -> OnePose:
+        found = self._kinematics.get(labels)
+        if found is None:
+            found = self._kinematics[labels] = OnePose(self._skeleton, labels)
+        return found
+
+    def _carried(self, kinematics: OnePose, q: Array) -> tuple[Array, Array]:
+        """Touching fingertips and their Jacobian at the pose where a frame begins.
 
         Mostly it is the pose where the last one ended, shifted with the touches: that moves the
         tips alike and changes nothing else.
         """
         if self._last is not None:
-            before, tips, jacobian = self._last
-            # Most differ in their first numbers already.
-            if before[3] == q[3] and before[3:].tolist() == q[3:].tolist():
-                return tips + (q[:3] - before[:3]), jacobian
-        return self._seen(q)
+            of, before, tips, J = self._last
+            if of is kinematics and before[3:].tobytes() == q[3:].tobytes():
+                return tips + (q[:3] - before[:3]), J
+        return self._seen(kinematics, q)
 
-    def _seen(self, q: Array) -> tuple[Array, Array]:
-        """Fingertips and Jacobian of a pose."""
-        tips, jacobian = self._kinematics.tips_and_jacobian(q)
-        self._last = (q.copy(), tips, jacobian)
-        return tips, jacobian
+    def _seen(self, kinematics: OnePose, q: Array) -> tuple[Array, Array]:
+        """Touching fingertips (k, 3) and their Jacobian (3 k, 48) at a pose."""
+        tips, jacobian = kinematics.tips_and_jacobian(q)
+        J = jacobian.reshape(-1, 48)
+        self._last = (kinematics, q.copy(), tips, J)
+        return tips, J
 
     def _step(self, guess: Array, r: Array, J: Array, near: Array | None) -> Array:
         """One Gauss-Newton step within the ranges.

@@ -1,12 +1,14 @@
 """Forward kinematics of one pose at a time, for the loop that reconstructs at every control step.
 
 What `models.kinematics` does for any number of poses costs, for a single one, mostly calls of
-NumPy. Here the five fingers' chains lie side by side in buffers that are made once, and every step
-of the calculation is one call for all of them. Results agree with those of `Kinematics` to
-rounding; captures and trained models come from there, so that their digests do not depend on this.
+NumPy. Here the fingers' chains lie side by side in buffers that are made once, and every step of
+the calculation is one call for all of them. Results agree with those of `Kinematics` to rounding;
+captures and trained models come from there, so that their digests do not depend on this.
 """
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,7 +36,13 @@ def _cross_table() -> Array:
 
 
 _CROSS = _cross_table()
-_SKEW = -_CROSS
+
+_ZERO, _ONE, _MINUS = POSE_SIZE, POSE_SIZE + 1, POSE_SIZE + 2
+"""Where a padded pose has the numbers 0, 1 and -1."""
+
+_SKEW = ((None, 2, 1), (2, None, 0), (1, 0, None))
+_SKEW_SIGN = ((_ZERO, _MINUS, _ONE), (_ONE, _ZERO, _MINUS), (_MINUS, _ONE, _ZERO))
+"""Skew matrices: which component of the vector is where, and its sign."""
 
 
 class OnePose:
@@ -42,78 +50,86 @@ class OnePose:
 
     Buffers are used again for every pose, so an object serves one thread at a time; what it returns
     is the caller's own.
+
+    Args:
+        skeleton: Of the hand.
+        fingers: Whose tips are wanted, k of them in this order. What is found for a finger does not
+            depend on the others, to the bit.
     """
 
-    def __init__(self, skeleton: Skeleton) -> None:
-        five = len(FINGERS)
-        slots = _LEVELS * five
+    def __init__(self, skeleton: Skeleton, fingers: Sequence[int] = range(len(FINGERS))) -> None:
+        many = len(fingers)
+        slots = _LEVELS * many
         # Row 0 is the root; then come the fingers' first bones, their second and their third ones.
-        # The padding reads one number more than a pose has: a turn that stays 0.
-        place = np.full((1 + slots, 3), POSE_SIZE)
+        # The thumb's padding is a turn that stays 0.
+        place = np.full((1 + slots, 3), _ZERO)
         place[0] = 3, 4, 5
         rest, anchor = np.tile(np.eye(3), (slots, 1, 1)), np.zeros((slots, 3))
-        self._reach = np.zeros((five, 4, 1))
+        self._reach = np.zeros((many, 4, 1))
         self._reach[:, 3] = 1.0
-        for finger in range(five):
+        for at, finger in enumerate(fingers):
             chain = [(i, b) for i, b in enumerate(skeleton.bones) if b.finger == finger]
             for level, (i, bone) in enumerate(chain):
-                slot = five * level + finger
+                slot = many * level + at
                 place[1 + slot] = 6 + 3 * i + np.arange(3)
                 rest[slot], anchor[slot] = bone.rest, bone.anchor
-            self._reach[finger, 1] = chain[-1][1].length
-        self._place, self._rest = place, rest[:, None]
-        self._padded, self._vectors = np.zeros(POSE_SIZE + 1), np.empty(place.shape)
-        # A turn and its left Jacobian are both x I + y cross(w) + z w w', with other x, y and z.
-        self._shares = np.empty((1 + slots, 2, 3))
-        flat = self._shares.reshape(1 + slots, 6)
-        # Views of the places of 1 - b t2, of a and b (twice each) and of (1 - a) / t2.
-        self._share_1, self._share_a = flat[:, 0], flat[:, 1:4:2]
-        self._share_b, self._share_c = flat[:, 2:5:2], flat[:, 5]
+            self._reach[at, 1] = chain[-1][1].length
+        self._rest = rest[:, None]
+        self._padded = np.array([0.0] * (POSE_SIZE + 1) + [1.0, -1.0])
+        # A turn and its left Jacobian are both x I + y skew(w) + z w w', with other x, y and z.
         self._basis = np.zeros((1 + slots, 3, 9))
         self._basis[:, 0] = np.eye(3).ravel()
-        self._products = self._basis[:, 2].reshape(1 + slots, 3, 3)
-        self._crosses = self._basis[:, 1]
+        self._vectors = self._basis[:, 1:]
+        self._left, self._right = _factors(place)
+        self._factor, self._other = np.empty(self._left.shape), np.empty(self._left.shape)
+        self._squares = [self._basis[:, 2, i] for i in (0, 4, 8)]
+        # Half of every angle, and the angle.
+        self._angles = np.empty((2, 1 + slots))
+        # 1 - b t2, b, a and (1 - a) / t2 for every turn, and where they go: x, y, z of both.
+        self._numbers, self._shares = np.empty((4, 1 + slots)), np.empty((1 + slots, 2, 3))
+        each = np.array([[0, 2, 1], [2, 1, 3]])
+        self._share_of = (1 + slots) * each + np.arange(1 + slots)[:, None, None]
         self._turns = np.empty((1 + slots, 2, 9))
         self._both = self._turns.reshape(1 + slots, 2, 3, 3)
         self._bones = np.empty((slots, 2, 3, 3))
-        self._turn_of = self._bones[:, 0].reshape(_LEVELS, five, 3, 3)
-        self._left_of = self._bones[:, 1].reshape(_LEVELS, five, 3, 3)
+        self._turn_of = self._bones[:, 0].reshape(_LEVELS, many, 3, 3)
+        self._left_of = self._bones[:, 1].reshape(_LEVELS, many, 3, 3)
         # From a bone's frame to its parent's, and from the frames of all levels to the world's.
-        self._local = np.tile(np.eye(4), (_LEVELS, five, 1, 1))
-        self._local[..., :3, 3] = anchor.reshape(_LEVELS, five, 3)
+        self._local = np.tile(np.eye(4), (_LEVELS, many, 1, 1))
+        self._local[..., :3, 3] = anchor.reshape(_LEVELS, many, 3)
         self._local_turn = self._local[..., :3, :3]
-        self._frames = np.tile(np.eye(4), (1 + _LEVELS, five, 1, 1))
+        self._frames = np.tile(np.eye(4), (1 + _LEVELS, many, 1, 1))
         self._root_turn, self._root_place = self._frames[0, :, :3, :3], self._frames[0, :, :3, 3]
         self._steps = [
             (self._frames[i], self._local[i], self._frames[i + 1]) for i in range(_LEVELS)
         ]
-        self._before, self._joints = self._frames[:-1, :, :3, :3], self._frames[1:, :, :3, 3]
-        self._ends = np.empty((five, 4, 1))
-        self._axes = np.empty((1 + _LEVELS, five, 3, 3))
+        self._before, self._joints = self._frames[:-1, :, :3, :3], self._frames[:, :, :3, 3]
+        self._ends = np.empty((many, 4, 1))
+        self._tips = self._ends[:, :3, 0]
+        self._axes = np.empty((1 + _LEVELS, many, 3, 3))
         self._axes_root, self._axes_bones = self._axes[0], self._axes[1:]
-        self._arms = np.empty((1 + _LEVELS, five, 3))
-        self._arms_root, self._arms_bones = self._arms[0], self._arms[1:]
+        self._arms = np.empty((1 + _LEVELS, many, 3))
         self._flat_arms = self._arms.reshape(-1, 3)
         self._crossed = np.empty((len(self._flat_arms), 9))
         self._crossed_arms = self._crossed.reshape(self._axes.shape)
         self._blocks = np.empty(self._axes.shape)
         self._flat_blocks = self._blocks.reshape(-1)
-        self._from, self._to = _scattering(place, five)
-        self._blank = np.zeros((five, 3, POSE_SIZE))
+        self._from, self._to = _scattering(place, many)
+        self._blank = np.zeros((many, 3, POSE_SIZE))
         self._blank[..., ROOT_POSITION] = np.eye(3)
 
     def tips(self, q: Array) -> Array:
-        """(5, 3) m, centres of the fingertips of a pose (48,)."""
+        """(k, 3) m, centres of the fingertips of a pose (48,)."""
         return self._walk(q)[0]
 
     def tips_and_jacobian(self, q: Array) -> tuple[Array, Array]:
-        """Fingertips (5, 3) and their derivative (5, 3, 48) by the pose (48,)."""
+        """Fingertips (k, 3) and their derivative (k, 3, 48) by the pose (48,)."""
         tips, root_left, left = self._walk(q)
         # exp(w + d) = exp(J d) exp(w): the turn J d happens in the frame before the joint.
         self._axes_root[:] = root_left
         np.matmul(self._before, left, self._axes_bones)
-        np.subtract(tips, q[ROOT_POSITION], self._arms_root)
-        np.subtract(tips, self._joints, self._arms_bones)
+        # The root's own frame stands where the root is, a bone's where its joint is.
+        np.subtract(tips, self._joints, self._arms)
         np.matmul(self._flat_arms, _CROSS, self._crossed)
         np.matmul(self._crossed_arms, self._axes, self._blocks)
         jacobian = self._blank.copy()
@@ -121,57 +137,77 @@ class OnePose:
         return tips, jacobian
 
     def _walk(self, q: Array) -> tuple[Array, Array, Array]:
-        """Fingertips (5, 3), left Jacobians of the root (3, 3) and of the bones (3, 5, 3, 3).
+        """Fingertips (k, 3), left Jacobians of the root (3, 3) and of the bones (3, k, 3, 3).
 
         The latter after the bones' rest rotations. Frames stay in their buffer.
         """
         self._padded[:POSE_SIZE] = q
-        # With a mode other than "raise", numbers go to their places without a copy between.
-        turned = self._turned(self._padded.take(self._place, None, self._vectors, "clip"))
+        turned = self._turned()
         np.matmul(self._rest, turned[1:], self._bones)
         self._local_turn[:] = self._turn_of
         self._root_turn[:] = turned[0, 0]
         self._root_place[:] = q[ROOT_POSITION]
         for before, local, after in self._steps:
             np.matmul(before, local, after)
-        tips = np.matmul(self._frames[_LEVELS], self._reach, self._ends)[:, :3, 0].copy()
-        return tips, turned[0, 1], self._left_of
+        np.matmul(self._steps[-1][-1], self._reach, self._ends)
+        return self._tips.copy(), turned[0, 1], self._left_of
 
-    def _turned(self, w: Array) -> Array:
-        """(n, 2, 3, 3) exp(w) and left Jacobian of rotation vectors (n, 3); Rodrigues."""
-        np.multiply(w[:, :, None], w[:, None, :], self._products)
-        np.matmul(w, _SKEW, self._crosses)
-        t2 = np.einsum("ij,ij->i", w, w)
+    def _turned(self) -> Array:
+        """(n, 2, 3, 3) exp(w) and left Jacobian of all turns w of the padded pose; Rodrigues."""
+        padded, angles, numbers = self._padded, self._angles, self._numbers
+        # With a mode other than "raise", numbers go to their places without a copy between.
+        padded.take(self._left, None, self._factor, "clip")
+        padded.take(self._right, None, self._other, "clip")
+        np.multiply(self._factor, self._other, self._vectors)
+        # Recorded sessions were reconstructed with squares that were added in this order.
+        x2, y2, z2 = self._squares
+        t2 = x2 + z2
+        t2 += y2
         t2 += _TINY
-        t = np.sqrt(t2)
+        half, t = angles
+        np.sqrt(t2, t)
+        np.multiply(0.5, t, half)
         # 1 - cos loses half the digits for small angles; 2 sin^2(t/2) does not.
-        half = np.sin(0.5 * t)
-        half /= t
-        a = np.sin(t)
-        a /= t
-        b = 2.0 * half
-        b *= half
-        np.subtract(1.0, b * t2, self._share_1)
-        self._share_a[:] = a[:, None]
-        self._share_b[:] = b[:, None]
-        np.divide(1.0 - a, t2, self._share_c)
+        sines = np.sin(angles)
+        ones, b, a, c = numbers
+        np.divide(sines, t, numbers[1:3])
+        np.multiply(2.0 * b, b, b)
+        np.subtract(1.0, b * t2, ones)
+        np.divide(1.0 - a, t2, c)
+        numbers.take(self._share_of, None, self._shares, "clip")
         np.matmul(self._shares, self._basis, self._turns)
         return self._both
 
 
-def _scattering(place: NDArray[np.int64], five: int) -> tuple[NDArray[np.int64], ...]:
-    """Where the numbers of all blocks (4, 5, 3, 3) are that belong into the Jacobian, and where.
+def _factors(place: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Of which two numbers of the padded pose skew(w) and w w' (n, 2, 9) are products.
 
-    Block [0, f] is finger f's by the root's turn, block [1 + l, f] by its bone of level l.
+    Args:
+        place: (n, 3) where the padded pose has the components of n turns w.
+    """
+    left, right = np.empty((2, len(place), 2, 3, 3), np.int64)
+    for i in range(3):
+        for j in range(3):
+            which = _SKEW[i][j]
+            left[:, 0, i, j] = _ZERO if which is None else place[:, which]
+            right[:, 0, i, j] = _SKEW_SIGN[i][j]
+            left[:, 1, i, j], right[:, 1, i, j] = place[:, i], place[:, j]
+    return left.reshape(-1, 2, 9), right.reshape(-1, 2, 9)
+
+
+def _scattering(place: NDArray[np.int64], many: int) -> tuple[NDArray[np.int64], ...]:
+    """Where the numbers of all blocks (4, k, 3, 3) are that belong into the Jacobian, and where.
+
+    Block [0, f] is the f-th finger's by the root's turn, block [1 + l, f] by its bone of level l.
     """
     source, target = [], []
     for level in range(1 + _LEVELS):
-        for finger in range(five):
-            columns = place[0] if level == 0 else place[1 + five * (level - 1) + finger]
-            if columns[0] == POSE_SIZE:
+        for finger in range(many):
+            columns = place[0] if level == 0 else place[1 + many * (level - 1) + finger]
+            if columns[0] == _ZERO:
                 continue
             for row in range(3):
                 for column in range(3):
-                    source.append(((level * five + finger) * 3 + row) * 3 + column)
+                    source.append(((level * many + finger) * 3 + row) * 3 + column)
                     target.append((finger * 3 + row) * POSE_SIZE + columns[column])
     return np.array(source), np.array(target)

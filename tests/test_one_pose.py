@@ -45,6 +45,17 @@ def test_one_pose_has_the_fingertips_and_jacobian_of_many(rng, size):
         np.testing.assert_array_equal(one.tips(q), found[0])
 
 
+@given(rng=generators, fingers=st.lists(st.integers(0, 4), min_size=1, unique=True))
+def test_a_finger_is_where_it_is_whoever_else_is_asked_for(rng, fingers):
+    q = random_pose(rng)
+    for found, part in zip(
+        OnePose(ADULT).tips_and_jacobian(q),
+        OnePose(ADULT, fingers).tips_and_jacobian(q),
+        strict=True,
+    ):
+        np.testing.assert_array_equal(part, found[fingers])
+
+
 def test_what_one_pose_gave_stays_when_it_is_asked_again():
     rng, one = np.random.default_rng(0), OnePose(ADULT)
     first = one.tips_and_jacobian(random_pose(rng))
