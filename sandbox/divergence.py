@@ -32,8 +32,8 @@ def nonsense(scene: Scene, data: mujoco.MjData) -> str:
     # Nearly always nothing is, which a few sums tell: whatever is not finite makes one of them so,
     # and nothing is fast where no joint is.
     ctrl, qpos, qvel = data.ctrl, data.qpos, data.qvel
-    finite = isfinite(ctrl.dot(ctrl)) and isfinite(qpos.dot(qpos))
-    if finite and qvel.dot(qvel) < _SLOW**2 and not any(data.warning.number.tolist()):
+    squares = ctrl.dot(ctrl) + qpos.dot(qpos)
+    if isfinite(squares) and qvel.dot(qvel) < _SLOW**2 and not any(data.warning.number.tolist()):
         return ""
     for kind, words in _WARNINGS.items():
         if data.warning[kind].number:

@@ -85,7 +85,8 @@ class Respawn:
         """Whether a finger on a surface could reach an object where it is now."""
         position = data.xpos[place.body]
         reach = place.radius + FINGERTIP
-        x, up, off = ((position - surface.corner) @ surface.rotation).tolist()
+        away = position - surface.corner
+        x, up, off = (away if surface.aligned else away @ surface.rotation).tolist()
         width, height = METRES_PER_INCH * surface.width_in, METRES_PER_INCH * surface.height_in
         flat = _flat(surface)
         near = bool(

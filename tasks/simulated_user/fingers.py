@@ -37,9 +37,17 @@ class _Movement:
     duration: float
     turn: float = 0.0
     pivot: Array | None = None
+    _over: Array | None = None
 
     def at(self, now: float) -> Array:
-        share = minimum_jerk((now - self.begin) / self.duration)
+        """Where the fingers are; the array is not to be changed."""
+        if now - self.begin < self.duration:
+            return self._on_the_way(minimum_jerk((now - self.begin) / self.duration))
+        if self._over is None:
+            self._over = self._on_the_way(1.0)
+        return self._over
+
+    def _on_the_way(self, share: float) -> Array:
         if self.pivot is None:
             return self.start + share * (self.end - self.start)
         # Turning about a point that itself moves: what a hand does that drags and turns at once.
