@@ -27,6 +27,7 @@ from models.errors import InputError, RecordingError
 from models.frames import Frame, TouchFrame
 from models.scene import CONTROL_PERIOD
 from sandbox.recorded_frames import frame_from_json, frame_to_json
+from sandbox.recording_file import first_line, read_stored
 from sandbox.track import Track, TrackWriter, read_line
 
 SCHEMA = 1
@@ -240,26 +241,29 @@ class Recording:
 def is_recording(path: Path) -> bool:
     """Whether a file begins like a recording of ours."""
     try:
-        with path.open("rb") as file:
-            head = json.loads(file.readline(1_000_000))
+        head = json.loads(first_line(path))
     except (OSError, ValueError):
         return False
     return isinstance(head, dict) and head.get("kind") == "header" and "settings" in head
 
 
 def load_recording(path: Path) -> Recording:
-    """Reads a recording; a damaged one is read up to the damage, which is named.
+    """Reads a recording, compressed or not; a damaged one up to the damage, which is named.
 
     Raises:
         RecordingError: There is no such file, it is no recording, or of another version.
     """
     try:
-        lines = path.read_bytes().split(b"\n")
+        data, whole = read_stored(path)
     except OSError as error:
         raise RecordingError("cannot be read", where=str(path), got=error.strerror) from None
     if not is_recording(path):
         raise RecordingError("this is not a recording", where=str(path))
-    header = json.loads(lines[0])
+    lines = data.split(b"\n")
+    try:
+        header = json.loads(lines[0])
+    except ValueError:
+        raise RecordingError("its first line is damaged", where=str(path)) from None
     if header.get("schema") != SCHEMA:
         raise RecordingError(
             "another version's recording",
@@ -284,7 +288,9 @@ def load_recording(path: Path) -> Recording:
         except (ValueError, KeyError, TypeError, InputError, zlib.error) as error:
             damage = f"line {number} is damaged ({error}); everything before it is used"
             break
-    if not damage and end is None:
+    if not whole and (damage or end is not None):
+        damage = f"its compression is damaged; {damage or 'some of it may be wrong'}"
+    elif not damage and end is None:
         damage = "it breaks off before its end"
     return replace(found, end=end, damage=damage)
 
