@@ -1,4 +1,4 @@
-"""Legal poses of hands, and where everything of a hand is then: what motion files are held against."""
+"""Legal poses of hands, and where all of a hand is then: what motion files are held against."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A hand that is written down for other programs and read again is where it was, in every format."""
+"""A hand that is written for other programs and read again is where it was, in every format."""
 
 from __future__ import annotations
 

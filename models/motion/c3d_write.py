@@ -63,7 +63,10 @@ class C3dWriter(MotionWriter):
     def finish(self) -> None:
         """The number of frames, where it belongs, and whole blocks."""
         out = self._outputs[0]
-        out.write(bytes(-out.file.tell() % BLOCK))
+        if self.frames <= MOST:
+            # Where the count does not fit, ezc3d reads to the end, and takes a filled block for
+            # frames.
+            out.write(bytes(-out.file.tell() % BLOCK))
         capped = struct.pack("<H", min(self.frames, MOST))
         out.put(2 * 4, capped)
         out.put(BLOCK + self._counts["FRAMES"], capped)

@@ -40,6 +40,13 @@ function skinned(root) {
   return found;
 }
 
+function playOnce(mixer, clip) {
+  const action = mixer.clipAction(clip);
+  action.setLoop(THREE.LoopOnce);
+  action.clampWhenFinished = true; // the last key is not the first one again
+  action.play();
+}
+
 if (what === "validate") {
   const { issues } = await validator.validateBytes(new Uint8Array(bytes));
   console.log(JSON.stringify({
@@ -49,7 +56,7 @@ if (what === "validate") {
   const { skeleton, clip } = new BVHLoader().parse(bytes.toString("utf8"));
   const root = skeleton.bones[0];
   const mixer = new THREE.AnimationMixer(root);
-  mixer.clipAction(clip).play();
+  playOnce(mixer, clip);
   const frames = clip.tracks[0].times.length;
   const out = rest.map((frame) => {
     mixer.setTime(clip.tracks[0].times[Number(frame)]);
@@ -60,10 +67,7 @@ if (what === "validate") {
   const buffer = bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength);
   const gltf = await new GLTFLoader().parseAsync(buffer, "");
   const mixer = new THREE.AnimationMixer(gltf.scene);
-  const action = mixer.clipAction(gltf.animations[0]);
-  action.setLoop(THREE.LoopOnce);
-  action.clampWhenFinished = true;
-  action.play();
+  playOnce(mixer, gltf.animations[0]);
   const out = rest.map((time) => {
     mixer.setTime(Number(time));
     return { places: places(gltf.scene), skin: skinned(gltf.scene) };
