@@ -15,7 +15,9 @@ from rich.markup import escape
 from rich.table import Table
 
 from models.errors import InputError, StudyError
+from sandbox.cli import study_keeping
 from sandbox.cli.parse import parse
+from sandbox.cli.study_report import ReportOptions, report
 from sandbox.cli.study_run import RunOptions, run, sayer
 
 if TYPE_CHECKING:
@@ -198,5 +200,6 @@ ACTIONS: dict[str, tuple[Any, Callable[[Any, Console], int]]] = {
     "plan": (PlanOptions, _plan),
     "run": (RunOptions, run),
     "simulate": (SimulateOptions, _simulate),
+    "report": (ReportOptions, report),
 }
 """Action -> its options and what it does."""

@@ -32,8 +32,10 @@ def methods_section(found: Analysis) -> Section:
         f"{f.name} ({', '.join(f.levels)}; {'within' if f.within else 'between'} participants)"
         for f in data.factors
     )
-    section.say(f"Factors: {factors or 'none'}. One attempt of each finished trial counts; practice "
-                "and excluded trials are left out.")  # fmt: skip
+    section.say(
+        f"Factors: {factors or 'none'}. One attempt of each finished trial counts; practice and "
+        "excluded trials are left out."
+    )
     section.say(
         "Means. Each person's trials are averaged within a condition, then over conditions, then "
         "over people (of logarithms for measures that are lengths, times and speeds). Intervals of "

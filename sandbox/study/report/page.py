@@ -1,4 +1,4 @@
-"""The report as one HTML file: no script, nothing fetched, light or dark as the reader's system is."""
+"""The report as one HTML file: no script, nothing fetched, light or dark as the reader wants."""
 
 from __future__ import annotations
 
@@ -92,14 +92,11 @@ def _sections(found: Analysis) -> list[Section]:
 def _facts(found: Analysis) -> list[tuple[str, str, str]]:
     data = found.data
     steps = flow(data)
-    began, count, used = (
-        steps[0],
-        next(s for s in steps if s.what == "trials that count"),
-        steps[-1],
-    )
+    began, used = steps[0], steps[-1]
+    count = next(s for s in steps if s.what == "trials that count")
     facts = [
         ("Participants used", str(used.participants), f"of {began.participants} who began"),
-        ("Trials used", words.count(used.trials, "").strip(), f"of {count.trials} that count"),
+        ("Trials used", str(used.trials), f"of {count.trials} that count"),
     ]
     if found.success:
         rate = float(data.used["success"].mean())

@@ -48,9 +48,9 @@ def _compare_times(section: Section, found: Analysis, unseen: int) -> None:
     model, seen, leading = found.time.model, found.time.differences, found.leading
     ways: list[tuple[str, Sequence[Difference]]] = []
     if unseen and found.unseen:
-        ways.append(("with trials that did not succeed", found.unseen))
+        ways.append(("all trials", found.unseen))
     if seen:
-        ways.append(("trials that succeeded only (mixed model)", seen))
+        ways.append(("successes only (mixed model)", seen))
     if isinstance(model, str):
         section.say(f"No mixed model: {model}.", "note")
     if unseen and isinstance(found.censored, str):
@@ -82,7 +82,8 @@ def _compare_times(section: Section, found: Analysis, unseen: int) -> None:
                      "ratio of completion times (1: no difference)", titles, values,
                      [name for name, _ in ways], 1.0, True),
         "How much longer (right of the line) or shorter (left) the first-named level takes, "
-        "averaged over the other factors, with 95 % intervals.",
+        "averaged over the other factors, with 95 % intervals. All trials: those without success "
+        "are taken as longer than they lasted.",
         Table("Differences in completion time", ["Levels", "From", "Change", "95 % interval", "p",
               "p, Holm"], rows, "p Holm is adjusted for all pairs of levels of the same factor; "
               "intervals are each for itself."),
