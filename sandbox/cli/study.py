@@ -201,5 +201,6 @@ ACTIONS: dict[str, tuple[Any, Callable[[Any, Console], int]]] = {
     "run": (RunOptions, run),
     "simulate": (SimulateOptions, _simulate),
     "report": (ReportOptions, report),
+    **study_keeping.ACTIONS,
 }
 """Action -> its options and what it does."""

@@ -47,7 +47,7 @@ class ExportOptions:
     """A Motion-BIDS data set instead of a study's folder."""
 
     keep_words: tyro.conf.FlagCreatePairsOff[bool] = False
-    """Answers in words and the experimenter's notes stay; read all of them before you share them."""
+    """Answers in words and the experimenter's notes stay; read them all before you share them."""
 
     drop: Annotated[tuple[str, ...], tyro.conf.arg(metavar="ITEM")] = ()
     """A demographic item that is left out; may be repeated."""
@@ -181,7 +181,9 @@ def withdraw(options: WithdrawOptions, console: Console) -> int:
                   + (", what an earlier withdrawal had left" if found.before else ""))  # fmt: skip
     if found.still:
         console.print("[yellow]these files still name the participant; make them anew, or delete "
-                      "them:[/]\n  " + "\n  ".join(escape(str(p)) for p in found.still))  # fmt: skip
+                      "them:[/]")  # fmt: skip
+    for path in found.still:
+        console.print(f"  {escape(str(path))}")
     if found.copies:
         console.print("[yellow]copies were made with the data in them; deleting those is up to "
                       "you:[/]")  # fmt: skip

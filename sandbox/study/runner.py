@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
+from hashlib import blake2b
 from typing import Any
 
 from models.errors import InputError, StudyError
@@ -113,8 +114,10 @@ class SessionRunner:
             match step:
                 case ConsentStep():
                     agreed = self.forms.consent(design.consent[language], self._ready)
+                    read = blake2b(design.consent[language].encode(), digest_size=16)
                     session.write("consent", durable=True, step=step.id, agreed=agreed,
-                                  version=design.consent_version, language=language)  # fmt: skip
+                                  version=design.consent_version, language=language,
+                                  text=read.hexdigest())  # fmt: skip
                 case InstructionStep():
                     self.forms.instruct(step.instruction.text[language], self._ready)
                     session.write("step_done", step=step.id)
