@@ -125,7 +125,7 @@ def test_three_js_moves_joints_and_skin_of_a_glb_as_we_do(two_hands):
 
 
 def test_pygltflib_finds_unit_quaternions_that_never_flip_in_a_glb(two_hands):
-    path, skeletons, poses = two_hands
+    path, _, poses = two_hands
     file = pygltflib.GLTF2().load(path)
     blob = file.binary_blob()
 
@@ -196,7 +196,4 @@ def test_a_c3d_of_more_frames_than_16_bits_count_is_still_whole(tmp_path):
     written(lambda a: C3dWriter(tmp_path / "long.c3d", points, 120.0), ADULT, q)
     read = ezc3d.c3d(str(tmp_path / "long.c3d"))
     assert read["data"]["points"].shape == (4, 1, count)
-    with open(tmp_path / "long.c3d", "rb") as file, warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        assert sum(1 for _ in c3d.Reader(file).read_frames()) == count
     assert abs(read["data"]["points"][0, 0, -1] - read["data"]["points"][0, 0, 0] - 1000) < 1e-2
