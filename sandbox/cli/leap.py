@@ -18,6 +18,7 @@ from encoders.paalm.air import AirTake, simulate_air, takes_of_capture
 from encoders.paalm.forward import seen
 from encoders.store import load_capture
 from models.errors import InputError
+from sandbox.cli.parse import subcommand
 from sandbox.devices.leap_fake import DEFAULT_PORT, FakeLeapd
 from sandbox.devices.leap_file import read_leap
 from sandbox.devices.leap_truth import write_take
@@ -30,17 +31,8 @@ def main(argv: list[str]) -> int:
         "simulate": simulate,
         "formats": formats,
     }
-    try:
-        return int(
-            tyro.extras.subcommand_cli_from_dict(
-                commands,
-                prog="sandbox leap",
-                description="Leap Motion without one: recordings, simulated hands, a fake service.",
-                args=argv,
-            )
-        )
-    except SystemExit as stop:  # --help, or options that do not parse: tyro has said so
-        return int(stop.code or 0)
+    about = "Leap Motion without one: recordings, simulated hands, a fake service."
+    return subcommand(commands, "sandbox leap", about, argv)
 
 
 def fake(

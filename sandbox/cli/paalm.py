@@ -20,6 +20,7 @@ from encoders.paalm.calibration import PAPER_FRAMES, HandCalibration
 from encoders.paalm.calibration_file import read_calibration, write_calibration
 from models.errors import DeviceError, EncoderError, InputError
 from models.frames import SIDES, HandFrame
+from sandbox.cli.parse import subcommand
 from sandbox.devices.leap import DEFAULT_ADDRESS, LeapDevice, LeapFileDevice
 from sandbox.devices.leap_file import read_leap
 
@@ -31,17 +32,8 @@ PATIENCE = 5.0
 def main(argv: list[str]) -> int:
     """Runs `sandbox paalm ...`; returns the exit status."""
     commands: dict[str, Callable[..., int]] = {"show": show, "calibrate": calibrate}
-    try:
-        return int(
-            tyro.extras.subcommand_cli_from_dict(
-                commands,
-                prog="sandbox paalm",
-                description="PAALM (2013): joint angles from directions and lengths of fingers.",
-                args=argv,
-            )
-        )
-    except SystemExit as stop:  # --help, or options that do not parse: tyro has said so
-        return int(stop.code or 0)
+    about = "PAALM (2013): joint angles from directions and lengths of fingers."
+    return subcommand(commands, "sandbox paalm", about, argv)
 
 
 Hands = Literal["right", "left", "both"]

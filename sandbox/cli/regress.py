@@ -16,7 +16,7 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from models.errors import InputError
-from sandbox.cli.parse import parse
+from sandbox.cli.parse import in_one_line, parse
 from sandbox.cli.regress_vary import check_vary, run_vary
 
 if TYPE_CHECKING:
@@ -141,12 +141,15 @@ def main(argv: list[str]) -> int:
 
 def parse_known(argv: list[str]) -> tuple[RegressOptions, list[str]]:
     """Our options, and those that are left for `sandbox run`."""
-    found: tuple[RegressOptions, list[str]] = tyro.cli(
-        RegressOptions,
-        prog="sandbox regress",
-        args=argv,
-        config=(tyro.conf.OmitArgPrefixes,),
-        return_unknown_args=True,
+    found: tuple[RegressOptions, list[str]] = in_one_line(
+        lambda: tyro.cli(
+            RegressOptions,
+            prog="sandbox regress",
+            args=argv,
+            config=(tyro.conf.OmitArgPrefixes,),
+            return_unknown_args=True,
+        ),
+        "sandbox regress",
     )
     return found
 
@@ -168,6 +171,8 @@ def _scene(options: RegressOptions, more: Sequence[str]) -> dict[str, Any]:
 def _check(options: RegressOptions) -> None:
     """Refuses, before anything is run, what would fail at the end."""
     check_vary(options)
+    if not options.tasks:
+        raise InputError("no task is named", where="--tasks", remedy="Leave it out, or name one")
     if options.workers < 1:
         raise InputError("nobody works", where="--workers", got=options.workers, expected="1 ...")
     if options.baseline is None:

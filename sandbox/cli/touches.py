@@ -20,6 +20,7 @@ from rich.text import Text
 
 from models.errors import InputError, RecordingError
 from models.frames import TouchFrame
+from sandbox.cli.parse import in_one_line
 from sandbox.cli.touch_devices import Opened, TouchOptions, open_touches
 from sandbox.cli.touch_views import JsonView, TextView, View, what_to_check
 from sandbox.devices.discovery import offered_devices
@@ -121,15 +122,15 @@ def main(argv: list[str]) -> int:
     if argv[:1] == ["formats"] and len(argv) == 1:
         return formats()
     commands: dict[str, Callable[..., Any]] = {**kinds, "formats": formats}
-    try:
-        asked = tyro.extras.subcommand_cli_from_dict(
+    asked = in_one_line(
+        lambda: tyro.extras.subcommand_cli_from_dict(
             commands,
             prog="sandbox touches",
             description="See what a tablet or touch table says, before anything is simulated.",
             args=argv,
-        )
-    except SystemExit as stop:  # --help, or options that do not parse: tyro has said so
-        return int(stop.code or 0)
+        ),
+        f"sandbox touches {argv[0]}" if argv and argv[0] in commands else "sandbox touches",
+    )
     return doing[argv[0]](asked)
 
 

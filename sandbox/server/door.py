@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Callable
 
 from websockets.asyncio.server import ServerConnection
 
@@ -87,7 +86,7 @@ class Door:
                 self._counters.add("failed handshake")
 
 
-def watched(door: Door) -> Callable[..., ServerConnection]:
+def watched(door: Door) -> type[ServerConnection]:
     """A kind of connection that goes through a door, for `websockets.serve`."""
 
     class Watched(ServerConnection):

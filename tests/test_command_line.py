@@ -1,0 +1,61 @@
+"""What the command line refuses: one clear line, exit status 2, for every command."""
+
+from __future__ import annotations
+
+import pytest
+
+from sandbox.cli.main import COMMANDS, main
+from sandbox.cli.study import ACTIONS
+
+WITH_PARTS = {"touches": ("show", "record", "send"), "leap": ("fake", "simulate"),
+              "paalm": ("show", "calibrate"), "study": tuple(ACTIONS)}  # fmt: skip
+EVERY = [[name, *part] for name in COMMANDS
+         for part in ([[p] for p in WITH_PARTS[name]] if name in WITH_PARTS else [[]])]  # fmt: skip
+
+
+def refused(capsys: pytest.CaptureFixture[str], *argv: str) -> str:
+    """The one line."""
+    assert main(list(argv)) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    (line,) = said.err.splitlines()
+    assert line.startswith("sandbox: ")
+    return line
+
+
+@pytest.mark.parametrize("command", EVERY, ids=" ".join)
+def test_an_option_that_there_is_not_is_one_line_that_leads_on(command, capsys):
+    line = refused(capsys, *command, "--no-such-option", "7")
+    assert not set(line) & set("╭│╰")
+    assert len(line) < 400
+
+
+@pytest.mark.parametrize(
+    ("argv", "words"),
+    [
+        (["play", "box-to-goal", "--hand", "middle"], ["'middle'", "--hand", "'left'", "'right'"]),
+        (["play", "box-to-goal", "--page-port", "x"], ["--page-port", "'x'"]),
+        (["replay"], ["FILE"]),
+        (["run", "box-to-goal", "--devic", "simulated"], ["--devic", "perhaps --device"]),
+        (["run", "box-to-goal", "--seed"], ["--seed", "missing"]),
+        (["touches", "show", "--tuio-transport", "q"], ["'q'", "'websocket'"]),
+        (["touches", "bla"], ["bla", "show, record, send, formats"]),
+        (["leap"], ["fake", "simulate", "formats"]),
+        (["regress", "--tasks"], ["--tasks"]),
+        (["bla"], ["bla", "play"]),
+    ],
+    ids=lambda v: " ".join(v) if isinstance(v, list) else None,
+)
+def test_it_says_what_is_wrong_and_with_which_word(argv, words, capsys):
+    line = refused(capsys, *argv)
+    for word in words:
+        assert word in line
+    assert "'None'" not in line
+
+
+@pytest.mark.parametrize("command", EVERY, ids=" ".join)
+def test_every_command_has_help(command, capsys):
+    with pytest.raises(SystemExit) as stop:
+        main([*command, "--help"])
+    assert stop.value.code == 0
+    assert "usage: sandbox " + " ".join(command) in " ".join(capsys.readouterr().out.split())
