@@ -13,17 +13,19 @@ from enum import Enum, auto
 import numpy as np
 from numpy.typing import NDArray
 
-from models.objects import Box
 from sandbox.air_user.body import AXIS, PINCHING, Body, Pinch
+from sandbox.air_user.holds import Hold, carried, hold_of, missing, stays_down, there
 from sandbox.air_user.motion import Motion
-from tasks.goals import flat_yaw
 from tasks.simulated_user.configuration import UserConfiguration
 from tasks.simulated_user.sight import Eye, SeenObject, Sight
 from tasks.task import Goal
 
 Array = NDArray[np.float64]
 
-_QUARTER = np.pi / 2
+_BEHIND = 0.025
+"""m by which what is drawn over the table may lag before it is taken to have slipped."""
+_ROOM, _ROOM_WEIGHT = 0.018, 40.0
+"""m that a fingertip wants beside another thing, and rad of turning that each m less is worth."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +62,9 @@ class AirHabits:
     settle: float = 0.12
 
 
-class _Stage(Enum):
+class Stage(Enum):
+    """What a person in the air has done last."""
+
     LOOKING = auto()
     ABOVE = auto()
     AROUND = auto()
@@ -77,8 +81,10 @@ class AirPerson:
     Args:
         configuration: Reaction, speed, tremor.
         seed: Whose hand, and all that is chance.
-        habits: How they work.
         radius: (5,) m, of the drawn fingertips, as they know them by sight.
+        habits: How they work.
+        home: (2,) m in the world as they see it, where their hand is at home; of two handles they
+            take the nearer one.
     """
 
     def __init__(
@@ -87,18 +93,20 @@ class AirPerson:
         seed: int,
         radius: Array,
         habits: AirHabits | None = None,
+        home: tuple[float, float] = (0.0, 0.0),
     ) -> None:
         rng = np.random.default_rng([seed, 7_011])
         self.body = Body(seed)
         self.habits = habits or AirHabits()
         self._eye = Eye(float(rng.uniform(*configuration.reaction)))
-        start = Pinch(np.array([0.0, -0.03, 0.10]), 0.0, 0.09, np.zeros((3, 3)))
+        self._home = np.array(home)
+        start = Pinch(np.array([home[0], home[1] - 0.03, 0.10]), 0.0, 0.09, np.zeros((3, 3)))
         self._motion = Motion(start, configuration, rng)
         self._radius = radius
-        self._stage, self._until = _Stage.LOOKING, 0.6
+        self._stage, self._until = Stage.LOOKING, 0.6
         self._name: str | None = None
         self._tries = self._grasps = 0
-        self._idle = configuration.kind == "idle"
+        self._kind, self._rng = configuration.kind, rng
         self._held = self._stood = self._gap = 0.0
         # By how much the own pinch is off from where the drawn one is wanted.
         self._offset = np.zeros(3)
@@ -110,115 +118,122 @@ class AirPerson:
     def hand(self, now: float) -> tuple[Array, Array, Array]:
         """Palm centre (3,), rotation (3, 3) and joints (5, 4, 3) of the own hand now."""
         sight = self._eye.at(now)
-        if sight is not None and now >= self._until - 1e-9 and not self._idle:
-            self._act(sight, now)
+        if sight is not None and now >= self._until - 1e-9 and self._kind != "idle":
+            self._act(sight, now) if self._kind == "skilled" else self._anywhere(now)
         return self.body.joints(self._motion.at(now))
 
     def _act(self, sight: Sight, now: float) -> None:
         act = {
-            _Stage.LOOKING: self._choose,
-            _Stage.ABOVE: self._above,
-            _Stage.AROUND: self._around,
-            _Stage.CLOSED: self._lift,
-            _Stage.LIFTED: self._carry,
-            _Stage.LOWERED: self._lower,
-            _Stage.OPENED: self._leave,
-            _Stage.CONTENT: lambda *_: None,
+            Stage.LOOKING: self._choose,
+            Stage.ABOVE: self._above,
+            Stage.AROUND: self._around,
+            Stage.CLOSED: self._lift,
+            Stage.LIFTED: self._carry,
+            Stage.LOWERED: self._lower,
+            Stage.OPENED: self._leave,
+            Stage.CONTENT: lambda *_: None,
         }
         act[self._stage](sight, now)
+
+    def _anywhere(self, now: float) -> None:
+        """What a control arm does: moves, opens and closes at random over the table."""
+        low, high = (-0.10, -0.08, 0.01), (0.10, 0.08, 0.10)
+        centre = self._rng.uniform(low, high) + np.append(self._home, 0.0)
+        yaw, gap = self._rng.uniform((-0.8, 0.02), (0.8, 0.09)).tolist()
+        self._go(Pinch(centre, yaw, gap, np.zeros((3, 3))), Stage.LOOKING, now)
 
     # What is to be done next.
 
     def _choose(self, sight: Sight, now: float) -> None:
-        wrong = [g for g in sight.goals if not _there(sight.objects[g.object], g)]
+        wrong = [g for g in sight.goals if not there(sight.objects[g.object], g)]
         if sight.done or not wrong or self._grasps >= self.habits.attempts:
             self._until = now + 0.2
             return
         self._name = wrong[0].object
         self._grasps += 1
         self._tries = 0
-        box = sight.objects[self._name]
-        goal = self._goal(sight)
-        yaw = self._comfortable(box, goal, sight)
+        hold = self._hold(sight)
+        yaw = self._comfortable(hold, sight)
         # The correction of the drawn fingers that was learned stays.
         bent = self._motion.aim.bent
-        self._gap = _width(box) + 2.0 * self.habits.opening
-        over = max(_top(o) for o in sight.objects.values()) + self.habits.over
-        centre = np.array([*box.position[:2], over]) + self._offset
-        self._go(Pinch(centre, yaw, self._centres(self._gap), bent), _Stage.ABOVE, now)
+        self._gap = hold.width + 2.0 * self.habits.opening
+        over = self._highest(sight) + self.habits.over
+        centre = np.array([*hold.position[:2], over]) + self._offset
+        self._go(Pinch(centre, yaw, self._centres(self._gap), bent), Stage.ABOVE, now)
 
     def _above(self, sight: Sight, now: float) -> None:
-        box = self._box(sight)
-        wanted = np.array([*box.position[:2], self._motion.aim.centre[2] - self._offset[2]])
+        hold, aim = self._hold(sight), self._motion.aim
+        wanted = np.array([*hold.position[:2], aim.centre[2] - self._offset[2]])
         if self._correct(sight, wanted, 2.0 * self.habits.good, now):
             return
         self._tries = 0
         aim = self._motion.aim
-        z = float(box.position[2]) + self.habits.grip + self._offset[2]
-        self._go(replace(aim, centre=np.array([*aim.centre[:2], z])), _Stage.AROUND, now)
+        z = float(hold.position[2]) + self.habits.grip + self._offset[2]
+        self._go(replace(aim, centre=np.array([*aim.centre[:2], z])), Stage.AROUND, now)
 
     def _around(self, sight: Sight, now: float) -> None:
-        box = self._box(sight)
-        wanted = box.position + _up(self.habits.grip)
+        hold = self._hold(sight)
+        wanted = hold.position + _up(self.habits.grip)
         if self._correct(sight, wanted, self.habits.good, now):
             return
         aim = self._motion.aim
-        gap = self._centres(_width(box) - 2.0 * self.habits.squeeze)
+        gap = self._centres(hold.width - 2.0 * self.habits.squeeze)
         self._offset = aim.centre - wanted
-        self._go(replace(aim, gap=gap), _Stage.CLOSED, now, 1.3)
+        self._go(replace(aim, gap=gap), Stage.CLOSED, now, 1.3)
 
     def _lift(self, sight: Sight, now: float) -> None:
-        box = self._box(sight)
-        self._stood = float(box.position[2])
-        around = [_top(o) for name, o in sight.objects.items() if name != self._name]
-        goal = self._goal(sight)
-        top = max(max(around, default=0.0), goal.position[2] - _half(box))
-        rise = top + self.habits.lift - (float(box.position[2]) - _half(box))
-        self._held, self._tries = rise, 0
+        hold, goal = self._hold(sight), self._goal(sight)
+        self._stood, self._held, self._tries = float(hold.position[2]), 0.0, 0
+        if stays_down(self._thing(sight).shape):
+            self._stage = Stage.LIFTED
+            self._carry(sight, now)
+            return
+        top = max(self._highest(sight, others=True), goal.position[2] - hold.half)
+        self._held = top + self.habits.lift - (float(hold.position[2]) - hold.half)
         aim = self._motion.aim
-        self._go(replace(aim, centre=aim.centre + _up(rise)), _Stage.LIFTED, now, 1.2)
+        self._go(replace(aim, centre=aim.centre + _up(self._held)), Stage.LIFTED, now, 1.2)
 
     def _carry(self, sight: Sight, now: float) -> None:
-        box, goal = self._box(sight), self._goal(sight)
-        if float(box.position[2]) - self._stood < 0.5 * self._held:
+        thing, goal, habits = self._thing(sight), self._goal(sight), self.habits
+        aim, hold = self._motion.aim, self._hold(sight)
+        pinch = aim.centre - self._offset
+        if float(hold.position[2]) - self._stood < 0.5 * self._held or self._slipped(hold, pinch):
             self._open(now)
             return
-        off = np.asarray(goal.position[:2]) - box.position[:2]
-        turn = _quarter(goal.yaw - flat_yaw(box.rotation))
-        near = float(np.linalg.norm(off)) < self.habits.placed and abs(turn) < self.habits.straight
-        if near or self._tries >= self.habits.looks:
-            self._tries, self._stage = 0, _Stage.LOWERED
+        off, turn = missing(thing, goal)
+        near = float(np.linalg.norm(off)) < habits.placed and abs(turn) < habits.straight
+        if near or self._tries >= habits.looks:
+            self._tries, self._stage = 0, Stage.LOWERED
             self._lower(sight, now)
             return
         self._tries += 1
-        aim = self._motion.aim
-        # The box turns about the pinch, not about its own middle.
-        arm = box.position[:2] - (aim.centre - self._offset)[:2]
-        c, s = np.cos(turn), np.sin(turn)
-        shift = off + arm - np.array([[c, -s], [s, c]]) @ arm
+        # The thing turns about the pinch, not about its own middle.
+        shift, turn = carried(thing, goal, pinch[:2])
         centre = aim.centre + np.append(shift, 0.0)
-        self._go(replace(aim, centre=centre, yaw=aim.yaw + turn), _Stage.LIFTED, now, 1.2)
+        self._go(replace(aim, centre=centre, yaw=aim.yaw + turn), Stage.LIFTED, now, 1.2)
+
+    def _slipped(self, hold: Hold, pinch: Array) -> bool:
+        """Whether what is drawn over the table has stayed behind."""
+        return self._held == 0.0 and float(np.linalg.norm((hold.position - pinch)[:2])) > _BEHIND
 
     def _lower(self, sight: Sight, now: float) -> None:
-        box, goal = self._box(sight), self._goal(sight)
-        above = float(box.position[2]) - goal.position[2]
-        if above < 0.003 or self._tries >= self.habits.looks:
+        above = float(self._thing(sight).position[2]) - self._goal(sight).position[2]
+        if above < 0.003 or self._tries >= self.habits.looks or self._held == 0.0:
             self._open(now)
             return
         self._tries += 1
         aim = self._motion.aim
         centre = aim.centre - _up(above + self.habits.press)
-        self._go(replace(aim, centre=centre), _Stage.LOWERED, now, 1.2)
+        self._go(replace(aim, centre=centre), Stage.LOWERED, now, 1.2)
 
     def _open(self, now: float) -> None:
         aim = self._motion.aim
-        self._go(replace(aim, gap=self._centres(self._gap)), _Stage.OPENED, now, 1.3)
+        self._go(replace(aim, gap=self._centres(self._gap)), Stage.OPENED, now, 1.3)
 
     def _leave(self, sight: Sight, now: float) -> None:
         aim = self._motion.aim
-        top = max(_top(o) for o in sight.objects.values()) + self.habits.over
-        centre = np.array([*aim.centre[:2], max(top, float(aim.centre[2])) + 0.02])
-        self._go(replace(aim, centre=centre), _Stage.LOOKING, now)
+        top = max(self._highest(sight) + self.habits.over, float(aim.centre[2]))
+        self._go(replace(aim, centre=np.array([*aim.centre[:2], top + 0.02])), Stage.LOOKING, now)
 
     # How the drawn hand is brought where it is wanted.
 
@@ -238,32 +253,39 @@ class AirPerson:
         self._go(replace(aim, centre=centre, bent=bent), self._stage, now)
         return True
 
-    def _go(self, aim: Pinch, stage: _Stage, now: float, slowness: float = 1.0) -> None:
+    def _go(self, aim: Pinch, stage: Stage, now: float, slowness: float = 1.0) -> None:
         self._stage = stage
         self._until = self._motion.go(aim, now, slowness) + self._eye.delay + self.habits.settle
 
     # What is seen.
 
-    def _box(self, sight: Sight) -> SeenObject:
+    def _thing(self, sight: Sight) -> SeenObject:
         assert self._name is not None
         return sight.objects[self._name]
 
+    def _hold(self, sight: Sight) -> Hold:
+        return hold_of(self._thing(sight), self._home)
+
     def _goal(self, sight: Sight) -> Goal:
         return next(g for g in sight.goals if g.object == self._name)
+
+    def _highest(self, sight: Sight, others: bool = False) -> float:
+        """m, the top of what is around; of other things than the own one only."""
+        seen = [o for name, o in sight.objects.items() if not others or name != self._name]
+        return max((hold_of(o, self._home).top for o in seen), default=0.0)
 
     def _centres(self, width: float) -> float:
         """m between the tips' centres for pads that are so far apart."""
         return width + float(self._radius[0] + self._radius[1:3].mean())
 
-    def _comfortable(self, box: SeenObject, goal: Goal, sight: Sight) -> float:
-        """rad, turn of a hand that closes on two faces; where there is room, and little to turn."""
-        yaw = flat_yaw(box.rotation)
-        turn = _quarter(goal.yaw - yaw)
+    def _comfortable(self, hold: Hold, sight: Sight) -> float:
+        """rad, turn of a hand that closes on it; where there is room, and little to turn."""
+        _, turn = missing(self._thing(sight), self._goal(sight))
         best = (np.inf, 0.0)
-        for side in range(4):
-            hand = (yaw + side * _QUARTER - AXIS + np.pi) % (2 * np.pi) - np.pi
-            gap = self._centres(_width(box) + 2.0 * self.habits.opening)
-            tips = Pinch(box.position, hand, gap, np.zeros((3, 3))).tips()
+        for side in range(0, 4, 1 if hold.quarter else 2):
+            hand = (hold.yaw + side * np.pi / 2 - AXIS + np.pi) % (2 * np.pi) - np.pi
+            gap = self._centres(hold.width + 2.0 * self.habits.opening)
+            tips = Pinch(hold.position, hand, gap, np.zeros((3, 3))).tips()
             room = min(
                 (
                     float(np.min(o.shape.clearance(tips, o.position, o.rotation)))
@@ -272,37 +294,10 @@ class AirPerson:
                 ),
                 default=1.0,
             )
-            cost = max(abs(hand), abs(hand + turn)) + 40.0 * max(0.018 - room, 0.0)
+            cost = max(abs(hand), abs(hand + turn)) + _ROOM_WEIGHT * max(_ROOM - room, 0.0)
             best = min(best, (cost, hand))
         return best[1]
 
 
-def _there(seen: SeenObject, goal: Goal) -> bool:
-    off = seen.position - np.asarray(goal.position)
-    turn = abs(_quarter(goal.yaw - flat_yaw(seen.rotation)))
-    near = 0.008 if goal.on is None else 0.2 * _width(seen)
-    straight = goal.on is not None or turn < np.deg2rad(8.0)
-    return bool(np.linalg.norm(off[:2]) < near and abs(off[2]) < 0.004 and straight)
-
-
 def _up(height: float) -> Array:
     return np.array([0.0, 0.0, height])
-
-
-def _quarter(angle: float) -> float:
-    """rad, the same to a cube, and smallest."""
-    return float((angle + _QUARTER / 2) % _QUARTER - _QUARTER / 2)
-
-
-def _half(seen: SeenObject) -> float:
-    assert isinstance(seen.shape, Box)
-    return seen.shape.half_size[2]
-
-
-def _width(seen: SeenObject) -> float:
-    assert isinstance(seen.shape, Box)
-    return 2.0 * seen.shape.half_size[0]
-
-
-def _top(seen: SeenObject) -> float:
-    return float(seen.position[2]) + _half(seen)

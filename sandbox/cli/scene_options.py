@@ -198,7 +198,7 @@ def plan(options: SceneOptions) -> Plan:
     if options.second_user:
         more = replace(more, user=options.second_user)
     if from_one(options):
-        next_ = _plan(more, None, settings, 1)
+        next_ = _plan(replace(more, device=options.device), None, settings, 1)
         two = (first.make_device, next_.make_device) if "user" in next_.about else None
         return replace(first, make_device=over_one(two, first.make_device, settings))
     alone = second.shared and recording is None and options.device != "simulated"

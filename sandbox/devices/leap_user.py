@@ -11,12 +11,18 @@ from encoders.paalm.eye import LeapEye
 from models.frames import HandFrame
 from models.person import Person
 from models.skeleton import ADULT
+from sandbox.air_user.carrier import AirCarrier
+from sandbox.air_user.holds import check
 from sandbox.air_user.person import AirHabits, AirPerson
 from sandbox.devices.simulated import NEXT_PERSON
 from sandbox.messages import Snapshot
+from tasks.registry import hands_of
 from tasks.simulated_user.configuration import UserConfiguration
 from tasks.simulated_user.sight import SeenObject, Sight
 from tasks.task import Goal, Task
+
+HOME_OF_TWO = 0.12
+"""m from the middle, where each of two hands is at home."""
 
 _MIRROR = np.array([-1.0, 1.0, 1.0])
 
@@ -33,6 +39,9 @@ class SimulatedLeap:
         person: Which hand, and how large the drawn one is.
         hand: Which of the scene's hands is theirs.
         habits: How they work.
+
+    Raises:
+        InputError: They do not know how to hold the task's things.
     """
 
     name = "simulated leap"
@@ -53,7 +62,14 @@ class SimulatedLeap:
         seed += hand * NEXT_PERSON
         self._hand, self._left, self._at = hand, person.left, np.array(at)
         self._shapes = {thing.name: thing for thing in task.objects}
-        self.user = AirPerson(configuration, seed, person.skeleton(ADULT).tip_radius, habits)
+        two = hands_of(task) > 1
+        for thing in task.objects:
+            check(thing)
+        make = AirCarrier if two else AirPerson
+        # In the mirror in which a left hand is a right one, its home is to the right, too.
+        home = (HOME_OF_TWO, 0.0) if two or hand else (0.0, 0.0)
+        radius = person.skeleton(ADULT).tip_radius
+        self.user = make(configuration, seed, radius, habits, home)
         self._eye = LeapEye(seed, person.hand, dialect)
         self.finished = False
 
