@@ -75,7 +75,8 @@ def open_source(path: Path, of: str = "simulated", take: int = 1) -> Source:
     if is_recording(path):
         return _commanded(path) if of == "commanded" else _simulated(path)
     try:
-        packed = path.open("rb").read(2) == b"PK"
+        with path.open("rb") as file:
+            packed = file.read(2) == b"PK"
     except OSError as error:
         raise InputError("cannot be read", where=str(path), got=error.strerror) from error
     if not packed:
