@@ -74,7 +74,7 @@ class Page:
         return {"type": "frame", "scene": scene, "number": number, "touch": touch, "time": time,
                 "poses": poses, "state": state}  # fmt: skip
 
-    def until(self, kind: str, **wanted: Any) -> dict[str, Any]:
+    def until(self, kind: str, /, **wanted: Any) -> dict[str, Any]:
         """The next message of a kind with these values; frames are acknowledged on the way."""
         for _ in range(2000):
             message = self.next()

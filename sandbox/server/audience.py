@@ -88,6 +88,7 @@ class Audience:
         self._skins: Sequence[bytes] = ()
         self._study = study
         self._sheet: Sheet | None = None
+        self._heard = float("-inf")
         self.joined = threading.Event()
         self.asked: queue.SimpleQueue[Ask] = queue.SimpleQueue()
         self.filled: queue.SimpleQueue[Answer | Leave] = queue.SimpleQueue()
@@ -115,9 +116,9 @@ class Audience:
 
     @property
     def silence(self) -> float:
-        """s since the player was last heard; infinite while there is none. From any thread."""
+        """s since a player was last heard; infinite before there was one. From any thread."""
         heard = [c.heard for c in tuple(self._clients) if c.player]
-        return time.monotonic() - max(heard) if heard else float("inf")
+        return time.monotonic() - max(heard, default=self._heard)
 
     def lay(self, sheet: Sheet, tell: bool) -> None:
         """The sheet that the player has before them; not told, it is for who comes back."""
@@ -203,6 +204,7 @@ class Audience:
         if not client.player:
             return
         client.player = False
+        self._heard = client.heard
         if self._device:
             self._device.cancel_all()
         # Somebody who wanted to play, and found the seat taken, gets it now.

@@ -139,7 +139,7 @@ class PageServer:
 
     @property
     def silence(self) -> float:
-        """s since the player was last heard; infinite while nobody plays."""
+        """s since a player was last heard; infinite before there was one."""
         return self._audience.silence
 
     def asked(self) -> list[Ask]:

@@ -24,10 +24,12 @@ from sandbox.session import Session
 from sandbox.settings import RunSettings
 from sandbox.study.players import Ask, Played, Trial, no_search_for_garbage
 from sandbox.study.showing import Showing
-from sandbox.study.study_page import GONE, TICK, StudyPage
+from sandbox.study.study_page import TICK, StudyPage
 
 AFTER = 1.2
 """s for which the end of a trial is seen."""
+SILENCE = 1.0
+"""s without a word that are written down; the page beats twice a second."""
 SLACK = 0.02
 """Share by which a screen may be smaller than the touch rectangle: bank cards are held by hand."""
 
@@ -115,19 +117,15 @@ class _Watching:
         self._waited: float | None = None if self._waiting else 0.0
         self._away = 0.0
         self._last, self._times = self._shown, 0
-        self._gone = self._halted = False
+        self._silent = self._halted = False
 
     def still(self, trial: Trial) -> bool:
         """Whether time is to stand still now; may break the trial off."""
         self._page.look()
         self._pause(trial.halted())
         now = time.monotonic()
-        passed, self._last = now - self._last, now
-        was, self._gone = self._gone, self._page.gone > 0.0
-        if self._gone:
-            # The seconds that it took to notice count as well.
-            self._away += passed if was else GONE
-            self._times += not was
+        self._count(now)
+        if self._page.gone:
             if self._showing.when_gone == "repeat" and self._waited is not None:
                 trial.broken = trial.broken or "the participant's page was gone"
             elif self._showing.when_gone == "pause":
@@ -137,6 +135,16 @@ class _Watching:
             if self._waited is None:
                 self._waited = now - self._shown
         return self._waiting or self._halted
+
+    def _count(self, now: float) -> None:
+        """Adds up how long the page said nothing."""
+        silent = self._page.server.silence
+        was, self._silent = self._silent, silent > SILENCE
+        if self._silent:
+            # The time that it took to notice counts as well.
+            self._away += now - self._last if was else silent
+            self._times += not was
+        self._last = now
 
     def _pause(self, halted: bool) -> None:
         """Takes the scene out of sight while the experimenter pauses; then a touch goes on."""
@@ -150,8 +158,8 @@ class _Watching:
             self._page.reveal()
 
     def measures(self) -> dict[str, float | int | None]:
-        """s from the scene being seen to the first touch, and how long and often the page was gone
-        meanwhile."""
+        """s from the scene being seen to the first touch, and how long and often nothing was
+        heard of the page meanwhile."""
         waited = None if self._waited is None else round(self._waited, 3)
         return {"waited_s": waited, "away_s": round(self._away, 3), "away": self._times}
 

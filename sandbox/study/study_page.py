@@ -42,7 +42,7 @@ class StudyPage:
         self.words = words_in(language)
         self.device: WebDevice | None = None
         self._sheet = Sheet(0, "wait", "", self.words["wait"], [], {}, 0.0)
-        self._gone_since: float | None = None
+        self._gone = False
         self._came = False
         self.wait()
 
@@ -92,20 +92,18 @@ class StudyPage:
         return device
 
     @property
-    def gone(self) -> float:
-        """s for which the page has been gone; 0 while it is there."""
-        return 0.0 if self._gone_since is None else time.monotonic() - self._gone_since
+    def gone(self) -> bool:
+        """Whether nothing has been heard of the page for so long that nobody can be there."""
+        return self._gone
 
     def look(self) -> None:
         """Sees whether the page is there, and tells the experimenter when that changes."""
         silent = self.server.silence
-        if silent > GONE and self._gone_since is None:
-            self._gone_since = time.monotonic() - (min(silent, GONE) if self._came else 0.0)
-            if self._came:
+        if (silent > GONE) != self._gone:
+            self._gone = silent > GONE
+            if self._came and self._gone:
                 self.say("the participant's page is gone; it comes back, or is opened anew")
-        elif silent <= GONE and self._gone_since is not None:
-            self._gone_since = None
-            if self._came:
+            elif self._came:
                 self.say("the participant's page is back")
         if silent <= GONE and not self._came:
             self._came = True
@@ -117,7 +115,7 @@ class StudyPage:
         while True:
             ready()
             self.look()
-            if not self._gone_since:
+            if not self._gone:
                 return
             if not told:
                 self.say("waiting for the participant's page")
