@@ -60,8 +60,12 @@ class AcclaimSkeleton:
     unit: float
 
 
-def read_asf(path: Path, inch: float = INCH) -> AcclaimSkeleton:
+def read_asf(path: Path, unit: float | None = None) -> AcclaimSkeleton:
     """Reads a skeleton.
+
+    Args:
+        path: The file.
+        unit: m, length of one of the file's units; None takes what it says, with inches.
 
     Raises:
         MotionError: It is no ASF file, is cut short, or a bone is incomplete.
@@ -77,7 +81,7 @@ def read_asf(path: Path, inch: float = INCH) -> AcclaimSkeleton:
     if length <= 0:
         raise MotionError("this is no unit", where=f"{path}, :units length", got=length)
     degrees = units.get("angle", ["deg"])[0].lower().startswith("deg")
-    unit = inch / length
+    unit = INCH / length if unit is None else unit
     root, origin = _root(path, sections["root"], degrees, unit)
     bones = {root.name: root}
     for bone in _bones(path, sections["bonedata"], degrees, unit):

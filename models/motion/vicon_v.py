@@ -79,8 +79,16 @@ def read_v(path: Path) -> ViconMotion:
         ) from None
 
 
-def motion_of(path: Path, skeleton: ViconSkeleton, motion: ViconMotion) -> Motion:
+def motion_of(
+    path: Path, skeleton: ViconSkeleton, motion: ViconMotion, unit: float = MILLIMETRE
+) -> Motion:
     """The motion of a skeleton; its markers become joints that never turn.
+
+    Args:
+        path: Of the motion, for messages.
+        skeleton: From `read_vsk`.
+        motion: From `read_v`.
+        unit: m, length of one of the file's units.
 
     Raises:
         MotionError: The file moves none of the skeleton's segments, or another subject's.
@@ -119,7 +127,7 @@ def motion_of(path: Path, skeleton: ViconSkeleton, motion: ViconMotion) -> Motio
         elif skeleton.joints[j] != "JointDummy" and skeleton.parents[j] < 0:
             raise MotionError("the root does not move", where=str(path), got=name[:40])
         if place is not None:
-            shifts[:, j] = MILLIMETRE * place
+            shifts[:, j] = unit * place
     ends = np.full((joints, 3), np.nan)
     marks = [m for m in skeleton.markers if m not in skeleton.names]
     names = (*skeleton.names, *marks)

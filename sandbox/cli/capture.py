@@ -36,10 +36,11 @@ class CaptureOptions:
     touches are where fingertips come near the surface.
 
     Touches: a recording of this program, a capture of TUIO packets (with --surface), or the output
-    of `sandbox touches show --json`. Joints: BVH, whose joints our skeleton is fitted to, or CSV
-    with `time`, `root_x` .. `root_rz`, `index_mcp_rx` .. in m and rad. Markers: a Qualisys TSV
-    file, plain or packed. Joints and markers that are named as in Mixamo rigs or Qualisys glove
-    recordings are recognised; others need a --mapping file:
+    of `sandbox touches show --json`. Joints: BVH, AMC (with its ASF) or Vicon V (with its VSK),
+    whose joints our skeleton is fitted to, or CSV with `time`, `root_x` .. `root_rz`,
+    `index_mcp_rx` .. in m and rad. Markers: a Qualisys TSV file, plain or packed. Joints and
+    markers that are named as in Mixamo rigs or Qualisys glove recordings are recognised; others
+    need a --mapping file:
 
         [points]
         RIDX3 = "index_tip_skin"
@@ -70,8 +71,14 @@ class CaptureOptions:
     touches: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """The touches."""
 
-    joints: Annotated[Path | None, tyro.conf.arg(metavar="FILE.bvh|FILE.csv")] = None
+    joints: Annotated[Path | None, tyro.conf.arg(metavar="FILE.bvh|.amc|.v|.csv")] = None
     """The hand's joints."""
+
+    skeleton: Annotated[Path | None, tyro.conf.arg(metavar="FILE.asf|.vsk")] = None
+    """The skeleton of an .amc or .v; otherwise the file of the same name beside it."""
+
+    joints_rate: Annotated[float | None, tyro.conf.arg(metavar="HZ")] = None
+    """Frames a second of an .amc, which does not tell; 120 unless it is one of our own."""
 
     markers: Annotated[Path | None, tyro.conf.arg(metavar="FILE.tsv")] = None
     """Markers on the hand, instead of joints."""
@@ -92,7 +99,8 @@ class CaptureOptions:
     """TOML or JSON: what the recording's names mean, and where the surface is."""
 
     unit: Annotated[float | None, tyro.conf.arg(metavar="M")] = None
-    """Metres in the recording's unit of length; otherwise 0.01 for BVH, 0.001 for markers."""
+    """Metres in the recording's unit of length; otherwise 0.01 for BVH, 0.001 for Vicon and
+    markers, and for .amc what its skeleton says."""
 
     scale: float = 1.0
     """Size of a CSV file's hand against the program's own adult; the size of others is fitted."""
@@ -133,6 +141,8 @@ def main(argv: list[str]) -> int:
             find_surface=log is None,
             tolerance=options.threshold / 1000,
             progress=lambda share: progress.update(bar, completed=share),
+            skeleton_file=options.skeleton,
+            rate=options.joints_rate,
         )
         progress.update(bar, description="touches and fingers", completed=1.0)
         meta = _meta(options, hand_file, joints, surface)
@@ -175,6 +185,7 @@ def _checked(options: CaptureOptions) -> Path:
         ("--rate", options.rate, 1000.0),
         ("--unit", 1.0 if options.unit is None else options.unit, 1000.0),
         ("--threshold", options.threshold, 50.0),
+        ("--joints-rate", 120.0 if options.joints_rate is None else options.joints_rate, 10_000.0),
         ("--scale", options.scale, 2.0),
     ):
         if not 0 < value < greatest:

@@ -1,4 +1,4 @@
-"""Hands from files: BVH, tables of poses, markers; and what a mapping file says of their names."""
+"""Hands from files of motion capture, and what a mapping file says of their names."""
 
 from __future__ import annotations
 
@@ -21,14 +21,21 @@ from encoders.conversion import (
 )
 from encoders.conversion.sites import mapped, recognised, sites_of
 from models.errors import CaptureError, InputError
+from models.motion.asf import read_amc, read_asf
 from models.motion.bvh import CENTIMETRE, read_bvh
 from models.motion.markers import MILLIMETRE, read_markers
 from models.motion.motion import Motion
 from models.motion.pose_table import read_pose_table
+from models.motion.vicon_v import motion_of, read_v
+from models.motion.vsk import MILLIMETRE as VSK_MILLIMETRE
+from models.motion.vsk import read_vsk
 from models.pose import mirrored
 from models.skeleton import ADULT
 
 Array = NDArray[np.float64]
+
+SKELETONS = {"amc": ".asf", "v": ".vsk"}
+"""Kinds of motion that need a skeleton from another file, and what that is called."""
 
 _CORNERS = ("top_left", "top_right", "bottom_left")
 
@@ -91,11 +98,13 @@ def read_hand(
     find_surface: bool,
     tolerance: float,
     progress: Callable[[float], None],
+    skeleton_file: Path | None = None,
+    rate: float | None = None,
 ) -> JointTrack:
     """The poses in a file, its kind told by its name's end.
 
     Args:
-        path: `.bvh`, `.csv`, or `.tsv` and `.tsv.gz`.
+        path: `.bvh`, `.amc`, `.v`, `.csv`, or `.tsv` and `.tsv.gz`.
         mapping: What the file's names mean.
         report: Takes residuals and counts.
         left: Whether it is a left hand; it is mirrored into a right one.
@@ -104,6 +113,8 @@ def read_hand(
         find_surface: Whether the surface may be found from fingertips where it is not told.
         tolerance: m from it within which a fingertip then rests on it.
         progress: Called with the share done, 0 to 1.
+        skeleton_file: `.asf` of an `.amc`, `.vsk` of a `.v`; None: beside it, of the same name.
+        rate: Hz of an `.amc`, which does not tell it.
 
     Raises:
         InputError: The file cannot be used.
@@ -117,6 +128,9 @@ def read_hand(
         unit = unit or CENTIMETRE
         motion = read_bvh(path, unit)
         time, points = motion.time, _points_of(motion)
+    elif suffix in SKELETONS:
+        motion, unit = _with_skeleton(path, suffix, skeleton_file, unit, rate)
+        time, points = motion.time, _points_of(motion)
     elif suffix == "tsv":
         unit = unit or MILLIMETRE
         tracks = read_markers(path, unit)
@@ -124,7 +138,12 @@ def read_hand(
         points = {name: tracks.places[:, m] for m, name in enumerate(tracks.names)}
     else:
         raise InputError(
-            "this kind of file is not known", where=str(path), expected=".bvh, .csv, .tsv, .tsv.gz"
+            "this kind of file is not known",
+            where=str(path),
+            expected=".bvh, .amc, .v, .csv, .tsv, .tsv.gz",
+            remedy="A skeleton (.asf, .vsk) does not move; give the motion (.amc, .v)"
+            if f".{suffix}" in SKELETONS.values()
+            else None,
         )
     if mapping.points:
         sites = mapped(mapping.points, list(points), ADULT)
@@ -144,6 +163,25 @@ def read_hand(
         tolerance=tolerance,
         progress=progress,
     )
+
+
+def _with_skeleton(
+    path: Path, kind: str, skeleton: Path | None, unit: float | None, rate: float | None
+) -> tuple[Motion, float]:
+    """A motion with the skeleton of another file; and m, the unit of their lengths."""
+    beside = skeleton or path.with_suffix(SKELETONS[kind])
+    if not beside.exists():
+        raise InputError(
+            "its skeleton is not there",
+            where=str(path),
+            got=str(beside),
+            remedy=f"Put it there, or say where it is: --skeleton FILE{SKELETONS[kind]}",
+        )
+    if kind == "amc":
+        bones = read_asf(beside, unit)
+        return read_amc(path, bones, rate), bones.unit
+    unit = unit or VSK_MILLIMETRE
+    return motion_of(path, read_vsk(beside, unit), read_v(path), unit), unit
 
 
 def _points_of(motion: Motion) -> dict[str, Array]:
