@@ -22,8 +22,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib.resources import files
-from itertools import pairwise
-from math import expm1, isfinite
+from math import expm1, inf, isfinite
 from pathlib import Path
 
 import numpy as np
@@ -111,13 +110,17 @@ class BeliefLabels:
     def _nothing_new(self, contacts: Mapping[int, tuple[float, float]]) -> bool:
         """Whether the same contacts are in the same order and a look at them would add nothing."""
         ids = self._ids
-        if self._lifted or len(contacts) != len(ids) or not all(i in contacts for i in ids):
+        if self._lifted or len(contacts) != len(ids):
             return False
-        if any((*contacts[i], i) > (*contacts[j], j) for i, j in pairwise(ids)):
-            return False
-        places = [contacts[i] for i in ids]
-        if not all(isfinite(x) and isfinite(y) for x, y in places):
-            return False
+        places, before = [], (-inf, -inf, -1)
+        for i in ids:
+            if i not in contacts:
+                return False
+            place = x, y = contacts[i]
+            if not (isfinite(x) and isfinite(y)) or before > (x, y, i):
+                return False
+            places.append(place)
+            before = x, y, i
         if len(ids) < 2 or not self.trained.stay:
             return True
         return self._fresh(places, [self._looked[i].tolist() for i in ids]) <= _LOOK_AGAIN

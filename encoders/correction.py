@@ -36,8 +36,6 @@ _EXACT = 1e-10
 _SLACK = 1e-6
 """rad, by which a joint may leave its range before it is held; the end clips it."""
 
-_NONE = np.zeros(0, bool)
-
 _most = np.maximum.reduce
 """The largest number of an array (n,), without the way through the array's own method."""
 
@@ -190,10 +188,10 @@ class FingertipCorrection:
         JC = J @ C
         free = JC @ J.T
         free.reshape(-1)[:: k + 1] += self.settings.tip_sigma**2
-        side = np.zeros(len(lower), np.int64)
-        if near is not None:
-            side += near >= upper
-            side -= near <= lower
+        if near is None:
+            side = np.zeros(len(lower), np.int64)
+        else:
+            side = np.subtract(near >= upper, near <= lower, dtype=np.int64)
         new = guess
         for _ in range(_ACTIVE_SET_ROUNDS):
             held = side.nonzero()[0]
@@ -216,10 +214,15 @@ class FingertipCorrection:
             joints = new[JOINTS]
             legal = np.minimum(np.maximum(joints, lower), upper)
             beyond = joints - legal
-            wrong = np.sign(weights[k:]) == side[held] if len(held) else _NONE
-            if not (_most(np.abs(beyond)) > _SLACK or (len(held) and wrong.any())):
-                break
-            side[held[wrong]] = 0
+            inside = not _most(np.abs(beyond)) > _SLACK
+            if not len(held):
+                if inside:
+                    break
+            else:
+                wrong = np.sign(weights[k:]) == side[held]
+                if inside and not wrong.any():
+                    break
+                side[held[wrong]] = 0
             side += (beyond > _SLACK).astype(np.int64) - (beyond < -_SLACK)
         new[JOINTS] = legal
         return new

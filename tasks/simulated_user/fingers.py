@@ -145,14 +145,12 @@ class Fingers:
             xy = surface.to_surface(world).tolist()
         right = surface.width_in * METRES_PER_INCH - _MARGIN
         bottom = surface.height_in * METRES_PER_INCH - _MARGIN
-        return tuple(
-            Contact(
-                contact,
-                min(max(xy[finger][0], _MARGIN), right),
-                min(max(xy[finger][1], _MARGIN), bottom),
-            )
-            for contact, finger in touching
-        )
+        contacts = []
+        for contact, finger in touching:
+            x, y = xy[finger]
+            x, y = min(max(x, _MARGIN), right), min(max(y, _MARGIN), bottom)
+            contacts.append(Contact(contact, x, y))
+        return tuple(contacts)
 
     def _go(self, movement: _Movement) -> float:
         arc = 0.0
