@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any
 
 from rich.console import Console
@@ -18,6 +19,7 @@ from sandbox.cli.run import report_dump
 from sandbox.cli.scene_options import Plan, SceneOptions, plan
 from sandbox.cli.second_view import open_second_view, publish, short_address, show_session
 from sandbox.devices.device import Device
+from sandbox.devices.first_touch import FirstTouch
 from sandbox.devices.lift_keys import with_lift
 from sandbox.devices.merged import MergedDevice
 from sandbox.devices.web import WebDevice
@@ -34,6 +36,7 @@ from sandbox.two_hands import with_first
 from sandbox.views.window import Window
 from tasks.task import Task
 
+WAITING = "time begins with your first touch"
 NEWS = 0.5
 """s between two looks at how fast pictures are drawn."""
 BEHIND = 0.05
@@ -147,6 +150,7 @@ class WindowPlay:
                 getattr(session.rigs[0].device, "news", None),
             )
             self._show_on_page(session, chosen)
+            live.pause(_waiting(session))
             live.start()
             again = self._watch(session, live, wishes, timing)
         finally:
@@ -169,7 +173,11 @@ class WindowPlay:
         assert window is not None
         footer = Footer(short_address(self.server) if self.server else "")
         seen: Snapshot | None = None
-        while window.pump(live.newest):
+        waiting = _waiting(session)
+        # What there is to see before the first step.
+        first = replace(session.snapshot(), notice=WAITING if waiting else "")
+        while window.pump(live.newest or first):
+            waiting = waiting and _waiting(session)
             if window.seen is not None and window.seen is not seen:
                 seen = window.seen
                 timing.drawn(seen)
@@ -178,11 +186,11 @@ class WindowPlay:
                 wishes.paused = window.paused
                 wishes.hear(self.server.asked())
                 window.paused = wishes.paused
-                if window.paused and seen is not None:
+                if (window.paused or waiting) and seen is not None:
                     self.server.publish(seen, True)
             window.link = self.server.url if self.server and self._inviting() else ""
             window.footer = footer.lines(window, live.lost, session)
-            live.pause(window.paused)
+            live.pause(window.paused or waiting)
             live.set_speed(window.speed)
             if window.take_contact():
                 session.set_contact(session.contact.next)
@@ -216,7 +224,14 @@ class WindowPlay:
         # Nobody knows what a Leap's clock has to do with this machine's.
         spoils = chosen.settings.variation.spoils
         measured = chosen.live and not spoils and chosen.settings.in_air is None
-        return with_first(make, lambda maker: timed(maker, timing)) if measured else make
+        if measured:
+            make = with_first(make, lambda maker: timed(maker, timing))
+        return with_first(make, _from_first_touch) if self._waits(chosen) else make
+
+    def _waits(self, chosen: Plan) -> bool:
+        """Whether time begins with the first touch: a person plays, with their fingers."""
+        of_person = self.options.device != "simulated" and not Path(self.options.device).is_file()
+        return chosen.live and of_person and chosen.settings.in_air is None
 
     def _open_window(self, session: Session, chosen: Plan) -> Window:
         surface = session.whole_surface
@@ -296,6 +311,16 @@ def play_in_window(
     finally:
         events.close()
     return judge_latency(latency, limit, console)
+
+
+def _from_first_touch(maker: DeviceMaker) -> DeviceMaker:
+    return lambda task, surface: FirstTouch(maker(task, surface))
+
+
+def _waiting(session: Session) -> bool:
+    """Whether a person has not yet touched anything."""
+    device = session.rigs[0].device
+    return isinstance(device, FirstTouch) and not device.came()
 
 
 def _web(device: object) -> WebDevice | None:
