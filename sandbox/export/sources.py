@@ -10,7 +10,7 @@ import zlib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,12 +23,13 @@ from models.motion.sampling import Poses
 from models.pose import ROOT_POSITION, ROOT_ROTATION, joint_vectors
 from models.rotations import quaternion_exp
 from models.skeleton import ADULT
-from sandbox.messages import Snapshot
 from sandbox.recording import SCHEMA, is_recording, load_recording
-from sandbox.replay import replay
-from sandbox.session import Session
 from sandbox.settings import RunSettings
 from sandbox.track import Track, read_line
+
+if TYPE_CHECKING:
+    from sandbox.messages import Snapshot
+    from sandbox.session import Session
 
 Array = NDArray[np.float64]
 
@@ -139,6 +140,9 @@ def _simulated(path: Path) -> Source:
 
 
 def _commanded(path: Path) -> Source:
+    # Simulating loads far more than reading does.
+    from sandbox.replay import replay
+
     recording = load_recording(path)
     settings = RunSettings.from_json(recording.header["settings"])
     armatures, names = hands_of(settings)
