@@ -28,6 +28,7 @@ from sandbox.headless import looking_beside, trial_header
 from sandbox.keeping import Keeping
 from sandbox.live import LiveSession
 from sandbox.messages import Snapshot
+from sandbox.server.describe import summary
 from sandbox.server.latency import LatencyLog
 from sandbox.server.page_server import PageServer
 from sandbox.session import Session
@@ -37,6 +38,8 @@ from sandbox.views.window import Window
 from tasks.task import Task
 
 WAITING = "time begins with your first touch"
+WITH_MOUSE = "press 3 for a hand, drag beside it to move it; "
+"""Said to who plays with the mouse, before they have touched anything."""
 NEWS = 0.5
 """s between two looks at how fast pictures are drawn."""
 BEHIND = 0.05
@@ -175,7 +178,7 @@ class WindowPlay:
         seen: Snapshot | None = None
         waiting = _waiting(session)
         # What there is to see before the first step.
-        first = replace(session.snapshot(), notice=WAITING if waiting else "")
+        first = self._before(session) if waiting else session.snapshot()
         while window.pump(live.newest or first):
             waiting = waiting and _waiting(session)
             if window.seen is not None and window.seen is not seen:
@@ -187,7 +190,7 @@ class WindowPlay:
                 wishes.hear(self.server.asked())
                 window.paused = wishes.paused
                 if (window.paused or waiting) and seen is not None:
-                    self.server.publish(seen, True)
+                    self.server.publish(session.snapshot() if waiting else seen, True)
             window.link = self.server.url if self.server and self._inviting() else ""
             window.footer = footer.lines(window, live.lost, session)
             live.pause(window.paused or waiting)
@@ -197,6 +200,13 @@ class WindowPlay:
             if window.take_reset() or wishes.again:
                 return True
         return False
+
+    def _before(self, session: Session) -> Snapshot:
+        """What there is to see before the first touch: the scene, what is to be done, and how."""
+        found = session.snapshot()
+        score = replace(found.score, reason=summary(type(session.task)))
+        how = WITH_MOUSE if self.options.device == "mouse" else ""
+        return replace(found, score=score, notice=how + WAITING)
 
     def _inviting(self) -> bool:
         """Whether a tablet is still waited for."""
