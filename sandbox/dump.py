@@ -11,39 +11,25 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from models.errors import RecordingError
-from models.frames import Frame
 from sandbox.recording import (
+    LaterLine,
     Line,
     RecordingLines,
     RecordingWriter,
     end_line,
-    input_line,
     keyframe_line,
 )
-from sandbox.track import TrackWriter
 
 LAST = 100
 """Control states in a dump: 1.6 s."""
 MOST_DUMPS = 1000
 """Of one trial in one folder."""
-
-
-class _Input(NamedTuple):
-    """A frame, of which a line is made only where it is written."""
-
-    step: int
-    hand: int
-    frame: Frame
-    state_hash: str
-
-    def line(self) -> Line:
-        return input_line(*self)
 
 
 class BlackBox(RecordingLines):
@@ -57,15 +43,8 @@ class BlackBox(RecordingLines):
     def __init__(self, header: dict[str, Any], recording: RecordingWriter | None = None) -> None:
         super().__init__()
         self._header, self._recording = header, recording
-        self._lines: list[Line | TrackWriter | _Input] = []
+        self._lines: list[Line | LaterLine] = []
         self._last: deque[tuple[int, NDArray[np.float64], str]] = deque(maxlen=LAST)
-
-    def input(self, step: int, hand: int, frame: Frame, state_hash: str) -> None:
-        """A frame that takes effect at a physics step, and the state's hash before it."""
-        if self._recording:
-            super().input(step, hand, frame, state_hash)
-        else:
-            self._lines.append(_Input(step, hand, frame, state_hash))
 
     def state(
         self,
@@ -97,7 +76,8 @@ class BlackBox(RecordingLines):
         writer = _new(path, {**self._header, "dump": {"states": len(self._last)}})
         dense = {s for s, _, _ in self._last}
         # In this order the file tells the same story twice: what came in, then how it ended.
-        for line in self._packed():
+        for kept in self._lines:
+            line = kept.line() if isinstance(kept, LaterLine) else kept
             if not (line["kind"] == "keyframe" and line["step"] in dense) and line["kind"] != "end":
                 writer.put(line)
         for s, state, state_hash in self._last:
@@ -107,22 +87,7 @@ class BlackBox(RecordingLines):
         writer.close()
         return path
 
-    def _packed(self) -> list[Line]:
-        """What was kept, as lines."""
-        lines = [kept if isinstance(kept, dict) else kept.line() for kept in self._lines]
-        found = [line for line in lines if line is not None]
-        self._lines = list(found)
-        return found
-
-    def _put_track(self) -> None:
-        if self._recording:
-            super()._put_track()
-            return
-        # Packing it takes longer than all else here, and only a simulation that diverges needs it.
-        self._lines.append(self._track)
-        self._track = TrackWriter()
-
-    def _put(self, line: Line) -> None:
+    def _put(self, line: Line | LaterLine) -> None:
         self._lines.append(line)
         if self._recording:
             self._recording.put(line)

@@ -4,19 +4,20 @@ JSON lines: a header, then `input` lines (a frame of touches or of 3-D hands, th
 which it took effect, the state's hash just before), `event` lines (what else came in, such as
 another contact mode), `keyframe` lines (MuJoCo's integration state, once a second), `track` lines
 (a second's poses, for eyes), and an `end` line with the result. A program that dies loses at most
-the line it was writing and a second of the track.
+the lines of the last 10 ms and a second of the track.
 """
 
 from __future__ import annotations
 
 import base64
 import json
-import queue
 import threading
 import zlib
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections import deque
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -37,9 +38,33 @@ KEYFRAME_PERIOD = 1.0
 """s between two stored states."""
 STATES_PER_KEYFRAME = round(KEYFRAME_PERIOD / CONTROL_PERIOD)
 
-_STOP = None
+LOOK = 0.01
+"""s between two looks of the writing thread at what there is to write."""
 
 Line = dict[str, Any]
+
+
+class LaterLine:
+    """A line that is made by whoever needs it first: not by the session's loop, which only keeps
+    what it is made of.
+
+    Args:
+        make: Makes it, of what does not change any more.
+    """
+
+    def __init__(self, make: Callable[[], Line]) -> None:
+        self._make: Callable[[], Line] | None = make
+        self._line: Line | None = None
+
+    def line(self) -> Line:
+        """The line; from any thread."""
+        make = self._make
+        if self._line is None and make is not None:
+            self._line = make()
+        # What it was made of may be large, and is not needed any more.
+        self._make = None
+        assert self._line is not None
+        return self._line
 
 
 class RecordingLines(ABC):
@@ -51,7 +76,7 @@ class RecordingLines(ABC):
 
     def input(self, step: int, hand: int, frame: Frame, state_hash: str) -> None:
         """A frame that takes effect at a physics step, and the state's hash before it."""
-        self._put(input_line(step, hand, frame, state_hash))
+        self._put(LaterLine(partial(input_line, step, hand, frame, state_hash)))
 
     def event(self, step: int, what: str, **details: Any) -> None:
         """Something else that takes effect, or has happened, at a physics step."""
@@ -74,7 +99,7 @@ class RecordingLines(ABC):
 
     def keyframe(self, step: int, state: NDArray[np.float64], state_hash: str) -> None:
         """The integration state at a physics step."""
-        self._put(keyframe_line(step, state, state_hash))
+        self._put(LaterLine(partial(keyframe_line, step, state.copy(), state_hash)))
 
     def end(self, step: int, result: dict[str, Any]) -> None:
         """The trial's end and result."""
@@ -82,12 +107,12 @@ class RecordingLines(ABC):
         self._put(end_line(step, result))
 
     def _put_track(self) -> None:
-        line = self._track.line()
-        if line:
-            self._put(line)
+        make = self._track.take()
+        if make:
+            self._put(LaterLine(make))
 
     @abstractmethod
-    def _put(self, line: Line) -> None:
+    def _put(self, line: Line | LaterLine) -> None:
         """Keeps a line."""
 
 
@@ -108,7 +133,8 @@ def end_line(step: int, result: dict[str, Any]) -> Line:
 
 
 class RecordingWriter(RecordingLines):
-    """Writes a recording from its own thread, one write per line; the session never waits for it.
+    """Writes a recording from its own thread, one write per line, every 10 ms; the session never
+    waits for it.
 
     Args:
         path: Of the new file; an existing one is never overwritten.
@@ -135,12 +161,14 @@ class RecordingWriter(RecordingLines):
         self._start()
         self._put({"kind": "header", "schema": SCHEMA, **header})
 
-    def put(self, line: Line) -> None:
+    def put(self, line: Line | LaterLine) -> None:
         """A line that was made elsewhere."""
         self._put(line)
 
     def _start(self) -> None:
-        self._queue: queue.SimpleQueue[Line | None] = queue.SimpleQueue()
+        # A deque takes a line without waking anybody, which costs more than all else here.
+        self._waiting: deque[Line | LaterLine] = deque()
+        self._ending = threading.Event()
         self._error: OSError | None = None
         self._thread = threading.Thread(target=self._write, name="recording", daemon=True)
         self._thread.start()
@@ -152,7 +180,7 @@ class RecordingWriter(RecordingLines):
             RecordingError: Something could not be written; what came before it is safe.
         """
         if self._thread.is_alive():
-            self._queue.put(_STOP)
+            self._ending.set()
             self._thread.join()
             self._file.close()
         if self._error is not None:
@@ -163,19 +191,27 @@ class RecordingWriter(RecordingLines):
                 remedy="Make room on the disk; the lines before this are sound",
             )
 
-    def _put(self, line: Line) -> None:
-        self._queue.put(line)
+    def _put(self, line: Line | LaterLine) -> None:
+        self._waiting.append(line)
 
     def _write(self) -> None:
-        while (line := self._queue.get()) is not _STOP:
-            if self._error is not None:
-                continue
-            data = json.dumps(line, separators=(",", ":")).encode() + b"\n"
-            try:
-                while data:
-                    data = data[self._file.write(data) :]
-            except OSError as error:
-                self._error = error
+        ending = False
+        while not ending:
+            # What comes after this look is written by the next one.
+            ending = self._ending.wait(LOOK)
+            while self._waiting:
+                self._write_line(self._waiting.popleft())
+
+    def _write_line(self, line: Line | LaterLine) -> None:
+        if self._error is not None:
+            return
+        told = line.line() if isinstance(line, LaterLine) else line
+        data = json.dumps(told, separators=(",", ":")).encode() + b"\n"
+        try:
+            while data:
+                data = data[self._file.write(data) :]
+        except OSError as error:
+            self._error = error
 
 
 @dataclass(frozen=True)

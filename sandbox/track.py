@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import base64
 import zlib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -21,8 +21,7 @@ Array = NDArray[np.float64]
 GRAIN = 2e-5
 """m, rad or part of a quaternion, to which joint positions are rounded: 0.02 mm, 0.002 degrees."""
 LEVEL = 6
-"""Of zlib: a second's poses take 0.1 ms; 9 takes 0.5 to 1 ms, which is time of the session's loop,
-and saves 2 percent."""
+"""Of zlib: a second's poses take 0.1 ms; 9 takes 0.5 to 1 ms and saves 2 percent."""
 LONGEST = 3600 * 1000
 """Poses in one line beyond which a file is damaged."""
 
@@ -47,7 +46,7 @@ def bits(fingers: frozenset[int]) -> int:
 
 
 class TrackWriter:
-    """Collects poses and makes a line of them now and then."""
+    """Collects poses, of which a line is made now and then."""
 
     def __init__(self) -> None:
         self._steps: list[int] = []
@@ -60,25 +59,38 @@ class TrackWriter:
         self._poses.append(qpos.copy())
         self._solid.append([bits(fingers) for fingers in solid])
 
-    def line(self) -> dict[str, Any] | None:
-        """What was collected since the last line; None where there is nothing."""
+    def take(self) -> Callable[[], dict[str, Any]] | None:
+        """What makes a line of all that was collected since the last time; None where that is
+        nothing. It takes a millisecond, and may be called at any time, from any thread."""
         if not self._steps:
             return None
-        with np.errstate(invalid="ignore"):
-            poses = np.clip(np.nan_to_num(np.array(self._poses)), -1e4, 1e4) / GRAIN
-        solid = np.array(self._solid, np.int64).reshape(len(self._steps), -1)
-        rows = np.hstack([np.rint(poses).astype(np.int64), solid])
-        changes = np.diff(rows, axis=0, prepend=0 * rows[:1])
-        # Zigzag: small changes of either sign become small numbers, whose upper bytes are 0.
-        folded = ((changes << 1) ^ (changes >> 63)).astype("<u4")
-        planes = np.ascontiguousarray(folded.T).view(np.uint8).reshape(-1, 4).T
-        data = base64.b64encode(zlib.compress(planes.tobytes(), LEVEL)).decode()
-        line = {
-            "kind": "track", "steps": _runs(self._steps), "hands": solid.shape[1],
-            "joints": poses.shape[1], "poses": data,
-        }  # fmt: skip
+        make = partial(track_line, self._steps, self._poses, self._solid)
         self._steps, self._poses, self._solid = [], [], []
-        return line
+        return make
+
+    def line(self) -> dict[str, Any] | None:
+        """A line of all that was collected since the last time; None where that is nothing."""
+        make = self.take()
+        return make() if make else None
+
+
+def track_line(
+    steps: list[int], poses: Sequence[Array], solid: Sequence[Sequence[int]]
+) -> dict[str, Any]:
+    """A line of poses (nq,) and solid fingers (bits of every hand) at some physics steps."""
+    with np.errstate(invalid="ignore"):
+        places = np.clip(np.nan_to_num(np.array(poses)), -1e4, 1e4) / GRAIN
+    fingers = np.array(solid, np.int64).reshape(len(steps), -1)
+    rows = np.hstack([np.rint(places).astype(np.int64), fingers])
+    changes = np.diff(rows, axis=0, prepend=0 * rows[:1])
+    # Zigzag: small changes of either sign become small numbers, whose upper bytes are 0.
+    folded = ((changes << 1) ^ (changes >> 63)).astype("<u4")
+    planes = np.ascontiguousarray(folded.T).view(np.uint8).reshape(-1, 4).T
+    data = base64.b64encode(zlib.compress(planes.tobytes(), LEVEL)).decode()
+    return {
+        "kind": "track", "steps": _runs(steps), "hands": fingers.shape[1],
+        "joints": places.shape[1], "poses": data,
+    }  # fmt: skip
 
 
 def read_line(line: dict[str, Any], track: Track) -> None:

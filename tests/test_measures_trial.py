@@ -191,10 +191,10 @@ def test_who_pushes_and_bears_what_agrees_with_the_sensors_at_every_moment(task:
     touching: list[Touching] = []
 
     def look(session: Session) -> None:
-        touching[:] = touching or [Touching(session.scene)]
+        touching[:] = touching or [Touching(session.scene, session.data)]
         sensing = Sensing(session.scene, session.data)
         names = [thing.name for thing in session.task.objects]
-        for name, pushes in touching[0].pushes(Touching.copy(session.data)).items():
+        for name, pushes in touching[0].pushes(touching[0].copy()).items():
             others = ["table", *(n for n in names if n != name)]
             assert bool(pushes.digits) == sensing.object(name).held == (pushes.grip > 0)
             assert [o for o in sorted(others) if sensing.touching(name, o)] == list(pushes.by)

@@ -24,6 +24,7 @@ from sandbox.study.touching import Contacts, Pushes, Touching
 from tasks.goals import flat_yaw
 
 if TYPE_CHECKING:
+    from models.frames import Frame
     from sandbox.messages import ObjectView, Snapshot
     from sandbox.session import Session
     from tasks.task import Goal
@@ -46,10 +47,10 @@ class FrameTable:
 
     def __init__(self) -> None:
         self._snapshots: list[Snapshot] = []
-        self._contacts: list[Contacts | None] = []
+        self._contacts: list[Contacts] = []
+        self._heard: list[Frame] = []
         self._session: Session | None = None
         self._touching: Touching | None = None
-        self._told: dict[int, int] = {}
         self.truth: dict[int, int] = {}
         self.truth_by = ""
 
@@ -61,17 +62,15 @@ class FrameTable:
     def watch(self, session: Session) -> None:
         """Says which session the snapshots come from; who pushes what is read there."""
         if self._session is None:
-            self._session, self._touching = session, Touching(session.scene)
+            self._session, self._touching = session, Touching(session.scene, session.data)
 
     def show(self, snapshot: Snapshot) -> None:
         """Looks at a snapshot; all of them, each before the session goes on."""
         # It is taken apart after the trial: the session's loop has better things to do.
         self._snapshots.append(snapshot)
-        if self._session is not None:
-            self._contacts.append(Touching.copy(self._session.data))
-            for contact in getattr(self._session.heard(0), "contacts", ()):
-                if contact.label is not None:
-                    self._told[contact.id] = contact.label
+        if self._session is not None and self._touching is not None:
+            self._heard.append(self._session.heard(0))
+            self._contacts.append(self._touching.copy())
 
     def forget_contacts(self) -> None:
         """Makes who pushes what unknown: what was simulated is not what is shown."""
@@ -88,8 +87,8 @@ class FrameTable:
         Raises:
             StudyError: One cannot be written.
         """
-        if not self.truth and self._told:
-            self.truth, self.truth_by = self._told, "device"
+        if not self.truth:
+            self._believe_the_device()
         frames = self._frames()
         if find_spec("pyarrow"):
             write_atomically(folder / f"frames_{stem}.parquet", _parquet(frames), durable=False)
@@ -102,6 +101,17 @@ class FrameTable:
             (f"frames_{stem}.csv.gz", columns),
         ):
             write_atomically(folder / name, table.csv(), durable=False)
+
+    def _believe_the_device(self) -> None:
+        """Takes what a device says of its touches for true, where nobody knows better."""
+        told = {
+            contact.id: contact.label
+            for frame in self._heard
+            for contact in getattr(frame, "contacts", ())
+            if contact.label is not None
+        }
+        if told:
+            self.truth, self.truth_by = told, "device"
 
     def _frames(self) -> dict[str, Any]:
         """Columns by name, a row for every snapshot."""

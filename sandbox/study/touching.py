@@ -1,14 +1,14 @@
 """Who pushes what in a simulation: the digits, the table and other things, for the 60 Hz tables.
 
-Tasks read contact sensors, which tell one net force for a whole hand. A grasp is two digits that
-push against each other, so what is read here is the solver's list of contacts; its order is not
-defined, and nothing here depends on it, since forces are only added up.
+As for tasks, contact sensors tell what pushes a thing. They tell one net force for a whole hand,
+and a grasp is two digits that push against each other: these are read from the solver's list of
+contacts. Its order is not defined, and nothing here depends on it, since forces are only added up.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import mujoco
@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.frames import FINGERS
-from models.scene import TABLE, Scene
+from models.scene import TABLE, Scene, touching_sensor
 from tasks.sensing import SUPPORT
 
 Array = NDArray[np.float64]
@@ -43,46 +43,33 @@ class Pushes:
 
 
 class Contacts(NamedTuple):
-    """The solver's contacts at one moment, copied.
+    """What is kept of a moment, copied.
 
     Attributes:
-        geoms: (n, 2).
-        addresses: (n,) of the normal force in `forces`; negative where there is none.
-        frames: (n, 9), whose first three numbers are the normal, from the first geom to the second.
+        sensors: Readings of all contact sensors.
+        geoms: (n, 2) of the solver's contacts; None while no hand touches a thing, like the rest.
+        addresses: (n,) of their normal forces in `forces`; negative where there is none.
         forces: All of the solver's forces, N.
     """
 
-    geoms: NDArray[np.int32]
-    addresses: NDArray[np.int32]
-    frames: Array
-    forces: Array
-
-
-@dataclass
-class _Sum:
-    """What one body does to another."""
-
-    normal: float = 0.0
-    up: float = 0.0
-
-
-@dataclass
-class _Found:
-    """What pushes a thing, by who."""
-
-    digits: dict[str, float] = field(default_factory=dict)
-    others: dict[str, _Sum] = field(default_factory=dict)
+    sensors: Array
+    geoms: NDArray[np.int32] | None = None
+    addresses: NDArray[np.int32] | None = None
+    forces: Array | None = None
 
 
 class Touching:
-    """Tells who pushes what in a scene.
+    """Tells who pushes what in a simulation.
 
     Args:
         scene: With elliptic friction cones, as all of ours have.
+        data: Is read, moment by moment.
     """
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: Scene, data: mujoco.MjData) -> None:
         model = scene.model
+        # MuJoCo's sensors stay where they are; its contacts do not.
+        self._data, self._readings = data, data.sensordata
         self._scene = scene
         letters = {}
         for hand in scene.spec.hands:
@@ -103,61 +90,70 @@ class Touching:
                 self._digit[geom] = letters[body]
             elif int(model.geom_bodyid[geom]) > 0:
                 self._digit[geom] = PALM
+        hands = [hand.name for hand in scene.spec.hands]
+        self._hands = [
+            int(model.sensor(touching_sensor(thing, hand)).adr[0])
+            for thing in scene.object_bodies
+            for hand in hands
+        ]
+        # By thing: who else may push it, where that is told, and as whose push.
+        self._others: dict[str, list[tuple[str, int, float]]] = {n: [] for n in scene.object_bodies}
+        names = list(scene.object_bodies)
+        for i, thing in enumerate(names):
+            for other in (TABLE, *names[i + 1 :]):
+                adr = int(model.sensor(touching_sensor(thing, other)).adr[0])
+                # A sensor tells the force of its first on its second.
+                self._others[thing].append((other, adr, -1.0))
+                if other in self._others:
+                    self._others[other].append((thing, adr, 1.0))
         self._weight = {
             name: -float(model.opt.gravity[2] * model.body_subtreemass[body])
             for name, body in scene.object_bodies.items()
         }
 
-    @staticmethod
-    def copy(data: mujoco.MjData) -> Contacts | None:
-        """The contacts now; None where there are none. It takes some microseconds."""
-        if data.ncon == 0:
-            return None
-        found = data.contact
-        return Contacts(found.geom.copy(), found.efc_address.copy(), found.frame.copy(),
-                        data.efc_force.copy())  # fmt: skip
+    def copy(self) -> Contacts:
+        """What is kept of this moment."""
+        readings = self._readings
+        sensors, item = readings.copy(), readings.item
+        for adr in self._hands:
+            if item(adr):
+                break
+        else:
+            return Contacts(sensors)
+        found = self._data.contact
+        forces = self._data.efc_force.copy()
+        return Contacts(sensors, found.geom.copy(), found.efc_address.copy(), forces)
 
-    def pushes(self, contacts: Contacts | None) -> Mapping[str, Pushes]:
+    def pushes(self, contacts: Contacts) -> Mapping[str, Pushes]:
         """What pushes each thing, by its name."""
-        found = {name: _Found() for name in self._scene.object_bodies}
-        if contacts is not None:
-            for geoms, address, frame in zip(contacts.geoms.tolist(), contacts.addresses.tolist(),
-                                             contacts.frames, strict=True):  # fmt: skip
-                if address < 0:
-                    continue
-                force = contacts.forces[address : address + 3]
-                normal = float(force[0])
-                if normal <= 0.0:
-                    continue
-                # The first geom is pushed back.
-                up = float(force @ frame.reshape(3, 3)[: len(force), 2])
-                for mine, other, sign in ((geoms[1], geoms[0], 1.0), (geoms[0], geoms[1], -1.0)):
-                    self._add(found, mine, other, normal, sign * up)
-        return {name: self._told(name, it) for name, it in found.items()}
+        digits: dict[str, dict[str, float]] = {name: {} for name in self._weight}
+        if contacts.geoms is not None:
+            assert contacts.addresses is not None and contacts.forces is not None
+            for pair, address in zip(
+                contacts.geoms.tolist(), contacts.addresses.tolist(), strict=True
+            ):
+                normal = float(contacts.forces[address]) if address >= 0 else 0.0
+                if normal > 0.0:
+                    for mine, other in (pair, pair[::-1]):
+                        if mine in self._thing and other in self._digit:
+                            found = digits[self._thing[mine]]
+                            letter = self._digit[other]
+                            found[letter] = found.get(letter, 0.0) + normal
+        readings = contacts.sensors.tolist()
+        return {name: self._told(name, found, readings) for name, found in digits.items()}
 
-    def _add(
-        self, found: dict[str, _Found], mine: int, other: int, normal: float, up: float
-    ) -> None:
-        thing = self._thing.get(mine)
-        if thing is None:
-            return
-        if other in self._digit:
-            digits = found[thing].digits
-            digits[self._digit[other]] = digits.get(self._digit[other], 0.0) + normal
-            return
-        name = self._thing.get(other, TABLE)
-        if name != thing:
-            total = found[thing].others.setdefault(name, _Sum())
-            total.normal += normal
-            total.up += up
-
-    def _told(self, name: str, found: _Found) -> Pushes:
+    def _told(self, name: str, digits: dict[str, float], readings: list[float]) -> Pushes:
+        by, on = [], []
+        for other, adr, sign in self._others[name]:
+            found, *force = readings[adr : adr + 4]
+            if found > 0 and any(force):
+                by.append(other)
+                if sign * force[2] > SUPPORT * self._weight[name]:
+                    on.append(other)
         order = "".join(f[0] for f in FINGERS) + PALM
         return Pushes(
-            "".join(sorted(found.digits, key=order.index)),
-            float(np.sum(sorted(found.digits.values()))),
-            tuple(sorted(found.others)),
-            tuple(
-                sorted(n for n, s in found.others.items() if s.up > SUPPORT * self._weight[name])
-            ),
+            "".join(sorted(digits, key=order.index)),
+            sum(sorted(digits.values())),
+            tuple(sorted(by)),
+            tuple(sorted(on)),
         )
