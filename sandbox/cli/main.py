@@ -37,13 +37,13 @@ def main(argv: list[str] | None = None) -> int:
         0 done (whatever the score), 1 a gate failed, 2 bad input: one clear line, no traceback.
     """
     args = list(sys.argv[1:] if argv is None else argv)
-    if not args or args[0] in ("-h", "--help"):
-        from sandbox.cli.overview import overview
-
-        print(overview(COMMANDS))
-        return EXIT_DONE
-    name, rest = args[0], args[1:]
+    name, rest = (args[0], args[1:]) if args else ("--help", [])
     try:
+        if name in ("-h", "--help"):
+            from sandbox.cli.overview import overview
+
+            print(overview(COMMANDS), flush=True)
+            return EXIT_DONE
         if name not in COMMANDS:
             raise InputError(
                 "there is no such command",
