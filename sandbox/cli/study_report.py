@@ -21,7 +21,9 @@ class ReportOptions:
     the study has ended, the report is about what there is. Needs the extra `study`.
 
     sandbox study report studies/three-encoders
+
     sandbox study report studies/three-encoders-pilot --out pilot-report
+
     sandbox study report studies/three-encoders --measure placement_error_m --measure regrasps
     """
 

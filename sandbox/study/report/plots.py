@@ -61,16 +61,44 @@ class Dot:
 
 
 @contextmanager
-def _figure(height: float, columns: int = 1, **how: Any) -> Iterator[tuple[Any, list[Any]]]:
+def _figure(
+    body: float, left: float = 0.75, above: float = 0.1, below: float = 0.55, columns: int = 1,
+    **how: Any,
+) -> Iterator[tuple[Any, list[Any]]]:  # fmt: skip
+    """A figure with margins that are told, in: finding them out takes longer than drawing."""
     from matplotlib import rc_context
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
 
     with rc_context(_STYLE):
-        figure = Figure(figsize=(WIDTH, height), layout="constrained")
+        height = above + body + below
+        figure = Figure(figsize=(WIDTH, height))
         FigureCanvasSVG(figure)
         axes = figure.subplots(1, columns, squeeze=False, **how)
+        figure.subplots_adjust(left / WIDTH, below / height, 1.0 - 0.15 / WIDTH,
+                               1.0 - above / height, wspace=0.08)  # fmt: skip
         yield figure, list(axes[0])
+
+
+def _left(names: Sequence[str]) -> float:
+    """In, for names beside an axis."""
+    return 0.25 + 0.075 * max((len(n) for n in names), default=0)
+
+
+def _above(series: Sequence[str]) -> float:
+    """In, for a legend in rows of `PER_ROW`."""
+    return 0.1 if len(series) < 2 else 0.2 + 0.22 * -(-len(series) // _per_row(series))
+
+
+def _per_row(series: Sequence[str]) -> int:
+    """Entries of a legend that fit beside each other."""
+    return max(1, min(len(series), int(WIDTH / (0.6 + 0.08 * max(map(len, series))))))
+
+
+def _legend(figure: Any, axes: Any, series: Sequence[str]) -> None:
+    if len(series) > 1:
+        figure.legend(*axes.get_legend_handles_labels(), loc="upper left", borderaxespad=0.2,
+                      ncols=_per_row(series))  # fmt: skip
 
 
 def svg_of(figure: Any, name: str, title: str) -> str:
@@ -116,8 +144,10 @@ def dots(name: str, title: str, label: str, rows: Sequence[str], series: Sequenc
         log: The axis is logarithmic.
         limits: Of the axis.
     """
-    height = 1.0 + len(rows) * (0.22 + 0.24 * len(series)) + (0.3 if len(series) > 1 else 0.0)
-    with _figure(height) as (figure, (axes,)):
+    rows = [_short(r, 34) for r in rows]
+    values = {(_short(r, 34), one): dot for (r, one), dot in values.items()}
+    body = 0.3 + len(rows) * (0.22 + 0.24 * len(series))
+    with _figure(body, _left(rows), _above(series)) as (figure, (axes,)):
         for j, one in enumerate(series):
             for i, row in enumerate(rows):
                 dot = values.get((row, one))
@@ -140,9 +170,7 @@ def dots(name: str, title: str, label: str, rows: Sequence[str], series: Sequenc
         _scale(axes.xaxis, log)
         if limits:
             axes.set_xlim(*limits)
-        if len(series) > 1:
-            figure.legend(*axes.get_legend_handles_labels(), loc="outside upper left",
-                          ncols=min(4, len(series)))  # fmt: skip
+        _legend(figure, axes, series)
         return svg_of(figure, name, title)
 
 
@@ -160,8 +188,9 @@ def forest(name: str, title: str, label: str, rows: Sequence[str],
         none: Where there is no difference.
         log: The axis is logarithmic.
     """
-    height = 1.0 + len(rows) * (0.16 + 0.22 * len(series)) + (0.3 if len(series) > 1 else 0.0)
-    with _figure(height) as (figure, (axes,)):
+    rows = [_short(r, 40) for r in rows]
+    body = 0.3 + len(rows) * (0.16 + 0.22 * len(series))
+    with _figure(body, _left(rows), _above(series)) as (figure, (axes,)):
         axes.axvline(none, color=MUTED, lw=1.2, ls=(0, (4, 3)))
         for j, estimates in enumerate(values):
             colour = SERIES[j % 8]
@@ -177,8 +206,7 @@ def forest(name: str, title: str, label: str, rows: Sequence[str],
         axes.grid(axis="y", visible=False)
         axes.set_xlabel(label)
         _scale(axes.xaxis, log)
-        if len(series) > 1:
-            figure.legend(*axes.get_legend_handles_labels(), loc="outside upper left", ncols=2)
+        _legend(figure, axes, series)
         return svg_of(figure, name, title)
 
 
@@ -196,15 +224,17 @@ def lines_by_person(name: str, title: str, label: str, panels: Sequence[str],
         means: Of each panel, with intervals.
         log: The axis is logarithmic.
     """
-    with _figure(3.6, len(panels), sharey=True) as (figure, all_axes):
+    tilted = any(len(some) > 4 for some in levels)
+    with _figure(2.8, above=0.3, below=0.95 if tilted else 0.4, columns=len(panels),
+                 sharey=True) as (figure, all_axes):  # fmt: skip
         for k, axes in enumerate(all_axes):
             x = np.arange(len(levels[k]))
             # People who did one level only are points, a little apart.
-            for i, own in enumerate(values[k]):
-                lone = np.isfinite(own).sum() < 2
-                shift = 0.16 * ((i * 0.618) % 1.0 - 0.5) if lone else 0.0
-                axes.plot(x + shift, own, "o-" if lone else "-", color=MUTED, alpha=0.5, lw=0.9,
-                          ms=3.5)  # fmt: skip
+            many = np.isfinite(values[k]).sum(axis=1) > 1
+            axes.plot(x, values[k][many].T, "-", color=MUTED, alpha=0.5, lw=0.9)
+            for i, own in enumerate(values[k][~many]):
+                shift = 0.16 * ((i * 0.618) % 1.0 - 0.5)
+                axes.plot(x + shift, own, "o", color=MUTED, alpha=0.5, ms=3.5)
             centre = np.array([e.value for e in means[k]])
             axes.plot(x, centre, "-", color=SERIES[0], lw=2.0)
             for j, e in enumerate(means[k]):
@@ -213,7 +243,8 @@ def lines_by_person(name: str, title: str, label: str, panels: Sequence[str],
                               solid_capstyle="butt")  # fmt: skip
             axes.plot(x, centre, "o", color=SERIES[0], ms=8.0, mec=PAPER)
             axes.set_xticks(x, [_short(s) for s in levels[k]],
-                            rotation=25 if len(x) > 4 else 0)  # fmt: skip
+                            rotation=25 if tilted else 0,
+                            ha="right" if tilted else "center")  # fmt: skip
             axes.set_xlim(-0.5, len(x) - 0.5)
             axes.set_title(panels[k])
             axes.grid(axis="x", visible=False)
@@ -234,7 +265,7 @@ def curves(name: str, title: str, label: str, along: str, series: Sequence[str],
         x, values: Of each series.
         log: The measure's axis is logarithmic.
     """
-    with _figure(3.4) as (figure, (axes,)):
+    with _figure(2.6, above=_above(series)) as (figure, (axes,)):
         for j, one in enumerate(series):
             colour = SERIES[j % 8]
             low, mid, high = (np.array([getattr(e, k) for e in values[j]])
@@ -252,9 +283,7 @@ def curves(name: str, title: str, label: str, along: str, series: Sequence[str],
         whole = max((max(v, default=0) for v in x), default=0)
         if whole <= 12:
             axes.set_xticks(range(1, int(whole) + 1))
-        if len(series) > 1:
-            figure.legend(*axes.get_legend_handles_labels(), loc="outside upper left",
-                          ncols=min(4, len(series)))  # fmt: skip
+        _legend(figure, axes, series)
         return svg_of(figure, name, title)
 
 
@@ -268,10 +297,12 @@ def _scale(axis: Any, log: bool) -> None:
         return
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator
 
+    low, high = sorted(axis.get_data_interval())
+    if not 0.0 < low <= high < np.inf:
+        return
     axis.axes.set_xscale("log") if axis.axis_name == "x" else axis.axes.set_yscale("log")
-    low, high = sorted(axis.get_view_interval())
     # Ticks at 1, 2, 5 for decades; finer ones where the axis is shorter than that.
-    fine = high / max(low, 1e-12) < 6.0
+    fine = high / low < 6.0
     steps = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0) if fine else (1.0, 2.0, 5.0)
     axis.set_major_locator(LogLocator(base=10.0, subs=steps))
     axis.set_minor_locator(NullLocator())
