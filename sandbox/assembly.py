@@ -24,6 +24,7 @@ from models.limits import GENTLE, RateLimit
 from models.person import Person
 from models.skeleton import ADULT
 from models.surface import Surface
+from sandbox.lsl_listening import Told
 from sandbox.session import Recorder, Rig, Session
 from sandbox.settings import RunSettings
 from sandbox.solidity import SolidityRules
@@ -184,7 +185,10 @@ def build(
         )
     ]
     friction = settings.variation.friction
-    return Session(task, rigs, rules, settings.timestep, recorder, settings.contact, friction)
+    session = Session(task, rigs, rules, settings.timestep, recorder, settings.contact, friction)
+    if isinstance(recorder, Told):
+        recorder.watch(session)
+    return session
 
 
 def _hands(persons: Sequence[Person], settings: RunSettings, task_type: type[Task]) -> list[Hand]:

@@ -7,8 +7,9 @@ from typing import Any
 
 from models.errors import RecordingError
 from sandbox.dump import BlackBox, dump_path
+from sandbox.lsl_listening import Told, with_listeners
 from sandbox.recording import RecordingWriter
-from sandbox.session import Session, describe
+from sandbox.session import Recorder, Session, describe
 
 SCHEMA = 1
 """Version of a trial's JSON."""
@@ -35,7 +36,8 @@ class Keeping:
     ) -> None:
         self._header, self._record, self._dump = header, record, dump
         self._writer = RecordingWriter(record, header) if record else None
-        self.recorder = BlackBox(header, self._writer)
+        self._box = BlackBox(header, self._writer)
+        self.recorder: Recorder = with_listeners(self._box, header)
 
     def end(self, session: Session, **more: Any) -> dict[str, Any]:
         """Writes the trial's end; its result with whatever else is given, JSON values.
@@ -47,10 +49,12 @@ class Keeping:
         path = dump_path(self._dump, self._record, session.task.name, session.task.seed)
         if session.diverged and path is not None:
             try:
-                result["dump"] = str(self.recorder.dump(path, session.step, result))
+                result["dump"] = str(self._box.dump(path, session.step, result))
             except RecordingError as error:
                 result |= {"dump": "", "dump_error": str(error)}
-        self.recorder.end(session.step, result)
+        if isinstance(self.recorder, Told):
+            self.recorder.end(result)
+        self._box.end(session.step, result)
         return result
 
     def close(self) -> None:

@@ -12,6 +12,7 @@ from rich.console import Console
 from models.errors import InputError
 from sandbox.cli.demo import has_display
 from sandbox.cli.latency import checked_limit
+from sandbox.cli.lsl_options import LslOptions, streaming
 from sandbox.cli.page_options import PageOptions
 from sandbox.cli.parse import parse
 from sandbox.cli.play_page import play_on_page
@@ -21,7 +22,7 @@ from sandbox.profiles import DEFAULT, default_path, find_profile
 
 
 @dataclass(frozen=True)
-class PlayOptions(PageOptions, SceneOptions):
+class PlayOptions(LslOptions, PageOptions, SceneOptions):
     """Plays a task in a window with the mouse or a TUIO tablet, or on a page with your fingers.
 
     `sandbox play --tablet` prints a code: photograph it with a tablet, and play there. In the
@@ -68,7 +69,8 @@ def main(argv: list[str]) -> int:
     options = options.with_own_profile()
     console = Console()
     if options.view == "web":
-        return play_on_page(options, options, console, limit)
+        with streaming(options.lsl, console):
+            return play_on_page(options, options, console, limit)
     if options.view in ("film", "none"):
         return _without_window(options)
     if not has_display():
@@ -81,7 +83,8 @@ def main(argv: list[str]) -> int:
         console.print(f"profile: {find_profile(str(options.profile)).line}")
     from sandbox.cli.play_window import play_in_window
 
-    return play_in_window(options, options, limit, console)
+    with streaming(options.lsl, console):
+        return play_in_window(options, options, limit, console)
 
 
 def _without_window(options: PlayOptions) -> int:
@@ -98,4 +101,5 @@ def _without_window(options: PlayOptions) -> int:
         )  # fmt: skip
     scene = {f.name: getattr(options, f.name) for f in fields(SceneOptions)}
     film = options.film or Path(f"{Path(options.task).stem}.webp")
-    return perform(RunOptions(**scene, film=film if options.view == "film" else None))
+    drawn = film if options.view == "film" else None
+    return perform(RunOptions(**scene, film=drawn, lsl=options.lsl))

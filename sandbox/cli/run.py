@@ -15,6 +15,7 @@ from rich.markup import escape
 
 from models.errors import InputError
 from sandbox.cli.films import open_film
+from sandbox.cli.lsl_options import LslOptions, streaming
 from sandbox.cli.parse import parse
 from sandbox.cli.scene_options import Plan, SceneOptions, plan
 from sandbox.devices.lift_keys import with_lift
@@ -28,7 +29,7 @@ from sandbox.two_hands import DeviceMaker, with_each
 
 
 @dataclass(frozen=True)
-class RunOptions(SceneOptions):
+class RunOptions(LslOptions, SceneOptions):
     """Runs a task without a window, as fast as it goes, and prints its score.
 
     Try: sandbox run box-to-goal --device simulated --seed 3 --json -
@@ -63,7 +64,8 @@ def perform(options: RunOptions) -> int:
     # Nothing but the result goes to standard output when it is asked for there.
     console = Console(stderr=str(options.json) == "-")
     try:
-        result = _run(options, chosen, events, console)
+        with streaming(options.lsl, console):
+            result = _run(options, chosen, events, console)
     finally:
         events.close()
     _report(result, console)

@@ -16,6 +16,7 @@ from rich.console import Console
 from rich.markup import escape
 
 from models.errors import InputError, StudyError
+from sandbox.cli.lsl_options import streaming
 
 if TYPE_CHECKING:
     from sandbox.study.controls import Controls, Terminal
@@ -99,6 +100,9 @@ class RunOptions:
     force_upgrade: Annotated[str, tyro.conf.arg(metavar="REASON")] = ""
     """Goes on although program, encoder or design have changed; it is logged."""
 
+    lsl: tyro.conf.FlagCreatePairsOff[bool] = False
+    """Sends touches, poses and markers over Lab Streaming Layer (extra `lsl`)."""
+
     port: int = 3333
     """UDP port for TUIO."""
 
@@ -141,6 +145,9 @@ def run(options: RunOptions, console: Console) -> int:
         say(f"participant {person.ppid}" + (", a pilot" if options.pilot else "")
             + "; h and Enter shows your keys")  # fmt: skip
         with ExitStack() as closing:
+            clock = closing.enter_context(streaming(options.lsl, console))
+            if clock:
+                session.write("clock_sync", **clock)
             page = _open_page(options, session, console, closing)
             outcome = _play(options, session, page, controls, terminal, console)
     say(f"{person.ppid}: {outcome}")

@@ -10,6 +10,7 @@ from types import TracebackType
 from typing import Any
 
 from models.errors import RecordingError, StudyError
+from sandbox.lsl_listening import tell
 from sandbox.recording import load_recording
 from sandbox.study.files import explain, locked, make_folder, sweep, sync_file, sync_folder
 from sandbox.study.folder import Participant, StudyFolder
@@ -18,6 +19,8 @@ from sandbox.study.plan import Step, TrialStep, session_plan, trials_of
 from sandbox.study.state import Attempt, SessionState
 from sandbox.versions import versions
 
+TOLD = ("n", "step", "trial", "attempt", "practice", "form", "block", "levels")
+"""Of a record, what other instruments are told."""
 SESSION = 1
 """Number of the session: everybody comes once."""
 
@@ -85,6 +88,8 @@ class SessionFolder:
         """
         record = self.journal.append(kind, durable, **values)
         self.state.take(record)
+        # Other instruments hear what happens, and nothing that anybody has said.
+        tell(f"journal_{kind}", {name: record[name] for name in TOLD if name in record})
         return record
 
     def begin(self, trial: TrialStep) -> Path:
