@@ -84,7 +84,9 @@ class Page {
       this.curtain,
     );
     this.sheets = new Sheets(document.body, (open) => this.ask(open ? "pause" : "resume"));
-    for (const element of [this.again, this.trouble, this.curtain]) show(element, false);
+    // Whether there are menus is not known before the computer has said what this is.
+    for (const element of [this.again, this.trouble, this.curtain, this.hud.root])
+      show(element, false);
 
     this.connection = new Connection({
       onCondition: (condition, words) => {
@@ -98,6 +100,7 @@ class Page {
       onWelcome: (welcome) => {
         this.tasks = welcome.tasks;
         if (welcome.study) this.enterStudy(welcome.study);
+        show(this.hud.root, true);
         this.player = welcome.role === "player";
         this.sender.active = this.player;
         this.hud.setPlayer(this.player);
