@@ -9,6 +9,7 @@ inverse kinematics that the paper of 2015 suggested for later.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -99,7 +100,7 @@ class FingertipCorrection:
     def correct(
         self,
         guess: ArrayLike,
-        labels: ArrayLike,
+        labels: Sequence[int] | NDArray[np.int64],
         targets: ArrayLike,
         start: ArrayLike | None = None,
         settled: float | None = None,
@@ -121,7 +122,7 @@ class FingertipCorrection:
         settled = s.settled if settled is None else settled
         guess = np.array(guess, float)
         targets = np.asarray(targets, float)
-        kinematics = self._kinematics_of(tuple(np.asarray(labels, int).tolist()))
+        kinematics = self._kinematics_of(tuple(labels))
         # The guess itself must be legal, or the first linearisation is taken at no hand at all.
         joints = guess[JOINTS]
         np.minimum(np.maximum(joints, self._lower), self._upper, out=joints)

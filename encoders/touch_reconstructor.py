@@ -281,7 +281,7 @@ class TouchReconstructor:
     ) -> Array:
         """The pose (48,) in the 3-D surface frame, at height 0."""
         ids = sorted(named)
-        labels = np.array([self._labels[i] for i in ids])
+        labels = [self._labels[i] for i in ids]
         places = [named[i] for i in ids]
         targets = np.array([(x, -y, PAD_HEIGHT) for x, y in places])
         carried = motion.carried
@@ -309,7 +309,7 @@ class TouchReconstructor:
         """The last pose, carried along with the touches."""
         return _carried(self._place, *carried.tolist())
 
-    def _shifted(self, q: Array, labels: NDArray[np.int64], targets: Array) -> Array:
+    def _shifted(self, q: Array, labels: list[int], targets: Array) -> Array:
         """The pose moved so that its tips lie on their targets on average."""
         q = q.copy()
         q[ROOT_POSITION] += np.mean(targets - self._kinematics.tips(q)[labels], axis=0)
