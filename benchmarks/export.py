@@ -5,9 +5,9 @@
     python -m benchmarks.export --minutes 60    # memory is flat when this is no more
 
 The session's recording holds no touches: a lively hand at 62.5 poses a second, as a session writes
-them, with two boxes beside it and the states of every second. Each export is a process of its own, the
-command as a person would type it: seconds of the wall clock and of the processor, start included,
-and the process's peak memory.
+them, with two boxes beside it and the states of every second. Each export is a process of its own,
+the command as a person would type it: seconds of the wall clock and of the processor, start
+included, and the process's peak memory.
 """
 
 from __future__ import annotations
