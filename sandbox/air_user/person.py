@@ -85,6 +85,9 @@ class AirPerson:
         habits: How they work.
         home: (2,) m in the world as they see it, where their hand is at home; of two handles they
             take the nearer one.
+
+    Attributes:
+        grasps: How often they have gone for a thing.
     """
 
     def __init__(
@@ -105,7 +108,7 @@ class AirPerson:
         self._radius = radius
         self._stage, self._until = Stage.LOOKING, 0.6
         self._name: str | None = None
-        self._tries = self._grasps = 0
+        self._tries = self.grasps = 0
         self._kind, self._rng = configuration.kind, rng
         self._held = self._stood = self._gap = 0.0
         # By how much the own pinch is off from where the drawn one is wanted.
@@ -146,11 +149,11 @@ class AirPerson:
 
     def _choose(self, sight: Sight, now: float) -> None:
         wrong = [g for g in sight.goals if not there(sight.objects[g.object], g)]
-        if sight.done or not wrong or self._grasps >= self.habits.attempts:
+        if sight.done or not wrong or self.grasps >= self.habits.attempts:
             self._until = now + 0.2
             return
         self._name = wrong[0].object
-        self._grasps += 1
+        self.grasps += 1
         self._tries = 0
         hold = self._hold(sight)
         yaw = self._comfortable(hold, sight)

@@ -1,0 +1,87 @@
+"""Tasks done by a simulated hand in the air over a simulated Leap: success, time, grasps.
+
+    python -m benchmarks.in_air                         # what docs/paalm.md says
+    python -m benchmarks.in_air --tasks stack --links 2 # with other rules of what is solid
+
+Development seeds only, and nobody real: the user is `sandbox.air_user`, the device
+`encoders.paalm.eye`.
+"""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+import numpy as np
+
+import sandbox.assembly as assembly
+from models.surface import Surface
+from sandbox.cli.leap_devices import over_one
+from sandbox.devices.leap_user import SimulatedLeap
+from sandbox.hand_input import UNDER, HandInput
+from sandbox.headless import run_trial
+from sandbox.settings import RunSettings, SecondHand
+from sandbox.two_hands import DeviceMaker
+from tasks.registry import find_task, hands_of
+from tasks.simulated_user.configuration import UserConfiguration
+from tasks.task import Task
+
+TASKS = ("box-to-goal", "stack", "wrench-slide", "wrench-turn", "carry-together")
+
+
+def play(task: str, seed: int, dialect: str, kind: str, size: float) -> tuple[dict[str, Any], int]:
+    """One trial's result, and how often something was grasped."""
+    two = hands_of(find_task(task)) > 1
+    second = SecondHand(in_air=HandInput(), hand_size=size) if two else None
+    settings = RunSettings(task=task, seed=seed, in_air=HandInput(), second=second, hand_size=size)
+    made: list[SimulatedLeap] = []
+
+    def maker(hand: int) -> DeviceMaker:
+        def make(drawn: Task, surface: Surface) -> Any:
+            user = UserConfiguration(kind=kind)
+            person = settings.persons[hand]
+            made.append(SimulatedLeap(drawn, user, seed, UNDER, dialect, person, hand))
+            return made[-1]
+
+        return make
+
+    makers = over_one((maker(0), maker(1)), None, settings) if two else maker(0)
+    result = run_trial(settings, makers)
+    return result, sum(device.user.grasps for device in made)
+
+
+def main() -> None:
+    """Prints a line for every task and dialect."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--tasks", nargs="+", default=TASKS)
+    parser.add_argument("--dialects", nargs="+", default=("v3", "v1"))
+    parser.add_argument("--seeds", type=int, default=20)
+    parser.add_argument("--user", default="skilled", choices=("skilled", "idle", "random"))
+    parser.add_argument("--links", type=int, default=None, help="solid links of every finger")
+    parser.add_argument("--apart", action="store_true", help="fingers become solid one by one")
+    parser.add_argument("--hand-size", type=float, default=1.0)
+    options = parser.parse_args()
+    if options.links is not None:
+        assembly.IN_AIR["links"] = options.links
+    if options.apart:
+        assembly.IN_AIR["together"] = False
+    print(f"SIMULATED user and device; seeds 0 to {options.seeds - 1}; solid: {assembly.IN_AIR}")
+    for task in options.tasks:
+        for dialect in options.dialects:
+            found = [
+                play(task, seed, dialect, options.user, options.hand_size)
+                for seed in range(options.seeds)
+            ]
+            won = [result for result, _ in found if result["success"]]
+            times = [result["time_s"] for result in won] or [float("nan")]
+            grasps = np.mean([count for _, count in found])
+            back = sum(result["respawned"] for result, _ in found)
+            print(
+                f"{task:15} {dialect}: {len(won)} of {len(found)}, median {np.median(times):.1f} s,"
+                f" {grasps:.2f} grasps a trial, {back} things put back",
+                flush=True,
+            )
+
+
+if __name__ == "__main__":
+    main()

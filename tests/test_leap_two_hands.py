@@ -1,0 +1,159 @@
+"""Two hands over one Leap, and hands in the air on the command line."""
+
+import json
+import shutil
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from encoders.paalm.pair import side_by_side
+from models.errors import InputError
+from models.frames import HandFrame
+from sandbox.assembly import build
+from sandbox.cli.leap_devices import hand_input, is_leap
+from sandbox.cli.run import main
+from sandbox.cli.scene_options import SceneOptions, plan
+from sandbox.devices.leap_truth import write_take
+from sandbox.devices.recorded import RecordedDevice
+from sandbox.devices.shared_leap import SharedLeap
+from sandbox.headless import run_trial
+from sandbox.recording import load_recording
+from sandbox.replay import replay
+from tests.leap_hands import take
+
+
+class Played:
+    """Frames as a device."""
+
+    name = "played"
+
+    def __init__(self, frames: list[HandFrame]) -> None:
+        self.frames = list(frames)
+
+    @property
+    def finished(self) -> bool:
+        return not self.frames
+
+    def poll(self, now: float) -> list[HandFrame]:
+        due = [f for f in self.frames if f.time <= now]
+        del self.frames[: len(due)]
+        return due
+
+    def close(self) -> None:
+        self.frames = []
+
+
+def test_each_hand_gets_the_frames_of_its_own_side_and_no_other():
+    both = side_by_side(take(1), take(2, side="left"))[:50]
+    right, left = SharedLeap(Played(both), ("right", "left")).parts
+    for now in (0.1, 0.2, 0.5):
+        # Who asks first fetches for both, and nothing is lost for the other.
+        mine, other = right.poll(now), left.poll(now)
+        assert [f.time for f in mine] == [f.time for f in other] != []
+        for a, b in zip(mine, other, strict=True):
+            (a_hand,), (b_hand,) = a.hands, b.hands
+            assert (a_hand.side, b_hand.side) == ("right", "left")
+            assert a_hand.palm[0] > 0.0 > b_hand.palm[0]
+    assert right.finished and left.finished
+
+
+def test_a_hand_over_the_other_hides_both():
+    both = []
+    for frame in side_by_side(take(1), take(2, side="left"))[:5]:
+        left, right = frame.hands
+        x, y, z = right.palm
+        both.append(replace(frame, hands=(replace(left, palm=(x + 0.05, y, z - 0.1)), right)))
+    shared = SharedLeap(Played(both), ("right", "left"))
+    frames = shared.parts[0].poll(1.0)
+    assert len(frames) == 5 and not any(f.hands for f in frames)
+    assert shared.counts["one hand above the other"] == 5
+
+
+def chosen(task: str, **options: Any):
+    return plan(replace(SceneOptions(task=task), **options))
+
+
+def test_two_hands_over_one_leap_carry_a_tray_and_replay_to_the_bit(tmp_path: Path):
+    made = chosen("carry-together", device="leap-simulated:v1", seed=1)
+    assert [i is not None for i in made.settings.in_airs] == [True, True]
+    path = tmp_path / "two.jsonl"
+    result = run_trial(made.settings, made.make_device, record=path, about=made.about)
+    assert result["success"], result["reason"]
+    read = load_recording(path)
+    sides = [{h.side for e in read.inputs[i] for h in e.frame.hands} for i in (0, 1)]
+    assert sides == [{"right"}, {"left"}]
+    assert replay(read)[1].exact
+    # One hand's half of it is a device like any other.
+    frames = RecordedDevice(read, 1).poll(1.0)
+    assert frames and all(h.side == "left" for f in frames for h in f.hands)
+
+
+def test_a_hand_in_the_air_and_one_on_a_screen_are_in_one_scene():
+    made = chosen("carry-together", device="leap-simulated", second_device="simulated")
+    assert [i is not None for i in made.settings.in_airs] == [True, False]
+
+
+def test_two_right_hands_over_one_leap_are_refused():
+    with pytest.raises(InputError, match="by their sides"):
+        chosen("carry-together", device="leap-simulated", second_hand="right")
+
+
+def test_what_spoils_touches_does_not_spoil_hands_in_the_air():
+    with pytest.raises(InputError, match="--vary"):
+        chosen("stack", device="leap-simulated", vary="latency=50")
+
+
+@pytest.mark.parametrize("at", ["", "1,2", "a,b,c", "0,0,9", "nan,0,0"])
+def test_a_device_that_is_nowhere_is_refused(at: str):
+    with pytest.raises(InputError, match="--leap-at"):
+        hand_input(SceneOptions(leap_at=at), "leap", "right")
+
+
+def test_a_leap_recording_drives_the_hand_with_its_own_calibration(tmp_path: Path, capsys: Any):
+    path = tmp_path / "hand.json"
+    write_take(take(1), path, {})
+    assert is_leap(str(path)) and not is_leap(str(tmp_path / "missing.json"))
+    made = chosen("box-to-goal", device=str(path))
+    assert made.settings.in_air is not None
+    calibration = made.settings.in_air.calibration
+    assert calibration is not None and calibration["frames"] == 100
+    assert main(["box-to-goal", "--device", str(path), "--json", str(tmp_path / "out.json")]) == 0
+    result = json.loads((tmp_path / "out.json").read_text())
+    assert result["status"] == "input_ended"
+    assert result["settings"]["in_air"]["at"] == [0.0, 0.0, -0.1]
+
+
+def test_a_recording_without_the_wanted_hand_says_which_it_has(tmp_path: Path):
+    path = tmp_path / "left.json"
+    write_take(take(1, "v3", side="left"), path, {})
+    with pytest.raises(InputError, match="--hand left"):
+        chosen("box-to-goal", device=str(path))
+
+
+def test_a_service_that_is_not_there_is_one_line(tmp_path: Path):
+    sandbox = shutil.which("sandbox", path=str(Path(sys.executable).parent)) or "sandbox"
+    done = subprocess.run(
+        [sandbox, "run", "stack", "--device", "leap", "--leap", "ws://127.0.0.1:1/v6.json"],
+        check=False, capture_output=True, text=True, timeout=120,
+    )  # fmt: skip
+    assert done.returncode == 2 and "says nothing" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_the_hand_that_a_simulated_person_moves_is_theirs_alone():
+    first, again, other = (
+        chosen("stack", device="leap-simulated", seed=seed) for seed in (1, 1, 2)
+    )
+    palms = []
+    for made in (first, again, other):
+        session = build(made.settings, made.make_device)
+        for _ in range(20):
+            session.advance()
+        palms.append(session.reconstructions[0].q)
+    np.testing.assert_array_equal(palms[0], palms[1])
+    assert np.abs(palms[0] - palms[2]).max() > 1e-3
