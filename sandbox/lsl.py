@@ -13,9 +13,11 @@ loop, by our monotonic clock, and moved to LSL's by an offset that is measured a
 from __future__ import annotations
 
 import json
+import os
 import threading
 import time
 from collections.abc import Mapping
+from pathlib import Path
 from queue import SimpleQueue
 from typing import Any
 from uuid import uuid4
@@ -183,4 +185,15 @@ def _pylsl() -> Any:
         raise DeviceError("pylsl has no library", where="--lsl", got=str(error).splitlines()[0],
                           remedy="Install liblsl from github.com/sccn/liblsl/releases, or set "
                                  "PYLSL_LIB to its file") from None  # fmt: skip
+    if not any(path.is_file() for path in _settings_files()):
+        # Where nobody has settings of their own, it tells errors only.
+        pylsl.set_config_content("[log]\nlevel = -2\n")
     return pylsl
+
+
+def _settings_files() -> list[Path]:
+    """Where liblsl looks for its settings."""
+    name = "lsl_api.cfg"
+    given = os.environ.get("LSLAPICFG")
+    return [*([Path(given)] if given else []), Path(name), Path.home() / "lsl_api" / name,
+            Path("/etc/lsl_api") / name]  # fmt: skip

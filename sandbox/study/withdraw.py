@@ -14,7 +14,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from models.errors import StudyError
 from sandbox.study.export_log import COPIES, Copy, copies
 from sandbox.study.files import explain, locked, sync_folder, write_atomically
 from sandbox.study.folder import StudyFolder
@@ -137,14 +136,3 @@ def _traces(study: StudyFolder, ppid: str) -> list[Path]:
         if ppid.encode() in data or ppid in str(Path(*inside)):
             found.append(path)
     return found
-
-
-def refuse_withdrawn(study: StudyFolder, ppid: str) -> None:
-    """Nobody who has withdrawn comes back by accident.
-
-    Raises:
-        StudyError: They have.
-    """
-    if ppid in withdrawn(study):
-        raise StudyError("this participant has withdrawn; there are no data",
-                         where=str(study.path), got=ppid)  # fmt: skip
