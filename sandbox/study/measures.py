@@ -14,6 +14,7 @@ GOALS = "tasks with goals"
 PLACES = "tasks with one goal that stays where it is"
 LABELS = "where fingers are known: simulated users, devices that tell"
 LIVE = "devices with a clock of their own"
+PAGE = "trials on the page"
 
 
 @dataclass(frozen=True)
@@ -107,6 +108,13 @@ MEASURES: tuple[Measure, ...] = (
             "ours", LABELS, "low", "Labels never put right"),
     Measure("lost_s", "s", "real time by which the machine fell behind; 0 for a fast one",
             "ours", ALL, "low", "Lost time", True),
+    Measure("waited_s", "s", "real time from the scene being seen to the first touch, with which "
+            "simulated time begins; 0 where it begins at once",
+            "ours", PAGE, "low", "Time before the first touch", True),
+    Measure("away_s", "s", "real time for which nothing was heard of the page; stretches above 1 s",
+            "ours", PAGE, "low", "Page gone", True),
+    Measure("away", "", "number of such stretches",
+            "ours", PAGE, "low", "Times that the page was gone", True),
     Measure("latency_p50_ms", "ms", "touch received to the step that it took effect in: median",
             "ours", LIVE, "low", "Latency (median)", True),
     Measure("latency_p95_ms", "ms", "95th percentile of the same",

@@ -48,12 +48,15 @@ class PagePlayer:
 
     def play(self, ask: Ask) -> Played:
         self._page.server.latency.reset()
+        self._page.device = None  # trials over a Leap have none
         keeping = Keeping(trial_header(ask.settings, ask.about), ask.record)
         trial = Trial(ask)
         try:
             session = build(ask.settings, ask.make_device, keeping.recorder)
-            live = LiveSession(session, self._on_step(session, trial), news=self._device.news)
-            watching = _Watching(self._page, self._device, self._showing)
+            device = self._page.device
+            news = device.news if device else None
+            live = LiveSession(session, self._on_step(session, trial), news=news)
+            watching = _Watching(self._page, device, self._showing)
             live.pause(True)
             self._show(session, ask)
             live.start()
@@ -82,11 +85,6 @@ class PagePlayer:
     def close(self) -> None:
         """The page stays open: forms are on it, too."""
 
-    @property
-    def _device(self) -> WebDevice:
-        assert self._page.device is not None, "the trial's device is the page"
-        return self._page.device
-
     def _show(self, session: Session, ask: Ask) -> None:
         server, scene = self._page.server, session.scene
         surface = session.rigs[0].reconstructor.surface
@@ -96,7 +94,7 @@ class PagePlayer:
         goal = showing.goals.get(name, {}).get(self._language, told.goal)
         title = showing.names.get(name, {}).get(self._language, _words(told.task))
         told = msgspec.structs.replace(told, task=title, goal=goal)
-        server.show_scene(told, scene, self._device, [pack_skin(h) for h in scene.spec.hands])
+        server.show_scene(told, scene, self._page.device, [pack_skin(h) for h in scene.spec.hands])
         self._page.reveal()
 
     def _on_step(self, session: Session, trial: Trial) -> Callable[[Snapshot], None]:
@@ -110,10 +108,10 @@ class PagePlayer:
 class _Watching:
     """Whether time stands still because nobody has touched yet, or the page is gone."""
 
-    def __init__(self, page: StudyPage, device: WebDevice, showing: Showing) -> None:
+    def __init__(self, page: StudyPage, device: WebDevice | None, showing: Showing) -> None:
         self._page, self._device, self._showing = page, device, showing
         self._shown = time.monotonic()
-        self._waiting = showing.starts == "touch"
+        self._waiting = device is not None and showing.starts == "touch"
         self._waited: float | None = None if self._waiting else 0.0
         self._away = 0.0
         self._last, self._times = self._shown, 0
@@ -130,7 +128,7 @@ class _Watching:
                 trial.broken = trial.broken or "the participant's page was gone"
             elif self._showing.when_gone == "pause":
                 self._waiting = True
-        elif self._waiting and not self._halted and self._device.touched:
+        elif self._waiting and not self._halted and (not self._device or self._device.touched):
             self._waiting = False
             if self._waited is None:
                 self._waited = now - self._shown
