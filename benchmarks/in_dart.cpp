@@ -2,7 +2,7 @@
 //
 //     python -m benchmarks.formats --keep FOLDER
 //     apt-get install libdart-utils-dev libdart-external-ikfast-dev
-//     g++ -std=c++17 benchmarks/in_dart.cpp -I/usr/include/eigen3 -ldart-utils -ldart -lassimp -o in_dart
+//     g++ -std=c++17 benchmarks/in_dart.cpp -I/usr/include/eigen3 -ldart-utils -ldart -lassimp -lfcl -lccd -o in_dart
 //     ./in_dart FOLDER
 
 #include <cmath>

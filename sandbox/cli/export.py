@@ -39,13 +39,15 @@ class ExportOptions:
 
     docs/formats.md tells axes, units and Euler orders of each, and what each keeps and loses. Two
     hands go into one .glb, .c3d or .csv, and into a file for each otherwise: out-right.bvh,
-    out-left.bvh.
+    out-left.bvh. A running session writes the same with `sandbox run --motion FILE`.
 
-    Try: sandbox run box-to-goal --device simulated --seed 3 --record run.jsonl
-    then: sandbox export run.jsonl --to hand.bvh
-          sandbox export run.jsonl --to hand.glb
-          sandbox export run.jsonl --to commanded.bvh --of commanded --rate 120
-          sandbox export run.jsonl --to tips.csv --fingers thumb index
+    Try:
+
+        sandbox run box-to-goal --device simulated --seed 3 --record run.jsonl
+        sandbox export run.jsonl --to hand.bvh
+        sandbox export run.jsonl --to hand.glb
+        sandbox export run.jsonl --to commanded.bvh --of commanded --rate 120
+        sandbox export run.jsonl --to tips.csv --fingers thumb index
     """
 
     file: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="RECORDING|CAPTURE")]
