@@ -19,11 +19,17 @@ from sandbox.cli.leap_devices import hand_input, is_leap
 from sandbox.cli.run import main
 from sandbox.cli.scene_options import SceneOptions, plan
 from sandbox.devices.leap_truth import write_take
+from sandbox.devices.leap_user import SimulatedLeap
 from sandbox.devices.recorded import RecordedDevice
 from sandbox.devices.shared_leap import SharedLeap
 from sandbox.headless import run_trial
 from sandbox.recording import load_recording
 from sandbox.replay import replay
+from sandbox.study.conditions import run_settings
+from sandbox.study.folder import Participant
+from sandbox.study.plan import TrialStep
+from sandbox.study.simulate import simulated_device
+from tasks.simulated_user.configuration import UserConfiguration
 from tests.leap_hands import take
 
 
@@ -157,3 +163,18 @@ def test_the_hand_that_a_simulated_person_moves_is_theirs_alone():
         palms.append(session.reconstructions[0].q)
     np.testing.assert_array_equal(palms[0], palms[1])
     assert np.abs(palms[0] - palms[2]).max() > 1e-3
+
+
+def test_a_study_compares_touch_and_air():
+    touch, air = (
+        run_settings({"task": "stack", "device": device}, 3, "left", 0.9)
+        for device in ("touch", "leap")
+    )
+    assert touch.in_air is None and air.in_air is not None
+    assert replace(air, in_air=None) == touch
+    user = {**UserConfiguration().as_json(), "reaction": [0.15, 0.25]}
+    of_trial = simulated_device(Participant("TEST", 1, "left", 0.9, user=user))
+    trial = TrialStep("trial:1", 1, 1, 1, 1, False, {"device": "leap"}, {"device": "leap"}, 3)
+    made = of_trial(trial, air)
+    session = build(air, made)
+    assert isinstance(session.rigs[0].device, SimulatedLeap)

@@ -145,7 +145,7 @@ def leap_maker(options: Any, settings: RunSettings, user: UserConfiguration, han
     """
     device: str = options.device
     if device == LIVE:
-        return lambda task, surface: _live(options.leap)
+        return lambda task, surface: open_leap(options.leap)
     if not device.startswith(SIMULATED):
         recording = read_leap(Path(device))
         return lambda task, surface: LeapFileDevice(recording)
@@ -186,7 +186,12 @@ def over_one(makers: tuple[Any, Any] | None, make: Any, settings: RunSettings) -
     return PerHand(found)
 
 
-def _live(address: str) -> LeapDevice:
+def open_leap(address: str = DEFAULT_ADDRESS) -> LeapDevice:
+    """A running service that says something.
+
+    Raises:
+        DeviceError: It does not.
+    """
     device = LeapDevice(address)
     if not device.wait(PATIENCE):
         device.close()

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 SETTINGS: dict[str, type | tuple[type, ...]] = {
     "task": str,
+    "device": str,
     "encoder": str,
     "bare": bool,
     "without": (list, str),
@@ -29,6 +30,7 @@ SETTINGS: dict[str, type | tuple[type, ...]] = {
 """What a design may set, with the kinds of values."""
 
 CHOICES = {
+    "device": ("touch", "leap"),
     "contact": ("hard", "soft", "none"),
     "servo": ("orientation", "position"),
     "turn": (0, 90, 180, 270),
@@ -57,7 +59,10 @@ def run_settings(
     if "without" in given:
         some = given["without"]
         given["without"] = tuple([some] if isinstance(some, str) else some)
-    settings = plan(SceneOptions(seed=seed, hand=_hand(hand), **given)).settings
+    # Who plays is decided later; what matters here is that hands in the air have other settings.
+    device = "leap-simulated" if given.pop("device", "touch") == "leap" else "simulated"
+    options = SceneOptions(seed=seed, hand=_hand(hand), device=device, **given)
+    settings = plan(options).settings
     return replace(settings, hand_size=settings.hand_size * hand_size)
 
 

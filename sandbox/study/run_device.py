@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import cast
 
 from models.errors import StudyError
 from models.surface import Surface
 from sandbox.assembly import DeviceMaker
+from sandbox.cli.leap_devices import open_leap
 from sandbox.cli.touch_devices import TouchOptions, is_evdev, live_maker, native_surface
 from sandbox.devices.device import Device
 from sandbox.devices.lift_keys import with_lift
@@ -32,7 +34,7 @@ def person_device(
 
     Args:
         options: Device `mouse`, `web`, `tuio`, `evdev`, `evdev:NODE` or `simulated`.
-        person: Who touches.
+        person: Who touches, or moves a hand over a Leap in trials whose design says so.
         page: Of `web`.
     """
     name = options.device
@@ -42,6 +44,9 @@ def person_device(
     def of_trial(trial: TrialStep, settings: RunSettings) -> DeviceMaker:
         def make(task: Task, surface: Surface) -> Device:
             device: Device
+            if settings.in_air is not None:
+                # What the design says counts: this trial is played over a Leap.
+                return cast(Device, open_leap())
             if page is not None and name == "web":
                 device = page_device(page, surface)
             elif name == "mouse":
@@ -72,6 +77,8 @@ def fitting(
 
     def fit(trial: TrialStep, settings: RunSettings, ready: Callable[[], None]) -> RunSettings:
         designed = "surface" in trial.values
+        if settings.in_air is not None:
+            return settings
         if page is not None and name == "web":
             page.await_somebody(ready)
             return page_settings(page, settings, designed)

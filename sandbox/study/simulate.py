@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import asdict, replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from models.errors import StudyError
 from models.surface import Surface
 from sandbox.assembly import DeviceMaker
 from sandbox.devices.device import Device
+from sandbox.devices.leap_user import SimulatedLeap
 from sandbox.devices.simulated import SimulatedDevice
 from sandbox.devices.spoiled import SpoiledDevice
 from sandbox.settings import RunSettings
@@ -79,6 +80,9 @@ def simulated_device(person: Participant) -> Callable[[TrialStep, RunSettings], 
             # Another stream than the task's own: equal starts are met with other luck.
             seed = trial.seed ^ (person.number + 1)
             tell = settings.labels == "device"
+            if settings.in_air is not None:
+                place, whose = settings.in_air.at, settings.person
+                return cast(Device, SimulatedLeap(task, user, seed, place, person=whose))
             device = SimulatedDevice(task, user, surface, seed, tell, person=settings.person)
             if settings.variation.spoils:
                 return SpoiledDevice(device, settings.variation, surface, seed)
