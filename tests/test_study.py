@@ -15,6 +15,7 @@ from pyarrow import parquet
 from models.errors import StudyError
 from sandbox.cli.main import main
 from sandbox.recording import load_recording
+from sandbox.recording_file import read_stored
 from sandbox.replay import replay
 from sandbox.study import build as build_module
 from sandbox.study.folder import PILOT, REAL, SIMULATED, StudyFolder
@@ -111,12 +112,12 @@ def test_a_journal_that_lost_its_last_records_is_completed_from_the_recording_or
     last = max(i for i, line in enumerate(lines) if b'"kind":"trial_end"' in line)
     # What a power cut may take: the trial's end, or its start as well.
     path.write_bytes(b"".join(lines[: last + 1 - lost]))
-    recording = (path.parent / "trials/T006.jsonl").read_bytes()
+    recording = read_stored(path.parent / "trials/T006.jsonl").data
     assert run_simulated(study, 0, quiet) is Outcome.COMPLETE
     rows = rows_of(path.parent / "trial_results.csv")
     assert [r["trial_num"] for r in rows if r["counted"] == "1"] == list("123456")
-    assert rows[-1]["trial_recording_location_0"] == f"trials/{attempt}.jsonl"
-    assert (path.parent / "trials/T006.jsonl").read_bytes() == recording
+    assert rows[-1]["trial_recording_location_0"] == f"trials/{attempt}.jsonl.gz"
+    assert read_stored(path.parent / "trials/T006.jsonl").data == recording
     again = load_recording(path.parent / f"trials/{attempt}.jsonl")
     assert again.end is not None
     assert json.loads(recording.splitlines()[-1])["hash"] == again.end["hash"]

@@ -79,7 +79,7 @@ def test_channels_describe_every_column_of_a_motion_file(bids: Path) -> None:
 def test_motion_is_what_the_recording_replays(study: StudyFolder, bids: Path) -> None:
     shots: list[Snapshot] = []
     # T001 is practice; the first run is T002.
-    recording = next(study.path.glob("*/S001/trials/T002.jsonl"))
+    recording = next(study.path.glob("*/S001/trials/T002.jsonl.gz"))
     replay(load_recording(recording), lambda session: [shots.append])
     motion = next(bids.rglob("*_run-1_motion.tsv"))
     channels = table(Path(str(motion).replace("_motion.tsv", "_channels.tsv")))
@@ -100,7 +100,7 @@ def test_motion_is_what_the_recording_replays(study: StudyFolder, bids: Path) ->
 
 
 def test_events_are_the_trial_and_every_touch(study: StudyFolder, bids: Path) -> None:
-    recording = load_recording(next(study.path.glob("*/S001/trials/T002.jsonl")))
+    recording = load_recording(next(study.path.glob("*/S001/trials/T002.jsonl.gz")))
     ids = {c.id for i in recording.inputs[0] for c in i.frame.contacts}
     events = table(next(bids.rglob("*_run-1_events.tsv")))
     assert list(events[0])[:2] == ["onset", "duration"]

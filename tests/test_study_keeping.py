@@ -11,6 +11,7 @@ import pytest
 
 from models.errors import StudyError
 from sandbox.recording import load_recording
+from sandbox.recording_file import packed, read_stored
 from sandbox.study.backup import back_up, check_backup
 from sandbox.study.export_log import copies, remember_copy
 from sandbox.study.folder import PILOT, SIMULATED, StudyFolder
@@ -46,7 +47,8 @@ def rows_of(path: Path) -> list[dict[str, str]]:
 
 def mentions(folder: Path, ppid: str) -> list[Path]:
     found = [p for p in folder.rglob("*") if ppid in p.name]
-    return found + [p for p in folder.rglob("*") if p.is_file() and ppid.encode() in p.read_bytes()]
+    inside = [p for p in folder.rglob("*") if p.is_file() and ppid.encode() in read_stored(p).data]
+    return found + inside
 
 
 def test_who_withdraws_is_gone_but_for_a_tombstone_and_others_are_untouched(
@@ -160,7 +162,7 @@ def test_damage_anywhere_in_a_backup_is_found(study: StudyFolder, tmp_path: Path
 def test_a_backup_without_a_finished_trials_recording_is_refused(
     study: StudyFolder, tmp_path: Path
 ) -> None:
-    next(study.path.glob("*/S001/trials/T003.jsonl")).unlink()
+    next(study.path.glob("*/S001/trials/T003.jsonl.gz")).unlink()
     with pytest.raises(StudyError, match="recordings of finished trials are missing"):
         back_up(study, tmp_path / "a.tar.gz")
     assert not list(tmp_path.glob("*.tar.gz"))
@@ -211,8 +213,9 @@ def test_two_people_of_one_pseudonym_stay_two_people(study: StudyFolder, tmp_pat
     mine, theirs = study.participants()[0].ppid, other.participants()[0].ppid
     # The chance of this is one in 33 million for each pair.
     (other.path / theirs).rename(other.path / mine)
-    for path in (other.path / "study.jsonl", *session_path(other.path, mine).rglob("*.jsonl")):
-        path.write_bytes(path.read_bytes().replace(theirs.encode(), mine.encode()))
+    for path in (other.path / "study.jsonl", *session_path(other.path, mine).rglob("*.jsonl*")):
+        data = read_stored(path).data.replace(theirs.encode(), mine.encode())
+        path.write_bytes(packed(data) if path.suffix == ".gz" else data)
     found = merge(study, other, tmp_path / "c/quick-simulated")
     ((_, new),) = found.renamed.items()
     assert found.people == 3 and new not in (mine, theirs)

@@ -10,12 +10,14 @@ import gzip
 import io
 import os
 import tarfile
+import zlib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path, PurePosixPath
 
 from models.errors import StudyError
+from sandbox.recording_file import SUFFIX, stored
 from sandbox.study.export_folder import refuse_existing
 from sandbox.study.files import TEMPORARY, explain, make_folder, sync_file, sync_folder
 from sandbox.study.folder import StudyFolder
@@ -90,7 +92,7 @@ def check_backup(path: Path) -> Checked:
                 size += len(data)
                 if inside.endswith("journal.jsonl"):
                     journals[inside] = data
-    except (OSError, EOFError, tarfile.TarError, ValueError) as error:
+    except (OSError, EOFError, tarfile.TarError, ValueError, zlib.error) as error:
         raise StudyError("the backup is damaged", where=str(path), got=str(error)[:120],
                          remedy="Make another one; the study itself is untouched"
                          ) from None  # fmt: skip
@@ -109,7 +111,8 @@ def _finished(name: str, data: bytes, found: dict[str, str], path: Path) -> int:
     """How many trials a journal calls finished; all of their recordings are there."""
     records, _ = parse_records(data, Path(name))
     ended = [r["file"] for r in records if r["kind"] == "trial_end"]
-    lost = [f for f in ended if str(PurePosixPath(name).parent / f) not in found]
+    here = PurePosixPath(name).parent
+    lost = [f for f in ended if not {str(here / f), str(here / (f + SUFFIX))} & found.keys()]
     if lost:
         raise StudyError("recordings of finished trials are missing", where=str(path),
                          got=", ".join(lost[:5]))  # fmt: skip
@@ -138,11 +141,24 @@ def _contents(folder: Path) -> Iterator[tuple[str, bytes]]:
                 sorted((*folder.glob("*.jsonl"), *folder.glob("*/S*/journal.jsonl")))}  # fmt: skip
     for path, data in journals.items():
         yield path.relative_to(folder).as_posix(), data
-    for path in sorted(folder.rglob("*")):
+    listed = sorted(path for path in folder.rglob("*") if not path.is_dir())
+    told = set(journals)
+    for listing in listed:
+        # A recording may have been compressed since it was listed.
+        path = stored(listing)
         temporary = path.name == ".lock" or path.name.startswith(TEMPORARY)
-        if path in journals or temporary or path.is_symlink() or not path.is_file():
+        if path in told or temporary or path.is_symlink() or not path.is_file():
             continue
-        yield path.relative_to(folder).as_posix(), path.read_bytes()
+        told.add(path)
+        try:
+            data = path.read_bytes()
+        except FileNotFoundError:
+            path = path.with_name(path.name + SUFFIX)
+            if path in told or not path.is_file():
+                continue
+            told.add(path)
+            data = path.read_bytes()
+        yield path.relative_to(folder).as_posix(), data
 
 
 def _add(archive: tarfile.TarFile, name: str, data: bytes) -> None:

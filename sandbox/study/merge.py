@@ -18,6 +18,7 @@ from typing import Any
 from uuid import uuid4
 
 from models.errors import StudyError
+from sandbox.recording_file import SUFFIX, packed, read_stored
 from sandbox.study.build import changes
 from sandbox.study.export_folder import new_folder
 from sandbox.study.export_tables import rebuild_all
@@ -211,9 +212,11 @@ def _copy(source: Path, old: str, work: Path, new: str, study: str) -> None:
                 for k, v in r.items()} for r in read_journal(path)]  # fmt: skip
     write_atomically(path, lines(records), durable=False)
     if old != new:
-        for recording in (path.parent / "trials").glob("*.jsonl"):
-            kept = [_renamed(line, new) for line in recording.read_bytes().split(b"\n")]
-            write_atomically(recording, b"\n".join(kept), durable=False)
+        for recording in (path.parent / "trials").glob("*.jsonl*"):
+            kept = [_renamed(line, new) for line in read_stored(recording).data.split(b"\n")]
+            data = b"\n".join(kept)
+            small = recording.suffix == SUFFIX
+            write_atomically(recording, packed(data) if small else data, durable=False)
 
 
 def _renamed(line: bytes, new: str) -> bytes:

@@ -16,6 +16,7 @@ from typing import Any
 from uuid import uuid4
 
 from models.errors import StudyError
+from sandbox.recording_file import read_stored, stored
 from sandbox.study.design import Design
 from sandbox.study.export_folder import new_folder
 from sandbox.study.export_tables import rebuild_all
@@ -172,10 +173,10 @@ def _write_session(
     write_atomically(path / "journal.jsonl", lines(records), durable=False)
     for attempt in (a for some in SessionState.of(records).attempts.values() for a in some):
         recording = source / attempt.start["file"]
-        if masking.recordings and recording.exists():
+        if masking.recordings and stored(recording).exists():
             copied = b"\n".join(
                 disguised_line(line, disguise) if line else b""
-                for line in _whole_lines(recording.read_bytes()).split(b"\n")
+                for line in _whole_lines(read_stored(recording).data).split(b"\n")
             )
             write_atomically(path / attempt.start["file"], copied, durable=False)
         # What is derived from poses and touches: numbers, and names of fingers and things.

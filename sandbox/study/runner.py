@@ -17,6 +17,7 @@ from sandbox.study.conditions import run_settings
 from sandbox.study.controls import Command, Controls
 from sandbox.study.forms import Forms, Ready
 from sandbox.study.frames import missing, rebuild
+from sandbox.study.pack import pack
 from sandbox.study.plan import (
     BreakStep,
     ConsentStep,
@@ -187,6 +188,7 @@ class SessionRunner:
         stem = file.removeprefix("trials/").removesuffix(".jsonl")
         try:
             played.table.write(session.path / "trackers", stem, played.result)
+            pack(session.path / file)
             rebuild_session(session)
             rebuild_study(session.study)
         except StudyError as error:
@@ -208,8 +210,11 @@ class SessionRunner:
             for attempts in session.state.attempts.values():
                 for attempt in attempts:
                     recording = session.path / attempt.start["file"]
-                    if attempt.end is not None and missing(trackers, recording.stem):
+                    if attempt.end is None:
+                        continue
+                    if missing(trackers, recording.stem):
                         rebuild(recording, trackers)
+                    pack(recording)
             rebuild_session(session)
             rebuild_study(session.study)
         except InputError as error:

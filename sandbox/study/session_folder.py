@@ -12,6 +12,7 @@ from typing import Any
 from models.errors import RecordingError, StudyError
 from sandbox.lsl_listening import tell
 from sandbox.recording import load_recording
+from sandbox.recording_file import stored
 from sandbox.study.files import explain, locked, make_folder, sweep, sync_file, sync_folder
 from sandbox.study.folder import Participant, StudyFolder
 from sandbox.study.journal import SCHEMA, Journal, Record, Syncing
@@ -62,8 +63,8 @@ class SessionFolder:
     def _open(self) -> None:
         what = f"participant {self.person.ppid}"
         self._closing.enter_context(locked(self.path / ".lock", wait=False, what=what))
-        for folder in (self.path, self.path / "trackers", self.path / "session_info"):
-            sweep(folder)
+        for name in ("", "trials", "trackers", "session_info"):
+            sweep(self.path / name)
         self.journal = Journal(self.path / "journal.jsonl")
         self._closing.callback(self.journal.close)
         self.state = SessionState.of(self.journal.records)
@@ -146,14 +147,14 @@ class SessionFolder:
             if attempt == 1
             else f"trials/T{trial:03d}.a{attempt}.jsonl"
         )
-        while (self.path / name).exists():
+        while stored(self.path / name).exists():
             attempt += 1
             name = f"trials/T{trial:03d}.a{attempt}.jsonl"
         return name
 
     def _commit(self, attempt: Attempt, result: dict[str, Any], adopted: bool) -> None:
         start = attempt.start
-        path = self.path / start["file"]
+        path = stored(self.path / start["file"])
         try:
             sync_file(path)
             sync_folder(path.parent)
@@ -222,7 +223,8 @@ def session_path(study: Path, ppid: str, session: int = SESSION) -> Path:
 
 def finished_result(path: Path) -> dict[str, Any] | None:
     """The result that a recording ends with; None where it breaks off or says not to count."""
-    if not path.exists() or not _ends(path):
+    file = stored(path)
+    if not file.exists() or (file == path and not _ends(path)):
         return None
     try:
         recording = load_recording(path)

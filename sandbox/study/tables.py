@@ -10,6 +10,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
+from sandbox.recording_file import stored
 from sandbox.study.codebook import codebook
 from sandbox.study.design import Design
 from sandbox.study.files import write_atomically
@@ -99,6 +100,8 @@ def _trial_row(
     stem = Path(start["file"]).stem
     if folder is not None:
         row |= read_measures(folder / "trackers", stem)
+        file = stored(folder / start["file"])
+        row["trial_recording_location_0"] = file.relative_to(folder).as_posix()
     for column, kind in (("hand_pose_location_0", "frames"), ("touches_location_0", "touches")):
         row[column] = f"trackers/{STEMS[kind]}_{stem}.csv.gz"
     reason = state.excluded.get(trial, "") or _excluded_by_rule(design, row)
