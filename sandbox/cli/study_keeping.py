@@ -26,8 +26,9 @@ Out = Annotated[Path, tyro.conf.arg(metavar="PATH")]
 class ExportOptions:
     """Copies a study for others: without what says who took part, or as Motion-BIDS, or both.
 
-    sandbox study export studies/NAME --anonymise --out shared/NAME
-    sandbox study export studies/NAME --anonymise --bin age:10 --bids --out shared/NAME-bids
+    Try: sandbox study export studies/NAME --anonymise --out shared/NAME
+
+    Or: sandbox study export studies/NAME --anonymise --bin age:10 --bids --out shared/NAME-bids
 
     --anonymise gives new pseudonyms and keeps no list of them, begins every session on 1 January
     2000, and leaves out words, folders' names and who did not agree. docs/privacy.md tells what can
@@ -63,7 +64,7 @@ class ExportOptions:
 class WithdrawOptions:
     """Deletes all data of a participant who takes their consent back, and leaves a tombstone.
 
-    sandbox study withdraw studies/NAME --participant 3B5G5T --reason "by e-mail"
+    Try: sandbox study withdraw studies/NAME --participant 3B5G5T --reason "by e-mail"
 
     It cannot be undone. Backups and copies that were made with the data are named; they are yours
     to delete.
@@ -86,8 +87,9 @@ class WithdrawOptions:
 class BackupOptions:
     """Writes a study into one archive and reads it back; or checks one that is there.
 
-    sandbox study backup studies/NAME --out /media/disk/NAME-2026-11-21.tar.gz
-    sandbox study backup --check /media/disk/NAME-2026-11-21.tar.gz
+    Try: sandbox study backup studies/NAME --out /media/disk/NAME-2026-11-21.tar.gz
+
+    Later: sandbox study backup --check /media/disk/NAME-2026-11-21.tar.gz
 
     Sessions may run meanwhile. `tar -xzf` unpacks it; the study goes on from there.
     """
@@ -106,7 +108,7 @@ class BackupOptions:
 class MergeOptions:
     """Makes one study of two sites' folders; neither is changed.
 
-    sandbox study merge siteA/NAME siteB/NAME --out both/NAME
+    Try: sandbox study merge siteA/NAME siteB/NAME --out both/NAME
 
     Both must be locked to the same design and program. docs/privacy.md tells what happens to equal
     pseudonyms.
