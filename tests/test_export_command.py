@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import json
 from pathlib import Path
 
@@ -186,6 +187,25 @@ def test_a_recording_that_breaks_off_is_written_up_to_there(two_hands, tmp_path,
     assert 1.9 < table[-1, 0] < 2.0
 
 
+def test_a_compressed_recording_is_the_same_to_the_bit(session, tmp_path, capsys):
+    folder, _, _ = session
+    packed = tmp_path / "run.jsonl.gz"
+    packed.write_bytes(gzip.compress((folder / "run.jsonl").read_bytes()))
+    for of in BOTH:
+        outs = [tmp_path / f"{of}-{name}.bvh" for name in ("plain", "packed")]
+        for source, out in zip((folder, tmp_path), outs, strict=True):
+            line = ["export", str(source / "run.jsonl"), "--to", str(out), "--of", of]
+            assert main(line) == 0
+        assert outs[0].read_bytes() == outs[1].read_bytes()
+    whole = packed.read_bytes()
+    packed.write_bytes(whole[: len(whole) // 2])
+    capsys.readouterr()
+    assert main(["export", str(tmp_path / "run.jsonl"), "--to", str(tmp_path / "cut.csv")]) == 0
+    assert "is damaged" in capsys.readouterr().err
+    table = np.loadtxt(tmp_path / "cut.csv", delimiter=",", skiprows=1)
+    assert 0.5 < table[-1, 0] < 5.0
+
+
 def test_what_cannot_be_exported_is_refused_in_one_line(session, tmp_path, capsys):
     folder, _, _ = session
     run = str(folder / "run.jsonl")
@@ -202,8 +222,8 @@ def test_what_cannot_be_exported_is_refused_in_one_line(session, tmp_path, capsy
     (tmp_path / "run.csv").write_bytes((folder / "run.jsonl").read_bytes())
     out = str(tmp_path / "out.bvh")
     for line, why in (
-        ([str(tmp_path / "none.jsonl"), "--to", out], "no such file"),
-        ([str(tmp_path), "--to", out], "cannot be read"),
+        ([str(tmp_path / "none.jsonl"), "--to", out], "no such recording"),
+        ([str(tmp_path), "--to", out], "no such recording"),
         ([str(tmp_path / "notes.txt"), "--to", out], "neither a recording nor a capture"),
         ([str(tmp_path / "zip.npz"), "--to", out], "zip.npz"),
         ([str(tmp_path / "empty.jsonl"), "--to", out], "holds no poses"),

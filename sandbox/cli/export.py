@@ -18,6 +18,7 @@ from models.motion.sampling import Poses
 from sandbox.cli.parse import parse
 from sandbox.export.sources import open_source
 from sandbox.export.targets import Exporter, ExportSettings, format_of
+from sandbox.study.trial_files import find_recordings
 
 Finger = Literal["thumb", "index", "middle", "ring", "little"]
 Order = Literal["XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"]
@@ -48,10 +49,12 @@ class ExportOptions:
         sandbox export run.jsonl --to hand.glb
         sandbox export run.jsonl --to commanded.bvh --of commanded --rate 120
         sandbox export run.jsonl --to tips.csv --fingers thumb index
+        sandbox export NAME/3B5G5T/S001/T007 --to trial.glb
     """
 
-    file: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="RECORDING|CAPTURE")]
-    """A recording (--record), or a capture (.npz)."""
+    file: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="RECORDING|TRIAL|CAPTURE")]
+    """A recording (--record), a trial of a study (NAME/PARTICIPANT/S001/T007, as `sandbox replay`
+    takes it), or a capture (.npz)."""
 
     to: Annotated[Path, tyro.conf.arg(metavar="FILE")]
     """What is written; a file that is there is replaced."""
@@ -76,6 +79,9 @@ class ExportOptions:
     take: Annotated[int, tyro.conf.arg(metavar="N")] = 1
     """Which take of a capture, from 1: its takes do not follow one another without a gap."""
 
+    out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path("studies")
+    """Where studies are kept."""
+
 
 def main(argv: list[str]) -> int:
     """Runs `sandbox export ...`."""
@@ -83,9 +89,10 @@ def main(argv: list[str]) -> int:
     console, errors = Console(), Console(stderr=True)
     settings = _settings(options)
     format_of(options.to)
-    if options.to.absolute() == options.file.absolute():
+    file = _found(options)
+    if options.to.absolute() == file.absolute():
         raise InputError("this would replace what is read", where=f"--to {options.to}")
-    source = open_source(options.file, options.of, options.take)
+    source = open_source(file, options.of, options.take)
     with Progress(console=errors, transient=True) as progress:
         bar = progress.add_task("writing keys", total=source.duration or None)
         with Exporter(options.to, source.armatures, source.names, settings) as exporter:
@@ -96,7 +103,7 @@ def main(argv: list[str]) -> int:
 
             damage = source.play(take)
     if damage:
-        errors.print(f"{options.file}: {damage}", soft_wrap=True, markup=False, style="yellow")
+        errors.print(f"{file}: {damage}", soft_wrap=True, markup=False, style="yellow")
     seconds = (exporter.frames - 1) / options.rate
     names = ", ".join(map(str, exporter.paths))
     console.print(
@@ -113,6 +120,17 @@ def main(argv: list[str]) -> int:
                 soft_wrap=True, markup=False,
             )  # fmt: skip
     return 0
+
+
+def _found(options: ExportOptions) -> Path:
+    """The one file that is meant."""
+    files = find_recordings(options.file, options.out)
+    if len(files) > 1:
+        raise InputError(
+            "one motion is written at a time", where=options.file, got=f"{len(files)} recordings",
+            remedy=f"Name one of them, such as {files[0].stem}",
+        )  # fmt: skip
+    return files[0]
 
 
 def _settings(options: ExportOptions) -> ExportSettings:

@@ -5,6 +5,7 @@ Recordings are read line by line, so that an hour needs no more memory than a se
 
 from __future__ import annotations
 
+import gzip
 import json
 import zlib
 from collections.abc import Callable, Iterator, Sequence
@@ -24,6 +25,7 @@ from models.pose import ROOT_POSITION, ROOT_ROTATION, joint_vectors
 from models.rotations import quaternion_exp
 from models.skeleton import ADULT
 from sandbox.recording import SCHEMA, is_recording, load_recording
+from sandbox.recording_file import GZIP, first_line, stored
 from sandbox.settings import RunSettings
 from sandbox.track import Track, read_line
 
@@ -71,7 +73,7 @@ def open_source(path: Path, of: str = "simulated", take: int = 1) -> Source:
     Raises:
         InputError: It is neither, or has no poses.
     """
-    if not path.exists():
+    if not stored(path).exists():
         raise InputError("there is no such file", where=str(path))
     if is_recording(path):
         return _commanded(path) if of == "commanded" else _simulated(path)
@@ -197,8 +199,7 @@ def _capture(capture: Capture, where: str, take: int) -> Source:
 
 
 def _header(path: Path) -> dict[str, Any]:
-    with path.open("rb") as file:
-        header: dict[str, Any] = json.loads(file.readline())
+    header: dict[str, Any] = json.loads(first_line(path))
     if header.get("schema") != SCHEMA:
         raise RecordingError(
             "another version's recording", where=str(path), got=header.get("schema"),
@@ -212,26 +213,38 @@ def _tracks(path: Path) -> Iterator[tuple[Array, Array, str]]:
 
     Where the file is damaged, the last item says so, and has no poses.
     """
-    nothing = np.zeros(0)
-    with path.open("rb") as file:
-        for number, text in enumerate(file, start=1):
+    nothing, number = np.zeros(0), 0
+    try:
+        for number, text in enumerate(_lines(path), start=1):
             # What else is in a line is of no use here, and most of the file.
             if not text[:40].replace(b" ", b"").startswith(b'{"kind":"track"'):
                 continue
             track = Track()
-            try:
-                read_line(json.loads(text), track)
-            except (ValueError, KeyError, TypeError, zlib.error) as error:
-                yield nothing, nothing, f"line {number} is damaged ({error}); what follows is left"
-                return
+            read_line(json.loads(text), track)
             steps = sorted(track.qpos)
             yield np.array(steps, float), np.array([track.qpos[s] for s in steps]), ""
+    except (ValueError, KeyError, TypeError, EOFError, OSError, zlib.error) as error:
+        yield nothing, nothing, f"line {number} is damaged ({error}); what follows is left"
+
+
+def _lines(path: Path) -> Iterator[bytes]:
+    """Lines of a recording, compressed or not, one by one."""
+    with stored(path).open("rb") as file:
+        compressed = file.read(2) == GZIP
+        file.seek(0)
+        if not compressed:
+            yield from file
+            return
+        with gzip.open(file) as text:
+            yield from text
 
 
 def _length(path: Path, timestep: float) -> float:
-    """s, from the end line where there is one: the last few bytes tell."""
-    with path.open("rb") as file:
-        file.seek(max(0, path.stat().st_size - 8192))
+    """s, from the end line where there is one: the last few bytes tell. 0 where they do not, as
+    those of a compressed recording."""
+    file_path = stored(path)
+    with file_path.open("rb") as file:
+        file.seek(max(0, file_path.stat().st_size - 8192))
         last = file.read().rstrip().rpartition(b"\n")[2]
     try:
         return float(json.loads(last)["step"]) * timestep
