@@ -180,7 +180,7 @@ class PagePlay:
 
     def _refuse(self, error: InputError) -> None:
         """A task that this screen has no room for: said on the page; another can be chosen."""
-        self.server.tell(str(error))
+        self.server.tell(_plainly(error))
         self.events.tell("warning", what=str(error))
         self.console.print(f"[yellow]{error}[/]")
 
@@ -212,6 +212,13 @@ def rectangle(screen: Screen) -> dict[str, Any]:
     inches = (screen.width_px / screen.px_per_in, screen.height_px / screen.px_per_in)
     size = tuple(round(min(side, most), 4) for side, most in zip(inches, LARGEST, strict=True))
     return {"surface_in": size, "surface_calibrated": screen.calibrated}
+
+
+def _plainly(error: InputError) -> str:
+    """The error in words for somebody who plays."""
+    if "too small" not in error.what:
+        return str(error)
+    return f"This screen is small for your hand: {error.where} needs {error.expected}."
 
 
 def _news(device: object) -> Any:

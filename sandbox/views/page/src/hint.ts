@@ -36,6 +36,8 @@ export class Hint {
   follow(fingers: { x: number; y: number; mouse: boolean }[], state: State): void {
     if (this.root.hidden) return;
     if (state.held) this.finish();
+    // Once a trial is over there is something else to say; the hint comes back with the next one.
+    if (state.status !== "running") this.root.hidden = true;
     const first = fingers[0];
     if (!first) {
       this.start = null;

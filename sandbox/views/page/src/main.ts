@@ -117,6 +117,7 @@ class Page {
       onTrouble: (text) => {
         this.trouble.textContent = `${text}\nChoose another task, or play on a larger screen.`;
         show(this.trouble, true);
+        this.hint.root.hidden = true;
       },
       onFrame: (frame) => this.take(frame),
       onRoundTrip: (ms) => this.hud.setRoundTrip(ms),

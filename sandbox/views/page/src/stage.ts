@@ -44,6 +44,8 @@ export class Stage {
   private ghosts = new Map<string, Ghost>();
   private skin = handMaterial(SKIN);
   private skinned = handMaterial(0xffffff);
+  /** What a hand's shadow is cast by. */
+  private hands: Mesh[] = [];
   private key = keyLight();
 
   constructor(canvas: HTMLCanvasElement, reload: () => void) {
@@ -81,6 +83,7 @@ export class Stage {
     this.skinned = handMaterial(0xffffff);
     this.skinned.vertexColors = true;
     this.scene = scene;
+    this.hands = [];
     this.bodies = scene.bodies.map(() => new Bone());
     for (const geom of scene.geoms) {
       const mesh = this.mesh(geom);
@@ -130,6 +133,8 @@ export class Stage {
     const down = hands.some((hand) => hand.contacts.length);
     const opacity = hands.some((hand) => hand.solid.length) ? 1 : down ? GHOSTLY : FAINT;
     this.skin.opacity = this.skinned.opacity = opacity;
+    // A hand that waits in the air is hardly there, and hides nothing in its shadow.
+    for (const mesh of this.hands) mesh.castShadow = down || opacity === 1;
   }
 
   draw(now: number): void {
@@ -148,6 +153,7 @@ export class Stage {
     mesh.renderOrder = 4;
     veil.renderOrder = 3;
     veil.castShadow = false;
+    this.hands.push(mesh);
     this.content.add(mesh, veil);
   }
 
@@ -157,7 +163,10 @@ export class Stage {
     place(mesh, geom);
     mesh.castShadow = geom.kind !== "plane";
     mesh.receiveShadow = true;
-    if (hand) mesh.renderOrder = 4;
+    if (hand) {
+      mesh.renderOrder = 4;
+      this.hands.push(mesh);
+    }
     return mesh;
   }
 
