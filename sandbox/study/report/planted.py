@@ -105,7 +105,7 @@ def draw(truth: Truth, seed: int, people: int | None = None) -> Trials:
     return Trials(level, task, repetition + 1, time, status)
 
 
-def true_success(truth: Truth, people: int = 200_000) -> list[float]:
+def true_success(truth: Truth, people: int = 100_000) -> list[float]:
     """Share of trials that succeed, by level, from so many drawn people; error about 0.001."""
     drawn = draw(truth, 2**31, people)
     return [float((drawn.status[drawn.level == i] == "held").mean())
