@@ -19,6 +19,8 @@ from models.errors import InputError, StudyError
 from sandbox.cli.lsl_options import streaming
 
 if TYPE_CHECKING:
+    from sandbox.cli.page_options import PageOptions
+    from sandbox.cli.touch_devices import TouchOptions
     from sandbox.study.controls import Controls, Terminal
     from sandbox.study.folder import Participant, StudyFolder
     from sandbox.study.forms import Forms
@@ -129,6 +131,7 @@ def run(options: RunOptions, console: Console) -> int:
     from sandbox.study.session_folder import SessionFolder
 
     _check(options)
+    _check_page(options)
     design = load_design(options.file)
     study = StudyFolder(options.out, design, PILOT if options.pilot else REAL,
                         options.force_upgrade)  # fmt: skip
@@ -159,7 +162,7 @@ def run(options: RunOptions, console: Console) -> int:
 def _check(options: RunOptions) -> None:
     """What fits together, before anything is written."""
     from sandbox.cli.demo import has_display
-    from sandbox.cli.touch_devices import is_evdev
+    from sandbox.cli.touch_devices import guessed_surface, is_evdev, live_maker
 
     if options.device not in ("web", "mouse", "tuio", "simulated") and not is_evdev(options.device):
         raise InputError("there is no such device for a study", where="--device",
@@ -184,6 +187,31 @@ def _check(options: RunOptions) -> None:
     if options.view == "none" and options.device == "mouse":
         raise InputError("the mouse needs a window", where="--device mouse",
                          remedy="Use --device web or --device tuio")  # fmt: skip
+    maker = live_maker(_touch(options)) if options.device not in ("mouse", "simulated") else None
+    if maker is not None:
+        # What is wrong with a device is told now, and not after the forms.
+        maker(guessed_surface()).close()
+
+
+def _check_page(options: RunOptions) -> None:
+    """Serves the page for a moment: a wrong address or certificate costs no participant."""
+    if options.has_page:
+        from sandbox.cli.page_options import open_page
+
+        open_page(_where(options)).close()
+
+
+def _where(options: RunOptions) -> PageOptions:
+    from sandbox.cli.page_options import PageOptions
+
+    return PageOptions(options.tablet, options.lan, options.page_port, options.tls_cert,
+                       options.tls_key)  # fmt: skip
+
+
+def _touch(options: RunOptions) -> TouchOptions:
+    from sandbox.cli.touch_devices import TouchOptions
+
+    return TouchOptions(device=options.touches, bind=options.bind, port=options.port)
 
 
 def _open_page(
@@ -193,14 +221,13 @@ def _open_page(
     if not options.has_page:
         return None
     from sandbox.cli.demo import has_display
-    from sandbox.cli.page_options import PageOptions, open_page
+    from sandbox.cli.page_options import open_page
     from sandbox.cli.play_page import say_refusals
     from sandbox.cli.second_view import invite
     from sandbox.events import EventLog
     from sandbox.study.study_page import StudyPage, study_view
 
-    where = PageOptions(options.tablet, options.lan, options.page_port, options.tls_cert,
-                        options.tls_key)  # fmt: skip
+    where = _where(options)
     language = session.person.language
     server = open_page(where, study_view(language, session.study.design.showing.shows))
     closing.callback(lambda: say_refusals(server, console))
@@ -221,14 +248,13 @@ def _play(
     terminal: Terminal,
     console: Console,
 ) -> str:
-    from sandbox.cli.touch_devices import TouchOptions
     from sandbox.study.forms import TerminalForms
     from sandbox.study.page_forms import PageForms
     from sandbox.study.run_device import fitting, person_device
     from sandbox.study.runner import SessionRunner
 
     person, name = session.person, options.touches
-    touch = TouchOptions(device=name, bind=options.bind, port=options.port)
+    touch = _touch(options)
     forms: Forms
     if page is not None and options.forms != "terminal":
         forms = PageForms(page, lambda: controls.paused)
