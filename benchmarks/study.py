@@ -6,6 +6,7 @@ python -m benchmarks.study [--seconds 10]
 from __future__ import annotations
 
 import argparse
+import json
 import tempfile
 import time
 from collections.abc import Callable
@@ -23,7 +24,9 @@ from sandbox.headless import trial_header
 from sandbox.keeping import Keeping
 from sandbox.pacing import RealTime
 from sandbox.recording import load_recording
-from sandbox.replay import settings_of
+from sandbox.recording_file import packed
+from sandbox.replay import replay, settings_of
+from sandbox.session import Session
 from sandbox.settings import RunSettings
 from sandbox.study.design import Design
 from sandbox.study.design_file import load_design
@@ -31,6 +34,8 @@ from sandbox.study.files import sync_file
 from sandbox.study.folder import SIMULATED, StudyFolder
 from sandbox.study.frames import FrameTable
 from sandbox.study.journal import Journal, Syncing
+from sandbox.study.measures import MEASURES
+from sandbox.study.measures_trial import VERSION
 from sandbox.study.plan import TrialStep
 from sandbox.study.players import no_search_for_garbage
 from sandbox.study.session_folder import SessionFolder
@@ -58,6 +63,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder, no_search_for_garbage():
         logging(Path(folder), seconds)
         difference(Path(folder))
+        replaying(Path(folder))
         journal(Path(folder))
         opening(Path(folder))
 
@@ -66,16 +72,16 @@ class Timed:
     """A recorder that times what the session's loop waits for."""
 
     def __init__(self, recorder: Any, clock: Callable[[], float]) -> None:
-        self._recorder, self._clock = recorder, clock
         self.now = 0.0
+        self.input = self._timed(recorder.input, clock)
+        self.state = self._timed(recorder.state, clock)
+        self.event = self._timed(recorder.event, clock)
 
-    def __getattr__(self, name: str) -> Callable[..., None]:
-        call = getattr(self._recorder, name)
-
+    def _timed(self, call: Callable[..., None], clock: Callable[[], float]) -> Callable[..., None]:
         def timed(*arguments: Any, **more: Any) -> None:
-            began = self._clock()
+            began = clock()
             call(*arguments, **more)
-            self.now += self._clock() - began
+            self.now += clock() - began
 
         return timed
 
@@ -88,7 +94,8 @@ def logging(folder: Path, seconds: float) -> None:
     costs: list[list[float]] = []
     writing: list[float] = []
     simulated = 0.0
-    size = frames = 0
+    size = small = frames = 0
+    packing: list[float] = []
     for seed, (_, clock, paced) in enumerate(CASES, start=3):
         costs.append([])
         record = folder / f"trial{seed}.jsonl"
@@ -96,6 +103,7 @@ def logging(folder: Path, seconds: float) -> None:
         timed, table = Timed(keeping.recorder, clock), FrameTable()
         session = build(settings, lambda task, surface, s=seed: SimulatedDevice(
             task, user, surface, s), timed)  # type: ignore[arg-type, misc]  # fmt: skip
+        table.watch(session)
         device: Any = session.rigs[0].device
         syncing = Syncing(lambda path=record: sync_file(path))  # type: ignore[misc]
         pace = RealTime()
@@ -110,12 +118,15 @@ def logging(folder: Path, seconds: float) -> None:
                 pace.wait(snapshot.time)
         syncing.close()
         simulated += session.time
-        keeping.end(session)
+        result = keeping.end(session)
         keeping.close()
         began = time.perf_counter()
-        table.write(folder, record.stem)
+        table.write(folder, record.stem, result)
         writing.append(time.perf_counter() - began)
         size += record.stat().st_size
+        began = time.perf_counter()
+        small += len(packed(record.read_bytes()))
+        packing.append(time.perf_counter() - began)
         frames += sum(p.stat().st_size for p in folder.glob(f"*_{record.stem}.*"))
     to_rate = 60.0 / simulated / 1e6
     for (what, _, _), values in zip(CASES, costs, strict=True):
@@ -123,7 +134,8 @@ def logging(folder: Path, seconds: float) -> None:
         mean = 1e6 * np.mean(values)
         print(f"per touch frame, {what}: mean {mean:.0f}, median {p50:.0f}, "
               f"p99 {p99:.0f}, largest {most:.0f} microseconds ({len(values)} frames)")  # fmt: skip
-    print(f"recording: {size * to_rate:.2f} MB per minute; derived tables: "
+    print(f"recording: {size * to_rate:.2f} MB per minute, {small * to_rate:.2f} compressed, in "
+          f"{1e3 * max(packing):.0f} ms at most; derived tables and measures: "
           f"{frames * to_rate:.2f} MB per minute, made in {1e3 * max(writing):.0f} ms at most "
           "between trials")  # fmt: skip
 
@@ -140,6 +152,7 @@ def difference(folder: Path, rounds: int = 5) -> None:
         table = FrameTable()
         session = build(settings, lambda task, surface: RecordedDevice(recording),
                         keeping.recorder if logged else None)  # fmt: skip
+        table.watch(session)
         began, steps = time.thread_time(), 0
         with threadpool_limits(1), no_search_for_garbage():
             while not session.over:
@@ -153,6 +166,40 @@ def difference(folder: Path, rounds: int = 5) -> None:
     print(f"a control period takes {without:.0f} microseconds of processor time without logging, "
           f"{with_:.0f} with it: {with_ - without:.0f} more "
           f"(medians of {rounds} runs each)")  # fmt: skip
+
+
+def replaying(folder: Path) -> None:
+    """How fast trials are replayed and compared; loading and building is part of it."""
+    user = UserConfiguration()
+    for task in ("box-to-goal", "stack", "wrench-turn"):
+        record = folder / f"{task}.jsonl"
+        settings = RunSettings(task=task, seed=3)
+        keeping = Keeping(trial_header(settings, {}), record)
+        session = build(settings, lambda task, surface: SimulatedDevice(task, user, surface, 3),
+                        keeping.recorder)  # fmt: skip
+        while not session.over:
+            look(session)
+        keeping.end(session)
+        keeping.close()
+        told = []
+        for _ in range(3):
+            began, worked = time.perf_counter(), time.process_time()
+            with threadpool_limits(1), no_search_for_garbage():
+                again, found = replay(load_recording(record))
+            told.append((time.perf_counter() - began, time.process_time() - worked))
+            assert found.exact and found.complete
+        took, worked = np.median(told, axis=0)
+        print(f"{task}: {again.time:.1f} s of trial compared, {found.compared} states, in "
+              f"{took:.2f} s by the clock and {worked:.2f} s of processor time: "
+              f"{again.time / took:.1f} and {again.time / worked:.1f} times faster than it "
+              "was")  # fmt: skip
+
+
+def look(session: Session) -> None:
+    """A control period of a simulated user's session."""
+    snapshot = session.advance()
+    device: Any = session.rigs[0].device
+    device.show(snapshot)
 
 
 def journal(folder: Path) -> None:
@@ -207,6 +254,9 @@ def fill(folder: Path, design: Design) -> StudyFolder:
                     session.write("step_done", step=step.id)
                     continue
                 file = session.begin(step)
+                values = {m.name: 0.123456 for m in MEASURES if not m.at_end}
+                data = json.dumps({"version": VERSION, **values}).encode()
+                (session.path / "trackers" / f"measures_{file.stem}.json").write_bytes(data)
                 session.write("trial_end", step=step.id, trial=step.number, attempt=1,
                               file=f"trials/{file.name}", result=result)  # fmt: skip
             session.write("session_end", complete=True)
