@@ -80,7 +80,12 @@ def test_two_folders_are_merged_by_a_command(
     out = tmp_path / "both/quick-simulated"
     assert main(["study", "merge", str(folder), str(made), "--out", str(out)]) == 0
     assert "2 participants" in capsys.readouterr().out
+    gone = sorted(people_of(out))[0]
     assert sorted(people_of(out)) == sorted(people_of(made))
+    # The folders that were merged still hold who withdraws from the merged one.
+    assert main(["study", "withdraw", str(out), "--participant", gone, "--yes"]) == 0
+    said = capsys.readouterr().out
+    assert str(folder) in said and str(made) in said
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import gzip
 import json
+import shutil
 from pathlib import Path
 
 import pytest
@@ -63,7 +64,7 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
 
 @pytest.fixture(scope="module")
 def copy(study: StudyFolder, tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
-    out = tmp_path_factory.mktemp("shared") / "open"
+    out = tmp_path_factory.mktemp("shared") / "quick-simulated"
     found = anonymise(study, out, Masking(bins={"age": 10}), quiet)
     assert isinstance(found, Anonymised) and found.people == 2
     return StudyFolder.at(out)
@@ -143,6 +144,18 @@ def test_numbers_are_rounded_and_words_are_gone_unless_asked_for(
     anonymise(study, tmp_path / "more", Masking(words=True, drop=("age",)), quiet)
     people = rows_of(tmp_path / "more/participants.csv")
     assert [(p["age"], p["remarks"]) for p in people] == [("", SECRET)] * 2
+
+
+def test_the_copy_opens_like_any_study_and_has_nothing_left_to_do(
+    copy: StudyFolder, tmp_path: Path
+) -> None:
+    # Opening a session writes into it.
+    shutil.copytree(copy.path, tmp_path / copy.path.name)
+    opened = StudyFolder(tmp_path, design(TEXT), SIMULATED)
+    assert {p.number for p in opened.participants()} == {0, 1}
+    for person in opened.participants():
+        with SessionFolder(opened, person) as session:
+            assert session.state.complete and session.state.next_step(session.steps) is None
 
 
 def test_who_did_not_agree_is_not_in_the_copy(tmp_path: Path) -> None:

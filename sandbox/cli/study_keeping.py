@@ -227,7 +227,10 @@ def merge(options: MergeOptions, console: Console) -> int:
         _outside(study, options.out)
     found = join(sites[0], sites[1], options.out, options.force_different)
     for study in sites:
-        remember_copy(study, "merge", options.out, [p.ppid for p in study.participants()])
+        ppids = [p.ppid for p in study.participants()]
+        remember_copy(study, "merge", options.out, ppids)
+        # Who withdraws from the merged study is still in the folders that it came from.
+        remember_copy(StudyFolder.at(options.out), "site", study.path, ppids)
     console.print(f"{escape(str(options.out))}: {found.people} participants; sites.csv says who "
                   "comes from where")  # fmt: skip
     for old, new in found.renamed.items():

@@ -17,7 +17,7 @@ class Copy:
     """A copy of a study's data.
 
     Attributes:
-        what: `backup`, `export`, `bids` or `merge`.
+        what: `backup`, `export`, `bids`, `merge`, or `site`: a folder that was merged into this.
         path: Where it was written.
         time: When.
         ppids: Whose data are in it.
