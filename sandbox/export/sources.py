@@ -215,7 +215,8 @@ def _tracks(path: Path) -> Iterator[tuple[Array, Array, str]]:
     """
     nothing, number = np.zeros(0), 0
     try:
-        for number, text in enumerate(_lines(path), start=1):
+        for text in _lines(path):
+            number += 1
             # What else is in a line is of no use here, and most of the file.
             if not text[:40].replace(b" ", b"").startswith(b'{"kind":"track"'):
                 continue

@@ -128,7 +128,7 @@ def format_of(path: Path) -> Format:
     if found is None:
         raise InputError(
             "this kind of file cannot be written",
-            where=f"--to {path}",
+            where=str(path),
             got=path.suffix or "no ending",
             expected=", ".join(FORMATS),
         )
@@ -160,7 +160,7 @@ class Exporter:
         chosen = format_of(path)
         self._open = ExitStack()
         if not path.absolute().parent.is_dir():
-            raise InputError("there is no such folder", where=f"--to {path}")
+            raise InputError("there is no such folder", where=str(path))
         self._sampler = Sampler(tuple(armatures), settings.rate)
         self.writers: list[tuple[MotionWriter, tuple[int, ...]]] = []
         with ExitStack() as undo:
