@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Any
 
 import tyro
 from rich.console import Console
@@ -19,7 +20,7 @@ class LslOptions:
 
 
 @contextmanager
-def streaming(wanted: bool, console: Console) -> Iterator[dict[str, float]]:
+def streaming(wanted: bool, console: Console) -> Iterator[dict[str, Any]]:
     """Streams as long as this lasts, where it is wanted; else nothing.
 
     Yields:

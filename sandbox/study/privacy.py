@@ -2,7 +2,8 @@
 
 What comes out is a study's folder like any other, made from the journals and recordings alone, so
 that a table cannot tell what they do not. It opens, replays and reports like the original. There is
-no list of old and new pseudonyms: nobody can go back, the study's own people included.
+no list of old and new pseudonyms; but whoever has the original can match the two, by seeds, hashes
+of states or the results themselves.
 """
 
 from __future__ import annotations
