@@ -218,7 +218,7 @@ def nested(rows: Rows) -> Rows:
 
 
 def hostile_names(rows: Rows) -> Rows:
-    names = {"a": '<script>alert("1")</script>', "b": "=1+1, 'ü' \"q\"", "c": "1"}
+    names = {"a": '<script>alert("1")</script>', "b": "_$x^, 'ü' \"q\"", "c": "=1"}
     people = {"P001": "12E345", "P002": "000123", "P003": "1"}
     return [{**r, "factor_encoder": names[r["factor_encoder"]],
              "ppid": people.get(r["ppid"], r["ppid"]), "experiment": "<b>&amp;"}
@@ -254,6 +254,7 @@ def test_names_from_a_study_are_words_and_never_markup(tmp_path: Path) -> None:
     text = make_report(tmp_path, tmp_path / "report").read_text(encoding="utf-8")
     assert "<script" not in text
     assert '<script>alert("1")</script>' in Page(text).text
+    assert text.count("_$x^") > 8, "legends have it, too"
     people = {r["ppid"] for r in rows_of(tmp_path / "report" / "trials.csv")}
     assert {"12E345", "000123", "1"} <= people
 

@@ -147,11 +147,12 @@ def _model(data: StudyData, what: Quantity) -> Modelled:
     return Modelled(described, model, found, [])
 
 
-def adjusted(found: Sequence[Difference] | Sequence[Successes]) -> list[float]:
+def adjusted(found: Sequence[Difference | Successes]) -> list[float]:
     """P values, adjusted (Holm 1979) for how many pairs of levels the same factor has."""
     out = [float("nan")] * len(found)
-    for name in dict.fromkeys(d.pair.factor.name for d in found):
-        mine = [i for i, d in enumerate(found) if d.pair.factor.name == name]
+    factors = [one.pair.factor.name for one in found]
+    for name in dict.fromkeys(factors):
+        mine = [i for i, factor in enumerate(factors) if factor == name]
         for i, p in zip(mine, holm([found[i].p for i in mine]), strict=True):
             out[i] = p
     return out

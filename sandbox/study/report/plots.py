@@ -24,8 +24,10 @@ SERIES = tuple(f"#0a0b{i:02x}" for i in range(8))
 MARKERS = "osD^vPX*"
 WIDTH = 7.2
 """In; the page scales it."""
-_STYLE = {
+_STYLE: Any = {
     "svg.fonttype": "none",
+    # A dollar in a level's name is a dollar.
+    "text.parse_math": False,
     "svg.hashsalt": "sandbox study report",
     "font.size": 10.0,
     "text.color": INK,
@@ -162,7 +164,9 @@ def dots(name: str, title: str, label: str, rows: Sequence[str], series: Sequenc
                 axes.plot([dot.value], [y], MARKERS[j % 8], color=colour, ms=7.0, mec=PAPER,
                           mew=1.0)  # fmt: skip
             if len(series) > 1:
-                axes.plot([], [], MARKERS[j % 8] + "-", color=SERIES[j % 8], label=one, ms=7.0)
+                axes.plot(
+                    [], [], MARKERS[j % 8] + "-", color=SERIES[j % 8], label=_label(one), ms=7.0
+                )
         axes.set_yticks(range(len(rows)), rows)
         axes.set_ylim(len(rows) - 0.45, -0.55)
         axes.grid(axis="y", visible=False)
@@ -200,7 +204,7 @@ def forest(name: str, title: str, label: str, rows: Sequence[str],
                     axes.plot([e.low, e.high], [y, y], color=colour, lw=2.0)
                 if np.isfinite(e.value):
                     axes.plot([e.value], [y], MARKERS[j % 8], color=colour, ms=7.0, mec=PAPER)
-            axes.plot([], [], MARKERS[j % 8] + "-", color=colour, label=series[j], ms=7.0)
+            axes.plot([], [], MARKERS[j % 8] + "-", color=colour, label=_label(series[j]), ms=7.0)
         axes.set_yticks(range(len(rows)), rows)
         axes.set_ylim(len(rows) - 0.45, -0.55)
         axes.grid(axis="y", visible=False)
@@ -276,7 +280,9 @@ def curves(name: str, title: str, label: str, along: str, series: Sequence[str],
                 axes.fill_between(at, low, high, color=colour, alpha=0.15, lw=0)
             else:
                 axes.vlines(at, low, high, color=colour, lw=1.6)
-            axes.plot(at, mid, MARKERS[j % 8] + "-", color=colour, ms=5.5, mec=PAPER, label=one)
+            axes.plot(
+                at, mid, MARKERS[j % 8] + "-", color=colour, ms=5.5, mec=PAPER, label=_label(one)
+            )
         axes.set_xlabel(along)
         axes.set_ylabel(label)
         _scale(axes.yaxis, log)
@@ -285,6 +291,11 @@ def curves(name: str, title: str, label: str, along: str, series: Sequence[str],
             axes.set_xticks(range(1, int(whole) + 1))
         _legend(figure, axes, series)
         return svg_of(figure, name, title)
+
+
+def _label(name: str) -> str:
+    """A legend's entry; matplotlib takes no notice of names that begin with an underscore."""
+    return "\u200b" + name if name.startswith("_") else name
 
 
 def _short(text: str, most: int = 18) -> str:

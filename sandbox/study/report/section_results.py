@@ -50,7 +50,7 @@ def _compare_times(section: Section, found: Analysis, unseen: int) -> None:
     if unseen and found.unseen:
         ways.append(("all trials", found.unseen))
     if seen:
-        ways.append(("successes only (mixed model)", seen))
+        ways.append(("successes (mixed model)", seen))
     if isinstance(model, str):
         section.say(f"No mixed model: {model}.", "note")
     if unseen and isinstance(found.censored, str):
@@ -236,7 +236,7 @@ def means_table(data: StudyData, one: Described, caption: str) -> Table:
         extra = []
         if timed:
             middle = median_with_unseen(data, i)
-            extra = ["longer than seen" if middle == float("inf") else words.number(middle)]
+            extra = ["not seen" if middle == float("inf") else words.number(middle)]
         rows.append([s.name, *_mean_cells(s, show), *extra])
     for factor, some in one.levels.items():
         if len(one.levels) > 1:
@@ -244,7 +244,10 @@ def means_table(data: StudyData, one: Described, caption: str) -> Table:
                      for s in some]  # fmt: skip
     unit = f", {what.unit}" if what.unit and what.scale != SHARE else ""
     head = ["Condition", "People", "Trials", f"Mean{unit}", "95 % interval", "for comparing"]
-    note = "Median: of all trials, those without success counted as longer than any other."
+    note = (
+        "Median: of all trials, those without success counted as longer than any other; not seen "
+        "where half of them or more had none."
+    )
     more = [f"Median{unit}"] if timed else []
     return Table(caption, [*head, *more], rows, note if timed else "")
 

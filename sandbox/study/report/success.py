@@ -162,8 +162,8 @@ def odds(data: StudyData) -> list[Difference] | str:
             fit = GEE(used["success"].to_numpy(), X, groups=used["ppid"].to_numpy(),
                       family=Binomial(), cov_struct=Exchangeable()
                       ).fit(cov_type="bias_reduced")  # fmt: skip
-        except (np.linalg.LinAlgError, ValueError) as error:
-            return f"the equations cannot be solved here: {error}"
+        except (np.linalg.LinAlgError, ValueError) as wrong:
+            return f"the equations cannot be solved here: {wrong}"
     values, covariance = np.asarray(fit.params), np.asarray(fit.cov_params())
     if not (np.isfinite(values).all() and np.isfinite(covariance).all()):
         return "the equations have no finite solution here"
