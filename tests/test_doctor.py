@@ -148,9 +148,12 @@ def test_a_version_is_within_its_own_bounds_and_not_below_them(numbers: list[int
 def test_alone_it_lists_every_command_task_and_device(capsys: pytest.CaptureFixture[str]) -> None:
     assert main([]) == 0
     lines = capsys.readouterr().out.splitlines()
-    for name in [*COMMANDS, *TASKS, *DEVICES]:
-        (line,) = [x for x in lines if x.split()[:1] == [name]]
-        assert len(line.split()) > 3, line
+    names = [*COMMANDS, *TASKS, *DEVICES]
+    for name in names:
+        # `leap` is a command and a device.
+        found = [x for x in lines if x.split()[:1] == [name]]
+        assert len(found) == names.count(name)
+        assert all(len(line.split()) > 3 for line in found), found
     assert all(devices().values())
 
 

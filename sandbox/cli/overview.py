@@ -13,7 +13,9 @@ DEVICES = {
     "web": ("sandbox.devices.web", "WebDevice"),
     "tuio": ("sandbox.devices.tuio", "TuioDevice"),
     "evdev": ("sandbox.devices.evdev_device", "EvdevDevice"),
+    "leap": ("sandbox.devices.leap", "LeapDevice"),
     "simulated": ("sandbox.devices.simulated", "SimulatedDevice"),
+    "leap-simulated": ("sandbox.devices.leap_user", "SimulatedLeap"),
     "FILE": ("sandbox.devices.recorded", "RecordedDevice"),
 }
 """`--device` -> module and class; what is said of it is the class's own first sentence."""

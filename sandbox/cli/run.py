@@ -130,7 +130,7 @@ def _run(options: RunOptions, chosen: Plan, events: EventLog, console: Console) 
                 views.append(closing.enter_context(MotionView(options.motion, session)).show)
             return views
 
-        caption = "simulated user" if options.device == "simulated" else ""
+        caption = "simulated user" if chosen.about.get("user") is not None else ""
         makers = with_each(with_lift(chosen.make_device, keys=False), announced)
         result = run_trial(
             chosen.settings, makers, make_views, options.record, chosen.about, options.dump
