@@ -22,6 +22,8 @@ _NAMES = {INK: "--ink", MUTED: "--muted", GRID: "--grid", PAPER: "--paper"}
 SERIES = tuple(f"#0a0b{i:02x}" for i in range(8))
 """Colours that stand for those of the page: --s0 ... --s7."""
 MARKERS = "osD^vPX*"
+FARTHEST = 2.0
+"""Intervals are shown as far as so many times the span of values; see `_scale`."""
 WIDTH = 7.2
 """In; the page scales it."""
 _STYLE: Any = {
@@ -171,7 +173,7 @@ def dots(name: str, title: str, label: str, rows: Sequence[str], series: Sequenc
         axes.set_ylim(len(rows) - 0.45, -0.55)
         axes.grid(axis="y", visible=False)
         axes.set_xlabel(label)
-        _scale(axes.xaxis, log)
+        _scale(axes.xaxis, log, [d.value for d in values.values()])
         if limits:
             axes.set_xlim(*limits)
         _legend(figure, axes, series)
@@ -209,7 +211,7 @@ def forest(name: str, title: str, label: str, rows: Sequence[str],
         axes.set_ylim(len(rows) - 0.45, -0.55)
         axes.grid(axis="y", visible=False)
         axes.set_xlabel(label)
-        _scale(axes.xaxis, log)
+        _scale(axes.xaxis, log, [none, *(e.value for some in values for e in some)])
         _legend(figure, axes, series)
         return svg_of(figure, name, title)
 
@@ -252,7 +254,7 @@ def lines_by_person(name: str, title: str, label: str, panels: Sequence[str],
             axes.set_xlim(-0.5, len(x) - 0.5)
             axes.set_title(panels[k])
             axes.grid(axis="x", visible=False)
-            _scale(axes.yaxis, log)
+            _scale(axes.yaxis, log, np.concatenate([v.ravel() for v in values]))
         all_axes[0].set_ylabel(label)
         return svg_of(figure, name, title)
 
@@ -285,7 +287,7 @@ def curves(name: str, title: str, label: str, along: str, series: Sequence[str],
             )
         axes.set_xlabel(along)
         axes.set_ylabel(label)
-        _scale(axes.yaxis, log)
+        _scale(axes.yaxis, log, [e.value for some in values for e in some])
         whole = max((max(v, default=0) for v in x), default=0)
         if whole <= 12:
             axes.set_xticks(range(1, int(whole) + 1))
@@ -302,19 +304,35 @@ def _short(text: str, most: int = 18) -> str:
     return text if len(text) <= most else text[: most - 1] + "…"
 
 
-def _scale(axis: Any, log: bool) -> None:
-    """A logarithmic axis with plain numbers on it."""
+def _scale(axis: Any, log: bool, values: Sequence[float] | np.ndarray = ()) -> None:
+    """An axis around values; a logarithmic one with plain numbers on it.
+
+    Intervals of two or three people can be so wide that nothing else would be seen: the axis ends
+    where they are several times as far away as values are from each other.
+    """
+    known = np.asarray(values, dtype=float)
+    known = known[np.isfinite(known) & ((known > 0.0) | (not log))]
+    if len(known):
+        change, back = (np.log, np.exp) if log else (np.asarray, np.asarray)
+        low, high = change(known.min()), change(known.max())
+        reach = FARTHEST * max(high - low, 0.5 if log else 0.2 * abs(high), 1e-9)
+        ends = sorted(axis.get_view_interval())
+        inside = (max(ends[0], back(low - reach)), min(ends[1], back(high + reach)))
+        axis.axes.set_xlim(*inside) if axis.axis_name == "x" else axis.axes.set_ylim(*inside)
     if not log:
         return
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator
 
-    low, high = sorted(axis.get_data_interval())
-    if not 0.0 < low <= high < np.inf:
+    if not len(known):
         return
     axis.axes.set_xscale("log") if axis.axis_name == "x" else axis.axes.set_yscale("log")
-    # Ticks at 1, 2, 5 for decades; finer ones where the axis is shorter than that.
-    fine = high / low < 6.0
-    steps = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0) if fine else (1.0, 2.0, 5.0)
+    # Finer ticks where the axis is shorter.
+    low, high = sorted(axis.get_view_interval())
+    steps: tuple[float, ...] = (1.0,)
+    if high / low < 6.0:
+        steps = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0)
+    elif high / low < 500.0:
+        steps = (1.0, 2.0, 5.0)
     axis.set_major_locator(LogLocator(base=10.0, subs=steps))
     axis.set_minor_locator(NullLocator())
     axis.set_minor_formatter(NullFormatter())
