@@ -10,6 +10,7 @@ Development seeds only, and nobody real: the user is `sandbox.air_user`, the dev
 from __future__ import annotations
 
 import argparse
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -19,17 +20,63 @@ from models.surface import Surface
 from sandbox.cli.leap_devices import over_one
 from sandbox.devices.leap_user import SimulatedLeap
 from sandbox.hand_input import UNDER, HandInput
-from sandbox.headless import run_trial
+from sandbox.headless import View, run_trial
+from sandbox.messages import Snapshot
+from sandbox.session import Session
 from sandbox.settings import RunSettings, SecondHand
 from sandbox.two_hands import DeviceMaker
 from tasks.registry import find_task, hands_of
 from tasks.simulated_user.configuration import UserConfiguration
 from tasks.task import Task
 
+SHOWS = 0.002
+"""m."""
 TASKS = ("box-to-goal", "stack", "wrench-slide", "wrench-turn", "carry-together")
 
 
-def play(task: str, seed: int, dialect: str, kind: str, size: float) -> tuple[dict[str, Any], int]:
+class Depth:
+    """How deep the links before the last ones are in things, which nothing hinders unless solid.
+
+    Attributes:
+        deepest: m.
+        inside: Pictures in which any of them is deeper than `SHOWS`.
+        pictures: All.
+    """
+
+    def __init__(self) -> None:
+        self.deepest, self.inside, self.pictures = 0.0, 0, 0
+
+    def watch(self, session: Session) -> list[View]:
+        """A view that looks at every fourth picture."""
+        model, data = session.scene.model, session.data
+        pairs = []
+        for hand in session.scene.spec.hands:
+            bones = hand.skeleton.bones
+            for bone, after in pairwise(bones):
+                if bone.finger == after.finger and bone is not bones[0]:
+                    ids = [model.body(hand.element_name(b.name)).id for b in (bone, after)]
+                    pairs.append((*ids, bone.radius))
+        shares = np.linspace(0.0, 1.0, 5)[:, None]
+
+        def look(snapshot: Snapshot) -> None:
+            if snapshot.step // session.scene.substeps % 4:
+                return
+            worst = 0.0
+            for a, b, radius in pairs:
+                points = data.xpos[a] + shares * (data.xpos[b] - data.xpos[a])
+                for thing in session.task.objects:
+                    pose = session.scene.object_pose(data, thing.name)
+                    worst = max(worst, radius - float(thing.clearance(points, *pose).min()))
+            self.pictures += 1
+            self.inside += worst > SHOWS
+            self.deepest = max(self.deepest, worst)
+
+        return [look]
+
+
+def play(
+    task: str, seed: int, dialect: str, kind: str, size: float, depth: Depth
+) -> tuple[dict[str, Any], int]:
     """One trial's result, and how often something was grasped."""
     two = hands_of(find_task(task)) > 1
     second = SecondHand(in_air=HandInput(), hand_size=size) if two else None
@@ -46,7 +93,7 @@ def play(task: str, seed: int, dialect: str, kind: str, size: float) -> tuple[di
         return make
 
     makers = over_one((maker(0), maker(1)), None, settings) if two else maker(0)
-    result = run_trial(settings, makers)
+    result = run_trial(settings, makers, depth.watch)
     return result, sum(device.user.grasps for device in made)
 
 
@@ -68,8 +115,9 @@ def main() -> None:
     print(f"SIMULATED user and device; seeds 0 to {options.seeds - 1}; solid: {assembly.IN_AIR}")
     for task in options.tasks:
         for dialect in options.dialects:
+            depth = Depth()
             found = [
-                play(task, seed, dialect, options.user, options.hand_size)
+                play(task, seed, dialect, options.user, options.hand_size, depth)
                 for seed in range(options.seeds)
             ]
             won = [result for result, _ in found if result["success"]]
@@ -78,7 +126,10 @@ def main() -> None:
             back = sum(result["respawned"] for result, _ in found)
             print(
                 f"{task:15} {dialect}: {len(won)} of {len(found)}, median {np.median(times):.1f} s,"
-                f" {grasps:.2f} grasps a trial, {back} things put back",
+                f" {grasps:.2f} grasps a trial, {back} things put back,"
+                f" other links deeper than {1000 * SHOWS:.0f} mm in"
+                f" {100 * depth.inside / depth.pictures:.0f} % of pictures,"
+                f" {1000 * depth.deepest:.0f} mm at most",
                 flush=True,
             )
 

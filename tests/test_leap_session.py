@@ -5,6 +5,7 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
 from hypothesis import given
@@ -15,12 +16,16 @@ from encoders.paalm.calibration_file import read_calibration, write_calibration
 from encoders.paalm.eye import LeapEye
 from encoders.paalm.hand_reconstructor import HandReconstructor, HandReconstructorSettings
 from encoders.paalm.paalm import Paalm
+from encoders.touch_reconstructor import Reconstruction
 from models.errors import InputError, RecordingError
 from models.frames import HandFrame, SeenFinger, SeenHand, TouchFrame
+from models.hand import Hand
 from models.kinematics import Kinematics
 from models.limits import RateLimit
+from models.objects import Box
 from models.person import Person
 from models.pose import ROOT_POSITION
+from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT
 from models.surface import Surface
 from sandbox.assembly import build
@@ -33,9 +38,12 @@ from sandbox.recorded_frames import frame_from_json, frame_to_json
 from sandbox.recording import load_recording
 from sandbox.replay import replay
 from sandbox.settings import RunSettings, SecondHand
+from sandbox.solidity import Solidity, SolidityRules
 from sandbox.two_hands import PerHand
 from tasks.simulated_user.configuration import UserConfiguration
 from tests.leap_hands import calibrated, take
+
+MIDDLE = ("index_pip", "index_dip")
 
 number = st.floats(-1e3, 1e3)
 place = st.tuples(number, number, number)
@@ -272,3 +280,23 @@ def test_the_simulated_device_says_where_joints_are_and_of_which_side(side: str)
     for finger in hand.fingers:
         truth = np.array([0.1, 0.0, 0.2]) + joints[finger.finger] @ mirror.T
         np.testing.assert_allclose(finger.joints, truth, atol=0.004)
+
+
+@pytest.mark.parametrize("links", [1, 2])
+def test_a_finger_whose_middle_link_is_in_a_thing_is_solid_only_where_that_link_is_not(links: int):
+    q = np.zeros(48)
+    q[2] = 0.3
+    placed = Kinematics(ADULT).place(q)
+    pip, dip = (next(i for i, b in enumerate(ADULT.bones) if b.name == n) for n in MIDDLE)
+    x, y, z = placed.joints[[pip, dip]].mean(axis=0).tolist()
+    scene = Scene(SceneSpec((Hand(),), (Box("bead", (0.003,) * 3, 0.01, (x, y, z)),)))
+    data = mujoco.MjData(scene.model)
+    data.qpos[scene.qpos_slice(0)] = scene.pose_to_qpos(0, q)
+    mujoco.mj_forward(scene.model, data)
+    solidity = Solidity(scene, 0, SolidityRules(links=links, together=False))
+    every = frozenset(range(5))
+    solidity.update(data, Reconstruction(q, Phase.DOWN, every, None, 1.0, 0.0, ()))
+    assert solidity.fingers == (every if links == 1 else every - {1})
+    solid = {scene.model.geom(i).name for i in np.flatnonzero(scene.model.geom_contype == 1)}
+    assert ("right_middle_pip" in solid) == (links == 2) and "right_middle_mcp" not in solid
+    assert "right_middle_dip" in solid and "right_index_pip" not in solid
