@@ -52,6 +52,8 @@ class LaterLine:
         make: Makes it, of what does not change any more.
     """
 
+    __slots__ = ("_line", "_make")
+
     def __init__(self, make: Callable[[], Line]) -> None:
         self._make: Callable[[], Line] | None = make
         self._line: Line | None = None

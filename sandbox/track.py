@@ -51,13 +51,13 @@ class TrackWriter:
     def __init__(self) -> None:
         self._steps: list[int] = []
         self._poses: list[Array] = []
-        self._solid: list[list[int]] = []
+        self._solid: list[Sequence[frozenset[int]]] = []
 
     def add(self, step: int, qpos: Array, solid: Sequence[frozenset[int]]) -> None:
         """Takes in a pose (nq,) and who is solid at a physics step."""
         self._steps.append(step)
         self._poses.append(qpos.copy())
-        self._solid.append([bits(fingers) for fingers in solid])
+        self._solid.append(solid)
 
     def take(self) -> Callable[[], dict[str, Any]] | None:
         """What makes a line of all that was collected since the last time; None where that is
@@ -75,12 +75,13 @@ class TrackWriter:
 
 
 def track_line(
-    steps: list[int], poses: Sequence[Array], solid: Sequence[Sequence[int]]
+    steps: list[int], poses: Sequence[Array], solid: Sequence[Sequence[frozenset[int]]]
 ) -> dict[str, Any]:
-    """A line of poses (nq,) and solid fingers (bits of every hand) at some physics steps."""
+    """A line of poses (nq,) and labels of solid fingers of every hand at some physics steps."""
     with np.errstate(invalid="ignore"):
         places = np.clip(np.nan_to_num(np.array(poses)), -1e4, 1e4) / GRAIN
-    fingers = np.array(solid, np.int64).reshape(len(steps), -1)
+    masks = [[bits(labels) for labels in hands] for hands in solid]
+    fingers = np.array(masks, np.int64).reshape(len(steps), -1)
     rows = np.hstack([np.rint(places).astype(np.int64), fingers])
     changes = np.diff(rows, axis=0, prepend=0 * rows[:1])
     # Zigzag: small changes of either sign become small numbers, whose upper bytes are 0.

@@ -106,7 +106,9 @@ def _replay(file: Path, options: ReplayOptions, brief: bool, console: Console) -
     steps = recording.end["step"] if recording.end else None
     began = time.perf_counter()
     with ExitStack() as closing:
-        progress = closing.enter_context(Progress(console=console, transient=True))
+        progress = closing.enter_context(
+            Progress(console=console, transient=True, disable=not console.is_terminal)
+        )
         bar = progress.add_task("replaying", total=steps)
 
         def make_views(session: Session) -> list[View]:
