@@ -132,7 +132,7 @@ class TaskName(Struct, frozen=True):
 
 class StudyView(Struct, frozen=True):
     """A page in a study: its words by what they are for, in the participant's language, and which
-    of task, goal, time, progress and sound a trial shows."""
+    of task, goal, time, progress, fingers and sound a trial shows."""
 
     language: str
     words: dict[str, str]

@@ -6,7 +6,8 @@ from dataclasses import dataclass, field
 
 from sandbox.study.reading import Table, Text
 
-SHOWS = ("task", "goal", "time", "progress", "sound")
+SHOWS = ("task", "goal", "time", "progress", "fingers", "sound")
+"""`fingers`: the rings under them tell names (in English), colours and forces, too."""
 STARTS = ("touch", "shown")
 """`touch`: time begins with the first touch; `shown`: as soon as the scene is seen."""
 WHEN_GONE = ("pause", "repeat", "mark")

@@ -138,6 +138,7 @@ class Page {
     this.hud.setStudy(view);
     this.lift.call(view.words["lift"] ?? "");
     this.again.textContent = view.words["lift_again"] ?? "";
+    this.rings.plain = !view.shows.includes("fingers");
     this.sound.muted = !view.shows.includes("sound");
   }
 

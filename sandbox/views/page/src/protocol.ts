@@ -87,7 +87,7 @@ export interface TaskName {
   lift: boolean;
 }
 
-/** A page in a study: its words by what they are for, in the participant's language, and which of task, goal, time, progress and sound a trial shows. */
+/** A page in a study: its words by what they are for, in the participant's language, and which of task, goal, time, progress, fingers and sound a trial shows. */
 export interface StudyView {
   language: string;
   words: Record<string, string>;

@@ -16,10 +16,13 @@ export interface Ring {
 /** In, of the ring: it has to be seen round a fingertip. */
 const RADIUS = 0.42;
 const NAME_ABOVE = 0.3;
+const PLAIN = "#dfe8ef";
 
 export class Rings {
   private readonly pen: CanvasRenderingContext2D;
   private empty = true;
+  /** Only where fingers are: no names, no colours, no forces. */
+  plain = false;
 
   constructor(private readonly canvas: HTMLCanvasElement) {
     this.pen = canvas.getContext("2d")!;
@@ -44,10 +47,10 @@ export class Rings {
   private drawOne(ring: Ring, pxPerInch: number): void {
     const pen = this.pen;
     const radius = Math.max(RADIUS * pxPerInch, 22);
-    const known = !ring.ignored && ring.label !== null;
-    const colour = known ? (FINGER_COLOURS[ring.label!] ?? UNKNOWN) : UNKNOWN;
+    const known = !this.plain && !ring.ignored && ring.label !== null;
+    const colour = this.plain ? PLAIN : known ? (FINGER_COLOURS[ring.label!] ?? UNKNOWN) : UNKNOWN;
     // From a thin line in the air to a thick one at 3 N.
-    const thick = 3 + 7 * Math.min(ring.force / 3, 1);
+    const thick = 3 + (this.plain ? 0 : 7 * Math.min(ring.force / 3, 1));
     pen.lineWidth = thick + 3;
     pen.strokeStyle = "rgba(8, 12, 15, 0.55)";
     pen.beginPath();
@@ -56,7 +59,7 @@ export class Rings {
     pen.lineWidth = thick;
     pen.strokeStyle = colour;
     pen.stroke();
-    if (ring.ignored) return;
+    if (ring.ignored || this.plain) return;
     const name = fingerName(ring.label);
     const y = ring.y - radius - NAME_ABOVE * Math.min(pxPerInch, 90);
     pen.font = "600 15px system-ui, sans-serif";

@@ -128,18 +128,17 @@ export class Study {
   private divide(list: HTMLElement): void {
     list.append(...this.fields.map((f) => f.root));
     const foot = this.root.querySelector<HTMLElement>(".foot")!;
-    const around = list.offsetTop + foot.offsetHeight + 2 * GAP;
-    const room = window.innerHeight - around;
+    const room = window.innerHeight - list.offsetTop - foot.offsetHeight;
     this.pages = [];
     let height = Infinity;
     for (const field of this.fields) {
-      const own = field.root.offsetHeight + GAP;
+      const own = field.root.offsetHeight;
       if (height + own > room) {
         this.pages.push([]);
         height = 0;
       }
       this.pages[this.pages.length - 1]!.push(field);
-      height += own;
+      height += own + GAP;
     }
   }
 
