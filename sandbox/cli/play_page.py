@@ -111,11 +111,12 @@ class PagePlay:
             keeping.close()
             self._refuse(error)
             return
-        device = chosen.opened[-1]
-        live = LiveSession(session, self._on_step(session, timing), news=_news(device))
+        touched = _touched(chosen)
+        live = LiveSession(
+            session, self._on_step(session, timing), news=getattr(touched, "news", None)
+        )
         self._show(session, chosen)
         # A person's time begins with their first touch: before, they look at the scene.
-        touched = device if isinstance(device, WebDevice) else None
         waiting = touched is not None
         live.pause(waiting)
         live.start()
@@ -150,14 +151,13 @@ class PagePlay:
             seed=chosen.settings.seed + wishes.trial,
         )
         if self.options.device == "web" and self.server.screen:
-            settings = replace(settings, **rectangle(self.server.screen))
+            shared = settings.second is not None and settings.second.shared
+            settings = replace(settings, **rectangle(self.server.screen, 2 if shared else 1))
         return replace(chosen, settings=settings)
 
     def _show(self, session: Session, chosen: Plan) -> None:
-        device = chosen.opened[-1]
-        touched = device if isinstance(device, WebDevice) else None
         caption = "simulated user" if chosen.about.get("user") else ""
-        show_session(self.server, session, chosen.settings.hand, caption, touched)
+        show_session(self.server, session, chosen.settings.hand, caption, _touched(chosen))
         self.events.tell("trial_start", task=session.task.name, seed=session.task.seed)
 
     def _on_step(self, session: Session, timing: Timing) -> Any:
@@ -207,10 +207,14 @@ def play_on_page(
     return judge_latency(server.latency, limit, console)
 
 
-def rectangle(screen: Screen) -> dict[str, Any]:
-    """The touch rectangle of a screen, as settings: all of it, up to the largest tablet's."""
+def rectangle(screen: Screen, hands: int = 1) -> dict[str, Any]:
+    """The touch rectangle of a screen, as settings: all of it, up to the largest tablet's.
+
+    Two hands on it have the width of two tablets.
+    """
     inches = (screen.width_px / screen.px_per_in, screen.height_px / screen.px_per_in)
-    size = tuple(round(min(side, most), 4) for side, most in zip(inches, LARGEST, strict=True))
+    most = (hands * LARGEST[0], LARGEST[1])
+    size = tuple(round(min(side, end), 4) for side, end in zip(inches, most, strict=True))
     return {"surface_in": size, "surface_calibrated": screen.calibrated}
 
 
@@ -221,8 +225,9 @@ def _plainly(error: InputError) -> str:
     return f"This screen is small for your hand: {error.where} needs {error.expected}."
 
 
-def _news(device: object) -> Any:
-    return getattr(device, "news", None)
+def _touched(chosen: Plan) -> WebDevice | None:
+    """What takes the page's touches, also where two hands share it."""
+    return next((d for d in reversed(chosen.opened) if isinstance(d, WebDevice)), None)
 
 
 def numbered(path: Path, trial: int) -> Path:

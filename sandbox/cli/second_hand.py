@@ -100,7 +100,7 @@ def with_second(
         raise InputError("one surface is one device", where="--one-surface",
                          got=f"{device} and {options.second_device}",
                          remedy="Leave the second --device out")  # fmt: skip
-    if options.one_surface and device in ("mouse", "web"):
+    if options.one_surface and device == "mouse":
         raise InputError("this device is one hand's", where="--one-surface", got=device)
     alone = options.second_device is None and device not in ONE_HAND_EACH
     shared = options.one_surface or alone
