@@ -53,7 +53,7 @@ class _Finger:
 
 
 class MouseDevice:
-    """A device whose frames are made of mouse gestures. Safe to use from two threads.
+    """The mouse in the window, as one finger or a whole hand. Safe to use from two threads.
 
     Positions are metres on the surface, x right and y down. A press outside of it is no touch; a
     finger dragged over the border stays at the border, as on a tablet that ends there.

@@ -17,7 +17,9 @@ QUEUE_FRAMES = 1024
 
 
 class WebDevice:
-    """Touches of whoever plays on the page. The server's thread puts them in, the session's out.
+    """Our page in a browser, on this machine or a tablet: fingers, or a mouse.
+
+    The server's thread puts touches in, the session's takes them out.
 
     A touch outside of the touch rectangle is none; a finger that is dragged out stays at the
     border, as on a tablet that ends there.
