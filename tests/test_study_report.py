@@ -6,11 +6,8 @@ import csv
 import io
 import json
 import re
-from collections.abc import Callable
 from dataclasses import replace
-from html.parser import HTMLParser
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -21,77 +18,20 @@ from sandbox.study.folder import REAL, SIMULATED, StudyFolder
 from sandbox.study.report.censored import Censored, censored_differences, fit_censored
 from sandbox.study.report.data import load_study
 from sandbox.study.report.make import make_report
-from sandbox.study.report.planted import COLUMNS, Truth, write_study
+from sandbox.study.report.planted import Truth
 from sandbox.study.simulate import simulate
 from sandbox.study.tables import csv_bytes
 from tests.study_files import design
-
-SMALL = Truth(people=6, repetitions=2)
-FILES = {"report.html", "analysis.R", "trials.csv", "means.csv", "comparisons.csv", "models.csv",
-         "contrasts.csv", "people.csv", "order.csv", "learning.csv", "scores.csv",
-         "score_comparisons.csv", "exclusions.csv", "endings.csv", "codebook.csv"}  # fmt: skip
-
-Rows = list[dict[str, Any]]
-
-
-def planted(folder: Path, truth: Truth = SMALL, seed: int = 1) -> Rows:
-    """A study's rows, as text, after it was written."""
-    write_study(folder, truth, seed)
-    return rows_of(folder / "trial_results.csv")
-
-
-def rows_of(path: Path) -> Rows:
-    with path.open(newline="", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
-
-
-LEAN = tuple(c for c in COLUMNS if c not in ("instant", "held", "final", "progress"))
-"""Every further measure is a picture more."""
-
-
-def put(folder: Path, rows: Rows, columns: tuple[str, ...] = LEAN) -> None:
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "trial_results.csv").write_bytes(csv_bytes(rows, columns))
-
-
-class Page(HTMLParser):
-    """What is in a page: its words, ids, and everything that would fetch something."""
-
-    def __init__(self, text: str) -> None:
-        super().__init__()
-        self.words: list[str] = []
-        self.ids: list[str] = []
-        self.fetches: list[str] = []
-        self.open: list[str] = []
-        self.tables = self.pictures = 0
-        self._in: str = ""
-        self.feed(text)
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self._in = tag
-        self.tables += tag == "table"
-        self.pictures += tag == "svg"
-        for name, value in attrs:
-            if name == "id":
-                self.ids.append(value or "")
-            if name in ("src", "href", "data", "action") and not (value or "").startswith("#"):
-                self.fetches.append(f"{tag} {value}")
-        if tag in ("script", "link", "iframe", "object", "embed", "img"):
-            self.fetches.append(tag)
-
-    def handle_data(self, data: str) -> None:
-        if self._in != "style":
-            self.words.append(data)
-
-    @property
-    def text(self) -> str:
-        return " ".join(" ".join(self.words).split())
-
-
-def report(folder: Path) -> Page:
-    text = make_report(folder, folder / "report").read_text(encoding="utf-8")
-    assert "nan" not in Page(text).text.lower().split(), "what is not known is not called nan"
-    return Page(text)
+from tests.study_reports import (
+    FILES,
+    LEAN,
+    Page,
+    hostile_names,
+    planted,
+    put,
+    report,
+    rows_of,
+)
 
 
 def test_a_page_fetches_nothing_and_has_a_table_beside_every_picture(tmp_path: Path) -> None:
@@ -134,119 +74,6 @@ def test_data_of_two_kinds_are_refused(tmp_path: Path) -> None:
     put(tmp_path, [*rows[:-1], {**rows[-1], "mode": "real"}])
     with pytest.raises(StudyError, match=r"mode: data of different kinds must not be mixed"):
         make_report(tmp_path, tmp_path / "report")
-
-
-def nobody_succeeds(rows: Rows) -> Rows:
-    return [{**r, "success": 0, "held": 0, "status": "timeout", "time_s": 20.0} for r in rows]
-
-
-def everybody_succeeds(rows: Rows) -> Rows:
-    return [{**r, "success": 1, "held": 1, "status": "held"} for r in rows]
-
-
-def all_excluded(rows: Rows) -> Rows:
-    return [{**r, "excluded": 1, "exclusion_reason": "participant: rule x"} for r in rows]
-
-
-def one_person(rows: Rows) -> Rows:
-    return [r for r in rows if r["ppid"] == "P001"]
-
-
-def two_people(rows: Rows) -> Rows:
-    return [r for r in rows if r["ppid"] in ("P001", "P002")]
-
-
-def one_trial(rows: Rows) -> Rows:
-    return rows[:1]
-
-
-def half_finished(rows: Rows) -> Rows:
-    return rows[: len(rows) // 2 + 3]
-
-
-def only_practice(rows: Rows) -> Rows:
-    return [{**r, "practice": 1} for r in rows]
-
-
-def nothing(rows: Rows) -> Rows:
-    return []
-
-
-def equal_times(rows: Rows) -> Rows:
-    return [{**r, "time_s": 5.0, "success": 1} for r in rows]
-
-
-def time_zero(rows: Rows) -> Rows:
-    return [{**r, "time_s": 0.0} for r in rows]
-
-
-def times_missing(rows: Rows) -> Rows:
-    return [{**r, "time_s": ""} for r in rows]
-
-
-def a_level_nobody_succeeds_with(rows: Rows) -> Rows:
-    lost = {"success": 0, "status": "timeout", "time_s": 20.0}
-    return [{**r, **(lost if r["factor_encoder"] == "b" else {})} for r in rows]
-
-
-def a_person_without_success(rows: Rows) -> Rows:
-    return [{**r, **({"success": 0, "status": "failed"} if r["ppid"] == "P002" else {})}
-            for r in rows]  # fmt: skip
-
-
-def one_success_of_a_level(rows: Rows) -> Rows:
-    kept = next(i for i, r in enumerate(rows) if r["factor_encoder"] == "b" and r["success"] == "1")
-    return [{**r, **({"success": 0, "status": "timeout", "time_s": 20.0}
-                     if r["factor_encoder"] == "b" and i != kept else {})}
-            for i, r in enumerate(rows)]  # fmt: skip
-
-
-def between_people(rows: Rows) -> Rows:
-    return [{**r, "factor_encoder": "abc"[int(r["ppid"][1:]) % 3]} for r in rows]
-
-
-def one_level_only(rows: Rows) -> Rows:
-    return [{**r, "factor_encoder": "a", "factor_task": "x"} for r in rows]
-
-
-def one_trial_of_each(rows: Rows) -> Rows:
-    return [r for r in rows if r["repetition"] == "1" and r["factor_task"] == "task1"]
-
-
-def nested(rows: Rows) -> Rows:
-    return [{**r, "factor_task": f"{r['factor_encoder']}-{r['factor_task']}"} for r in rows]
-
-
-def hostile_names(rows: Rows) -> Rows:
-    names = {"a": '<script>alert("1")</script>', "b": "_$x^, 'ü' \"q\"", "c": "=1"}
-    people = {"P001": "12E345", "P002": "000123", "P003": "1"}
-    return [{**r, "factor_encoder": names[r["factor_encoder"]],
-             "ppid": people.get(r["ppid"], r["ppid"]), "experiment": "<b>&amp;"}
-            for r in rows]  # fmt: skip
-
-
-def a_later_attempt(rows: Rows) -> Rows:
-    return [{**rows[0], "counted": 0}, {**rows[0], "attempt": 2}, *rows[1:]]
-
-
-@pytest.mark.parametrize("change", [
-    nobody_succeeds, everybody_succeeds, all_excluded, one_person, two_people, one_trial,
-    half_finished, only_practice, nothing, equal_times, time_zero, times_missing,
-    a_level_nobody_succeeds_with, a_person_without_success, one_success_of_a_level, between_people,
-    one_level_only, one_trial_of_each, nested, hostile_names, a_later_attempt,
-])  # fmt: skip
-def test_of_any_study_there_is_a_report(tmp_path: Path, change: Callable[[Rows], Rows]) -> None:
-    rows = change(planted(tmp_path))
-    put(tmp_path, rows)
-    page = report(tmp_path)
-    used = [r for r in rows if str(r["counted"]) == "1" and str(r["practice"]) != "1"
-            and str(r["excluded"]) != "1"]  # fmt: skip
-    assert f"Trials used {len(used)} " in page.text
-    assert len(rows_of(tmp_path / "report" / "trials.csv")) == len(used)
-    for name in FILES:
-        if name.endswith(".csv"):
-            table = rows_of(tmp_path / "report" / name)
-            assert not any(v.lower() in ("nan", "inf", "-inf") for r in table for v in r.values())
 
 
 def test_names_from_a_study_are_words_and_never_markup(tmp_path: Path) -> None:
