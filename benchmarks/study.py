@@ -102,7 +102,7 @@ def logging(folder: Path, seconds: float) -> None:
         keeping = Keeping(trial_header(settings, {}), record)
         timed, table = Timed(keeping.recorder, clock), FrameTable()
         session = build(settings, lambda task, surface, s=seed: SimulatedDevice(
-            task, user, surface, s), timed)  # type: ignore[arg-type, misc]  # fmt: skip
+            task, user, surface, s), timed)  # type: ignore[misc]  # fmt: skip
         table.watch(session)
         device: Any = session.rigs[0].device
         syncing = Syncing(lambda path=record: sync_file(path))  # type: ignore[misc]
