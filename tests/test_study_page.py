@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,18 +14,27 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from models.errors import StudyError
+from sandbox.server.page_server import PageServer
 from sandbox.study.answers import check_answer
+from sandbox.study.controls import Controls
 from sandbox.study.design import Item
 from sandbox.study.folder import Participant, StudyFolder
 from sandbox.study.journal import read_journal
-from sandbox.study.runner import Outcome
+from sandbox.study.page_forms import PageForms
+from sandbox.study.players import HeadlessPlayer
+from sandbox.study.runner import Outcome, SessionRunner
+from sandbox.study.session_folder import SessionFolder
+from sandbox.study.simulate import simulated_device, simulated_person
 from sandbox.study.state import SessionState
+from sandbox.study.study_page import Beside, StudyPage, study_view
 from sandbox.study.words import NAMES, WORDS, words_in
 from tests.page_client import Page
+from tests.study_files import open_study
 from tests.study_on_page import SMALL, OnPage, on_page, study_in
 from tests.test_page_server import wait_for
 
 SCREEN = {"px_per_in": 100.0, "width_px": 1000.0, "height_px": 700.0, "calibrated": True}
+TITLE = "About what you have just done"
 QUICK = SMALL.replace('"box-to-goal"\nsurface', '"tests/regress_tasks.py:Quick"\nsurface')
 """Trials that are over in a blink."""
 
@@ -319,3 +329,37 @@ def test_whatever_a_page_sends_is_an_answer_of_the_item_or_none(kind: str, value
         assert kept == value.strip()
     else:
         assert kept == value and 0 <= kept <= 10 and (kind == "number" or kept % 5 == 0)
+
+
+def test_with_trials_elsewhere_the_page_has_the_forms_and_says_where_to_look(
+    tmp_path: Path,
+) -> None:
+    study = open_study(tmp_path)
+    person = study.add(**simulated_person(study.design, 0))
+    server = PageServer(study=study_view("de", ()))
+    page = StudyPage(server, "de")
+    said: list[str] = []
+    controls = Controls(said.append)
+    try:
+        with SessionFolder(study, person) as session:
+            runner = SessionRunner(
+                session, Beside(HeadlessPlayer(), page), simulated_device(person),
+                PageForms(page), controls, said.append,
+            )  # fmt: skip
+            thread = threading.Thread(target=runner.run)
+            thread.start()
+            with Page(server.url) as seen:
+                leave(seen, seen.until("sheet", kind="consent"), "yes")
+                form = seen.until("sheet", kind="form")
+                answer(seen, form, "age", 30)
+                leave(seen, form)
+                seen.until("sheet", kind="wait", text=words_in("de")["elsewhere"])
+                while not any(m.get("title") == TITLE for m in seen.told):
+                    seen.say(type="beat", t=1.0)
+                    seen.until("echo")
+                    time.sleep(0.1)
+                controls.type("q")
+            thread.join(20.0)
+            assert sum(session.state.counted(n) is not None for n in session.state.attempts) == 3
+    finally:
+        server.close()
