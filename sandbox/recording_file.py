@@ -80,5 +80,5 @@ def _unpacked(data: bytes) -> Stored:
             found.append(reader.decompress(data, _PIECE))
             data = reader.unconsumed_tail
     except zlib.error:
-        pass
+        return Stored(b"".join(found), False)
     return Stored(b"".join(found), reader.eof)

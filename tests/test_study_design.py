@@ -27,7 +27,7 @@ from sandbox.study.plan import (
     whole_cycle,
 )
 from sandbox.study.power import detectable, power
-from sandbox.study.pseudonym import ALPHABET, new_pseudonym, read_pseudonym
+from sandbox.study.pseudonym import ALPHABET, is_text, new_pseudonym, read_pseudonym
 from sandbox.study.reading import DesignError
 from sandbox.study.toml_lines import TomlLines
 from tests.study_files import DESIGN, design
@@ -258,6 +258,13 @@ def test_power_agrees_with_a_simulated_experiment() -> None:
     assert power(0.0, 20) == pytest.approx(0.05, abs=1e-3)
     assert detectable(20, between=True).effect > detectable(20).effect > detectable(40).effect
     assert detectable(2).effect == float("inf")
+
+
+def test_no_pseudonym_is_taken_for_a_number_or_a_date() -> None:
+    assert not any(map(is_text, ("12E345", "000123", "E12345", "5MAR12")))
+    for _ in range(2000):
+        with pytest.raises(ValueError, match="could not convert"):
+            float(new_pseudonym())
 
 
 @given(st.integers(0, 5), st.sampled_from(ALPHABET))

@@ -10,6 +10,8 @@ ALPHABET = "0123456789ABCDEFGHJKMNPQRSTVWXYZ"
 """Crockford's base 32: no I, L, O, U."""
 LENGTH = 5
 _SLIPS = str.maketrans("ILO", "110")
+_MONTHS = ("JAN", "FEB", "MAR", "APR", "MAY", "SEP", "DEC")
+"""Months that the alphabet can spell."""
 
 
 def _check(body: str) -> str:
@@ -22,10 +24,22 @@ def _check(body: str) -> str:
     return ALPHABET[total % len(ALPHABET)]
 
 
+def is_text(name: str) -> bool:
+    """Whether spreadsheets and `read_csv` leave a name alone.
+
+    12E345 and 000123 would come back as other numbers, and 5MAR12 as a date.
+    """
+    letters = "".join(c for c in name if c.isalpha())
+    return letters not in ("", "E") and not any(month in name for month in _MONTHS)
+
+
 def new_pseudonym() -> str:
-    """A random one: five signs of chance and one that checks them."""
-    body = "".join(secrets.choice(ALPHABET) for _ in range(LENGTH))
-    return body + _check(body)
+    """A random one that nobody takes for a number: five signs of chance and one that checks them."""
+    while True:
+        body = "".join(secrets.choice(ALPHABET) for _ in range(LENGTH))
+        name = body + _check(body)
+        if is_text(name):
+            return name
 
 
 def read_pseudonym(text: str) -> str:
