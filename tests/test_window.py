@@ -18,7 +18,7 @@ from models.errors import HandSandboxError
 from sandbox.devices.lift_keys import SPEED, LiftKeys
 from sandbox.devices.mouse import MouseDevice
 from sandbox.messages import ContactView, Snapshot
-from sandbox.views import window
+from sandbox.views import plainness
 from sandbox.views.renderer import Renderer
 from sandbox.views.window import Window
 from tests.processes import ROOT
@@ -73,7 +73,7 @@ class Desk:
 @pytest.fixture(autouse=True)
 def never_slow(monkeypatch: pytest.MonkeyPatch) -> None:
     """However slow this machine is, the window is to look the same throughout a test."""
-    monkeypatch.setattr(window, "SLOW", np.inf)
+    monkeypatch.setattr(plainness, "SLOW", np.inf)
 
 
 @pytest.fixture
@@ -274,7 +274,7 @@ def test_a_window_without_a_snapshot_is_empty_and_alive(display: Screen) -> None
 def test_on_a_slow_machine_the_window_draws_less_and_stays_as_exact(
     desk: Desk, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(window, "SLOW", 0.0)
+    monkeypatch.setattr(plainness, "SLOW", 0.0)
     rich = np.asarray(desk.window.screenshot(), float)
     for i in range(1, 12):
         desk.snapshot = replace(desk.v.ghost, time=desk.v.ghost.time + 0.001 * i)

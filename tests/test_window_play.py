@@ -25,7 +25,7 @@ from sandbox.devices.web import WebDevice
 from sandbox.server.latency import LatencyLog
 from sandbox.settings import RunSettings
 from sandbox.timing import TimedDevice, Timing
-from sandbox.views import window
+from sandbox.views import plainness
 from sandbox.views.window import SPEEDS
 from tests.page_client import Page
 from tests.processes import PATIENCE, ROOT
@@ -47,7 +47,7 @@ def display() -> Iterator[Screen]:
 
 @pytest.fixture
 def desk(display: Screen, monkeypatch: pytest.MonkeyPatch) -> Iterator[Desk]:
-    monkeypatch.setattr(window, "SLOW", np.inf)
+    monkeypatch.setattr(plainness, "SLOW", np.inf)
     made = Desk(display, viewed())
     yield made
     made.window.close()
@@ -173,7 +173,7 @@ def test_all_of_the_surface_is_seen_in_any_window(
 def test_on_a_fine_screen_the_window_is_larger_and_touches_are_as_exact(
     display: Screen, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(window, "SLOW", np.inf)
+    monkeypatch.setattr(plainness, "SLOW", np.inf)
     environment = {**os.environ, "DISPLAY": display.name}
     glfw.terminate()
     # The server forgets everything when its last guest leaves, so one stays.
@@ -298,7 +298,7 @@ class Game(Desk):
 def test_a_box_is_brought_to_its_goal_with_pointer_wheel_and_keys_alone(
     display: Screen, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr(window, "SLOW", np.inf)
+    monkeypatch.setattr(plainness, "SLOW", np.inf)
     game = Game(display, seed=2)
     task = game.session.task
     start, goal = game.share(task.objects[0].position), game.share(task.goals[0].position)

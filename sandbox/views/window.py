@@ -25,24 +25,16 @@ from sandbox.views import palette
 from sandbox.views.cameras import camera_above, window_camera
 from sandbox.views.keys import HINT, LEAP, keys
 from sandbox.views.overlay import Words
-from sandbox.views.renderer import LARGEST, Renderer
+from sandbox.views.plainness import Plainness
+from sandbox.views.renderer import Renderer
 from sandbox.views.window_context import Loan, WindowContext
 
 Array = NDArray[np.float64]
 
 SIZE = (1024, 680)
 """px (of the screen's own coordinates), of a new window."""
-MOST_PIXELS = 2_600_000
-"""px that are drawn; a larger window's picture is stretched. Beyond, reading and writing pictures
-takes longer than drawing them."""
-
 RATE = 60.0
 """Pictures per second at most."""
-SLOW, PATIENCE = 0.045, 4
-"""s for a picture, and how many slower ones in a row make the window draw more plainly."""
-PLAIN_SHRINK = 1.6
-"""Drawn smaller by this where there is no graphics card, and stretched."""
-
 LIFT = {glfw.KEY_UP: 1.0, glfw.KEY_DOWN: -1.0}
 MOVES = {glfw.KEY_LEFT: -LEAP, glfw.KEY_RIGHT: LEAP, glfw.KEY_COMMA: -1, glfw.KEY_PERIOD: 1}
 """Control periods by which the keys go back and on in what is only looked at."""
@@ -98,8 +90,7 @@ class Window:
         self._shown: object = None
         self._picture: Image.Image | None = None
         self._snapshot: Snapshot | None = None
-        self._slow = 0
-        self._shrink = 1.0
+        self._plainness = Plainness()
         self._due = 0.0
         self._cursor = np.zeros(2)
         self._failure: BaseException | None = None
@@ -247,33 +238,18 @@ class Window:
         self._context.swap()
         self.pictures, self.picture_time = self.pictures + 1, time.monotonic() - begun
         self.seen = self._snapshot
-        self._slow = self._slow + 1 if self.picture_time > SLOW else 0
-        if self._slow >= PATIENCE:
-            self._draw_more_plainly()
+        self._plainness.took(self.picture_time, renderer)
 
     def _contact_word(self) -> str:
         """How things touch, where that is not as usual."""
         mode = self._snapshot.contact if self._snapshot else "hard"
         return "" if mode == "hard" else f"contact: {mode}"
 
-    def _draw_more_plainly(self) -> None:
-        """Without a graphics card: first no shadows, then fewer pixels. Text stays sharp."""
-        self._slow = 0
-        if self._renderer is not None and self._renderer.shadows:
-            self._renderer.shadows = False
-        else:
-            self._shrink = PLAIN_SHRINK
-
     def _blank(self, size: tuple[int, int]) -> Image.Image:
         return Image.new("RGB", size, palette.bytes_of(palette.PANEL)[:3])
 
     def _drawn_size(self) -> tuple[int, int]:
-        """px of the picture: the window's own, less where that would be too many."""
-        width, height = (max(n, 16) for n in glfw.get_framebuffer_size(self._context.handle))
-        shrink = max(
-            np.sqrt(width * height / MOST_PIXELS), width / LARGEST, height / LARGEST, self._shrink
-        )
-        return max(round(width / shrink), 16), max(round(height / shrink), 16)
+        return self._plainness.size(*glfw.get_framebuffer_size(self._context.handle))
 
     def _pick(self, x: float, y: float) -> Array | None:
         """The surface point (2,) under a place in the window, metres; None where there is none."""

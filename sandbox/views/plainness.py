@@ -1,0 +1,44 @@
+"""How plainly a window has to draw so that it keeps up: fewer pixels, and no shadows."""
+
+from __future__ import annotations
+
+from math import sqrt
+
+from sandbox.views.renderer import LARGEST, Renderer
+
+MOST_PIXELS = 2_600_000
+"""px that are drawn; a larger window's picture is stretched. Beyond, reading and writing pictures
+takes longer than drawing them."""
+SLOW, PATIENCE = 0.045, 4
+"""s for a picture, and how many slower ones in a row make the window draw more plainly."""
+PLAIN_SHRINK = 1.6
+"""Drawn smaller by this where there is no graphics card, and stretched."""
+
+
+class Plainness:
+    """Learns from how long pictures take."""
+
+    def __init__(self) -> None:
+        self._slow, self._shrink = 0, 1.0
+
+    def size(self, width: int, height: int) -> tuple[int, int]:
+        """px of the picture to draw for a window of so many."""
+        width, height = max(width, 16), max(height, 16)
+        shrink = max(
+            sqrt(width * height / MOST_PIXELS), width / LARGEST, height / LARGEST, self._shrink
+        )
+        return max(round(width / shrink), 16), max(round(height / shrink), 16)
+
+    def took(self, seconds: float, renderer: Renderer) -> None:
+        """Notes what a picture took; slow ones cost first the shadows, then pixels.
+
+        Text stays sharp: it is drawn over the stretched picture.
+        """
+        self._slow = self._slow + 1 if seconds > SLOW else 0
+        if self._slow < PATIENCE:
+            return
+        self._slow = 0
+        if renderer.shadows:
+            renderer.shadows = False
+        else:
+            self._shrink = PLAIN_SHRINK
