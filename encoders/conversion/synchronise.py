@@ -62,22 +62,31 @@ class ClockOffset:
     taps: int
 
 
-def offset_by_taps(tracks: list[ContactTrack], joints: JointTrack) -> ClockOffset:
+def offset_by_taps(
+    tracks: list[ContactTrack], joints: JointTrack, within: float | None = None
+) -> ClockOffset:
     """The offset at which touch-downs and landings agree.
+
+    Args:
+        tracks: Contacts.
+        joints: Poses, z the height above the surface up to a constant.
+        within: s; greater offsets are impossible. None: any is possible.
 
     Raises:
         CaptureError: There are none, too few agree, or two offsets explain them about equally.
     """
     downs = np.array([track.start for track in tracks])
     landings = tip_landings(joints)
-    if not len(downs) or not len(landings):
+    differences = np.sort((landings[None, :] - downs[:, None]).ravel())
+    if within is not None:
+        differences = differences[np.abs(differences) <= within]
+    if not len(differences):
         raise CaptureError(
             "there is no tap to synchronise by",
             where="--sync tap",
             got=f"{len(downs)} touch-downs, {len(landings)} landings of fingertips",
             remedy="Tap the surface a few times, unevenly, or give --sync clock --offset S",
         )
-    differences = np.sort((landings[None, :] - downs[:, None]).ravel())
     upper = np.searchsorted(differences, differences + AGREES, side="right")
     counts = upper - np.arange(len(differences))
     best = int(counts.argmax())

@@ -1,4 +1,8 @@
-"""`sandbox capture`: recordings of touches and hands become a capture to train on."""
+"""`sandbox capture`: recordings of touches and hands become a capture to train on.
+
+`sandbox capture record` makes such recordings with a Leap, `sandbox capture simulate` makes them
+without one; both have modules of their own.
+"""
 
 from __future__ import annotations
 
@@ -61,7 +65,13 @@ class CaptureOptions:
     fingertip within 25 mm, and contacts that are nearer to another finger for a fifth of their
     time. docs/captures.md tells how to record.
 
-    Try: sandbox capture --touches t.jsonl --joints hand.bvh --mapping m.toml --sync tap --out c.npz
+    With a Leap instead of a studio (docs/own-hand.md): --recorded FOLDER of `sandbox capture
+    record`, which guides you through it, or of `sandbox capture simulate`. The clocks' offset is
+    found from taps, the device's place from touches, and --joints, --mapping are not needed.
+
+    Try: sandbox capture simulate --out session
+    then: sandbox capture --recorded session --out c.npz
+    or: sandbox capture --touches t.jsonl --joints hand.bvh --mapping m.toml --sync tap --out c.npz
     then: sandbox train --capture c.npz --out mine.npz
     """
 
@@ -83,14 +93,29 @@ class CaptureOptions:
     markers: Annotated[Path | None, tyro.conf.arg(metavar="FILE.tsv")] = None
     """Markers on the hand, instead of joints."""
 
-    sync: Literal["clock", "tap"] = "clock"
-    """clock: both clocks differ by --offset. tap: taps tell by how much; refused if they do not."""
+    recorded: Annotated[Path | None, tyro.conf.arg(metavar="FOLDER")] = None
+    """Touches and hand of one session with a Leap, by `sandbox capture record`."""
+
+    hands: Annotated[Path | None, tyro.conf.arg(metavar="FILE.json|.jsonl")] = None
+    """The hand as a Leap saw it, with --touches recorded at the same time."""
+
+    calibration: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Of --hands or --recorded: the open hand by `sandbox paalm calibrate`; without it, it is
+    measured where the recording begins."""
+
+    correct: bool = False
+    """Of --hands or --recorded: turn joints until fingertips are at their touches."""
+
+    sync: Literal["clock", "tap"] | None = None
+    """clock: both clocks differ by --offset. tap: taps tell by how much; refused if they do not.
+    Without it: tap for --hands and --recorded, clock otherwise."""
 
     offset: Annotated[float, tyro.conf.arg(metavar="S")] = 0.0
     """Seconds that the joints' clock is ahead of the touches' (with --sync clock)."""
 
-    side: Literal["right", "left"] = "right"
-    """Of the hand. A left hand is mirrored: encoders learn right hands only."""
+    side: Literal["right", "left"] | None = None
+    """Of the hand; right unless --recorded says otherwise. A left hand is mirrored: encoders learn
+    right hands only."""
 
     surface: Annotated[str | None, tyro.conf.arg(metavar="SIZE")] = None
     """Size of the touch area: 7.76x5.82in, 197x148mm, or a preset (ipad2, ..)."""
@@ -121,8 +146,22 @@ class CaptureOptions:
 
 def main(argv: list[str]) -> int:
     """Runs `sandbox capture ...`."""
+    if argv[:1] == ["record"]:
+        from sandbox.cli.capture_record import main as record
+
+        return record(argv[1:])
+    if argv[:1] == ["simulate"]:
+        from sandbox.cli.capture_simulate import main as simulate
+
+        return simulate(argv[1:])
     options = parse(CaptureOptions, "sandbox capture", argv)
+    seen = options.hands is not None or options.recorded is not None
+    options = replace(options, sync=options.sync or ("tap" if seen else "clock"))
     hand_file = _checked(options)
+    if seen:
+        return _of_hands(options)
+    sync: Literal["clock", "tap"] = "tap" if options.sync == "tap" else "clock"
+    options = replace(options, side=options.side or "right")
     mapping = read_mapping(options.mapping)
     surface = parse_surface(options.surface) if options.surface else None
     report, left = ConversionReport(), options.side == "left"
@@ -152,32 +191,51 @@ def main(argv: list[str]) -> int:
         else:
             if left:
                 log = replace(log, xy=log.xy * [-1.0, 1.0])
-            capture = capture_from_touches(
-                log, joints, options.sync, options.offset, rules, report, meta
-            )
-    try:
-        save_capture(capture, options.out)
-    except OSError as error:
-        raise InputError(
-            "the capture cannot be written", where=f"--out {options.out}", got=str(error)
-        ) from error
+            capture = capture_from_touches(log, joints, sync, options.offset, rules, report, meta)
+    _write(options, capture)
     if damage:
         errors.print(f"{options.touches}: {damage}", soft_wrap=True, markup=False)
     _print(console, options, capture, report)
     return 0
 
 
+def _of_hands(options: CaptureOptions) -> int:
+    """The same of a Leap's hand."""
+    from sandbox.cli.capture_hands import capture_of_hands
+
+    report, rules = ConversionReport(), ConversionRules(rate=options.rate)
+    surface = parse_surface(options.surface) if options.surface else None
+    errors = Console(stderr=True)
+    with errors.status("poses, clocks, the device's place"):
+        capture, damage = capture_of_hands(options, surface, rules, report)
+    _write(options, capture)
+    for text in damage:
+        errors.print(text, soft_wrap=True, markup=False)
+    _print(Console(), options, capture, report)
+    return 0
+
+
+def _write(options: CaptureOptions, capture: Capture) -> None:
+    try:
+        save_capture(capture, options.out)
+    except OSError as error:
+        raise InputError(
+            "the capture cannot be written", where=f"--out {options.out}", got=str(error)
+        ) from error
+
+
 def _checked(options: CaptureOptions) -> Path:
     """The file that holds the hand."""
-    hands = [path for path in (options.joints, options.markers) if path is not None]
-    if len(hands) != 1:
+    kinds = (options.joints, options.markers, options.hands, options.recorded)
+    hands = [path for path in kinds if path is not None]
+    if len(hands) != 1 or (options.recorded is not None and options.touches is not None):
         raise InputError(
             "a capture needs one recording of the hand",
             where="sandbox capture",
-            expected="--joints FILE or --markers FILE",
+            expected="--joints FILE, --markers FILE, --hands FILE or --recorded FOLDER",
             remedy="`sandbox capture --help` shows how",
         )
-    if options.sync == "tap" and options.touches is None:
+    if options.sync == "tap" and options.touches is None and options.recorded is None:
         raise InputError("there are no touches to synchronise with", where="--sync tap")
     if not options.out.absolute().parent.is_dir():
         raise InputError("there is no such folder", where=f"--out {options.out}")

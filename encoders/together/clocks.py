@@ -1,0 +1,78 @@
+"""A device's own clock, told by when its frames arrived at the machine that wrote them down.
+
+Arrivals are late by a latency, which differs from frame to frame; a device's own times do not, but
+their zero is anywhere and their seconds may be a little long. A straight line through both has the
+best of each. What is left is the mean latency, which nobody can see from one side.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.errors import CaptureError
+
+Array = NDArray[np.float64]
+
+MOST_DRIFT = 0.002
+"""Share by which seconds of two clocks may differ; crystals are within a tenth of that."""
+
+_ROUNDS = 5
+_OUTLIER = 3.0
+"""Median deviations beyond which an arrival does not count: the machine was busy."""
+
+
+@dataclass(frozen=True)
+class HostClock:
+    """Host time = `offset` + (1 + `drift`) * device time.
+
+    Attributes:
+        offset: s.
+        drift: Share by which a device's second is longer than the host's.
+        jitter: s, robust standard deviation of the arrivals about the line.
+    """
+
+    offset: float
+    drift: float
+    jitter: float
+
+    def host(self, device: Array) -> Array:
+        """Host times of device times, s."""
+        return np.asarray(self.offset + (1.0 + self.drift) * device)
+
+
+def host_clock(device: Array, arrived: Array, where: str) -> HostClock:
+    """The line through the arrivals of a stream.
+
+    Args:
+        device: (n,) s, the frames' own times.
+        arrived: (n,) s, when they came, on the host's clock.
+        where: Name of the stream, for messages.
+
+    Raises:
+        CaptureError: The clocks do not go together.
+    """
+    if len(device) < 2 or np.ptp(device) <= 0.0:
+        raise CaptureError("too few frames to tell its clock", where=where, got=len(device))
+    middle = float(device.mean())
+    keep = np.ones(len(device), bool)
+    line = np.array([1.0, 0.0])
+    spread = 0.0
+    for _ in range(_ROUNDS):
+        line = np.polyfit(device[keep] - middle, arrived[keep], 1)
+        off = arrived - np.polyval(line, device - middle)
+        spread = 1.4826 * float(np.median(np.abs(off - np.median(off))))
+        keep = np.abs(off - np.median(off)) <= max(_OUTLIER * spread, 1e-4)
+    drift = float(line[0]) - 1.0
+    # Short recordings tell little about a drift: arrivals that tremble look like one.
+    if abs(drift) > MOST_DRIFT + 4.0 * spread / max(float(np.ptp(device)), 1e-9):
+        raise CaptureError(
+            "its own times do not go with their arrival",
+            where=where,
+            got=f"a second of {1.0 + drift:.4f} s",
+            expected=f"within {100 * MOST_DRIFT:g} %",
+            remedy="The clock of one of the two was set during the recording; record again",
+        )
+    return HostClock(float(line[1]) - (1.0 + drift) * middle, drift, spread)

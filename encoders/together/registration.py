@@ -1,0 +1,140 @@
+"""Where a 3-D device is, seen from the touch surface: from fingertips that touch.
+
+A fingertip that touches is where the touch is, half a fingertip above the surface. Enough of them,
+at places that do not lie on one line, tell rotation and shift of the device's frame. Which finger a
+touch is need not be known at the beginning: a plane that fingertips rest on gives heights, and of
+all turns about its normal, one brings fingertips to the touches.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.correction import PAD_HEIGHT
+from models.errors import CaptureError
+
+Array = NDArray[np.float64]
+
+TURNS = 36
+"""Turns about the normal that are tried; the nearest one is off by 5 degrees at most."""
+
+MOST_MISS = 0.012
+"""m, median between touch and fingertip beyond which the two recordings are not of one hand; half
+the distance of two neighbouring fingers."""
+
+_ROUNDS = 15
+_KEPT = 0.7
+"""Share of the pairs that count, the nearest: fingers that are about to land are among them."""
+
+
+@dataclass(frozen=True)
+class Placed:
+    """The device's frame in the 3-D surface frame.
+
+    Attributes:
+        rotation: (3, 3) surface from device.
+        shift: (3,) m, where the device is.
+        miss: m, median distance of touching fingertips from their touches.
+        pairs: Touches that were used.
+    """
+
+    rotation: Array
+    shift: Array
+    miss: float
+    pairs: int
+
+    def points(self, device: Array) -> Array:
+        """(..., 3) m in the surface frame."""
+        return np.asarray(device @ self.rotation.T + self.shift)
+
+
+def first_guess(touches: Array, frame: NDArray[np.int64], tips: Array, near: float) -> Placed:
+    """Turn and shift in the plane, without knowing any touch's finger.
+
+    Args:
+        touches: (R, 2) m, x right and y up.
+        frame: (R,) row of `tips` at each touch's moment.
+        tips: (F, 5, 3) m, in a frame whose z is the height above the plane of resting fingertips.
+        near: m from that plane within which a fingertip may touch.
+
+    Raises:
+        CaptureError: No turn brings them together.
+    """
+    best: Placed | None = None
+    flat, low = tips[frame, :, :2], np.abs(tips[frame, :, 2]) < near
+    usable = low.any(axis=1)
+    if usable.sum() < 10:
+        raise CaptureError(
+            "hardly any touch goes with a fingertip on the surface", got=int(usable.sum())
+        )
+    flat, low, touches = flat[usable], low[usable], touches[usable]
+    middle = np.where(low[..., None], flat, 0.0).sum(axis=1) / low.sum(axis=1)[:, None]
+    for angle in 2.0 * np.pi * np.arange(TURNS) / TURNS:
+        rotation = _plane_turn(angle)
+        shift = np.median(touches - middle @ rotation.T, axis=0)
+        for _ in range(_ROUNDS):
+            there = flat @ rotation.T + shift
+            off = np.where(low, np.linalg.norm(there - touches[:, None], axis=2), np.inf)
+            nearest = off.argmin(axis=1)
+            miss = off[np.arange(len(off)), nearest]
+            keep = miss <= np.quantile(miss, _KEPT)
+            rotation, shift = _rigid(flat[np.arange(len(off)), nearest][keep], touches[keep])
+        score = float(np.median(miss))
+        if best is None or score < best.miss:
+            whole = np.eye(3)
+            whole[:2, :2] = rotation
+            best = Placed(whole, np.array([*shift, PAD_HEIGHT]), score, int(keep.sum()))
+    assert best is not None
+    if best.miss > MOST_MISS:
+        raise CaptureError(
+            "touches and fingertips do not fit each other",
+            got=f"{1000 * best.miss:.0f} mm between them (median)",
+            expected=f"under {1000 * MOST_MISS:g} mm",
+            remedy="Check --side and --surface, and that both were recorded together",
+        )
+    return best
+
+
+def registered(touches: Array, tips: Array) -> Placed:
+    """The rigid motion that brings fingertips to their touches, outliers aside.
+
+    Args:
+        touches: (R, 2) m, x right and y up.
+        tips: (R, 3) m, the touching fingertips in the device's frame; NaN where not seen.
+
+    Raises:
+        CaptureError: They are too few, or lie on one line.
+    """
+    known = ~np.isnan(tips).any(axis=1)
+    there = np.column_stack([touches[known], np.full(int(known.sum()), PAD_HEIGHT)])
+    here = tips[known]
+    if len(here) < 10 or np.linalg.svd(here - here.mean(axis=0), compute_uv=False)[1] < 0.01:
+        raise CaptureError(
+            "too few touches to tell where the device is",
+            got=f"{len(here)} fingertips that were seen touching",
+            remedy="Touch all over the surface, with several fingers at a time",
+        )
+    keep = np.ones(len(here), bool)
+    for _ in range(_ROUNDS):
+        rotation, shift = _rigid(here[keep], there[keep])
+        miss = np.linalg.norm(here @ rotation.T + shift - there, axis=1)
+        keep = miss <= max(3.0 * 1.4826 * float(np.median(miss)) / 1.5, 0.003)
+    return Placed(rotation, shift, float(np.median(miss)), int(keep.sum()))
+
+
+def _rigid(here: Array, there: Array) -> tuple[Array, Array]:
+    """Rotation and shift of least squares (Kabsch 1976), in the plane or in space."""
+    a, b = here.mean(axis=0), there.mean(axis=0)
+    u, _, v = np.linalg.svd((here - a).T @ (there - b))
+    sign = np.ones(here.shape[1])
+    sign[-1] = np.sign(np.linalg.det(u @ v))
+    rotation = (u * sign @ v).T
+    return rotation, b - rotation @ a
+
+
+def _plane_turn(angle: float) -> Array:
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, -s], [s, c]])
