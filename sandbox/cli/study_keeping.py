@@ -50,6 +50,9 @@ class ExportOptions:
     keep_words: tyro.conf.FlagCreatePairsOff[bool] = False
     """Answers in words and the experimenter's notes stay; read them all before you share them."""
 
+    keep_hands: tyro.conf.FlagCreatePairsOff[bool] = False
+    """Recordings over a Leap stay; they hold the lengths of fingers."""
+
     drop: Annotated[tuple[str, ...], tyro.conf.arg(metavar="ITEM")] = ()
     """A demographic item that is left out; may be repeated."""
 
@@ -138,12 +141,14 @@ def export(options: ExportOptions, console: Console) -> int:
         raise InputError("what kind of copy is missing", where="sandbox study export",
                          expected="--anonymise, --bids, or both",
                          remedy="`sandbox study backup` copies everything as it is")  # fmt: skip
-    if (options.drop or options.bin or options.keep_words) and not options.anonymise:
-        raise InputError("--drop, --bin and --keep-words are for --anonymise")
+    masks = (options.drop, options.bin, options.keep_words, options.keep_hands)
+    if any(masks) and not options.anonymise:
+        raise InputError("--drop, --bin, --keep-words and --keep-hands are for --anonymise")
     study = StudyFolder.at(options.folder)
     _outside(study, options.out)
     refuse_existing(options.out)
-    masking = Masking(options.keep_words, options.drop, _bins(options.bin), options.recordings)
+    masking = Masking(options.keep_words, options.drop, _bins(options.bin), options.recordings,
+                      options.keep_hands)  # fmt: skip
     ppids = [person.ppid for person in study.participants()]
     say = _progress(console)
     if not options.bids:

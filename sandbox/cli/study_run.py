@@ -22,8 +22,9 @@ if TYPE_CHECKING:
     from sandbox.cli.page_options import PageOptions
     from sandbox.cli.touch_devices import TouchOptions
     from sandbox.study.controls import Controls, Terminal
+    from sandbox.study.design import Design
     from sandbox.study.folder import Participant, StudyFolder
-    from sandbox.study.forms import Forms
+    from sandbox.study.forms import Forms, Ready
     from sandbox.study.players import Player
     from sandbox.study.session_folder import SessionFolder
     from sandbox.study.study_page import StudyPage
@@ -102,6 +103,10 @@ class RunOptions:
     force_upgrade: Annotated[str, tyro.conf.arg(metavar="REASON")] = ""
     """Goes on although program, encoder or design have changed; it is logged."""
 
+    leap: Annotated[str, tyro.conf.arg(metavar="URL")] = ""
+    """Where trials with `device = "leap"` find leapd or the Ultraleap bridge, if not where it
+    usually is."""
+
     lsl: tyro.conf.FlagCreatePairsOff[bool] = False
     """Sends touches, poses and markers over Lab Streaming Layer (extra `lsl`)."""
 
@@ -115,6 +120,13 @@ class RunOptions:
     def touches(self) -> str:
         """The device: a page in the network is one."""
         return "web" if self.tablet or self.lan is not None else self.device
+
+    @property
+    def leap_address(self) -> str:
+        """Of the Leap service."""
+        from sandbox.devices.leap import DEFAULT_ADDRESS
+
+        return self.leap or DEFAULT_ADDRESS
 
     @property
     def has_page(self) -> bool:
@@ -133,6 +145,7 @@ def run(options: RunOptions, console: Console) -> int:
     _check(options)
     _check_page(options)
     design = load_design(options.file)
+    _check_leap(options, design)
     study = StudyFolder(options.out, design, PILOT if options.pilot else REAL,
                         options.force_upgrade)  # fmt: skip
     say = sayer(console)
@@ -193,6 +206,17 @@ def _check(options: RunOptions) -> None:
         maker(guessed_surface()).close()
 
 
+def _check_leap(options: RunOptions, design: Design) -> None:
+    """What is wrong with the Leap is told now, too, where the design has trials over it."""
+    from sandbox.cli.leap_devices import open_leap
+    from sandbox.study.conditions import combinations, values_of
+    from sandbox.study.plan import in_the_air
+
+    wanted = any(in_the_air(values_of(design, levels)) for levels in combinations(design))
+    if wanted and options.device != "simulated":
+        open_leap(options.leap_address).close()
+
+
 def _check_page(options: RunOptions) -> None:
     """Serves the page for a moment: a wrong address or certificate costs no participant."""
     if options.has_page:
@@ -249,6 +273,7 @@ def _play(
     console: Console,
 ) -> str:
     from sandbox.study.forms import TerminalForms
+    from sandbox.study.hand_calibration import hand_measurer
     from sandbox.study.page_forms import PageForms
     from sandbox.study.run_device import fitting, person_device
     from sandbox.study.runner import SessionRunner
@@ -261,9 +286,13 @@ def _play(
     else:
         forms = TerminalForms(terminal, lambda text: console.print(text, markup=False))
     player = _player(options, session, page)
+    say, leap = sayer(console), options.leap_address
+    # Whoever simulates a hand in the air has another one in every trial: it is not measured.
+    simulated = options.device == "simulated"
+    calibrate = _average if simulated else hand_measurer(forms, person, leap, say)
     runner = SessionRunner(
-        session, player, person_device(touch, person, page), forms, controls, sayer(console),
-        name, fitting(name, page),
+        session, player, person_device(touch, person, page, leap), forms, controls, say,
+        name, fitting(name, page), calibrate,
     )  # fmt: skip
     try:
         outcome = runner.run()
@@ -273,6 +302,10 @@ def _play(
         return str(outcome)
     finally:
         player.close()
+
+
+def _average(ready: Ready) -> None:
+    """A hand that is not measured."""
 
 
 def _player(options: RunOptions, session: SessionFolder, page: StudyPage | None) -> Player:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from models.errors import HandSandboxError
+from models.errors import HandSandboxError, InputError
 from sandbox.study.design import Design, Level
 
 if TYPE_CHECKING:
@@ -26,6 +26,7 @@ SETTINGS: dict[str, type | tuple[type, ...]] = {
     "turn": int,
     "tell_labels": bool,
     "vary": str,
+    "leap_at": str,
 }
 """What a design may set, with the kinds of values."""
 
@@ -98,7 +99,7 @@ def check_conditions(design: Design, reader: Reader) -> None:
     if kinds_wrong:
         return
     from sandbox.assembly import load_encoder, place_surface
-    from tasks.registry import draw_task, find_task
+    from tasks.registry import draw_task, find_task, hands_of
 
     seen: set[str] = set()
     for levels in combinations(design):
@@ -106,6 +107,9 @@ def check_conditions(design: Design, reader: Reader) -> None:
         try:
             settings = run_settings(values, design.seed % 1000)
             kind = find_task(settings.task)
+            if hands_of(kind) > 1:
+                raise InputError("in a study everybody has one hand, and this task needs two",
+                                 where="task", got=settings.task)  # fmt: skip
             draw_task(kind, settings.seed, place_surface(settings.surface, kind))
             load_encoder(settings.encoder)
         except HandSandboxError as error:

@@ -67,10 +67,11 @@ def parse_design(text: str, path: Path, try_out: bool = True) -> Design:
         ) from None
     reader = Reader(text)
     design = _design(Table(reader, values), text, path)
-    if try_out and not reader.mistakes:
+    tried = not try_out or not reader.mistakes
+    if try_out and tried:
         check_conditions(design, reader)
     if reader.mistakes:
-        raise DesignError(path.name, reader.mistakes)
+        raise DesignError(path.name, reader.mistakes, tried)
     return design
 
 

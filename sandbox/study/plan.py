@@ -6,7 +6,7 @@ an interrupted session goes on with the very same steps.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from hashlib import blake2b
 from math import lcm
@@ -23,6 +23,8 @@ CONSENT = 60.0
 """s."""
 ANSWERING = 7.0
 """s for a question."""
+CALIBRATING = 30.0
+"""s for measuring a hand that works over a Leap."""
 CHANGING = 4.0
 """s between two trials."""
 
@@ -48,6 +50,11 @@ class InstructionStep(Step):
     """A text to be read."""
 
     instruction: Instruction
+
+
+@dataclass(frozen=True)
+class CalibrationStep(Step):
+    """The participant's hand is measured, since some of their trials are over a Leap."""
 
 
 @dataclass(frozen=True)
@@ -98,7 +105,15 @@ def session_plan(design: Design, participant: int) -> list[Step]:
         design: Of the study.
         participant: 0, 1, ... in order of arrival; decides on orders.
     """
-    return list(_Plan(design, participant).steps())
+    steps = list(_Plan(design, participant).steps())
+    if any(in_the_air(step.values) for step in trials_of(steps)):
+        return steps
+    return [step for step in steps if not isinstance(step, CalibrationStep)]
+
+
+def in_the_air(values: Mapping[str, Any]) -> bool:
+    """Whether a trial with such settings is played over a Leap."""
+    return values.get("device") == "leap"
 
 
 def trials_of(steps: list[Step]) -> list[TrialStep]:
@@ -121,6 +136,8 @@ def duration(design: Design, steps: list[Step]) -> float:
                 total += READING
             case ConsentStep():
                 total += CONSENT
+            case CalibrationStep():
+                total += CALIBRATING
     return total
 
 
@@ -151,6 +168,7 @@ class _Plan:
             yield FormStep("form:demographics", form, 0, {})
         yield from self._instructions(START)
         yield from self._forms(START)
+        yield CalibrationStep("calibration")
         if design.practice and not design.practice_each:
             yield from self._practice()
         yield from self._factor(0, 0, 0)

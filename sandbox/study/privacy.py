@@ -25,6 +25,7 @@ from sandbox.study.files import make_folder, write_atomically
 from sandbox.study.folder import StudyFolder, write_design
 from sandbox.study.frames import STEMS
 from sandbox.study.journal import Record, read_journal
+from sandbox.study.plan import in_the_air
 from sandbox.study.privacy_groups import Groups, binned, groups
 from sandbox.study.privacy_records import EPOCH, Disguise, disguised, disguised_line, without_places
 from sandbox.study.pseudonym import new_pseudonym
@@ -47,12 +48,14 @@ class Masking:
         drop: Demographic items that are left out.
         bins: Width by demographic item: numbers are rounded down to its multiples.
         recordings: Recordings of trials are in it, too.
+        hands: So are those of hands in the air, which hold the lengths of their fingers.
     """
 
     words: bool = False
     drop: tuple[str, ...] = ()
     bins: Mapping[str, float] | None = None
     recordings: bool = True
+    hands: bool = False
 
 
 @dataclass(frozen=True)
@@ -174,7 +177,8 @@ def _write_session(
     write_atomically(path / "journal.jsonl", lines(records), durable=False)
     for attempt in (a for some in SessionState.of(records).attempts.values() for a in some):
         recording = source / attempt.start["file"]
-        if masking.recordings and stored(recording).exists():
+        kept = masking.recordings and (masking.hands or not in_the_air(attempt.start["values"]))
+        if kept and stored(recording).exists():
             copied = b"\n".join(
                 disguised_line(line, disguise) if line else b""
                 for line in _whole_lines(read_stored(recording).data).split(b"\n")
@@ -212,6 +216,7 @@ def _finish(work: Path, masking: Masking, without_consent: int) -> Anonymised:
         "participants": len(people), "left_out_without_consent": without_consent,
         "words_kept": masking.words, "left_out": list(masking.drop),
         "rounded_down_to": dict(masking.bins or {}), "recordings": masking.recordings,
+        "recordings_of_hands_in_the_air": masking.recordings and masking.hands,
         "compared": list(found.columns), "smallest_group": found.smallest,
         "people_in_groups_below_5": found.exposed,
         "may_still_tell": ["the order of arrival (participant_number)", "hand_size",

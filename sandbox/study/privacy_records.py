@@ -27,6 +27,7 @@ KEPT: dict[str, tuple[str, ...]] = {
     "session_end": ("complete",),
     "consent": ("step", "agreed", "version", "language", "text"),
     "step_done": ("step",),
+    "calibration": ("step",),
     "answers": ("step", "form", "block", "levels", "seconds"),
     "trial_start": (*_ATTEMPT, "block", "in_block", "repetition", "practice", "levels", "values",
                     "seed"),

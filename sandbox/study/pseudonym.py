@@ -34,7 +34,7 @@ def is_text(name: str) -> bool:
 
 
 def new_pseudonym() -> str:
-    """A random one that nobody takes for a number: five signs of chance and one that checks them."""
+    """A random one that is no number: five signs of chance and one that checks them."""
     while True:
         body = "".join(secrets.choice(ALPHABET) for _ in range(LENGTH))
         name = body + _check(body)

@@ -38,14 +38,17 @@ class DesignError(StudyError):
     Args:
         file: Name of the file.
         mistakes: At least one.
+        tried: Whether levels were tried, too.
     """
 
-    def __init__(self, file: str, mistakes: Sequence[Mistake]) -> None:
+    def __init__(self, file: str, mistakes: Sequence[Mistake], tried: bool = True) -> None:
         self.file = file
         self.mistakes = tuple(sorted(mistakes, key=lambda m: m.line))
         count = len(self.mistakes)
         lines = "".join(f"\n  {m}" for m in self.mistakes)
-        super().__init__(f"{count} mistake{'s' * (count > 1)} in the design{lines}", where=file)
+        more = "" if tried else "\n  Levels are tried once this is put right."
+        super().__init__(f"{count} mistake{'s' * (count > 1)} in the design{lines}{more}",
+                         where=file)  # fmt: skip
 
 
 class Reader:
@@ -164,7 +167,13 @@ class Table:
             return {lang: value.get(lang, "") for lang in languages}
         example = ", ".join(f'{lang} = "..."' for lang in languages)
         wanted = '"..."' if len(languages) == 1 else f"{{{example}}}"
-        self.wrong(key, f"`{key}` is no text in {', '.join(languages)}", f"Write {key} = {wanted}")
+        if value is None:
+            what = f"`{key}` is missing"
+        elif isinstance(value, str):
+            what = f"one text, and the study has {len(languages)} languages"
+        else:
+            what = f"got {value!r}"
+        self.wrong(key if value is not None else "", what, f"Write {key} = {wanted}")
         return dict.fromkeys(languages, "")
 
     def table(self, key: str) -> Table:

@@ -12,6 +12,7 @@ from sandbox.assembly import DeviceMaker
 from sandbox.cli.leap_devices import open_leap
 from sandbox.cli.touch_devices import TouchOptions, is_evdev, live_maker, native_surface
 from sandbox.devices.device import Device
+from sandbox.devices.leap import DEFAULT_ADDRESS
 from sandbox.devices.lift_keys import with_lift
 from sandbox.devices.spoiled import SpoiledDevice
 from sandbox.settings import RunSettings
@@ -28,7 +29,10 @@ SLACK = 0.02
 
 
 def person_device(
-    options: TouchOptions, person: Participant, page: StudyPage | None = None
+    options: TouchOptions,
+    person: Participant,
+    page: StudyPage | None = None,
+    leap: str = DEFAULT_ADDRESS,
 ) -> MakeDevice:
     """How the device of every trial is opened.
 
@@ -36,6 +40,7 @@ def person_device(
         options: Device `mouse`, `web`, `tuio`, `evdev`, `evdev:NODE` or `simulated`.
         person: Who touches, or moves a hand over a Leap in trials whose design says so.
         page: Of `web`.
+        leap: Address of the Leap service.
     """
     name = options.device
     if name == "simulated":
@@ -46,7 +51,7 @@ def person_device(
             device: Device
             if settings.in_air is not None:
                 # What the design says counts: this trial is played over a Leap.
-                return cast(Device, open_leap())
+                return cast(Device, open_leap(leap))
             if page is not None and name == "web":
                 device = page_device(page, surface)
             elif name == "mouse":

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from hashlib import blake2b
 from typing import Any
@@ -20,6 +20,7 @@ from sandbox.study.frames import missing, rebuild
 from sandbox.study.pack import pack
 from sandbox.study.plan import (
     BreakStep,
+    CalibrationStep,
     ConsentStep,
     FormStep,
     InstructionStep,
@@ -34,6 +35,8 @@ MakeDevice = Callable[[TrialStep, RunSettings], DeviceMaker]
 """How the device of a trial is opened."""
 Fit = Callable[[TrialStep, RunSettings, Ready], RunSettings]
 """How a trial's settings are fitted to what the participant touches; may wait for it."""
+Calibrate = Callable[[Ready], dict[str, Any] | None]
+"""Measures the participant's hand over a Leap; None: it is taken for an average one."""
 
 
 class Outcome(StrEnum):
@@ -61,6 +64,7 @@ class SessionRunner:
         say: Tells the experimenter something.
         device: Name of the device, for recordings.
         fit: See `Fit`.
+        calibrate: See `Calibrate`.
     """
 
     session: SessionFolder
@@ -71,6 +75,7 @@ class SessionRunner:
     say: Callable[[str], object]
     device: str = "simulated"
     fit: Fit = lambda trial, settings, ready: settings
+    calibrate: Calibrate = lambda ready: None
 
     def __post_init__(self) -> None:
         self._left = self._why = ""
@@ -122,6 +127,10 @@ class SessionRunner:
                 case InstructionStep():
                     self.forms.instruct(step.instruction.text[language], self._ready)
                     session.write("step_done", step=step.id)
+                case CalibrationStep():
+                    found = self.calibrate(self._ready)
+                    session.write("calibration", durable=True, step=step.id,
+                                  hand=session.person.hand, calibration=found)  # fmt: skip
                 case FormStep():
                     began = time.monotonic()
                     self.say(f"{session.person.ppid}  form {step.form.name}")
@@ -143,6 +152,9 @@ class SessionRunner:
     def _trial(self, trial: TrialStep) -> None:
         session, person = self.session, self.session.person
         settings = run_settings(trial.values, trial.seed, person.hand, person.hand_size)
+        if settings.in_air is not None and session.state.calibration is not None:
+            measured = replace(settings.in_air, calibration=session.state.calibration)
+            settings = replace(settings, in_air=measured)
         try:
             settings = self.fit(trial, settings, self._ready)
         except _StepOver:

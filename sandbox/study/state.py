@@ -40,6 +40,8 @@ class SessionState:
         answers: Records of forms, in order; the last one of a step counts.
         drafts: By step, what was filled in of a form so far.
         consent: Whether the participant agreed; None while not asked.
+        calibration: Of a hand over a Leap, as `sandbox paalm calibrate` writes it; None for an
+            average one.
         complete: The session came to its planned end.
     """
 
@@ -52,6 +54,7 @@ class SessionState:
     answers: dict[str, Record] = field(default_factory=dict)
     drafts: dict[str, dict[str, Any]] = field(default_factory=dict)
     consent: bool | None = None
+    calibration: dict[str, Any] | None = None
     complete: bool = False
 
     @classmethod
@@ -90,6 +93,10 @@ class SessionState:
                 self.consent = bool(record["agreed"])
                 if self.consent:
                     self.finished.add(record["step"])
+            case "calibration":
+                # An anonymous copy says only that there was one.
+                self.calibration = record.get("calibration")
+                self.finished.add(record["step"])
             case "session_end":
                 self.complete = bool(record["complete"])
 

@@ -1,0 +1,92 @@
+"""Measures a participant's hand over a Leap before their first trial, as in PAALM (2013)."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from typing import Any, Literal, cast
+
+from encoders.paalm import Paalm
+from encoders.paalm.calibration import PAPER_FRAMES
+from encoders.paalm.calibration_file import calibration_to_json
+from models.errors import DeviceError, EncoderError
+from models.frames import HandFrame
+from sandbox.cli.leap_devices import open_leap
+from sandbox.devices.leap import LeapDevice
+from sandbox.study.folder import Participant
+from sandbox.study.forms import Forms, Ready
+
+SILENCE = 5.0
+"""s without a frame after which the device counts as gone."""
+TICK = 0.05
+"""s between two looks at what the experimenter wants."""
+TRIES = 2
+"""Frames that are looked at for every one that is wanted: half of them may show no open hand."""
+
+WORDS = {
+    "en": "Hold your hand about 20 cm above the sensor, palm down, fingers spread, and keep it "
+    "still for ten seconds. Go on with the other hand when you are ready.",
+    "de": "Halten Sie die Hand etwa 20 cm über den Sensor, Handfläche nach unten, Finger "
+    "gespreizt, und zehn Sekunden lang still. Gehen Sie mit der anderen Hand weiter, wenn Sie bereit sind.",
+    "fr": "Tenez la main à environ 20 cm au-dessus du capteur, paume vers le bas, doigts écartés, "
+    "immobile pendant dix secondes. Continuez avec l’autre main quand vous êtes prêt.",
+    "es": "Mantenga la mano a unos 20 cm sobre el sensor, con la palma hacia abajo y los dedos "
+    "separados, quieta durante diez segundos. Siga con la otra mano cuando quiera.",
+}
+
+
+def hand_measurer(
+    forms: Forms,
+    person: Participant,
+    address: str,
+    say: Callable[[str], object],
+    wanted: int = PAPER_FRAMES,
+) -> Callable[[Ready], dict[str, Any]]:
+    """How the participant's hand is measured.
+
+    Args:
+        forms: Tells the participant what to do.
+        person: Whose hand.
+        address: Of the Leap service.
+        say: Tells the experimenter what came out.
+        wanted: Frames with five fingers; 1000 in the paper, about ten seconds.
+
+    Returns:
+        Asks until the hand was held as it has to be; the experimenter may leave it, and the hand is
+        then taken for an average one. Raises a DeviceError where the service says nothing.
+    """
+    text = WORDS.get(person.language, WORDS["en"])
+    side = cast(Literal["right", "left"], person.hand)
+
+    def measure(ready: Ready) -> dict[str, Any]:
+        while True:
+            forms.instruct(text, ready)
+            device = open_leap(address)
+            try:
+                frames = _frames(device, TRIES * wanted, ready, address)
+                found = Paalm().calibrate(frames, side, wanted)[side]
+            except EncoderError as error:
+                say(f"once more: {error}")
+                continue
+            finally:
+                device.close()
+            lengths = ", ".join(f"{1000 * length:.0f}" for length in found.standard)
+            say(f"the {side} hand is measured: fingers of {lengths} mm in {found.frames} frames")
+            return calibration_to_json(found)
+
+    return measure
+
+
+def _frames(device: LeapDevice, most: int, ready: Ready, address: str) -> Iterator[HandFrame]:
+    """So many frames of the device, while the experimenter is heard."""
+    heard, count = time.monotonic(), 0
+    while count < most:
+        ready()
+        for frame in device.poll(0.0):
+            heard = time.monotonic()
+            count += 1
+            yield frame
+        if not device.wait(TICK) and time.monotonic() - heard > SILENCE:
+            raise DeviceError("the Leap service says nothing any more", where=address,
+                              got=device.trouble or f"no frame for {SILENCE:g} s",
+                              remedy="Start it again; the study resumes at this step")  # fmt: skip
