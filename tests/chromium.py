@@ -16,6 +16,8 @@ from typing import Any
 
 from websockets.sync.client import connect
 
+from tests.processes import PATIENCE
+
 BINARY = shutil.which("chromium") or "/usr/bin/chromium"
 
 FLAGS = (
@@ -54,7 +56,7 @@ class Browser:
                 start_new_session=True,
             )
         said = folder / "profile" / "DevToolsActivePort"
-        until = time.monotonic() + 60.0
+        until = time.monotonic() + PATIENCE
         while not (said.exists() and said.read_text().count("\n")):
             assert self._process.poll() is None, self._log.read_text()
             assert time.monotonic() < until, "the browser does not start"
@@ -62,7 +64,13 @@ class Browser:
         port, path = said.read_text().split("\n")[:2]
         self._stack = ExitStack()
         self._socket = self._stack.enter_context(
-            connect(f"ws://127.0.0.1:{port}{path}", max_size=None, compression=None)
+            connect(
+                f"ws://127.0.0.1:{port}{path}",
+                max_size=None,
+                compression=None,
+                open_timeout=PATIENCE,
+                ping_interval=None,
+            )
         )
         self._last = 0
         self.events: list[dict[str, Any]] = []
@@ -73,7 +81,7 @@ class Browser:
         asked = {"id": self._last, "method": method, "params": values}
         self._socket.send(json.dumps(asked | ({"sessionId": session} if session else {})))
         while True:
-            told = json.loads(self._socket.recv(timeout=60.0))
+            told = json.loads(self._socket.recv(timeout=PATIENCE))
             if told.get("id") == self._last:
                 assert "error" not in told, f"{method}: {told['error']}"
                 result: dict[str, Any] = told["result"]
@@ -134,7 +142,7 @@ class Tab:
         assert "exceptionDetails" not in told, told["exceptionDetails"]
         return told["result"].get("value")
 
-    def wait(self, script: str, seconds: float = 20.0) -> Any:
+    def wait(self, script: str, seconds: float = PATIENCE) -> Any:
         """Waits until an expression is true, and what it asks about is there."""
         until = time.monotonic() + seconds
         asked = f"(() => {{ try {{ return {script} }} catch {{ return false }} }})()"

@@ -11,6 +11,8 @@ from urllib.parse import urlsplit
 
 from websockets.sync.client import ClientConnection, connect
 
+from tests.processes import PATIENCE
+
 SCREEN = {"px_per_in": 132.0, "width_px": 1024.0, "height_px": 768.0, "calibrated": True}
 
 
@@ -21,7 +23,7 @@ def open_socket(url: str, origin: str | None = "", **more: Any) -> Any:
         f"ws://{parts.netloc}/?{parts.query}",
         origin=f"http://{parts.netloc}" if origin == "" else origin,  # type: ignore[arg-type]
         compression=None,
-        **more,
+        **{"open_timeout": PATIENCE, **more},
     )
 
 
@@ -55,7 +57,7 @@ class Page:
         self.say(type="touches", seq=self.seq, t=self.seq * 16.0, contacts=listed, **more)
         return self.seq
 
-    def next(self, timeout: float = 5.0) -> dict[str, Any]:
+    def next(self, timeout: float = PATIENCE) -> dict[str, Any]:
         """The next message; a frame's parts, or a text's JSON."""
         message = self.socket.recv(timeout=timeout)
         if isinstance(message, str):

@@ -59,6 +59,8 @@ def screen() -> Iterator[Screen]:
             f"{WIDTH}x{HEIGHT}x24",
             "-nolisten",
             "tcp",
+            # Without this it begins anew, and is not there meanwhile, once its last window closes.
+            "-noreset",
         ],
         pass_fds=[tell],
         stderr=subprocess.DEVNULL,

@@ -21,6 +21,7 @@ from sandbox.server.page_server import PageServer
 from sandbox.server.protocol import Screen
 from tests.chromium import BINARY, Browser
 from tests.page_client import Page
+from tests.processes import PATIENCE
 from tests.test_page_server import wait_for
 
 TASK, SEED, PPI = "carry-together", 3, 64.0
@@ -67,7 +68,7 @@ def carried(
     assert device is not None
     show_session(server, session, "right", "", device)
     touch = come()
-    assert server.wait_for_player(20.0)
+    assert server.wait_for_player(PATIENCE)
     publish(server, session, session.advance())
     drawn()
     users = _users(session.task, session.whole_surface)
@@ -84,7 +85,9 @@ def carried(
         if other or (moved and session.step % (3 * session.scene.substeps) == 0):
             touch(wanted, frame.lift or 0.0)
             # What only the lift control does may be too little for a pixel of it.
-            assert wait_for(device.news.is_set, 20.0 if wanted != down else 0.2) or wanted == down
+            assert (
+                wait_for(device.news.is_set, PATIENCE if wanted != down else 0.2) or wanted == down
+            )
             down, lift = wanted, frame.lift
         if session.scorer.score.final:
             seen()
@@ -166,7 +169,7 @@ def test_two_hands_on_a_page_in_a_browser_carry_a_tray_together(
         return hands[0]
 
     def drawn() -> None:
-        hands[0].tab.wait("document.querySelector('.reason').textContent.length > 3", 60.0)
+        hands[0].tab.wait("document.querySelector('.reason').textContent.length > 3", PATIENCE)
 
     def seen() -> None:
         if not pictures:
