@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
+Vector = tuple[float, float, float]
 
 _SMALL = 1e-6
 """Angle in radians below which series replace the closed forms (their error is then 1e-13)."""
@@ -59,6 +60,29 @@ def _series(w: Array) -> tuple[Array, Array, Array, Array, Array]:
 def log(R: ArrayLike) -> Array:
     """Rotation vectors (..., 3), angle in [0, pi], of rotation matrices (..., 3, 3)."""
     return quaternion_log(matrix_to_quaternion(R))
+
+
+def log_of_axes(x: Vector, y: Vector, z: Vector) -> Vector:
+    """`log` of the single rotation whose columns are x, y and z, in plain floats."""
+    # Four times the squares of the quaternion's components; the largest is not small.
+    squares = (
+        1.0 + x[0] + y[1] + z[2], 1.0 + x[0] - y[1] - z[2],
+        1.0 - x[0] + y[1] - z[2], 1.0 - x[0] - y[1] + z[2],
+    )  # fmt: skip
+    best = squares.index(max(squares))
+    if best == 0:
+        q = squares[0], y[2] - z[1], z[0] - x[2], x[1] - y[0]
+    elif best == 1:
+        q = y[2] - z[1], squares[1], x[1] + y[0], z[0] + x[2]
+    elif best == 2:
+        q = z[0] - x[2], x[1] + y[0], squares[2], y[2] + z[1]
+    else:
+        q = x[1] - y[0], z[0] + x[2], y[2] + z[1], squares[3]
+    norm = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
+    w, u, v, t = (c / (-norm if q[0] < 0.0 else norm) for c in q)
+    n = sqrt(u * u + v * v + t * t)
+    scale = 2.0 * atan2(n, w) / n if n > _SMALL else 2.0
+    return scale * u, scale * v, scale * t
 
 
 def matrix_to_quaternion(R: ArrayLike) -> Array:

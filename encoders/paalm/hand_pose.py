@@ -7,10 +7,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from encoders.paalm.angles import FRAMES
 from encoders.paalm.palm import Palm
-from models.frames import Vector
+from models.frames import FINGERS, Vector
 from models.limits import within_limits
 from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION, mirrored
-from models.rotations import exp, log
+from models.rotations import log_of_axes, matrix_to_quaternion, quaternion_log
 from models.skeleton import ADULT, Skeleton
 
 Array = NDArray[np.float64]
@@ -19,7 +19,81 @@ PALM_CENTRE = (0.0, 0.055, -0.005)
 """m, of the average hand in its own frame: between wrist and knuckles, on the palm's side. Where
 exactly a device has a palm's centre is not documented."""
 
-_MIRROR = np.array([-1.0, 1.0, 1.0])
+_COLUMNS = (0, 2, 3)
+"""Of a table of angles: what bends a finger's first, second and third bone."""
+
+
+class HandPoser:
+    """Makes poses of one skeleton's hand; all joints of a hand in one calculation.
+
+    A bone is turned from its rest by a flexion about its x, then, of a finger's first bone, by a
+    spread about its z. Between the bone's rest and the frame in which those angles are measured is
+    a turn that never changes.
+
+    Args:
+        skeleton: A right hand.
+    """
+
+    def __init__(self, skeleton: Skeleton = ADULT) -> None:
+        self._skeleton = skeleton
+        flexion, spread, between = [], [], []
+        row, last = 0, -1
+        for bone in skeleton.bones:
+            first = bone.finger != last
+            row, last = (0 if first else row + 1), bone.finger
+            flexion.append(4 * last + _COLUMNS[row])
+            # Behind the table is an angle of nothing, the spread of all bones but the first.
+            spread.append(4 * last + 1 if first else 4 * len(FINGERS))
+            between.append(bone.rest.T @ FRAMES[last] if first else bone.rest.T)
+        self._which = np.array([flexion, spread])
+        self._half = np.deg2rad(np.array([[-0.5], [0.5]]))
+        self._angles = np.zeros(4 * len(FINGERS) + 1)
+        # (n, 4, 4): the product with the constant quaternion from the left.
+        w, x, y, z = matrix_to_quaternion(np.array(between)).T
+        self._between = np.array(
+            [[w, -x, -y, -z], [x, w, -z, y], [y, z, w, -x], [z, -y, x, w]]
+        ).transpose(2, 0, 1)
+        self._turn = np.empty((len(flexion), 4, 1))
+
+    def __call__(
+        self,
+        table: ArrayLike,
+        palm: Palm,
+        side: str = "right",
+        device: Vector = (0.0, 0.0, 0.0),
+        size: float = 1.0,
+    ) -> Array:
+        """The pose (48,); arguments are those of `hand_pose`."""
+        self._angles[:-1] = np.asarray(table, float).ravel()
+        half = self._angles.take(self._which) * self._half
+        (bent, spread), (bent_s, spread_s) = np.cos(half), np.sin(half)
+        turn = self._turn[..., 0]
+        # (bent + bent_s i) (spread + spread_s k)
+        np.multiply(bent, spread, turn[:, 0])
+        np.multiply(bent_s, spread, turn[:, 1])
+        np.multiply(-bent_s, spread_s, turn[:, 2])
+        np.multiply(bent, spread_s, turn[:, 3])
+        q = np.empty(POSE_SIZE)
+        q[JOINTS] = quaternion_log((self._between @ self._turn)[..., 0]).ravel()
+        # What a left hand does is what a right one would do in a mirror.
+        flip = -1.0 if side == "left" else 1.0
+        a, f, d = palm.across, palm.forward, palm.dorsal
+        across, forward, dorsal = (
+            (flip * a[0], a[1], a[2]), (flip * f[0], f[1], f[2]), (flip * d[0], d[1], d[2]),
+        )  # fmt: skip
+        q[ROOT_ROTATION] = log_of_axes(across, forward, dorsal)
+        u, v, w = (size * c for c in PALM_CENTRE)
+        ox, oy, oz = (o + at for o, at in zip(palm.origin, device, strict=True))
+        q[ROOT_POSITION] = (
+            flip * ox - (across[0] * u + forward[0] * v + dorsal[0] * w),
+            oy - (across[1] * u + forward[1] * v + dorsal[1] * w),
+            oz - (across[2] * u + forward[2] * v + dorsal[2] * w),
+        )
+        q = within_limits(q, self._skeleton)
+        return mirrored(q) if side == "left" else q
+
+
+_ADULT = HandPoser(ADULT)
 
 
 def hand_pose(
@@ -43,26 +117,5 @@ def hand_pose(
         skeleton: A right hand.
         size: Length of the hand that takes the pose against the skeleton.
     """
-    angles = np.deg2rad(np.asarray(table, float))
-    rotation, origin = palm.rotation, np.add(palm.origin, device)
-    if side == "left":
-        rotation, origin = _MIRROR[:, None] * rotation, _MIRROR * origin
-    q = np.zeros(POSE_SIZE)
-    q[ROOT_ROTATION] = log(rotation)
-    q[ROOT_POSITION] = origin - rotation @ np.multiply(size, PALM_CENTRE)
-    turns = []
-    before = np.eye(3)
-    last = -1
-    for bone in skeleton.bones:
-        if bone.finger != last:
-            last, column, before = bone.finger, 1, np.eye(3)
-            flexion, spread = angles[last, 0], angles[last, 1]
-            now = FRAMES[last] @ exp((-flexion, 0.0, 0.0)) @ exp((0.0, 0.0, spread))
-        else:
-            column += 1
-            now = before @ exp((-angles[last, column], 0.0, 0.0))
-        turns.append(bone.rest.T @ before.T @ now)
-        before = now
-    q[JOINTS] = log(np.array(turns)).reshape(-1)
-    q = within_limits(q, skeleton)
-    return mirrored(q) if side == "left" else q
+    make = _ADULT if skeleton is ADULT else HandPoser(skeleton)
+    return make(table, palm, side, device, size)
