@@ -1,0 +1,1 @@
+"""Hands in motion, live, into Maya, Blender or whatever else reads lines."""

@@ -1,0 +1,170 @@
+"""Vectors and turns inside Maya and Blender, which may have no NumPy. Python 3.7 and later."""
+
+from __future__ import annotations
+
+import math
+from typing import List, Sequence, Tuple
+
+Vector = Tuple[float, float, float]
+Quaternion = Tuple[float, float, float, float]  # w, x, y, z; of length 1
+Rows = List[List[float]]  # of a 3 x 3 matrix
+
+
+class Refused(Exception):  # noqa: N818
+    """Says in words why a rig or a line cannot be used."""
+
+
+def plus(a: Sequence[float], b: Sequence[float]) -> Vector:
+    """Their sum."""
+    return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
+
+
+def minus(a: Sequence[float], b: Sequence[float]) -> Vector:
+    """From b to a."""
+    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
+
+
+def times(a: Sequence[float], factor: float) -> Vector:
+    """A vector, so many times as long."""
+    return (factor * a[0], factor * a[1], factor * a[2])
+
+
+def dot(a: Sequence[float], b: Sequence[float]) -> float:
+    """Their scalar product."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def cross(a: Sequence[float], b: Sequence[float]) -> Vector:
+    """Their vector product."""
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+def length(a: Sequence[float]) -> float:
+    """Of a vector."""
+    return math.sqrt(dot(a, a))
+
+
+def normal(a: Sequence[float]) -> Vector:
+    """The unit vector of the same direction."""
+    size = length(a)
+    if size < 1e-9:
+        raise Refused("joints that lie in one place have no direction")
+    return times(a, 1.0 / size)
+
+
+def unit(q: Sequence[float]) -> Quaternion:
+    """A quaternion made to be of length 1, which it nearly is."""
+    size = math.sqrt(sum(v * v for v in q))
+    if len(q) != 4 or not 0.9 < size < 1.1:
+        raise ValueError("no unit quaternion")
+    return (q[0] / size, q[1] / size, q[2] / size, q[3] / size)
+
+
+def product(a: Quaternion, b: Quaternion) -> Quaternion:
+    """First b, then a."""
+    return (
+        a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+        a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+        a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
+        a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
+    )
+
+
+def inverse(q: Quaternion) -> Quaternion:
+    """The turn back."""
+    return (q[0], -q[1], -q[2], -q[3])
+
+
+def rotated(q: Quaternion, a: Sequence[float]) -> Vector:
+    """A vector, turned."""
+    u = (q[1], q[2], q[3])
+    t = times(cross(u, a), 2.0)
+    return plus(plus(a, times(t, q[0])), cross(u, t))
+
+
+def rows_of(q: Quaternion) -> Rows:
+    """The matrix of a turn."""
+    columns = [rotated(q, axis) for axis in ((1, 0, 0), (0, 1, 0), (0, 0, 1))]
+    return [[column[i] for column in columns] for i in range(3)]
+
+
+def quaternion_of(m: Rows) -> Quaternion:
+    """The turn of a matrix."""
+    w = math.sqrt(max(0.0, 1.0 + m[0][0] + m[1][1] + m[2][2])) / 2.0
+    x = math.sqrt(max(0.0, 1.0 + m[0][0] - m[1][1] - m[2][2])) / 2.0
+    y = math.sqrt(max(0.0, 1.0 - m[0][0] + m[1][1] - m[2][2])) / 2.0
+    z = math.sqrt(max(0.0, 1.0 - m[0][0] - m[1][1] + m[2][2])) / 2.0
+    # The greatest of the four says the others' signs.
+    if w >= max(x, y, z):
+        signs = (1.0, m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1])
+    elif x >= max(y, z):
+        signs = (m[2][1] - m[1][2], 1.0, m[0][1] + m[1][0], m[0][2] + m[2][0])
+    elif y >= z:
+        signs = (m[0][2] - m[2][0], m[0][1] + m[1][0], 1.0, m[1][2] + m[2][1])
+    else:
+        signs = (m[1][0] - m[0][1], m[0][2] + m[2][0], m[1][2] + m[2][1], 1.0)
+    return unit([math.copysign(v, sign) for v, sign in zip((w, x, y, z), signs)])
+
+
+def between(a: Sequence[float], b: Sequence[float]) -> Quaternion:
+    """The shortest turn from one direction to another."""
+    one, two = normal(a), normal(b)
+    axis, cosine = cross(one, two), dot(one, two)
+    if cosine < -0.999999:
+        other = (1.0, 0.0, 0.0) if abs(one[0]) < 0.9 else (0.0, 1.0, 0.0)
+        axis = normal(cross(one, other))
+        return (0.0, axis[0], axis[1], axis[2])
+    size = math.sqrt((1.0 + cosine) ** 2 + dot(axis, axis))
+    return ((1.0 + cosine) / size, axis[0] / size, axis[1] / size, axis[2] / size)
+
+
+def angles_of(q: Quaternion, before: Sequence[float]) -> Vector:
+    """Degrees about x, then y, then z (still axes), nearest to those before."""
+    m = rows_of(q)
+    x = math.degrees(math.atan2(m[2][1], m[2][2]))
+    y = math.degrees(math.asin(max(-1.0, min(1.0, -m[2][0]))))
+    z = math.degrees(math.atan2(m[1][0], m[0][0]))
+    found = []
+    for triple in ((x, y, z), (x + 180.0, 180.0 - y, z + 180.0)):
+        near = [v + 360.0 * round((b - v) / 360.0) for v, b in zip(triple, before)]
+        found.append((sum(abs(v - b) for v, b in zip(near, before)), near))
+    best = min(found)[1]
+    return (best[0], best[1], best[2])
+
+
+def palm_frame(
+    places: Sequence[Sequence[Vector]], fingers: Sequence[int], side: str, up: Vector
+) -> Rows:
+    """Rows of the matrix whose columns are a rig's palm in its world: x across it, y along the
+    fingers, z out of its back; x is towards the little finger of a right hand.
+
+    Args:
+        places: Of the joints of every chain, from the palm outwards.
+        fingers: Which finger each chain is, thumb 0 .. little 4.
+        side: `right` or `left`.
+        up: Where the back of the hand is, should the chains not tell.
+    """
+    long = sorted((f, list(p)) for f, p in zip(fingers, places) if f > 0)
+    long = long or sorted((f, list(p)) for f, p in zip(fingers, places))
+    along: Vector = (0.0, 0.0, 0.0)
+    for _, chain in long:
+        along = plus(along, minus(chain[-1], chain[0]))
+    along = normal(along)
+    across = times(minus(long[-1][1][0], long[0][1][0]), -1.0 if side == "left" else 1.0)
+    if length(cross(across, along)) < 1e-6:
+        # One chain does not tell where the back of a hand is.
+        other = up if abs(dot(up, along)) < 0.9 else (up[2], up[0], up[1])
+        across = cross(along, other)
+    back = normal(cross(across, along))
+    x = cross(along, back)
+    return [[x[i], along[i], back[i]] for i in range(3)]
+
+
+def into(frame: Rows, origin: Vector, place: Vector) -> Vector:
+    """A place in a frame whose axes are the columns of a matrix."""
+    d = minus(place, origin)
+    return (
+        sum(frame[i][0] * d[i] for i in range(3)),
+        sum(frame[i][1] * d[i] for i in range(3)),
+        sum(frame[i][2] * d[i] for i in range(3)),
+    )

@@ -1,0 +1,178 @@
+"""What is sent: one moment of a hand as a short line of text that needs no memory of others.
+
+    hs1 RUN SIDE SEQ TIME p X Y Z W X Y Z [c K DX DY DZ PX PY PZ L]... [j J W X Y Z]...
+    hs1 RUN SIDE rig b NAME PARENT X Y Z W X Y Z ... e PARENT X Y Z ...
+    hs1 RUN SIDE stop
+
+`p` is the palm: m, and a unit quaternion world from palm (palm: x towards the little finger of a
+right hand and the thumb of a left one, y along the fingers, z out of its back). `c` is finger K:
+from its first joint to its tip, in the palm's frame, divided by the length L (m) of its bones, so
+that 1 is a straight finger (direction times length ratio, PAALM section 5); and the way in which it
+bulges when it bends. `j` is joint J's turn, parent from joint. A `rig` line describes the hand
+itself: joints at zero, and fingertips.
+
+Every line holds the palm, so that any line may be lost; a line is shorter than Maya's command port
+allows. Only letters, digits, `.`, `-`, `_` and spaces occur, so that any language can quote it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from secrets import token_hex
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.errors import InputError
+from models.frames import FINGERS
+from models.motion.armature import Y_UP, Z_UP, Armature, Keys
+from models.rotations import matrix_to_quaternion
+
+Array = NDArray[np.float64]
+
+LIMIT = 4096
+"""Bytes of a command at which Maya's command port closes the connection, its default bufferSize."""
+
+VERSION = "hs1"
+STRAIGHT = 0.9999
+"""Greatest length ratio sent: a target out of reach makes solvers of IK shake."""
+
+
+@dataclass(frozen=True)
+class Target:
+    """A kind of program that lines are sent to.
+
+    Attributes:
+        name: In words.
+        up: (3, 3) its world from ours.
+        turns: Also send the turns of all joints.
+        wrap: Makes a command of a line, without the line's end.
+        answers: It says `ok` to every line, and a lost connection is not to be feared.
+    """
+
+    name: str
+    up: Array
+    turns: bool
+    wrap: Callable[[str], str]
+    answers: bool = False
+
+
+MAYA = Target("Maya", Y_UP, False, "hand_sandbox('{}')".format)
+MAYA_MEL = Target("Maya (MEL)", Y_UP, False, "python(\"hand_sandbox('{}')\");".format)
+BLENDER = Target("Blender", Z_UP, True, "{}".format, answers=True)
+
+
+class HandLines:
+    """Writes the lines of one hand.
+
+    Args:
+        armature: Of the hand.
+        side: Its name, `right` or `left`.
+        target: Who reads them.
+        limit: Bytes that a command must stay below.
+        run: Tells one start of the program from another; drawn unless given.
+    """
+
+    def __init__(
+        self,
+        armature: Armature,
+        side: str,
+        target: Target,
+        limit: int = LIMIT,
+        run: str | None = None,
+    ) -> None:
+        self._armature, self._target, self._limit = armature, target, limit
+        self._head = f"{VERSION} {run or token_hex(4)} {side}"
+        self._chains = _chains(armature)
+        self._lengths = [_length(armature, chain) for chain in self._chains]
+        self._sent = 0
+
+    @property
+    def rig(self) -> str:
+        """The command that describes the hand itself; sent at every start of a connection."""
+        arm, zero = self._armature, self._armature.zero("ZXY")
+        zero = zero[0].T @ zero  # in the palm's frame: fingers straight, side by side
+        items = []
+        for j, name in enumerate(arm.names):
+            parent = arm.parents[j]
+            turn = zero[parent].T @ zero[j] if j else np.eye(3)
+            place = _numbers(arm.offsets[j], 5)
+            items.append(f"b {name} {parent} {place} {_quaternion(turn)}")
+        items += [f"e {chain[-1]} {_numbers(arm.ends[chain[-1]], 5)}" for chain in self._chains]
+        return self._command(f"{self._head} rig " + " ".join(items))
+
+    @property
+    def stop(self) -> str:
+        """The command that ends it: bake, and let go."""
+        return self._command(f"{self._head} stop")
+
+    def lines(self, time: float, keys: Keys) -> list[str]:
+        """The commands of one moment, one as a rule; more where one would be too long.
+
+        Args:
+            time: s since the stream's start.
+            keys: One moment, shapes (1, 3) and (1, 15, 3, 3).
+
+        Raises:
+            InputError: Not even one finger fits.
+        """
+        items = self._items(keys)
+        head = f"{self._head} {self._sent} {time:.4f} {items[0]}"
+        self._sent += 1
+        out, line = [], head
+        for item in items[1:]:
+            longer = f"{line} {item}"
+            if len(self._target.wrap(longer)) + 1 >= self._limit and line != head:
+                out.append(self._command(line))
+                longer = f"{head} {item}"
+            line = longer
+        return [*out, self._command(line)]
+
+    def _items(self, keys: Keys) -> list[str]:
+        arm, up = self._armature, self._target.up
+        joints, tips = arm.place(keys)
+        palm, turns = keys.turns[0, 0], keys.turns[0]
+        items = [f"p {_numbers(up @ keys.root[0], 5)} {_quaternion(up @ palm)}"]
+        for k, chain in enumerate(self._chains):
+            reach = palm.T @ (tips[0, k] - joints[0, chain[0]]) / self._lengths[k]
+            reach *= min(1.0, STRAIGHT / max(float(np.linalg.norm(reach)), 1e-9))
+            # Half-way along the finger, its back is the way in which it bulges.
+            first, second = turns[chain[0]], turns[chain[1]]
+            back = (first @ second)[:, 2]
+            numbers = f"{_numbers(reach, 5)} {_numbers(back, 4)} {self._lengths[k]:.5f}"
+            items.append(f"c {k} {numbers}")
+        if self._target.turns:
+            items += [f"j {j} {_quaternion(turns[j])}" for j in range(1, len(arm.names))]
+        return items
+
+    def _command(self, line: str) -> str:
+        command = self._target.wrap(line)
+        if len(command) + 1 >= self._limit:
+            raise InputError(
+                "a command would be too long for the other program", where=self._target.name,
+                got=f"{len(command) + 1} bytes", expected=f"below {self._limit}",
+            )  # fmt: skip
+        return command
+
+
+def _chains(armature: Armature) -> list[list[int]]:
+    """Joints of every finger, outwards."""
+    out: list[list[int]] = [[] for _ in FINGERS]
+    for j, bone in enumerate(armature.skeleton.bones, start=1):
+        out[bone.finger].append(j)
+    return out
+
+
+def _length(armature: Armature, chain: list[int]) -> float:
+    """m, sum of a finger's bones."""
+    return float(sum(armature.skeleton.bones[j - 1].length for j in chain))
+
+
+def _numbers(values: Array, decimals: int) -> str:
+    # No number is written as -0: it would be a byte of nothing.
+    return " ".join(f"{v:.{decimals}f}" for v in (np.round(values, decimals) + 0.0).tolist())
+
+
+def _quaternion(rotation: Array) -> str:
+    return _numbers(matrix_to_quaternion(rotation), 7)

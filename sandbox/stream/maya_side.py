@@ -1,0 +1,366 @@
+"""Hands from Hand Sandbox in Maya: paste into the script editor (Python), run, select, start().
+
+Select the first joint of one to five chains, thumb first, then
+
+    open_port()          # Maya's command port, reached from this machine only
+    start()              # the chains follow the hand that `sandbox stream --maya :7002` sends
+    start(side="left")   # another rig, another selection, for a left hand
+    stop()               # bakes the keys onto the joints and takes the targets away
+
+With nothing selected, start() makes a hand like the streamed one. Options of start:
+
+    fingers   which finger moves which chain, such as (1, 2): thumb 0 .. little 4
+    root      the transform that follows the palm; found above the chains where it is not named, and
+              root="" leaves the palm where it is
+    absolute  True puts the palm where the streamed one is; otherwise the rig goes on from where it
+              stands by what the streamed hand moves and turns
+    key       False moves the rig without keys
+    scale     scene units a metre of the palm's path; found from the chains' lengths
+
+Written for Python 3.7 (Maya 2022) and later, and needs nothing but Maya. NEVER RUN IN A REAL MAYA:
+what speaks for it are types and a small scene made to behave like Maya's as far as that is
+documented. docs/stream.md tells more.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import Any, Dict, List, Optional, Sequence, Tuple
+
+from maya import cmds
+
+import __main__
+from sandbox.stream.guest_line import Line
+from sandbox.stream.guest_math import (
+    Quaternion,
+    Refused,
+    Rows,
+    Vector,
+    angles_of,
+    into,
+    inverse,
+    length,
+    minus,
+    palm_frame,
+    plus,
+    product,
+    quaternion_of,
+    rotated,
+    rows_of,
+    times,
+)
+
+FINGERS = ("thumb", "index", "middle", "ring", "little")
+BY_COUNT = {1: (1,), 2: (0, 1), 3: (0, 1, 2), 4: (1, 2, 3, 4), 5: (0, 1, 2, 3, 4)}
+UNITS = {"mm": 1e3, "cm": 1e2, "m": 1.0, "km": 1e-3, "in": 39.3701, "ft": 3.28084, "yd": 1.09361}
+RATES = {"game": 15.0, "film": 24.0, "pal": 25.0, "ntsc": 30.0, "show": 48.0, "palf": 50.0,
+         "ntscf": 60.0}  # fmt: skip
+STEP = 10.0  # degrees by which a solver is told to bend joints that are straight
+TOLD = 3  # warnings about lines that cannot be used; more would fill the script editor
+
+# Published stubs of maya.cmds know no query together with another flag.
+asked: Any = cmds
+
+hands: Dict[str, "Hand"] = {}
+waiting: Dict[str, Dict[str, Any]] = {}
+counts: Dict[str, int] = {"lines": 0, "lines refused": 0}
+
+
+class Hand:
+    """A rig that follows one streamed hand.
+
+    Everything hangs in one group: a transform for the palm, in which each chain has a locator for
+    its tip and one for the way it bulges, in the palm's frame, and the IK handles that follow them.
+    """
+
+    def __init__(self, chains: List[List[str]], fingers: Sequence[int], side: str,
+                 root: Optional[str], scale: Optional[float], key: bool, absolute: bool,
+                 frame: Optional[Rows] = None) -> None:  # fmt: skip
+        self.side, self.key, self.scale, self.absolute = side, key, scale, absolute
+        self.fingers, self.chains, self.root = tuple(fingers), chains, root
+        self.run = ""
+        self.start: Tuple[float, float] = (0.0, 0.0)  # frame, and s of the stream
+        self.keyed: List[int] = []  # first and last frame
+        self.begin: Optional[Tuple[Vector, Quaternion]] = None
+        self.bases: List[Vector] = []
+        self.targets: List[str] = []
+        self.poles: List[str] = []
+        places = [[_place(joint) for joint in chain] for chain in chains]
+        # A finger's length is the sum of its bones, as in the paper.
+        self.lengths = [sum(length(minus(a, b)) for a, b in zip(p, p[1:])) for p in places]
+        self.frame = frame or palm_frame(places, self.fingers, side, _up())
+        self.group = str(cmds.group(empty=True, name="hand_sandbox_" + side))
+        try:
+            self._build(places)
+        except Exception:
+            cmds.delete(self.group)
+            raise
+
+    def _build(self, places: List[List[Vector]]) -> None:
+        where = _place(self.root) if self.root else places[0][0]
+        self.rest = (where, quaternion_of(self.frame))
+        palm = cmds.group(empty=True, name="palm_" + self.side, parent=self.group)
+        self.palm = str(palm)
+        self._put_palm(*self.rest)
+        for finger, chain, place, size in zip(self.fingers, self.chains, places, self.lengths):
+            name = "%s_%s" % (FINGERS[finger], self.side)
+            base = into(self.frame, where, place[0])
+            self.bases.append(base)
+            self.targets.append(self._locator(name + "_target", into(self.frame, where, place[-1])))
+            self.poles.append(self._locator(name + "_pole", plus(base, (0.0, 0.0, size))))
+            for joint in chain[1:-1]:
+                _prefer(joint, self.frame)
+            solver = "ikRPsolver" if len(chain) > 2 else "ikSCsolver"
+            made = cmds.ikHandle(
+                startJoint=chain[0], endEffector=chain[-1], solver=solver, name=name + "_ik"
+            )
+            handle = str(cmds.parent(made[0], self.group)[0])
+            cmds.pointConstraint(self.targets[-1], handle)
+            if solver == "ikRPsolver":
+                cmds.poleVectorConstraint(self.poles[-1], handle)
+        if self.root:
+            cmds.parentConstraint(self.palm, self.root, maintainOffset=True)
+
+    def _locator(self, name: str, place: Vector) -> str:
+        made = str(cmds.parent(cmds.spaceLocator(name=name)[0], self.palm, relative=True)[0])
+        cmds.setAttr(made + ".translate", *place)
+        return made
+
+    def update(self, line: Line) -> None:
+        """Takes in one moment."""
+        if line.run != self.run:
+            # The sandbox was started anew: its time and its hand begin here.
+            self.run, self.begin = line.run, None
+            self.start = (float(asked.currentTime(query=True)), line.time)
+        frame = int(round(self.start[0] + (line.time - self.start[1]) * _rate()))
+        if self.key and asked.currentTime(query=True) != frame:
+            # Keys elsewhere than at the current time would not be seen.
+            cmds.currentTime(frame)
+        if self.root:
+            self._follow(line)
+        for finger, base, size, target, pole in zip(
+            self.fingers, self.bases, self.lengths, self.targets, self.poles
+        ):
+            if finger in line.chains:
+                way, back, _ = line.chains[finger]
+                cmds.setAttr(target + ".translate", *plus(base, times(way, size)))
+                cmds.setAttr(pole + ".translate", *plus(base, times(back, size)))
+        if self.key:
+            cmds.setKeyframe(*self.targets, *self.poles, attribute="translate", time=frame)
+            if self.root:
+                cmds.setKeyframe(self.palm, attribute=["translate", "rotate"], time=frame)
+            self.keyed = [min([frame, *self.keyed]), max([frame, *self.keyed])]
+
+    def _follow(self, line: Line) -> None:
+        place, turn = line.place, line.turn
+        if _up()[2]:
+            quarter = math.sqrt(0.5)
+            place = (place[0], -place[2], place[1])
+            turn = product((quarter, quarter, 0.0, 0.0), turn)
+        if self.scale is None:
+            known = [(size, line.chains[finger][2])
+                     for finger, size in zip(self.fingers, self.lengths) if finger in line.chains]  # fmt: skip
+            if not known:
+                return
+            self.scale = sum(a for a, _ in known) / sum(b for _, b in known)
+        if self.begin is None:
+            self.begin = (place, turn)
+        if self.absolute:
+            self._put_palm(times(place, self.scale), turn)
+            return
+        moved = times(minus(place, self.begin[0]), self.scale)
+        turned = product(turn, inverse(self.begin[1]))
+        self._put_palm(plus(self.rest[0], moved), product(turned, self.rest[1]))
+
+    def _put_palm(self, place: Vector, turn: Quaternion) -> None:
+        before = cmds.getAttr(self.palm + ".rotate")[0]
+        cmds.setAttr(self.palm + ".translate", *place)
+        cmds.setAttr(self.palm + ".rotate", *angles_of(turn, before))
+
+    def finish(self, bake: bool) -> None:
+        """Bakes what was keyed, and takes handles and targets away."""
+        if bake and self.keyed and cmds.objExists(self.group):
+            nodes = [joint for chain in self.chains for joint in chain[:-1]]
+            turns, moves = (
+                ["%s%s" % (what, axis) for axis in "XYZ"] for what in ("rotate", "translate")
+            )
+            for some, attributes in ((nodes, turns), ([self.root], moves + turns)):
+                if some[0]:
+                    cmds.bakeResults(
+                        some, time=(self.keyed[0], self.keyed[1]), attribute=attributes,
+                        simulation=True, sampleBy=1, disableImplicitControl=True,
+                        preserveOutsideKeys=True,
+                    )  # fmt: skip
+        # Constraints hang below what they move, everything else in the group.
+        for one in (
+            cmds.listRelatives(self.root, type="parentConstraint") or [] if self.root else []
+        ):
+            if self.palm in (asked.parentConstraint(one, query=True, targetList=True) or []):
+                cmds.delete(one)
+        if cmds.objExists(self.group):
+            cmds.delete(self.group)
+
+
+def start(side: str = "right", fingers: Optional[Sequence[int]] = None, root: Optional[str] = None,
+          scale: Optional[float] = None, key: bool = True, absolute: bool = False) -> None:  # fmt: skip
+    """Lets the selected chains follow a streamed hand."""
+    stop(side, bake=False)
+    chosen = cmds.ls(selection=True, type="joint", long=True) or []
+    options: Dict[str, Any] = {"root": root, "scale": scale, "key": key, "absolute": absolute}
+    if not chosen:
+        waiting[side] = options
+        print("hand_sandbox: no joint is selected; the streamed hand itself is made when it comes")
+        return
+    cmds.undoInfo(openChunk=True, chunkName="hand_sandbox start")
+    try:
+        hands[side] = _hand(chosen, fingers, side, **options)
+    except Refused as error:
+        cmds.warning("hand_sandbox: %s" % error)
+    finally:
+        cmds.undoInfo(closeChunk=True)
+
+
+def stop(side: Optional[str] = None, bake: bool = True) -> None:
+    """Bakes the keys of a hand, or of all hands, onto the joints, and lets them go."""
+    for name in [side] if side else [*hands, *waiting]:
+        waiting.pop(name, None)
+        hand = hands.pop(name, None)
+        if hand is None:
+            continue
+        cmds.undoInfo(openChunk=True, chunkName="hand_sandbox stop")
+        try:
+            hand.finish(bake)
+        finally:
+            cmds.undoInfo(closeChunk=True)
+
+
+def hand_sandbox(text: str) -> None:
+    """Takes in a line of the stream; whatever is in it, Maya goes on."""
+    undo = bool(cmds.undoInfo(query=True, state=True))
+    try:
+        line = Line(text)
+        if line.kind == "stop":
+            if line.side in hands:
+                stop(line.side)
+            return
+        # A thousand small changes a minute would push everything else out of the undo queue.
+        cmds.undoInfo(stateWithoutFlush=False)
+        if line.kind == "rig" and line.side in waiting:
+            _make(line, **waiting.pop(line.side))
+        elif line.kind == "moment" and line.side in hands:
+            hands[line.side].update(line)
+        counts["lines"] += 1
+    except Exception as error:  # none may reach the command port, which could die of it
+        counts["lines refused"] += 1
+        if counts["lines refused"] <= TOLD:
+            cmds.warning("hand_sandbox: %s" % error)
+        for side in [s for s, hand in hands.items() if not cmds.objExists(hand.palm)]:
+            cmds.warning("hand_sandbox: the %s hand's targets are gone; start() again" % side)
+            del hands[side]
+    finally:
+        if undo:
+            cmds.undoInfo(stateWithoutFlush=True)
+
+
+def open_port(port: int = 7002) -> None:
+    """Opens Maya's command port on this machine only. Whatever reaches it can run any code."""
+    if not asked.commandPort("127.0.0.1:%d" % port, query=True):
+        cmds.commandPort(name="127.0.0.1:%d" % port, sourceType="python", noreturn=True)
+
+
+def close_port(port: int = 7002) -> None:
+    """Closes it again."""
+    cmds.commandPort(name="127.0.0.1:%d" % port, close=True)
+
+
+def _hand(chosen: Sequence[str], fingers: Optional[Sequence[int]], side: str, root: Optional[str],
+          **options: Any) -> Hand:  # fmt: skip
+    if len(chosen) not in BY_COUNT:
+        raise Refused("%d joints are selected: take the first of 1 to 5 chains" % len(chosen))
+    wanted = BY_COUNT[len(chosen)] if fingers is None else tuple(fingers)
+    if len(wanted) != len(chosen) or len({*wanted} & {*range(5)}) != len(chosen):
+        raise Refused("fingers=%r do not name each of %d chains" % (wanted, len(chosen)))
+    chains = [_chain(joint) for joint in chosen]
+    every = [joint for chain in chains for joint in chain]
+    if len({*every}) != len(every):
+        raise Refused("one of the selected joints is in the chain of another one")
+    if root is None:
+        above = {(cmds.listRelatives(c[0], parent=True, fullPath=True) or [""])[0] for c in chains}
+        root = above.pop() if len(above) == 1 else ""
+    if root and not cmds.objExists(root):
+        raise Refused("there is no %s" % root)
+    return Hand(chains, wanted, side, root or None, **options)
+
+
+def _chain(joint: str) -> List[str]:
+    """A joint and the joints below it, the first one at every fork."""
+    chain = [joint]
+    while True:
+        below = cmds.listRelatives(chain[-1], children=True, type="joint", fullPath=True) or []
+        if not below:
+            break
+        chain.append(below[0])
+    if len(chain) < 2:
+        raise Refused("below %s there is no other joint" % joint)
+    return chain
+
+
+def _make(line: Line, **options: Any) -> None:
+    """Makes joints of the streamed hand, fingers straight, palm down, and lets them follow."""
+    metre = options["scale"] or UNITS.get(str(cmds.currentUnit(query=True, linear=True)), 100.0)
+    quarter = math.sqrt(0.5)
+    flat: Quaternion = (1.0, 0.0, 0.0, 0.0) if _up()[2] else (quarter, -quarter, 0.0, 0.0)
+    made: List[Tuple[str, Vector, Quaternion]] = []
+    for name, parent, shift, turn in line.bones:
+        if parent < 0:
+            made.append((_joint("%s_%s" % (name, line.side), shift, metre, None), shift, flat))
+            continue
+        above, place, so_far = made[parent]
+        place = plus(place, rotated(so_far, shift))
+        joint = _joint("%s_%s" % (name, line.side), place, metre, above)
+        made.append((joint, place, product(so_far, turn)))
+    for parent, reach in sorted(line.ends.items()):
+        above, place, so_far = made[parent]
+        name = "%s_tip_%s" % (line.bones[parent][0], line.side)
+        _joint(name, plus(place, rotated(so_far, reach)), metre, above)
+    firsts = [made[i][0] for i, bone in enumerate(line.bones) if bone[1] == 0]
+    options.update(root=made[0][0], scale=metre, absolute=True, frame=rows_of(flat))
+    hands[line.side] = _hand(firsts, None, line.side, **options)
+
+
+def _joint(name: str, place: Vector, metre: float, above: Optional[str]) -> str:
+    cmds.select(clear=True)
+    joint = str(cmds.joint(name=name, position=times(place, metre)))
+    if above:
+        joint = str(cmds.parent(joint, above)[0])
+    return str(cmds.ls(joint, long=True)[0])
+
+
+def _prefer(joint: str, frame: Rows) -> None:
+    """Tells a solver which way a joint bends: about the palm's x axis, on from where it is."""
+    m = asked.xform(joint, query=True, worldSpace=True, matrix=True)
+    rest = cmds.getAttr(joint + ".rotate")[0]
+    for i, letter in enumerate("XYZ"):
+        share = sum(m[4 * i + k] * frame[k][0] for k in range(3))
+        cmds.setAttr("%s.preferredAngle%s" % (joint, letter), rest[i] - STEP * share)
+
+
+def _place(node: str) -> Vector:
+    x, y, z = asked.xform(node, query=True, worldSpace=True, translation=True)
+    return (x, y, z)
+
+
+def _up() -> Vector:
+    return (0.0, 0.0, 1.0) if cmds.upAxis(query=True, axis=True) == "z" else (0.0, 1.0, 0.0)
+
+
+def _rate() -> float:
+    """Frames a second of the scene."""
+    unit = str(cmds.currentUnit(query=True, time=True))
+    told = re.match(r"([0-9.]+)fps\Z", unit)
+    return float(told.group(1)) if told else RATES.get(unit, 24.0)
+
+
+# A command port runs what it hears in __main__, wherever this file was loaded from.
+__main__.hand_sandbox = hand_sandbox

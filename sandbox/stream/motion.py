@@ -1,0 +1,78 @@
+"""Where streamed hands come from: a session whose hands are told what to do, without its physics.
+
+Devices that look at the scene before they move, simulated people, need one that moves: for them the
+physics runs, too.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+
+import numpy as np
+
+from models.errors import DivergenceError
+from models.frames import TouchFrame
+from models.motion.armature import Armature
+from models.motion.sampling import Poses
+from models.scene import CONTROL_PERIOD
+from sandbox.export.sources import Source, Take, commanded_poses, poses_of, together
+from sandbox.export.view import simulated_poses
+from sandbox.newest import Newest
+from sandbox.pacing import RealTime
+from sandbox.session import Session
+
+
+def source_of_session(session: Session, stop: threading.Event, of: str = "commanded") -> Source:
+    """The hands of a session at real time, until it is over or `stop` is set.
+
+    Args:
+        session: Ready for its first step.
+        stop: Ends it.
+        of: `commanded`, what the devices tell the hands to do; or `simulated`, how they move, for
+            which the physics runs.
+    """
+    looking = [rig.device.show for rig in session.rigs if hasattr(rig.device, "show")]
+    physics = bool(looking) or of == "simulated"
+    play = _with_physics if physics else _without_physics
+    names = tuple(rig.hand.name for rig in session.rigs)
+    armatures = tuple(Armature(rig.hand.skeleton) for rig in session.rigs)
+    what = "the simulated hand" if of == "simulated" else "what the hand is told to do"
+
+    def run(take: Take) -> str:
+        return play(session, stop, of, take)
+
+    return Source(armatures, names, 0.0, what, run)
+
+
+def _with_physics(session: Session, stop: threading.Event, of: str, take: Take) -> str:
+    poses: Callable[..., Poses] = commanded_poses if of == "commanded" else simulated_poses
+    looking = [rig.device.show for rig in session.rigs if hasattr(rig.device, "show")]
+    clock = RealTime()
+    while not (session.over or stop.is_set()):
+        try:
+            snapshot = session.advance()
+        except DivergenceError as error:
+            return f"the simulation diverged: {error.what}"
+        for show in looking:
+            show(snapshot)
+        take(poses(snapshot))
+        clock.wait(snapshot.time)
+    return ""
+
+
+def _without_physics(session: Session, stop: threading.Event, of: str, take: Take) -> str:
+    rigs = session.rigs
+    newest = [Newest(getattr(rig.reconstructor, "empty", TouchFrame(0.0))) for rig in rigs]
+    clock, ticks = RealTime(), 0
+    while not (stop.is_set() or all(rig.device.finished for rig in rigs)):
+        now = ticks * CONTROL_PERIOD
+        hands = []
+        for rig, heard in zip(rigs, newest, strict=True):
+            heard.take(rig.device.poll(now), now)
+            found = rig.reconstructor.step(heard.frame)  # type: ignore[arg-type]
+            hands.append(poses_of(np.array([now]), found.q[None]))
+        take(together(hands))
+        ticks += 1
+        clock.wait(ticks * CONTROL_PERIOD)
+    return ""

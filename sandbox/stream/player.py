@@ -1,0 +1,106 @@
+"""Poses from a source, as commands at an even rate, to a sender."""
+
+from __future__ import annotations
+
+import threading
+import time
+from dataclasses import dataclass
+
+from models.motion.armature import Keys
+from models.motion.sampling import Poses, Sampler
+from sandbox.export.sources import Source
+from sandbox.pacing import RealTime
+from sandbox.stream.lines import HandLines, Target
+from sandbox.stream.sender import Sender
+
+
+class Stopped(Exception):  # noqa: N818
+    """Raised through a source to end it early; nobody sees it."""
+
+
+@dataclass(frozen=True)
+class Pace:
+    """How fast moments go.
+
+    Attributes:
+        rate: Hz of the moments.
+        speed: Seconds of the motion per second; 0 leaves the clock to the source, which is live.
+        wait: s for which to wait for a moment to be sent before the next one; 0 drops the older.
+    """
+
+    rate: float = 60.0
+    speed: float = 0.0
+    wait: float = 0.0
+
+
+class Player:
+    """Streams the hands of a source.
+
+    Args:
+        source: Of poses.
+        target: Who reads.
+        pace: How fast.
+
+    Attributes:
+        hands: Writers of lines, one for each hand.
+        moments: Sent or dropped so far, of all hands together.
+        work: s of the source's own thread that writing lines took, all together.
+    """
+
+    def __init__(self, source: Source, target: Target, pace: Pace) -> None:
+        self._source, self._pace = source, pace
+        self._sampler = Sampler(source.armatures, pace.rate)
+        self.hands = [
+            HandLines(armature, name, target)
+            for armature, name in zip(source.armatures, source.names, strict=True)
+        ]
+        self.moments = 0
+        self.work = 0.0
+        self._clock: RealTime | None = None
+
+    @property
+    def greeting(self) -> list[str]:
+        """Commands for the beginning of a connection."""
+        return [hand.rig for hand in self.hands]
+
+    def play(self, sender: Sender, stop: threading.Event) -> str:
+        """Streams to the end of the source, then orders the other side to stop.
+
+        Args:
+            sender: Made with `greeting`.
+            stop: Ends it early.
+
+        Returns:
+            What was wrong with the source, or nothing.
+        """
+
+        def take(poses: Poses) -> None:
+            if stop.is_set():
+                raise Stopped
+            keys = self._sampler.add(poses)
+            if keys is None:
+                return
+            for i in range(len(keys[0].root)):
+                if stop.is_set():
+                    raise Stopped
+                self._show(sender, [Keys(k.root[i : i + 1], k.turns[i : i + 1]) for k in keys])
+
+        try:
+            return self._source.play(take)
+        except Stopped:
+            return ""
+        finally:
+            for hand in self.hands:
+                sender.order(hand.stop)
+
+    def _show(self, sender: Sender, hands: list[Keys]) -> None:
+        moment = self.moments / self._pace.rate
+        if self._pace.speed:
+            self._clock = self._clock or RealTime(self._pace.speed)
+            self._clock.wait(moment)
+        for name, lines, keys in zip(self._source.names, self.hands, hands, strict=True):
+            begin = time.perf_counter()
+            commands = lines.lines(moment, keys)
+            self.work += time.perf_counter() - begin
+            sender.show(name, commands, self._pace.wait)
+        self.moments += 1

@@ -1,0 +1,47 @@
+"""One file for another program's script editor, out of the modules that it is written in."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+from models.errors import InputError
+
+HERE = Path(__file__).parent
+PARTS = ("guest_math", "guest_line")
+SIDES = {"maya": "maya_side", "blender": "blender_side"}
+
+
+def script(program: str) -> str:
+    """The file for `maya` or `blender`; it needs nothing of ours.
+
+    Raises:
+        InputError: There is none for such a program.
+    """
+    if program not in SIDES:
+        raise InputError(
+            "there is no script for this program", where="--script", got=program,
+            expected=", ".join(SIDES),
+        )  # fmt: skip
+    side = (HERE / f"{SIDES[program]}.py").read_text(encoding="utf-8")
+    docstring = ast.get_docstring(ast.parse(side), clean=False) or ""
+    bodies = [_body((HERE / f"{part}.py").read_text(encoding="utf-8")) for part in PARTS]
+    head = f'"""{docstring}"""\n\nfrom __future__ import annotations\n'
+    return head + "\n\n".join([*bodies, _body(side)])
+
+
+def _body(source: str) -> str:
+    """A module without its docstring and what it imports of ours."""
+    lines: list[str | None] = list(source.splitlines())
+    for node in ast.parse(source).body:
+        ours = isinstance(node, ast.ImportFrom) and (node.module or "").partition(".")[0] in (
+            "sandbox",
+            "__future__",
+        )
+        docstring = node.lineno == 1 and isinstance(node, ast.Expr)
+        if ours or docstring:
+            lines[node.lineno - 1 : node.end_lineno] = [None] * (
+                (node.end_lineno or node.lineno) - node.lineno + 1
+            )
+    kept = [line.replace("  # noqa: N818", "") for line in lines if line is not None]
+    return "\n".join(kept).strip("\n") + "\n"

@@ -1,0 +1,273 @@
+"""Sends commands to a program that may be slow, away, rude, or gone tomorrow; never waits for it.
+
+A thread of its own holds one socket. Of what shows one moment only the newest waits (older ones are
+dropped and counted); orders, which are few, wait in a row. After a lost connection it tries again,
+at once where the other side took something first, else after ever longer pauses.
+
+Maya's command port, as far as it is known: it may answer every command or none, end answers with a
+newline and a zero byte, and up to Maya 2025 its thread can die *while answering*, after the command
+was carried out. Answers are therefore read and thrown away; that one came, or that the connection
+ended, only tells that the next command may go. With nothing heard, it goes after `patience`.
+"""
+
+from __future__ import annotations
+
+import select
+import socket
+import threading
+import time
+from collections import Counter, deque
+from collections.abc import Sequence
+
+from models.errors import DeviceError, InputError
+
+FIRST_PAUSE, LONGEST_PAUSE = 0.1, 2.0
+"""s, between attempts to connect; doubled each time."""
+PATIENCE = 0.05
+"""s for which an answer is waited for, where answers came before; three frames at 60 Hz."""
+SEND_TIMEOUT = 2.0
+"""s after which a program that takes nothing in counts as gone."""
+CONNECT_TIMEOUT = 2.0
+"""s."""
+SMALL_BUFFER = 8192
+"""Bytes that the system may keep for us; what is kept longer is only older."""
+MOST_ORDERS = 16
+"""Orders that wait; a session has one for each hand."""
+_GREETING, _ORDER = "greeting", "order"
+
+
+def parse_address(text: str, default_host: str = "127.0.0.1") -> tuple[str, int]:
+    """Host and port of `HOST:PORT`, `:PORT` or `PORT`.
+
+    Raises:
+        InputError: It is none of these.
+    """
+    host, colon, port = text.strip().rpartition(":")
+    host = host.strip("[]") or default_host
+    if not port.isascii() or not port.isdecimal() or not 1 <= int(port) <= 65535:
+        raise InputError(
+            "this is no address", where="--maya, --blender", got=text,
+            expected="HOST:PORT, such as 127.0.0.1:7002",
+        )  # fmt: skip
+    return host, int(port)
+
+
+class Sender:
+    """A connection that is made again and again.
+
+    Args:
+        host: Of the other program.
+        port: TCP.
+        greeting: Commands sent first on every connection.
+        patience: s, see `PATIENCE`.
+
+    Attributes:
+        trouble: What went wrong last; empty while all is well.
+    """
+
+    def __init__(
+        self, host: str, port: int, greeting: Sequence[str] = (), patience: float = PATIENCE
+    ) -> None:
+        self.host, self.port = host, port
+        self._greeting, self._patience = tuple(greeting), patience
+        self._news = threading.Condition()
+        self._newest: dict[str, list[str]] = {}
+        self._orders: deque[str] = deque()
+        self._counts: Counter[str] = Counter()
+        self._closing = False
+        self._busy = self._answers = False
+        self._greeted = 0
+        self.connected = threading.Event()
+        self.trouble = ""
+        self._thread = threading.Thread(target=self._run, name="stream", daemon=True)
+        self._thread.start()
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Moments sent and dropped, answers and connections."""
+        with self._news:
+            return dict(self._counts)
+
+    def show(self, hand: str, commands: Sequence[str], wait: float = 0.0) -> bool:
+        """Hands over a moment of a hand; the one that still waits is dropped.
+
+        Args:
+            hand: Whose.
+            commands: Of the moment.
+            wait: s for which to wait for the last moment to be sent, where none may be lost.
+
+        Returns:
+            Whether the last moment had been sent.
+        """
+        with self._news:
+            if wait > 0.0:
+                self._news.wait_for(lambda: hand not in self._newest, wait)
+            free = hand not in self._newest
+            if not free:
+                self._counts["moments dropped"] += 1
+            self._newest[hand] = list(commands)
+            self._news.notify_all()
+        return free
+
+    def order(self, command: str) -> None:
+        """Hands over what must not be lost; sent after the moments that wait.
+
+        Raises:
+            DeviceError: Too many wait already.
+        """
+        with self._news:
+            if len(self._orders) >= MOST_ORDERS:
+                raise DeviceError("too many orders wait to be sent", where=self._where)
+            self._orders.append(command)
+            self._news.notify_all()
+
+    def flush(self, seconds: float) -> bool:
+        """Waits until everything was sent; False where that took too long."""
+        with self._news:
+            return self._news.wait_for(lambda: not (self._pending or self._busy), seconds)
+
+    def close(self) -> None:
+        """Ends connection and thread; what still waits is lost. May be called twice."""
+        with self._news:
+            self._closing = True
+            self._news.notify_all()
+        self._thread.join(timeout=5.0)
+
+    @property
+    def _where(self) -> str:
+        return f"{self.host}:{self.port}"
+
+    @property
+    def _pending(self) -> bool:
+        return bool(self._newest or self._orders)
+
+    def _count(self, what: str, n: int = 1) -> None:
+        with self._news:
+            self._counts[what] += n
+
+    def _run(self) -> None:
+        pause = FIRST_PAUSE
+        while not self._closing:
+            commands = 0
+            try:
+                with socket.create_connection((self.host, self.port), CONNECT_TIMEOUT) as channel:
+                    self._count("connections")
+                    self._prepare(channel)
+                    self.connected.set()
+                    commands = self._talk(channel)
+            except OSError as error:
+                self.trouble = f"{type(error).__name__}: {error}"[:200]
+            finally:
+                self.connected.clear()
+            if commands != 1:
+                # Whoever listens next may be another one. A port that dies of every single answer
+                # is the same one, and greeting it again would leave no turn for anything else.
+                self._greeted = 0
+            if commands:
+                pause = FIRST_PAUSE
+                continue
+            with self._news:
+                self._news.wait_for(lambda: self._closing, pause)
+            pause = min(2.0 * pause, LONGEST_PAUSE)
+
+    def _prepare(self, channel: socket.socket) -> None:
+        # Each command a packet of its own: what is merged, or cut in two, Maya may not understand.
+        channel.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        channel.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SMALL_BUFFER)
+        channel.settimeout(SEND_TIMEOUT)
+
+    def _talk(self, channel: socket.socket) -> int:
+        """Sends until the connection ends; how many commands were sent."""
+        sent = 0
+        while True:
+            with self._news:
+                if self._closing:
+                    return sent
+                key, commands = self._take()
+                if not commands:
+                    self._news.wait_for(lambda: self._pending or self._closing, 0.2)
+            if not self._drain(channel):
+                # It had gone before this was sent, so that this is not lost.
+                self._give_back(key, commands)
+                return sent
+            for i, command in enumerate(commands):
+                try:
+                    alive = self._send(channel, command)
+                except OSError:
+                    self._give_back(key, commands[i:])
+                    raise
+                sent += 1
+                if not alive:
+                    self._give_back(key, commands[i + 1 :])
+                    self._done(key, commands)
+                    return sent
+            self._done(key, commands)
+
+    def _take(self) -> tuple[str, list[str]]:
+        """The next thing to send, and whose it is: moments before orders, since an order may end
+        what they show."""
+        self._busy = True
+        if self._greeted < len(self._greeting):
+            self._greeted += 1
+            return _GREETING, [self._greeting[self._greeted - 1]]
+        for key in self._newest:
+            return key, self._newest.pop(key)
+        if self._orders:
+            return _ORDER, [self._orders.popleft()]
+        self._busy = False
+        return "", []
+
+    def _done(self, key: str, commands: list[str]) -> None:
+        with self._news:
+            self._busy = False
+            if not commands:
+                return
+            if key != _GREETING:
+                self._counts["orders sent" if key == _ORDER else "moments sent"] += 1
+            self.trouble = ""
+            self._news.notify_all()
+
+    def _give_back(self, key: str, commands: list[str]) -> None:
+        """Puts back what was not sent, unless there is something newer."""
+        with self._news:
+            self._busy = False
+            if not commands:
+                return
+            if key == _GREETING:
+                self._greeted = 0
+            elif key == _ORDER:
+                self._orders.extendleft(reversed(commands))
+            elif key in self._newest:
+                self._counts["moments dropped"] += 1
+            else:
+                self._newest[key] = commands
+            self._news.notify_all()
+
+    def _send(self, channel: socket.socket, command: str) -> bool:
+        """Sends a command, and listens where that was of use before; whether the other side is
+        there still."""
+        channel.sendall(command.encode("ascii") + b"\n")
+        return self._drain(channel, self._patience if self._answers else 0.0)
+
+    def _drain(self, channel: socket.socket, wait: float = 0.0) -> bool:
+        """Reads answers and forgets them; False where the connection has ended."""
+        until = time.monotonic() + wait
+        while True:
+            left = max(0.0, until - time.monotonic())
+            readable, _, _ = select.select([channel], [], [], left)
+            if not readable:
+                if wait > 0.0:
+                    self._count("answers missing")
+                return True
+            try:
+                data = channel.recv(65536)
+            except ConnectionError as error:
+                self.trouble = f"{type(error).__name__}: {error}"[:200]
+                data = b""
+            self._answers = True
+            if not data:
+                self._count("connections ended by the other side")
+                return False
+            self._count("bytes of answers thrown away", len(data))
+            # One answer is all that was waited for; what else has come is read without waiting.
+            until, wait = time.monotonic(), 0.0
