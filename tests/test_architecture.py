@@ -52,7 +52,8 @@ HEAVY = ("mujoco", "glfw", "scipy", "OpenGL", "websockets", "matplotlib", "numba
 MOST_LINES = 400
 GUESTS = {
     "sandbox/stream/maya_side.py": {"maya", "__main__"},
-    "sandbox/stream/blender_side.py": {"bpy", "mathutils"},
+    "sandbox/stream/blender_rigs.py": {"bpy"},
+    "sandbox/stream/blender_side.py": {"bpy"},
 }
 """Files that run inside other programs, and what these bring along."""
 NOT_OURS = {"build", "dist", "out", "node_modules", "static", "__pycache__"}

@@ -16,6 +16,7 @@ COMMANDS: dict[str, str] = {
     "subject": "make a capture of a simulated subject: touches and poses at the same time",
     "capture": "make a capture of your own recordings of touches and hands",
     "export": "write a hand's motion for other programs: BVH, glTF, AMC, Vicon, C3D, CSV",
+    "stream": "send a hand's motion, live, to Maya or Blender",
     "train": "train an encoder on a capture, or the built-in ones anew",
     "evaluate": "measure how well methods reconstruct hands and name fingers: the paper's tables",
     "calibrate": "measure a hand against the trained one, so that it fits any person's",

@@ -133,7 +133,7 @@ class HandLines:
         arm, up = self._armature, self._target.up
         joints, tips = arm.place(keys)
         palm, turns = keys.turns[0, 0], keys.turns[0]
-        items = [f"p {_numbers(up @ keys.root[0], 5)} {_quaternion(up @ palm)}"]
+        items = [f"p {_numbers(up @ keys.root[0], 6)} {_quaternion(up @ palm)}"]
         for k, chain in enumerate(self._chains):
             reach = palm.T @ (tips[0, k] - joints[0, chain[0]]) / self._lengths[k]
             reach *= min(1.0, STRAIGHT / max(float(np.linalg.norm(reach)), 1e-9))

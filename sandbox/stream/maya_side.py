@@ -159,8 +159,11 @@ class Hand:
             place = (place[0], -place[2], place[1])
             turn = product((quarter, quarter, 0.0, 0.0), turn)
         if self.scale is None:
-            known = [(size, line.chains[finger][2])
-                     for finger, size in zip(self.fingers, self.lengths) if finger in line.chains]  # fmt: skip
+            known = [
+                (size, line.chains[finger][2])
+                for finger, size in zip(self.fingers, self.lengths)
+                if finger in line.chains
+            ]
             if not known:
                 return
             self.scale = sum(a for a, _ in known) / sum(b for _, b in known)
@@ -196,7 +199,7 @@ class Hand:
         for one in (
             cmds.listRelatives(self.root, type="parentConstraint") or [] if self.root else []
         ):
-            if self.palm in (asked.parentConstraint(one, query=True, targetList=True) or []):
+            if self.palm in (asked.parentConstraint(one, query=True, targetList=True) or ()):
                 cmds.delete(one)
         if cmds.objExists(self.group):
             cmds.delete(self.group)

@@ -5,13 +5,25 @@ from __future__ import annotations
 import threading
 import time
 from dataclasses import dataclass
+from typing import Protocol
 
 from models.motion.armature import Keys
 from models.motion.sampling import Poses, Sampler
 from sandbox.export.sources import Source
 from sandbox.pacing import RealTime
 from sandbox.stream.lines import HandLines, Target
-from sandbox.stream.sender import Sender
+
+
+class Receiver(Protocol):
+    """What takes commands: a `Sender`, or what prints them."""
+
+    def show(self, hand: str, commands: list[str], wait: float = 0.0) -> bool:
+        """Takes a moment of a hand."""
+        ...
+
+    def order(self, command: str) -> None:
+        """Takes what must not be lost."""
+        ...
 
 
 class Stopped(Exception):  # noqa: N818
@@ -63,7 +75,7 @@ class Player:
         """Commands for the beginning of a connection."""
         return [hand.rig for hand in self.hands]
 
-    def play(self, sender: Sender, stop: threading.Event) -> str:
+    def play(self, sender: Receiver, stop: threading.Event) -> str:
         """Streams to the end of the source, then orders the other side to stop.
 
         Args:
@@ -93,7 +105,7 @@ class Player:
             for hand in self.hands:
                 sender.order(hand.stop)
 
-    def _show(self, sender: Sender, hands: list[Keys]) -> None:
+    def _show(self, sender: Receiver, hands: list[Keys]) -> None:
         moment = self.moments / self._pace.rate
         if self._pace.speed:
             self._clock = self._clock or RealTime(self._pace.speed)

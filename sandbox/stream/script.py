@@ -8,8 +8,11 @@ from pathlib import Path
 from models.errors import InputError
 
 HERE = Path(__file__).parent
-PARTS = ("guest_math", "guest_line")
-SIDES = {"maya": "maya_side", "blender": "blender_side"}
+PARTS = {
+    "maya": ("guest_math", "guest_line", "maya_side"),
+    "blender": ("guest_math", "guest_line", "blender_rigs", "blender_side"),
+}
+"""Modules of each script; the last one's docstring is the script's."""
 
 
 def script(program: str) -> str:
@@ -18,16 +21,15 @@ def script(program: str) -> str:
     Raises:
         InputError: There is none for such a program.
     """
-    if program not in SIDES:
+    if program not in PARTS:
         raise InputError(
             "there is no script for this program", where="--script", got=program,
-            expected=", ".join(SIDES),
+            expected=", ".join(PARTS),
         )  # fmt: skip
-    side = (HERE / f"{SIDES[program]}.py").read_text(encoding="utf-8")
-    docstring = ast.get_docstring(ast.parse(side), clean=False) or ""
-    bodies = [_body((HERE / f"{part}.py").read_text(encoding="utf-8")) for part in PARTS]
+    parts = [(HERE / f"{part}.py").read_text(encoding="utf-8") for part in PARTS[program]]
+    docstring = ast.get_docstring(ast.parse(parts[-1]), clean=False) or ""
     head = f'"""{docstring}"""\n\nfrom __future__ import annotations\n'
-    return head + "\n\n".join([*bodies, _body(side)])
+    return head + "\n\n".join(_body(part) for part in parts)
 
 
 def _body(source: str) -> str:

@@ -42,7 +42,7 @@ def parse_address(text: str, default_host: str = "127.0.0.1") -> tuple[str, int]
     Raises:
         InputError: It is none of these.
     """
-    host, colon, port = text.strip().rpartition(":")
+    host, _, port = text.strip().rpartition(":")
     host = host.strip("[]") or default_host
     if not port.isascii() or not port.isdecimal() or not 1 <= int(port) <= 65535:
         raise InputError(
@@ -88,7 +88,7 @@ class Sender:
         with self._news:
             return dict(self._counts)
 
-    def show(self, hand: str, commands: Sequence[str], wait: float = 0.0) -> bool:
+    def show(self, hand: str, commands: list[str], wait: float = 0.0) -> bool:
         """Hands over a moment of a hand; the one that still waits is dropped.
 
         Args:

@@ -1,0 +1,333 @@
+"""`sandbox stream`: hands in motion, live, into Maya or Blender."""
+
+from __future__ import annotations
+
+import json
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import tyro
+from rich.console import Console
+
+from models.errors import InputError
+from sandbox.cli.leap_devices import LeapOptions, is_leap
+from sandbox.cli.page_options import PageOptions
+from sandbox.cli.parse import parse
+from sandbox.cli.scene_options import SceneOptions, plan
+from sandbox.devices.tuio import DEFAULT_PORT, LOOPBACK
+from sandbox.export.sources import Source, open_source
+from sandbox.recording import is_recording
+from sandbox.stream.lines import BLENDER, MAYA, MAYA_MEL, Target
+from sandbox.stream.player import Pace, Player
+from sandbox.stream.script import script
+from sandbox.stream.sender import Sender, parse_address
+from sandbox.study.trial_files import find_recordings
+
+LIVE = ("leap", "leap-simulated", "simulated", "tuio", "web", "evdev")
+PAGE_PATIENCE = 600.0
+"""s in which somebody has to open the page."""
+LAST_WORD = 5.0
+"""s in which the other program has to take the order to stop."""
+KEY_PATIENCE = 10.0
+"""s for which a key of a recording waits for the one before to be sent."""
+
+
+@dataclass(frozen=True)
+class StreamOptions(LeapOptions, PageOptions):
+    """Sends hands, live, to Maya or Blender, where any rig's fingers follow them.
+
+    In Maya, paste the script into the script editor (Python), run it, select the first joints of
+    one to five chains, thumb first, and run open_port() and start():
+
+        sandbox stream --script maya > hand_sandbox_maya.py
+        sandbox stream --device leap --maya :7002
+
+    It was NEVER RUN IN A REAL MAYA; docs/stream.md says what speaks for it. In Blender:
+
+        sandbox stream --script blender > hand_sandbox_blender.py
+        blender -P hand_sandbox_blender.py
+        sandbox stream --device leap --blender :7004
+
+    Try, without a device: a recorded hand, and a simulated person at a task:
+
+        sandbox run box-to-goal --device simulated --seed 3 --record run.jsonl
+        sandbox stream run.jsonl --blender :7004
+        sandbox stream --device leap-simulated --task stack-in-air --maya :7002
+
+    The other program may be started later, stall, or be started again. Ctrl-C ends the stream and
+    tells it to bake. `--print` shows what would be sent.
+    """
+
+    file: Annotated[
+        Path | None, tyro.conf.Positional, tyro.conf.arg(metavar="RECORDING|TRIAL|CAPTURE")
+    ] = None
+    """A recording (--record), a trial of a study, or a capture (.npz): its hand as it was, every
+    key of it. Or use --device."""
+
+    maya: Annotated[str | None, tyro.conf.arg(metavar="HOST:PORT")] = None
+    """Maya's command port."""
+
+    blender: Annotated[str | None, tyro.conf.arg(metavar="HOST:PORT")] = None
+    """Where the script in Blender listens."""
+
+    script: Literal["maya", "blender"] | None = None
+    """Prints the script for that program: one file that needs nothing else."""
+
+    print: tyro.conf.FlagCreatePairsOff[bool] = False
+    """Prints the commands instead of sending them, in Maya's form unless --blender is given."""
+
+    device: Annotated[str | None, tyro.conf.arg(metavar="{leap,leap-simulated,tuio,web,FILE}")] = (
+        None
+    )
+    """Where live hands come from: a Leap, a TUIO sender, a page in a browser, a file that plays as
+    a device, or a simulated person (leap-simulated, simulated). Physics runs for simulated people
+    only, who look at what they do."""
+
+    of: Literal["simulated", "commanded"] | None = None
+    """The hand as physics moves it, or what it is told to do: of a recording the first unless said
+    otherwise, of a device the second."""
+
+    rate: Annotated[float, tyro.conf.arg(metavar="HZ")] = 60.0
+    """Moments a second."""
+
+    speed: float = 1.0
+    """Of a recording: seconds of it in a second."""
+
+    language: Literal["python", "mel"] = "python"
+    """What Maya's command port was opened for (sourceType)."""
+
+    task: str = "box-to-goal"
+    """Whose workspace it is; a simulated person does it."""
+
+    hand: Literal["right", "left"] | None = None
+    """Which hand."""
+
+    encoder: str = "best"
+    """From touches to the hand, as for `sandbox run`."""
+
+    surface: Annotated[str | None, tyro.conf.arg(metavar="SIZE")] = None
+    """Size of the touch surface, such as 197x148mm or ipad2."""
+
+    seed: int | None = None
+    """Of the simulated person and the task."""
+
+    port: int = DEFAULT_PORT
+    """UDP port for TUIO."""
+
+    bind: Annotated[str, tyro.conf.arg(metavar="ADDRESS")] = LOOPBACK
+    """Address for TUIO."""
+
+    take: Annotated[int, tyro.conf.arg(metavar="N")] = 1
+    """Which take of a capture."""
+
+    out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path("studies")
+    """Where studies are kept."""
+
+    json: Annotated[Path | None, tyro.conf.arg(metavar="OUT")] = None
+    """Writes what was sent, dropped and answered as JSON; - is the terminal."""
+
+
+def main(argv: list[str]) -> int:
+    """Runs `sandbox stream ...`."""
+    options = parse(StreamOptions, "sandbox stream", argv, append=False)
+    if options.script:
+        print(script(options.script), end="")
+        return 0
+    target, address = _target(options)
+    _check(options)
+    console, stop = Console(stderr=True), threading.Event()
+    with _open(options, stop, console) as (source, live):
+        pace = Pace(options.rate, 0.0 if live else options.speed, 0.0 if live else KEY_PATIENCE)
+        player = Player(source, target, pace)
+        if address is None:
+            return _print(player)
+        host, port = address
+        sender = Sender(host, port, player.greeting)
+        try:
+            console.print(
+                f"streaming {source.what} to {target.name} at {host}:{port}, "
+                f"{options.rate:g} times a second; Ctrl-C ends it",
+                soft_wrap=True, highlight=False,
+            )  # fmt: skip
+            with _interruptible(stop), _telling(sender, console):
+                damage = player.play(sender, stop)
+            reached = sender.flush(LAST_WORD)
+        finally:
+            sender.close()
+    _report(options, player, sender, reached, damage, console)
+    return 0
+
+
+def _target(options: StreamOptions) -> tuple[Target, tuple[str, int] | None]:
+    if options.print and not (options.maya and options.blender):
+        maya = MAYA_MEL if options.language == "mel" else MAYA
+        return BLENDER if options.blender is not None else maya, None
+    if (options.maya is None) == (options.blender is None):
+        raise InputError(
+            "say where the hand goes", got="both" if options.maya else "neither",
+            expected="--maya HOST:PORT, --blender HOST:PORT, --print or --script",
+        )  # fmt: skip
+    if options.blender is not None:
+        return BLENDER, parse_address(options.blender)
+    return MAYA_MEL if options.language == "mel" else MAYA, parse_address(str(options.maya))
+
+
+def _check(options: StreamOptions) -> None:
+    if (options.file is None) == (options.device is None):
+        raise InputError(
+            "say where the hand comes from", got="both" if options.file else "neither",
+            expected="a recording, or --device",
+        )  # fmt: skip
+    for name, value, least, most in (
+        ("--rate", options.rate, 1.0, 240.0),
+        ("--speed", options.speed, 0.01, 100.0),
+    ):
+        if not least <= value <= most:
+            raise InputError(
+                "out of range", where=name, got=value, expected=f"{least:g} to {most:g}"
+            )
+
+
+@contextmanager
+def _open(
+    options: StreamOptions, stop: threading.Event, console: Console
+) -> Iterator[tuple[Source, bool]]:
+    """Where poses come from, and whether it goes by a clock of its own."""
+    path = options.file
+    if options.device and Path(options.device).is_file() and not is_leap(options.device):
+        given = Path(options.device)
+        path = given if is_recording(given) or given.suffix == ".npz" else None
+    if path is not None:
+        files = find_recordings(path, options.out)
+        if len(files) > 1:
+            raise InputError(
+                "one motion is streamed at a time", where=str(path), got=f"{len(files)} recordings"
+            )
+        yield open_source(files[0], options.of or "simulated", options.take), False
+        return
+    # Simulating loads far more than reading does.
+    from sandbox.assembly import build
+    from sandbox.stream.motion import source_of_session
+
+    make: Callable[..., Any]
+    settings, make = _session(options, console)
+    session = build(settings, make)
+    try:
+        yield source_of_session(session, stop, options.of or "commanded"), True
+    finally:
+        session.close()
+
+
+def _session(options: StreamOptions, console: Console) -> tuple[Any, Any]:
+    scene = SceneOptions(
+        task=options.task, device=str(options.device), encoder=options.encoder, hand=options.hand,
+        surface=options.surface, seed=options.seed, port=options.port, bind=options.bind,
+        leap=options.leap, leap_at=options.leap_at, calibration=options.calibration,
+    )  # fmt: skip
+    if options.device == "mouse":
+        raise InputError(
+            "the mouse needs a window", where="--device mouse", expected=", ".join(LIVE)
+        )
+    chosen = plan(scene)
+    if options.device != "web":
+        return chosen.settings, chosen.make_device
+    from sandbox.cli.touch_devices import TouchOptions
+    from sandbox.cli.touch_page import open_page_touches
+
+    asked = TouchOptions(
+        device="web", surface=options.surface, tablet=options.tablet, lan=options.lan,
+        page_port=options.page_port,
+    )  # fmt: skip
+    page = open_page_touches(asked, console, PAGE_PATIENCE)
+    if page is None:
+        raise InputError("nobody opened the page", where="--device web")
+    size = (page.surface.width_in, page.surface.height_in)
+    return replace(chosen.settings, surface_in=size), lambda task, surface: page
+
+
+def _print(player: Player) -> int:
+    class Printer:
+        """Stands for a sender."""
+
+        def show(self, hand: str, commands: list[str], wait: float = 0.0) -> bool:
+            print("\n".join(commands))
+            return True
+
+        def order(self, command: str) -> None:
+            print(command, flush=True)
+
+    print("\n".join(player.greeting))
+    stop = threading.Event()
+    with _interruptible(stop):
+        player.play(Printer(), stop)
+    return 0
+
+
+@contextmanager
+def _interruptible(stop: threading.Event) -> Iterator[None]:
+    """Ctrl-C ends the stream, not the program, so that the other side is told."""
+    before = signal.signal(signal.SIGINT, lambda *_: stop.set())
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+@contextmanager
+def _telling(sender: Sender, console: Console) -> Iterator[None]:
+    """Says when the other program is there, and when it is gone."""
+    done = threading.Event()
+
+    def watch() -> None:
+        last: bool | None = None
+        silent = 0.0
+        while not done.wait(0.25):
+            now = sender.connected.is_set()
+            # A port that closes after every command is not gone.
+            silent = 0.0 if now else silent + 0.25
+            state = True if now else False if silent >= 1.0 else last
+            if state != last:
+                word = "connected" if state else f"waiting for it ({sender.trouble})"
+                console.print(f"[dim]{word}[/]", soft_wrap=True, highlight=False)
+                last = state
+
+    thread = threading.Thread(target=watch, name="stream words", daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        done.set()
+        thread.join()
+
+
+def _report(
+    options: StreamOptions, player: Player, sender: Sender, reached: bool, damage: str,
+    console: Console,
+) -> None:  # fmt: skip
+    counts = sender.counts
+    per = 1e3 * player.work / max(player.moments, 1)
+    result = {
+        "schema": 1, "moments": player.moments, "counts": counts, "ms_per_moment": round(per, 4),
+        "stopped": reached, "damage": damage,
+    }  # fmt: skip
+    if options.json:
+        text = json.dumps(result, indent=1)
+        if str(options.json) == "-":
+            print(text)
+        else:
+            options.json.write_text(text + "\n", encoding="utf-8")
+    for word in (
+        damage,
+        ""
+        if reached
+        else f"it was not told to stop: {sender.trouble or 'it took nothing in'}; run stop() there",
+    ):
+        if word:
+            console.print(word, style="yellow", soft_wrap=True, markup=False)
+    said = ", ".join(f"{what}: {n}" for what, n in counts.items())
+    console.print(f"{player.moments} moments; {said or 'nothing was sent'}", soft_wrap=True)

@@ -1,0 +1,208 @@
+"""Hands from Hand Sandbox in Blender: a script for its text editor, its command line, or `bpy`.
+
+    blender -P hand_sandbox_blender.py                    # a window that listens on port 7004
+    python hand_sandbox_blender.py --out hand.bvh         # no window: the module bpy, until a stop
+
+    sandbox stream --device run.jsonl --blender :7004     # in another terminal
+
+A streamed hand makes an armature of its own, hand_sandbox_right, that does what the hand does,
+joint by joint, keyed. To move an armature of yours, select the first bones of one to five chains
+in pose mode, thumb first, and call start() at the end of this text; without a window:
+
+    python hand_sandbox_blender.py --open rig.blend --armature Rig --chains thumb index --out a.glb
+
+Chains may have any number of bones. They point where the fingers point and reach as far, as shares
+of their lengths; the joints between bend evenly. The bone above the chains follows the palm from
+where it stands. Keys go straight onto the bones: there is nothing to bake. stop() lets go.
+"""
+
+from __future__ import annotations
+
+import argparse
+import select
+import socket
+import sys
+import time
+from typing import Any, Dict, List, Optional, Sequence
+
+import bpy
+
+from sandbox.stream.blender_rigs import OtherRig, OwnHand
+from sandbox.stream.guest_line import LONGEST, Line
+from sandbox.stream.guest_math import Refused
+
+PORT = 7004
+TICK = 0.008  # s between two looks at the port in a window
+
+hands: Dict[str, Any] = {}
+counts: Dict[str, int] = {"lines": 0, "lines refused": 0}
+stopped: List[str] = []
+listener: Optional["Listener"] = None
+
+
+class Listener:
+    """Takes lines from whoever connects, on this machine only."""
+
+    def __init__(self, port: int) -> None:
+        self.server = socket.create_server(("127.0.0.1", port))
+        self.server.setblocking(False)
+        self.port = self.server.getsockname()[1]
+        self.guests: Dict[socket.socket, bytes] = {}
+
+    def poll(self) -> int:
+        """Takes in what has come; how many lines."""
+        found = 0
+        if select.select([self.server], [], [], 0.0)[0]:
+            guest, _ = self.server.accept()
+            guest.setblocking(False)
+            self.guests[guest] = b""
+        for guest in list(self.guests):
+            try:
+                data = guest.recv(65536)
+            except BlockingIOError:
+                continue
+            except OSError:
+                data = b""
+            *lines, left = (self.guests[guest] + data).split(b"\n")
+            if not data or len(left) >= LONGEST:
+                guest.close()
+                del self.guests[guest]
+            else:
+                self.guests[guest] = left
+            for text in lines:
+                take(text.decode("utf-8", "replace"))
+                found += 1
+                if guest in self.guests:
+                    _answer(guest)
+        return found
+
+    def close(self) -> None:
+        """Ends it."""
+        for guest in self.guests:
+            guest.close()
+        self.server.close()
+
+
+def take(text: str) -> None:
+    """Takes in a line of the stream; whatever is in it, Blender goes on."""
+    try:
+        line = Line(text)
+        if line.kind == "stop":
+            stop(line.side)
+            stopped.append(line.side)
+        elif line.kind == "rig":
+            if line.side not in hands:
+                hands[line.side] = OwnHand(line)
+        elif line.side in hands:
+            hands[line.side].update(line)
+        counts["lines"] += 1
+    except Exception as error:  # a timer that fails once is not called again
+        counts["lines refused"] += 1
+        if counts["lines refused"] <= 3:
+            print("hand_sandbox: %s" % error)
+
+
+def start(side: str = "right", armature: Optional[str] = None,
+          chains: Optional[Sequence[str]] = None, fingers: Optional[Sequence[int]] = None,
+          root: Optional[str] = None, scale: Optional[float] = None) -> None:  # fmt: skip
+    """Lets the selected chains, or named ones, follow a streamed hand."""
+    rig = bpy.data.objects[armature] if armature else bpy.context.object
+    if rig is None or rig.type != "ARMATURE":
+        raise Refused("select an armature")
+    names = chains or [bone.name for bone in bpy.context.selected_pose_bones or []]
+    hands[side] = OtherRig(rig, names, fingers, side, root, scale)
+
+
+def stop(side: Optional[str] = None) -> None:
+    """Lets a hand go, or all hands; their keys stay."""
+    for name in [side] if side else list(hands):
+        hand = hands.pop(name, None)
+        if hand is not None and hand.frames:
+            scene = bpy.context.scene
+            scene.frame_end = max(scene.frame_end, hand.frames[1])
+
+
+def listen(port: int = PORT) -> "Listener":
+    """Begins to listen; in a window, a timer does the rest."""
+    global listener  # noqa: PLW0603
+    if listener is None:
+        listener = Listener(port)
+        if not bpy.app.background:
+            bpy.app.timers.register(_tick, persistent=True)
+    return listener
+
+
+def _tick() -> float:
+    if listener is not None:
+        listener.poll()
+    return TICK
+
+
+def _answer(guest: socket.socket) -> None:
+    try:
+        guest.sendall(b"ok\n")
+    except OSError as error:
+        print("hand_sandbox: %s" % error)
+
+
+def export(path: str, armature: Any, frames: Sequence[int]) -> None:
+    """Writes an armature's motion, by the end of the name: .bvh, .glb, .fbx, .blend."""
+    bpy.ops.object.select_all(action="DESELECT")
+    armature.select_set(True)
+    bpy.context.view_layer.objects.active = armature
+    if path.endswith(".bvh"):
+        bpy.ops.export_anim.bvh(
+            filepath=path, frame_start=frames[0], frame_end=frames[1], global_scale=100.0,
+            rotate_mode="ZXY", root_transform_only=True,
+        )  # fmt: skip
+    elif path.endswith(".glb"):
+        bpy.ops.export_scene.gltf(filepath=path, use_selection=True)
+    elif path.endswith(".fbx"):
+        bpy.ops.export_scene.fbx(filepath=path, use_selection=True)
+    elif path.endswith(".blend"):
+        bpy.ops.wm.save_as_mainfile(filepath=path)
+    else:
+        raise Refused("--out needs a name that ends in .bvh, .glb, .fbx or .blend")
+
+
+def main(words: Sequence[str]) -> int:
+    """Without a window: listens until every hand that was streamed has stopped."""
+    parser = argparse.ArgumentParser("hand_sandbox_blender.py")
+    parser.add_argument("--port", type=int, default=PORT)
+    parser.add_argument("--fps", type=int, default=60)
+    parser.add_argument("--open", default="", metavar="FILE.blend")
+    parser.add_argument("--armature", default="")
+    parser.add_argument("--chains", nargs="*", default=[])
+    parser.add_argument("--out", default="", metavar="FILE")
+    asked = parser.parse_args(list(words))
+    if asked.open:
+        bpy.ops.wm.open_mainfile(filepath=asked.open)
+    else:
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.context.scene.render.fps = asked.fps
+    if asked.chains:
+        start(armature=asked.armature or None, chains=asked.chains)
+    port = listen(asked.port)
+    print("hand_sandbox: listening on 127.0.0.1:%d" % port.port, flush=True)
+    rigs = dict(hands)
+    try:
+        while not stopped or hands:
+            if not port.poll():
+                time.sleep(0.001)
+            rigs.update(hands)
+    except KeyboardInterrupt:
+        print("hand_sandbox: stopped")
+    finally:
+        port.close()
+    for side, rig in rigs.items():
+        path = asked.out if len(rigs) == 1 else asked.out.replace(".", "-%s." % side)
+        if path and rig.frames:
+            export(path, rig.armature, rig.frames)
+        print("hand_sandbox: %s, frames %s, %s" % (rig.armature.name, rig.frames, path or "kept"))
+    return 0 if rigs else 1
+
+
+if __name__ == "__main__":
+    if bpy.app.background:
+        sys.exit(main(sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else sys.argv[1:]))
+    listen()
