@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
 import time
 import webbrowser
 from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -29,6 +30,8 @@ if TYPE_CHECKING:
     from sandbox.study.session_folder import SessionFolder
     from sandbox.study.study_page import StudyPage
 
+ONCE = ("file", "participant", "hand", "hand_size", "language", "resume", "force_upgrade")
+"""Options that are said anew, or never again, when a session goes on."""
 FAREWELL = 1.0
 """s in which the page gets its last words before the program ends."""
 
@@ -159,7 +162,8 @@ def run(options: RunOptions, console: Console) -> int:
             if (terminal.ask() or "no").strip().lower() not in ("y", "yes"):
                 return 0
         say(f"participant {person.ppid}" + (", a pilot" if options.pilot else "")
-            + "; h and Enter shows your keys")  # fmt: skip
+            + "; h and Enter shows your keys"
+            + ("" if options.has_page else ", while a question is open /h"))  # fmt: skip
         with ExitStack() as closing:
             clock = closing.enter_context(streaming(options.lsl, console))
             if clock:
@@ -168,8 +172,21 @@ def run(options: RunOptions, console: Console) -> int:
             outcome = _play(options, session, page, controls, terminal, console)
     say(f"{person.ppid}: {outcome}")
     if outcome == "stopped":
-        say(f"to go on: sandbox study run {options.file} --participant {person.ppid}")
+        say(f"to go on: {_again(options, person.ppid)}")
     return 0
+
+
+def _again(options: RunOptions, ppid: str) -> str:
+    """The command that goes on with somebody."""
+    words = ["sandbox", "study", "run", str(options.file), "--participant", ppid]
+    for field in fields(options):
+        value = getattr(options, field.name)
+        if field.name in ONCE or value == field.default:
+            continue
+        words.append("--" + field.name.replace("_", "-"))
+        if value is not True:
+            words.append(str(value))
+    return shlex.join(words)
 
 
 def _check(options: RunOptions) -> None:

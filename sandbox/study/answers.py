@@ -23,10 +23,12 @@ class Draft:
     Attributes:
         answers: So far, by item; also from before the program was ended.
         write: Writes an answer down at once.
+        step: Id of the step: the same form may be asked more than once.
     """
 
     answers: Answers = field(default_factory=dict)
     write: Callable[[str, Any], object] = lambda item, value: None
+    step: str = ""
 
     def keep(self, item: str, value: Any) -> None:
         """An answer; None takes an earlier one back."""

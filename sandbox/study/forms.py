@@ -131,14 +131,14 @@ class SimulatedForms:
 
     def ask(self, form: Form, language: str, ready: Ready, draft: Draft) -> Answers:
         ready()
-        # Equal after a kill: an answer follows from who is asked what, not from when.
-        return {item.name: self._answer(form.name, item) for item in form.items}
+        # Equal after a kill: an answer follows from who is asked what at which step, not from when.
+        return {item.name: self._answer(draft.step or form.name, item) for item in form.items}
 
     def rest(self, least: float, ready: Ready) -> None:
         ready()
 
-    def _answer(self, form: str, item: Item) -> Any:
-        rng = np.random.default_rng([self._seed, *f"{form}/{item.name}".encode()])
+    def _answer(self, step: str, item: Item) -> Any:
+        rng = np.random.default_rng([self._seed, *f"{step}/{item.name}".encode()])
         if item.kind == "choice":
             return item.choices[rng.integers(len(item.choices))]
         if item.kind == "text":

@@ -27,7 +27,8 @@ WORDS = {
     "en": "Hold your hand about 20 cm above the sensor, palm down, fingers spread, and keep it "
     "still for ten seconds. Go on with the other hand when you are ready.",
     "de": "Halten Sie die Hand etwa 20 cm über den Sensor, Handfläche nach unten, Finger "
-    "gespreizt, und zehn Sekunden lang still. Gehen Sie mit der anderen Hand weiter, wenn Sie bereit sind.",
+    "gespreizt, und zehn Sekunden lang still. Gehen Sie mit der anderen Hand weiter, wenn Sie "
+    "bereit sind.",
     "fr": "Tenez la main à environ 20 cm au-dessus du capteur, paume vers le bas, doigts écartés, "
     "immobile pendant dix secondes. Continuez avec l’autre main quand vous êtes prêt.",
     "es": "Mantenga la mano a unos 20 cm sobre el sensor, con la palma hacia abajo y los dedos "

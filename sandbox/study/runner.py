@@ -138,6 +138,7 @@ class SessionRunner:
                         dict(session.state.drafts.get(step.id, {})),
                         lambda item, answer: session.write("draft", step=step.id, item=item,
                                                            answer=answer),
+                        step.id,
                     )  # fmt: skip
                     answers = self.forms.ask(step.form, language, self._ready, draft)
                     session.write("answers", durable=True, step=step.id, form=step.form.name,
@@ -147,7 +148,7 @@ class SessionRunner:
                     self.forms.rest(step.least, self._ready)
                     session.write("step_done", step=step.id)
         except _StepOver:
-            self.say("left")
+            self.say("it is left")
 
     def _trial(self, trial: TrialStep) -> None:
         session, person = self.session, self.session.person
@@ -158,7 +159,7 @@ class SessionRunner:
         try:
             settings = self.fit(trial, settings, self._ready)
         except _StepOver:
-            self.say("left")
+            self.say("it is left")
             return
         done, of = session.state.done(session.steps)
         levels = ", ".join(trial.levels.values())
