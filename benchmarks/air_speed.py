@@ -14,6 +14,7 @@ import tempfile
 from functools import partial
 from pathlib import Path
 from time import perf_counter, process_time
+from typing import Any
 
 import numpy as np
 
@@ -53,7 +54,7 @@ def step_ms(takes: dict[str, LeapTake]) -> float:
     return 1e3 * float(np.median(spent))
 
 
-def _leap(dialect: str, task: Task, surface: Surface) -> SimulatedLeap:
+def _leap(dialect: str, task: Task, surface: Surface) -> Any:
     return SimulatedLeap(task, UserConfiguration(), 0, UNDER, dialect)
 
 

@@ -3,8 +3,8 @@
     python -m benchmarks.in_air                         # what docs/paalm.md says
     python -m benchmarks.in_air --tasks stack --links 2 # with other rules of what is solid
 
-Development seeds only, and nobody real: the user is `sandbox.air_user`, the device
-`encoders.paalm.eye`.
+Development seeds, or with `--judged` those of `benchmarks.judged_air`. Nobody is real: the user is
+`sandbox.air_user`, the device `encoders.paalm.eye`.
 """
 
 from __future__ import annotations
@@ -16,8 +16,10 @@ from typing import Any
 import numpy as np
 
 import sandbox.assembly as assembly
+from benchmarks.judged_air import air_seeds
 from models.surface import Surface
 from sandbox.cli.leap_devices import over_one
+from sandbox.devices.leap_trouble import LeapTrouble
 from sandbox.devices.leap_user import SimulatedLeap
 from sandbox.hand_input import UNDER, HandInput
 from sandbox.headless import View, run_trial
@@ -75,7 +77,7 @@ class Depth:
 
 
 def play(
-    task: str, seed: int, dialect: str, kind: str, size: float, depth: Depth
+    task: str, seed: int, dialect: str, kind: str, size: float, depth: Depth, trouble: LeapTrouble
 ) -> tuple[dict[str, Any], int]:
     """One trial's result, and how often something was grasped."""
     two = hands_of(find_task(task)) > 1
@@ -87,7 +89,9 @@ def play(
         def make(drawn: Task, surface: Surface) -> Any:
             user = UserConfiguration(kind=kind)
             person = settings.persons[hand]
-            made.append(SimulatedLeap(drawn, user, seed, UNDER, dialect, person, hand))
+            made.append(
+                SimulatedLeap(drawn, user, seed, UNDER, dialect, person, hand, trouble=trouble)
+            )
             return made[-1]
 
         return make
@@ -106,19 +110,25 @@ def main() -> None:
     parser.add_argument("--user", default="skilled", choices=("skilled", "idle", "random"))
     parser.add_argument("--links", type=int, default=None, help="solid links of every finger")
     parser.add_argument("--apart", action="store_true", help="fingers become solid one by one")
+    parser.add_argument("--noise", type=float, default=1.0, help="times the device's noise")
+    parser.add_argument("--lose", type=float, default=0.0, help="s without the hand, in mid-carry")
+    parser.add_argument("--judged", action="store_true", help="seeds of the frozen configuration")
     parser.add_argument("--hand-size", type=float, default=1.0)
     options = parser.parse_args()
     if options.links is not None:
         assembly.IN_AIR["links"] = options.links
     if options.apart:
         assembly.IN_AIR["together"] = False
-    print(f"SIMULATED user and device; seeds 0 to {options.seeds - 1}; solid: {assembly.IN_AIR}")
+    trouble = LeapTrouble(options.noise, options.lose)
+    seeds = f"{options.seeds} judged seeds" if options.judged else f"seeds 0 to {options.seeds - 1}"
+    print(f"SIMULATED user ({options.user}) and device ({trouble}); {seeds}; {assembly.IN_AIR}")
     for task in options.tasks:
         for dialect in options.dialects:
             depth = Depth()
+            drawn = air_seeds(options.seeds, task) if options.judged else range(options.seeds)
             found = [
-                play(task, seed, dialect, options.user, options.hand_size, depth)
-                for seed in range(options.seeds)
+                play(task, seed, dialect, options.user, options.hand_size, depth, trouble)
+                for seed in drawn
             ]
             won = [result for result, _ in found if result["success"]]
             times = [result["time_s"] for result in won] or [float("nan")]

@@ -46,6 +46,7 @@ class LeapEye:
         self._rng = np.random.default_rng([seed, 0x1EA9, 2])
         self._c, self._side, self._dialect = configuration, side, dialect
         self._time: float | None = None
+        self._hand = 1
         self._slow = self._rng.standard_normal(len(FINGERS))
         self._ids, self._fresh = np.zeros(len(FINGERS), int), 1
         self._since = np.full(len(FINGERS), configuration.back)
@@ -71,7 +72,7 @@ class LeapEye:
         else:
             fingers = self._without(world, axes, step)
         hand = SeenHand(
-            1,
+            self._hand,
             _triple(palm),
             _triple(-axes[:, 2]),
             _triple(axes[:, 1]),
@@ -79,6 +80,11 @@ class LeapEye:
             self._side if self._dialect == "v3" else None,
         )
         return HandFrame(time, (hand,), f"simulated {self._dialect}")
+
+    def lose(self) -> None:
+        """The hand has left the view: whatever comes back is new to the device."""
+        self._hand += 1
+        self._ids[:] = 0
 
     def _with_joints(self, world: Array) -> tuple[SeenFinger, ...]:
         along = world[:, 2] - world[:, 1]

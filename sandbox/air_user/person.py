@@ -13,7 +13,7 @@ from enum import Enum, auto
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.air_user.body import AXIS, PINCHING, Body, Pinch
+from sandbox.air_user.body import AXIS, PINCHING, STRETCHED, Body, Pinch
 from sandbox.air_user.holds import Hold, carried, hold_of, missing, stays_down, there
 from sandbox.air_user.motion import Motion
 from tasks.simulated_user.configuration import UserConfiguration
@@ -44,6 +44,8 @@ class AirHabits:
         looks: Corrections before the user goes on all the same.
         attempts: Grasps before giving up.
         share: Of an error that one correction takes away.
+        follows, stuck: Share of an error that is still there after a correction, and m, from which
+            on a drawn hand is taken to be held up by something.
         settle: s that the user watches what a movement has done, beyond the reaction time.
     """
 
@@ -59,6 +61,8 @@ class AirHabits:
     looks: int = 7
     attempts: int = 10
     share: float = 0.8
+    follows: float = 0.8
+    stuck: float = 0.012
     settle: float = 0.12
 
 
@@ -110,9 +114,15 @@ class AirPerson:
         self._name: str | None = None
         self._tries = self.grasps = 0
         self._kind, self._rng = configuration.kind, rng
-        self._held = self._stood = self._gap = 0.0
+        self._held = self._stood = self._gap = self._off = 0.0
+        self._bent = start.bent
         # By how much the own pinch is off from where the drawn one is wanted.
         self._offset = np.zeros(3)
+
+    @property
+    def carrying(self) -> bool:
+        """Whether they are on the way with something they hold."""
+        return self._stage is Stage.LIFTED
 
     def look(self, sight: Sight) -> None:
         """Takes in what is on the screen now."""
@@ -158,15 +168,15 @@ class AirPerson:
         hold = self._hold(sight)
         yaw = self._comfortable(hold, sight)
         # The correction of the drawn fingers that was learned stays.
-        bent = self._motion.aim.bent
+        bent = self._bent = self._motion.aim.bent
         self._gap = hold.width + 2.0 * self.habits.opening
         over = self._highest(sight) + self.habits.over
         centre = np.array([*hold.position[:2], over]) + self._offset
         self._go(Pinch(centre, yaw, self._centres(self._gap), bent), Stage.ABOVE, now)
 
     def _above(self, sight: Sight, now: float) -> None:
-        hold, aim = self._hold(sight), self._motion.aim
-        wanted = np.array([*hold.position[:2], aim.centre[2] - self._offset[2]])
+        hold = self._hold(sight)
+        wanted = np.array([*hold.position[:2], self._highest(sight) + self.habits.over])
         if self._correct(sight, wanted, 2.0 * self.habits.good, now):
             return
         self._tries = 0
@@ -180,6 +190,12 @@ class AirPerson:
         if self._correct(sight, wanted, self.habits.good, now):
             return
         aim = self._motion.aim
+        if self._off > self.habits.stuck:
+            # Something is in the way: up again, with the hand as it was.
+            self._offset = np.zeros(3)
+            centre = np.array([*wanted[:2], self._highest(sight) + self.habits.over])
+            self._go(replace(aim, centre=centre, bent=self._bent), Stage.LOOKING, now)
+            return
         gap = self._centres(hold.width - 2.0 * self.habits.squeeze)
         self._offset = aim.centre - wanted
         self._go(replace(aim, gap=gap), Stage.CLOSED, now, 1.3)
@@ -246,7 +262,10 @@ class AirPerson:
         rotation = aim.rotation
         ideal = replace(aim, centre=wanted).tips()
         error = (ideal - np.array([sight.tips[f] for f in PINCHING])) @ rotation
-        if np.linalg.norm(error, axis=1).max() < good or self._tries >= self.habits.looks:
+        before, self._off = self._off, float(np.linalg.norm(error, axis=1).max())
+        # A drawn hand that does not follow is held up by something: pushing on does not help.
+        stuck = self._tries > 1 and self._off > max(self.habits.follows * before, self.habits.stuck)
+        if self._off < good or stuck or self._tries >= self.habits.looks:
             return False
         self._tries += 1
         error *= self.habits.share
@@ -289,6 +308,7 @@ class AirPerson:
             hand = (hold.yaw + side * np.pi / 2 - AXIS + np.pi) % (2 * np.pi) - np.pi
             gap = self._centres(hold.width + 2.0 * self.habits.opening)
             tips = Pinch(hold.position, hand, gap, np.zeros((3, 3))).tips()
+            tips = np.concatenate([tips, hold.position + self._others(sight, hand)])
             room = min(
                 (
                     float(np.min(o.shape.clearance(tips, o.position, o.rotation)))
@@ -300,6 +320,12 @@ class AirPerson:
             cost = max(abs(hand), abs(hand + turn)) + _ROOM_WEIGHT * max(_ROOM - room, 0.0)
             best = min(best, (cost, hand))
         return best[1]
+
+    def _others(self, sight: Sight, yaw: float) -> Array:
+        """(2, 3) m from the pinch's middle to the tips that do not hold, of a hand turned so."""
+        pinch = (sight.tips[0] + (sight.tips[1] + sight.tips[2]) / 2.0) / 2.0
+        turn = replace(self._motion.aim, yaw=yaw - self._motion.aim.yaw).rotation
+        return np.array([turn @ (sight.tips[f] - pinch) for f in STRETCHED])
 
 
 def _up(height: float) -> Array:

@@ -14,12 +14,12 @@ from encoders.paalm import Paalm
 from encoders.paalm.average import average_calibration
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.calibration_file import read_calibration
-from encoders.paalm.eye import DIALECTS
 from models.errors import DeviceError, EncoderError, InputError
 from models.surface import Surface
 from sandbox.devices.device import Device
 from sandbox.devices.leap import DEFAULT_ADDRESS, LeapDevice, LeapFileDevice
 from sandbox.devices.leap_file import LeapRecording, read_leap
+from sandbox.devices.leap_trouble import parse_simulated
 from sandbox.devices.leap_user import SimulatedLeap
 from sandbox.devices.shared_leap import BothOver, SharedLeap
 from sandbox.hand_input import UNDER, HandInput
@@ -149,17 +149,13 @@ def leap_maker(options: Any, settings: RunSettings, user: UserConfiguration, han
     if not device.startswith(SIMULATED):
         recording = read_leap(Path(device))
         return lambda task, surface: LeapFileDevice(recording)
-    _, _, dialect = device.partition(":")
-    dialect = dialect or DIALECTS[0]
-    if dialect not in DIALECTS:
-        raise InputError(
-            "no such dialect of the Leap", where="--device", got=device,
-            expected=" or ".join(f"{SIMULATED}:{d}" for d in DIALECTS),
-        )  # fmt: skip
+    dialect, trouble = parse_simulated(device.partition(":")[2])
     in_air = settings.in_airs[hand]
     assert in_air is not None
     person, at = settings.persons[hand], in_air.at
-    return lambda task, surface: SimulatedLeap(task, user, settings.seed, at, dialect, person, hand)
+    return lambda task, surface: SimulatedLeap(
+        task, user, settings.seed, at, dialect, person, hand, trouble=trouble
+    )
 
 
 def over_one(makers: tuple[Any, Any] | None, make: Any, settings: RunSettings) -> PerHand:

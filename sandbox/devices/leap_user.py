@@ -8,12 +8,14 @@ from dataclasses import replace
 import numpy as np
 
 from encoders.paalm.eye import LeapEye
+from encoders.paalm.forward import FROZEN_LEAP
 from models.frames import HandFrame
 from models.person import Person
 from models.skeleton import ADULT
 from sandbox.air_user.carrier import AirCarrier
 from sandbox.air_user.holds import check
 from sandbox.air_user.person import AirHabits, AirPerson
+from sandbox.devices.leap_trouble import LeapTrouble
 from sandbox.devices.simulated import NEXT_PERSON
 from sandbox.messages import Snapshot
 from tasks.registry import hands_of
@@ -23,6 +25,9 @@ from tasks.task import Goal, Task
 
 HOME_OF_TWO = 0.12
 """m from the middle, where each of two hands is at home."""
+
+_CARRIED = 0.6
+"""s of carrying after which a hand that is to be lost is lost."""
 
 _MIRROR = np.array([-1.0, 1.0, 1.0])
 
@@ -39,6 +44,7 @@ class SimulatedLeap:
         person: Which hand, and how large the drawn one is.
         hand: Which of the scene's hands is theirs.
         habits: How they work.
+        trouble: What else goes wrong.
 
     Raises:
         InputError: They do not know how to hold the task's things.
@@ -57,7 +63,11 @@ class SimulatedLeap:
         person: Person | None = None,
         hand: int = 0,
         habits: AirHabits | None = None,
+        trouble: LeapTrouble | None = None,
     ) -> None:
+        self._trouble = trouble or LeapTrouble()
+        self._carried: float | None = None
+        self._away = False
         person = person or Person()
         seed += hand * NEXT_PERSON
         self._hand, self._left, self._at = hand, person.left, np.array(at)
@@ -70,7 +80,7 @@ class SimulatedLeap:
         home = (HOME_OF_TWO, 0.0) if two or hand else (0.0, 0.0)
         radius = person.skeleton(ADULT).tip_radius
         self.user = make(configuration, seed, radius, habits, home)
-        self._eye = LeapEye(seed, person.hand, dialect)
+        self._eye = LeapEye(seed, person.hand, dialect, self._trouble.applied(FROZEN_LEAP))
         self.finished = False
 
     def show(self, snapshot: Snapshot) -> None:
@@ -97,7 +107,23 @@ class SimulatedLeap:
         origin, rotation, joints = self.user.hand(now)
         if self._left:
             origin, rotation = _MIRROR * origin, _MIRROR[:, None] * rotation
-        return [self._eye.see(now, origin - self._at, rotation, joints)]
+        frame = self._eye.see(now, origin - self._at, rotation, joints)
+        return [replace(frame, hands=()) if self._gone(now) else frame]
+
+    def _gone(self, now: float) -> bool:
+        """Whether the whole hand is out of view now: once, after a moment of carrying."""
+        if self._trouble.lose <= 0.0:
+            return False
+        if self._carried is None:
+            if not self.user.carrying:
+                return False
+            self._carried = now
+        since = now - self._carried - _CARRIED
+        gone = 0.0 <= since < self._trouble.lose
+        if gone and not self._away:
+            self._eye.lose()
+        self._away = gone
+        return gone
 
     def close(self) -> None:
         """The user leaves."""
