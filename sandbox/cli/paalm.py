@@ -20,9 +20,11 @@ from encoders.paalm.calibration import PAPER_FRAMES, HandCalibration
 from encoders.paalm.calibration_file import read_calibration, write_calibration
 from models.errors import DeviceError, EncoderError, InputError
 from models.frames import SIDES, HandFrame
+from sandbox.cli.paalm_views import check_picture, show_pictures
 from sandbox.cli.parse import subcommand
 from sandbox.devices.leap import DEFAULT_ADDRESS, LeapDevice, LeapFileDevice
 from sandbox.devices.leap_file import read_leap
+from sandbox.devices.leap_truth import GENERATOR
 
 SCHEMA = 1
 PATIENCE = 5.0
@@ -50,8 +52,15 @@ def show(
     method: Literal["default", "paper"] = "default",
     as_json: Annotated[tyro.conf.FlagCreatePairsOff[bool], tyro.conf.arg(name="json")] = False,
     seconds: float = math.inf,
+    view: Literal["text", "window", "web"] = "text",
+    picture: Annotated[Path | None, tyro.conf.arg(metavar="FILE.png")] = None,
+    port: int = 0,
 ) -> int:
-    """Shows the joint angles of every frame.
+    """Shows the joint angles of every frame, or pictures of them.
+
+    --view window and web (a page for browsers on this machine) draw what the device says of a hand
+    - finger vectors, the palm's normal and sphere, vanished fingers dimmed - beside the hand that
+    PAALM makes of it, with its angles. A recording is played at its own pace.
 
     Without --calibration, the first frames with five fingers measure the hand, which has to be open
     in them; a recorded hand that is not is shown as an average one, which is said. As JSON, a line
@@ -59,6 +68,7 @@ def show(
 
     Try: sandbox leap simulate --out hand.json
     then: sandbox paalm show hand.json
+    then: sandbox paalm show hand.json --view window
 
     Args:
         file: A recording; or use --device.
@@ -70,8 +80,14 @@ def show(
         method: paper is the paper as printed, default what measured better.
         as_json: JSON lines.
         seconds: Stop after this many seconds of the device's time.
+        view: text: lines of angles. window, web: pictures.
+        picture: Write the last frame's picture; with --seconds, that of a moment.
+        port: Of the page; 0 takes a free one.
     """
     _check(file, device, frames, seconds)
+    check_picture(picture)
+    if as_json and (view != "text" or picture is not None):
+        raise InputError("pictures are no JSON", where="--json", expected="--view text")
     source = _Source(file, address)
     paalm = Paalm(PAPER if method == "paper" else PaalmOptions())
     try:
@@ -89,6 +105,12 @@ def show(
                 _assume(paalm, list(source.frames()), hands, error)
             if file is not None:
                 stream = source.frames()
+        if view != "text" or picture is not None:
+            show_pictures(
+                paalm, stream, view, recorded=file is not None, caption=source.caption,
+                seconds=seconds, picture=picture, port=port,
+            )  # fmt: skip
+            return 0
         begin: float | None = None
         for frame in stream:
             begin = frame.time if begin is None else begin
@@ -155,6 +177,14 @@ class _Source:
         self._file = None if file is None else read_leap(file)
         self._live = LeapDevice(address) if file is None else None
         self._address = address
+
+    @property
+    def caption(self) -> str:
+        """What a picture says of where it comes from."""
+        if self._file is None:
+            return f"live: {self._address}"
+        made = str(self._file.metadata.get("generatedBy", ""))
+        return "SIMULATED: no device saw this hand" if made == GENERATOR else "a recording"
 
     def frames(self) -> Iterator[HandFrame]:
         if self._file is not None:
