@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from math import nan
+
 import numpy as np
 
 from sandbox.study.report import plots, words
@@ -123,11 +126,19 @@ def practice_section(found: Analysis) -> Section:
     return section
 
 
+FEWEST = 3
+"""People of whom an interval is drawn: that of two is so wide that nothing else would be seen."""
+
+
+def _drawn(e: Estimate, people: int) -> Estimate:
+    return e if people >= FEWEST else Estimate(e.value, nan, nan)
+
+
 def _learning(found: Analysis) -> Picture:
     points = found.learning
     series = list(dict.fromkeys(p.level for p in points))
     at = [[(p.first + p.last) / 2 for p in points if p.level == s] for s in series]
-    values = [[p.mean for p in points if p.level == s] for s in series]
+    values = [[_drawn(p.mean, p.people) for p in points if p.level == s] for s in series]
     rows = [[p.level, str(p.first) if p.first == p.last else f"{p.first} to {p.last}",
              str(p.people), words.number(p.mean.value),
              words.interval(words.number(p.mean.low), words.number(p.mean.high))]
@@ -136,7 +147,7 @@ def _learning(found: Analysis) -> Picture:
                        "trial with this level", series, at, values, True)  # fmt: skip
     what = f" by {found.main.name}" if found.main else ""
     return Picture(svg, f"Completion time from trial to trial{what}, what other factors make of it "
-                   "taken out; 95 % intervals over people.",
+                   f"taken out; 95 % intervals over people, where they are {FEWEST} or more.",
                    Table("Learning curves", ["Level", "Trial", "People", "Mean, s",
                                              "95 % interval"], rows))  # fmt: skip
 
@@ -147,7 +158,7 @@ def _order(section: Section, found: Analysis, name: str) -> None:
     even = balanced(some, factor)
     series = list(dict.fromkeys(p.level for p in some))
     at = [[float(p.place) for p in some if p.level == s] for s in series]
-    values = [[p.mean for p in some if p.level == s] for s in series]
+    values = [[_drawn(p.mean, p.times) for p in some if p.level == s] for s in series]
     rows = [[p.level, str(p.place), str(p.times), words.number(p.mean.value),
              words.interval(words.number(p.mean.low), words.number(p.mean.high))]
             for p in some]  # fmt: skip
@@ -179,29 +190,61 @@ def questionnaire_section(found: Analysis) -> Section:
     section = Section("questionnaires", "Questionnaires")
     if not found.scales:
         section.say("No questionnaire has answers that are numbers.")
-    for i, scale in enumerate(found.scales):
-        section.parts.append(_scale(i, scale))
+    for i, some in enumerate(_together(found.scales)):
+        section.parts.append(_scales(i, some))
     return section
 
 
-def _scale(number: int, scale: Scale) -> Picture:
-    values = {("", level): plots.Dot(scale.means[j].value, scale.means[j], scale.within[j])
-              for j, level in enumerate(scale.levels)}  # fmt: skip
-    svg = plots.dots(f"scale-{number}", scale.title, scale.title, [""], scale.levels, values)
-    rows = [[level, str(int(np.isfinite(scale.values[:, j]).sum())),
+def _together(scales: Sequence[Scale]) -> list[list[Scale]]:
+    """Scales of one questionnaire that were asked about the same levels: scores, then questions.
+
+    A question that is a score by itself, as a rating of the NASA-TLX, is not shown twice.
+    """
+    scored = {(s.questionnaire, s.scale) for s in scales if s.score}
+    groups: dict[tuple[str, bool, tuple[str, ...]], list[Scale]] = {}
+    for name in dict.fromkeys(s.questionnaire for s in scales):
+        for s in scales:
+            if s.questionnaire == name and (s.score or (name, s.scale) not in scored):
+                groups.setdefault((name, s.score, s.levels), []).append(s)
+    return list(groups.values())
+
+
+def _scales(number: int, some: list[Scale]) -> Picture:
+    first, several = some[0], len(some) > 1
+    title = first.questionnaire if several else first.title
+    names = [s.scale if several else "" for s in some]
+    values = {
+        (name, level): plots.Dot(s.means[j].value, s.means[j], s.within[j])
+        for name, s in zip(names, some, strict=True)
+        for j, level in enumerate(s.levels)
+    }
+    label = "score" if first.score else "answer"
+    svg = plots.dots(f"scale-{number}", title, f"{title}: {label}", names, first.levels, values)
+    rows = [row for name, s in zip(names, some, strict=True) for row in _scale_rows(name, s)]
+    kind = ("scores" if several else "score") if first.score else (
+        "single questions" if several else "a single question")  # fmt: skip
+    return Picture(svg, f"{title} ({kind}): means over people with 95 % intervals; thick lines are "
+                   "for comparing.",
+                   Table(f"{title}, {kind}", ["Level, or pair", "People", "Mean or difference",
+                                              "95 % interval", "p", "p, Holm"], rows))  # fmt: skip
+
+
+def _scale_rows(name: str, scale: Scale) -> list[list[str]]:
+    def called(level: str) -> str:
+        if not name:
+            return level
+        return name if scale.factor is None else f"{name}: {level}"
+
+    rows = [[called(level), str(int(np.isfinite(scale.values[:, j]).sum())),
              words.number(scale.means[j].value),
              words.interval(words.number(scale.means[j].low), words.number(scale.means[j].high)),
              "", ""]
             for j, level in enumerate(scale.levels)]  # fmt: skip
-    rows += [[d.pair.title, "", words.number(d.estimate.value),
+    rows += [[called(d.pair.title), "", words.number(d.estimate.value),
               words.interval(words.number(d.estimate.low), words.number(d.estimate.high)),
               words.p_value(d.p), words.p_value(p)]
              for d, p in zip(scale.differences, adjusted(scale), strict=True)]  # fmt: skip
-    kind = "score" if scale.score else "single question"
-    return Picture(svg, f"{scale.title} ({kind}): means over people with 95 % intervals; thick "
-                   "lines are for comparing.",
-                   Table(scale.title, ["Level, or pair", "People", "Mean or difference",
-                                       "95 % interval", "p", "p, Holm"], rows))  # fmt: skip
+    return rows
 
 
 def others_section(found: Analysis) -> Section:

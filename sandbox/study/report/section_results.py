@@ -50,7 +50,7 @@ def _compare_times(section: Section, found: Analysis, unseen: int) -> None:
     if unseen and found.unseen:
         ways.append(("all trials", found.unseen))
     if seen:
-        ways.append(("successes (mixed model)", seen))
+        ways.append(("successes only", seen))
     if isinstance(model, str):
         section.say(f"No mixed model: {model}.", "note")
     if unseen and isinstance(found.censored, str):
@@ -85,8 +85,8 @@ def _compare_times(section: Section, found: Analysis, unseen: int) -> None:
         "averaged over the other factors, with 95 % intervals. All trials: those without success "
         "are taken as longer than they lasted.",
         Table("Differences in completion time", ["Levels", "From", "Change", "95 % interval", "p",
-              "p, Holm"], rows, "p Holm is adjusted for all pairs of levels of the same factor; "
-              "intervals are each for itself."),
+              "p, Holm"], rows, "Successes only: by the mixed model. p Holm is adjusted for all "
+              "pairs of levels of the same factor; intervals are each for itself."),
     ))  # fmt: skip
     if isinstance(model, Mixed):
         section.parts.append(_model_table(model, LOG))
