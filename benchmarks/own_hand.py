@@ -21,6 +21,7 @@ import numpy as np
 from encoders.capture import Capture
 from encoders.conversion import ConversionReport, ConversionRules
 from encoders.store import save_capture
+from encoders.together.capture_from_hands import Correct
 from encoders.together.simulated import Together, simulate_together
 from models.pose import joint_vectors
 from models.rotations import geodesic_angle
@@ -33,7 +34,7 @@ SAME = 0.02
 """s between a frame of the capture and one of the truth that are compared."""
 
 
-def converted(session: Together, folder: Path, correct: bool) -> tuple[Capture, dict[str, Any]]:
+def converted(session: Together, folder: Path, correct: Correct) -> tuple[Capture, dict[str, Any]]:
     """The capture of a session, and how far everything is from the truth."""
     report = ConversionReport()
     options = CaptureOptions(out=folder / "x.npz", recorded=folder, sync="tap", correct=correct)
@@ -93,7 +94,7 @@ def main() -> None:
     parser.add_argument("--subject", choices=("first", "second"), default="first")
     parser.add_argument("--dialect", choices=("v3", "v1"), default="v3")
     parser.add_argument("--seed", type=int, default=7)
-    parser.add_argument("--correct", action="store_true")
+    parser.add_argument("--correct", choices=("unseen", "all", "none"), default="unseen")
     parser.add_argument("--convert-only", action="store_true")
     options = parser.parse_args()
     out: dict[str, Any] = {"simulated": True, **vars(options)}

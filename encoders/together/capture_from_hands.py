@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from encoders.bone_fit import tip_targets
 from encoders.capture import Capture
 from encoders.conversion.assemble import assemble
-from encoders.conversion.fingers import LabelledTrack, label_contacts, sample_times
+from encoders.conversion.fingers import LabelledTrack, sample_times
 from encoders.conversion.report import ConversionReport, ConversionRules
 from encoders.conversion.surface_frame import frame_from_fingertips
 from encoders.conversion.synchronise import ClockOffset, offset_by_taps, refined_by_motion
@@ -28,6 +28,7 @@ from encoders.conversion.touch_log import ContactTrack, TouchLog, sound_contacts
 from encoders.correction import FingertipCorrection
 from encoders.paalm import Paalm
 from encoders.paalm.calibration import HandCalibration
+from encoders.together.labels import named_by_sight
 from encoders.together.registration import Placed, first_guess, registered
 from encoders.together.seen_track import SeenTrack, seen_track
 from models.errors import CaptureError
@@ -42,6 +43,8 @@ OPEN_FRAMES = 200
 
 ONE_CLOCK = 0.5
 """s by which latencies of two devices can differ that were written down with one clock."""
+
+Correct = Literal["unseen", "all", "none"]
 
 _ROUNDS = 3
 _SAMPLES = 1500
@@ -75,7 +78,7 @@ def capture_from_hands(
     *,
     one_clock: bool = True,
     offset: float | None = None,
-    correct: bool = True,
+    correct: Correct = "unseen",
 ) -> Capture:
     """The capture of a session with both devices.
 
@@ -89,7 +92,7 @@ def capture_from_hands(
         meta: Of the capture.
         one_clock: Both times are on one clock, up to latencies.
         offset: s, the frames' clock less the touches', where it is known; None: by taps.
-        correct: Bring fingertips to their touches.
+        correct: Which touching fingertips are brought to their touches.
 
     Raises:
         CaptureError: The recordings do not go together, with the reason.
@@ -97,19 +100,22 @@ def capture_from_hands(
     track, share = seen_track(frames, time, calibration)
     tracks = sound_contacts(log, rules, report)
     _overlap(tracks, track, ONE_CLOCK if one_clock else None, offset)
-    clock = _taps(tracks, track, one_clock) if offset is None else ClockOffset(offset, 0.0, 0, 0)
-    place = _first(tracks, track, clock.offset, rules)
+    plane = _plane(track)
+    clock = ClockOffset(offset or 0.0, 0.0, 0, 0)
+    if offset is None:
+        clock = offset_by_taps(tracks, track.placed(plane), ONE_CLOCK if one_clock else None)
+    place = _first(tracks, track, plane, clock.offset, rules)
     labelled: list[LabelledTrack] = []
     for _ in range(_ROUNDS):
         here = track.placed(place)
-        labelled = label_contacts(tracks, here, clock.offset, rules, ConversionReport())
+        labelled = named_by_sight(tracks, here, clock.offset, rules, ConversionReport())
         if not labelled:
             break
         if offset is None:
             clock = refined_by_motion(clock, labelled, here, rules)
         place = registered(*_pairs(labelled, track, clock.offset, rules))
     here = track.placed(place)
-    labelled = label_contacts(tracks, here, clock.offset, rules, report)
+    labelled = named_by_sight(tracks, here, clock.offset, rules, report)
     if not labelled:
         raise CaptureError(
             "no touch is where a fingertip is",
@@ -117,8 +123,11 @@ def capture_from_hands(
             remedy="Check --side and --surface",
         )
     _note(report, clock, place, share, offset is None)
-    capture = assemble(labelled, here, clock.offset, rules, report, meta)
-    return _corrected(capture, here) if correct else capture
+    # Where PAALM holds a finger that is not seen, it need not be: the touch knows better.
+    near = rules if calibration.bones is not None else replace(rules, reach=np.inf)
+    capture = assemble(labelled, here, clock.offset, near, report, meta)
+    capture = _whole(capture, tracks, labelled, report)
+    return capture if correct == "none" else _corrected(capture, here, clock.offset, rules, correct)
 
 
 def _overlap(
@@ -139,26 +148,28 @@ def _overlap(
         )
 
 
-def _taps(tracks: list[ContactTrack], track: SeenTrack, one_clock: bool) -> ClockOffset:
-    """The clocks' offset, from heights above the plane that fingertips rest on."""
+def _plane(track: SeenTrack) -> Placed:
+    """A frame whose z is the height above the plane that fingertips rest on."""
+    shown = np.isfinite(track.seen[..., 0]).any(axis=1)
     try:
-        frame = frame_from_fingertips(track.seen, track.q[:, ROOT_POSITION])
+        frame = frame_from_fingertips(track.seen[shown], track.q[shown, ROOT_POSITION])
     except CaptureError as error:
         raise CaptureError(
             "fingertips never rest on a plane, so that no tap is found",
             got=error.got,
             remedy="Keep the hand in the device's view while it touches",
         ) from None
-    plane = Placed(frame.rotation.T, -frame.rotation.T @ frame.origin, 0.0, 0)
-    return offset_by_taps(tracks, track.placed(plane), ONE_CLOCK if one_clock else None)
+    return Placed(frame.rotation.T, -frame.rotation.T @ frame.origin, 0.0, 0)
 
 
 def _first(
-    tracks: list[ContactTrack], track: SeenTrack, offset: float, rules: ConversionRules
+    tracks: list[ContactTrack],
+    track: SeenTrack,
+    plane: Placed,
+    offset: float,
+    rules: ConversionRules,
 ) -> Placed:
     """Where the device is, roughly, without any touch's name."""
-    frame = frame_from_fingertips(track.seen, track.q[:, ROOT_POSITION])
-    plane = Placed(frame.rotation.T, -frame.rotation.T @ frame.origin, 0.0, 0)
     times = [sample_times(t, rules.rate) for t in tracks]
     xy = np.concatenate([t.at(s, rules.gap) for t, s in zip(tracks, times, strict=True)])
     moments = np.concatenate(times) + offset
@@ -181,21 +192,56 @@ def _pairs(
     touches, found = [], []
     for one in labelled:
         times = sample_times(one.track, rules.rate)
-        tips, known = track.tips_at(times + offset, rules.gap)
+        tips, known = track.seen_at(times + offset, rules.gap)
         touches.append(one.track.at(times, rules.gap)[known] * [1.0, -1.0])
         found.append(tips[known, one.finger])
     return np.concatenate(touches), np.concatenate(found)
 
 
-def _corrected(capture: Capture, track: SeenTrack) -> Capture:
-    """Poses whose touching fingertips are at their touches."""
+def _whole(
+    capture: Capture,
+    tracks: list[ContactTrack],
+    labelled: list[LabelledTrack],
+    report: ConversionReport,
+) -> Capture:
+    """The frames in which every touch has a name: a missing touch would teach what is wrong.
+
+    Raises:
+        CaptureError: There are none.
+    """
+    named = {id(one.track) for one in labelled}
+    keep = np.ones(len(capture), bool)
+    for one in tracks:
+        if id(one) not in named:
+            keep &= (capture.time < one.start) | (capture.time >= one.end)
+    report.drop_frames("with a touch that has no name", int((~keep).sum()))
+    if not keep.any():
+        raise CaptureError("no frame is left in which all touches have names")
+    kept = capture if keep.all() else capture.select(keep)
+    report.notes["kept_frames"] = len(kept)
+    return replace(kept, meta={**capture.meta, "conversion": report.as_json()})
+
+
+def _corrected(
+    capture: Capture, track: SeenTrack, offset: float, rules: ConversionRules, which: Correct
+) -> Capture:
+    """Poses whose touching fingertips are at their touches.
+
+    With `unseen`, only those that the device does not see; the others stay where it sees them.
+    """
+    tips, _ = track.seen_at(capture.time + offset, rules.gap)
+    unseen = np.isnan(tips[..., 0])
     covariance = np.empty(POSE_SIZE)
     covariance[ROOT_POSITION], covariance[ROOT_ROTATION], covariance[JOINTS] = POSE_ERROR
     correction = FingertipCorrection(Kinematics(track.skeleton), np.diag(covariance**2))
     targets = tip_targets(capture.xy)
     q = capture.q.copy()
+    if which == "unseen":
+        targets = np.where(unseen[..., None] & capture.down[..., None], targets, tips)
     for i, down in enumerate(capture.down):
-        fingers = np.flatnonzero(down)
+        if which == "unseen" and not (unseen[i] & down).any():
+            continue
+        fingers = np.flatnonzero(down if which == "all" else down | ~unseen[i])
         q[i] = correction.correct(q[i], fingers, targets[i, fingers]).q
     return replace(capture, q=q)
 

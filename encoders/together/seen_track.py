@@ -46,6 +46,12 @@ class SeenTrack(JointTrack):
         """(J, 5, 3) m: as seen, otherwise where the pose has them."""
         return np.where(np.isnan(self.seen), self.kinematics.tips(self.q), self.seen)
 
+    def seen_at(self, times: Array, gap: float) -> tuple[Array, NDArray[np.bool_]]:
+        """Fingertips (m, 5, 3) as they were seen at times, NaN where not; and where frames are."""
+        before, share, known = self._between(times, gap)
+        a, b = self.seen[before], self.seen[before + 1]
+        return a + share[:, None, None] * (b - a), known
+
     def placed(self, at: Placed) -> SeenTrack:
         """The same in another frame."""
         q = self.q.copy()

@@ -39,8 +39,9 @@ class TogetherConfiguration:
     """How a session goes and how the devices err. Lengths in m, times in s.
 
     Attributes:
-        script: Seconds of day 0 with a finger down, of all 26 sets; later days are the subject's.
+        script: Seconds of day 0 with fingers down, of all 26 sets.
         script_rate: Hz at which day 0 is played.
+        play: Seconds of later days with fingers down; the paper's 2,538 frames at 30 Hz.
         open_seconds: The open hand at the beginning.
         taps: s from the end of one tap to the next touch-down, uneven on purpose.
         tap: s that a tap lasts.
@@ -58,6 +59,7 @@ class TogetherConfiguration:
 
     script: float = 150.0
     script_rate: float = 30.0
+    play: float = 84.6
     open_seconds: float = 4.0
     taps: tuple[float, ...] = (0.55, 0.9, 0.4)
     tap: float = 0.15
@@ -194,7 +196,9 @@ def _person(
         plain2 = second_subject.FROZEN
         clean2 = replace(
             plain2, marker=0.0, palm_marker=0.0, tremble=0.0,
-            training_rate=c.script_rate, training_frames=_frames(plain2.training_frames, c),
+            training_rate=c.script_rate,
+            training_frames=_frames(plain2.training_frames, c.script * c.script_rate),
+            test_frames=_frames(plain2.test_frames, c.play * plain2.test_rate),
         )  # fmt: skip
         hand = second_subject.SLENDER
         capture = second_subject.simulate(clean2, seed, day, progress)
@@ -208,7 +212,8 @@ def _person(
     clean = replace(
         plain, day_joint=0.0, day_root=(0.0, 0.0), soft_tissue=0.0, joint_noise=0.0,
         root_noise=(0.0, 0.0), training_rate=c.script_rate,
-        training_frames=_frames(plain.training_frames, c),
+        training_frames=_frames(plain.training_frames, c.script * c.script_rate),
+        test_frames=_frames(plain.test_frames, c.play * plain.test_rate),
     )  # fmt: skip
     rng = np.random.default_rng([seed, 0xB0E5])
     size = float(np.clip(1.0 + c.size * rng.standard_normal(), 0.88, 1.12))
@@ -223,9 +228,8 @@ def _person(
     return capture, placed
 
 
-def _frames(paper: tuple[int, ...], c: TogetherConfiguration) -> tuple[int, int, int, int]:
-    """Frames of day 0 by the number of fingers, in the paper's proportions."""
-    total = c.script * c.script_rate
+def _frames(paper: tuple[int, ...], total: float) -> tuple[int, int, int, int]:
+    """Frames of a day by the number of fingers, in the paper's proportions."""
     a, b, d, e = (round(total * n / sum(paper)) for n in paper)
     return a, b, d, e
 

@@ -103,8 +103,9 @@ class CaptureOptions:
     """Of --hands or --recorded: the open hand by `sandbox paalm calibrate`; without it, it is
     measured where the recording begins."""
 
-    correct: bool = False
-    """Of --hands or --recorded: turn joints until fingertips are at their touches."""
+    correct: Literal["unseen", "all", "none"] = "unseen"
+    """Of --hands or --recorded: which touching fingertips are brought to their touches: those that
+    the Leap does not see at the moment, all, or none."""
 
     sync: Literal["clock", "tap"] | None = None
     """clock: both clocks differ by --offset. tap: taps tell by how much; refused if they do not.

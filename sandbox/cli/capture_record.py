@@ -20,7 +20,7 @@ from sandbox.cli.parse import parse
 from sandbox.cli.touch_devices import Opened, TouchOptions, open_touches
 from sandbox.devices.leap import DEFAULT_ADDRESS, LeapFileDevice
 from sandbox.devices.leap_file import read_leap
-from sandbox.devices.together_file import ABOUT, TogetherWriter, read_about
+from sandbox.devices.together_file import ABOUT, TogetherWriter, first_line_with_host, read_about
 from sandbox.devices.tuio import DEFAULT_PORT, LOOPBACK
 
 _REST = 0.002
@@ -145,6 +145,7 @@ def _follow(
 ) -> str:
     """Writes what comes until it is over; why it was."""
     console = Console(stderr=True)
+    late_touches, late_hands = _apart(options)
     begin = time.monotonic()
     last: TouchFrame | None = None
     bar = Progress(
@@ -157,12 +158,12 @@ def _follow(
         shown, quiet = -1.0, set[str]()
         while True:
             now = time.monotonic() - begin
-            for frame in touched.poll(now):
+            for frame in touched.poll(now - late_touches):
                 last = frame
                 writer.touch(frame, now)
                 if guide is not None:
                     guide.touch(frame, now)
-            for seen in hands.poll(now):
+            for seen in hands.poll(now - late_hands):
                 writer.hand(seen, now)
                 if guide is not None:
                     guide.hand(seen)
@@ -185,6 +186,17 @@ def _follow(
             if touched.finished and hands.finished:
                 return "both recordings ended"
             time.sleep(_REST)
+
+
+def _apart(options: RecordOptions) -> tuple[float, float]:
+    """s by which two files of one session begin later than the first of them; as devices, each
+    would begin at 0."""
+    begin = [first_line_with_host(Path(name)) for name in (options.touches, options.hands)]
+    if None in begin:
+        return 0.0, 0.0
+    touches, hands = (b for b in begin if b is not None)
+    first = min(touches, hands)
+    return touches - first, hands - first
 
 
 def _simulated(path: Path) -> bool:

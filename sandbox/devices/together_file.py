@@ -144,6 +144,22 @@ def arrivals(path: Path, count: int) -> Array | None:
     return found if len(found) == count and np.isfinite(found).all() else None
 
 
+def first_line_with_host(path: Path) -> float | None:
+    """s, when the first frame of a file arrived; None where it does not say, or is no file."""
+    if not path.is_file():
+        return None
+    with path.open("rb") as file:
+        for line, _ in zip(file, range(2), strict=False):
+            try:
+                record = json.loads(line)
+            except ValueError:
+                return None
+            host = _number(record.get("host")) if isinstance(record, dict) else math.nan
+            if math.isfinite(host):
+                return host
+    return None
+
+
 def read_about(folder: Path) -> dict[str, Any]:
     """What is known of a session.
 

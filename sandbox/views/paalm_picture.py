@@ -159,12 +159,12 @@ class PaalmPicture:
         box = (left - pad, top - pad, right + pad, bottom + pad)
         pen.rounded_rectangle(box, pad, fill=palette.bytes_of(GROUND)[:3])
         pen.text(place, title, font=normal, fill=text)
-        for i, hand in enumerate(pictures):
-            told = "" if hand.told else ", worked out"
-            radius = "none" if hand.sphere is None else f"{1000 * hand.sphere:.0f} mm{told}"
+        for i, seen in enumerate(pictures):
+            told = "" if seen.told else ", worked out"
+            radius = "none" if seen.sphere is None else f"{1000 * seen.sphere:.0f} mm{told}"
             pen.text(
                 (margin, margin + round((22 + 18 * i) * scale)),
-                f"{hand.side} palm sphere: {radius}", font=small, fill=faint,
+                f"{seen.side} palm sphere: {radius}", font=small, fill=faint,
             )  # fmt: skip
         wide = self.size[0] // max(1, len(known))
         for i, (side, hand) in enumerate(known.items()):
