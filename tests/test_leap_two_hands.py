@@ -1,9 +1,6 @@
 """Two hands over one Leap, and hands in the air on the command line."""
 
 import json
-import shutil
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,13 +8,16 @@ from typing import Any
 import numpy as np
 import pytest
 
+from encoders.paalm.forward import FROZEN_LEAP
 from encoders.paalm.pair import side_by_side
 from models.errors import InputError
 from models.frames import HandFrame
 from sandbox.assembly import build
 from sandbox.cli.leap_devices import hand_input, is_leap
+from sandbox.cli.main import main as command
 from sandbox.cli.run import main
 from sandbox.cli.scene_options import SceneOptions, plan
+from sandbox.devices.leap_trouble import LeapTrouble, parse_simulated
 from sandbox.devices.leap_truth import write_take
 from sandbox.devices.leap_user import SimulatedLeap
 from sandbox.devices.recorded import RecordedDevice
@@ -141,14 +141,40 @@ def test_a_recording_without_the_wanted_hand_says_which_it_has(tmp_path: Path):
         chosen("box-to-goal", device=str(path))
 
 
-def test_a_service_that_is_not_there_is_one_line(tmp_path: Path):
-    sandbox = shutil.which("sandbox", path=str(Path(sys.executable).parent)) or "sandbox"
-    done = subprocess.run(
-        [sandbox, "run", "stack", "--device", "leap", "--leap", "ws://127.0.0.1:1/v6.json"],
-        check=False, capture_output=True, text=True, timeout=120,
-    )  # fmt: skip
-    assert done.returncode == 2 and "says nothing" in done.stderr
-    assert "Traceback" not in done.stderr
+def test_a_service_that_is_not_there_is_one_line(capsys: pytest.CaptureFixture[str]):
+    nobody = ["--device", "leap", "--leap", "ws://127.0.0.1:1/v6.json"]
+    assert command(["run", "stack", *nobody]) == 2
+    assert "says nothing" in capsys.readouterr().err
+
+
+def test_a_simulated_leap_is_as_noisy_and_forgetful_as_it_is_asked_to_be():
+    assert parse_simulated("") == ("v3", LeapTrouble())
+    assert parse_simulated("v1,noise=2,lose=1.5") == ("v1", LeapTrouble(2.0, 1.5))
+    assert LeapTrouble().applied(FROZEN_LEAP) is FROZEN_LEAP
+    assert LeapTrouble(3.0).applied(FROZEN_LEAP).tip == 3.0 * FROZEN_LEAP.tip
+
+
+@pytest.mark.parametrize("wrong", ["v9", "noise", "noise=loud", "noise=nan", "lose=-1", "v1=2"])
+def test_a_simulated_leap_that_is_none_is_refused(wrong: str):
+    with pytest.raises(InputError):
+        chosen("stack", device=f"leap-simulated:{wrong}")
+
+
+def test_a_hand_that_is_lost_while_it_carries_a_box_takes_it_up_again(tmp_path: Path):
+    made = chosen("box-to-goal", device="leap-simulated:lose=1")
+    path = tmp_path / "lost.jsonl"
+    assert run_trial(made.settings, made.make_device, record=path)["success"]
+    frames = [entry.frame for entry in load_recording(path).inputs[0]]
+    gone = [f.time for f in frames if not f.hands]
+    assert 0.9 < gone[-1] - gone[0] < 1.1, "once, for a second"
+    before, after = (
+        {h.id for f in part for h in f.hands}
+        for part in (
+            [f for f in frames if f.time < gone[0]],
+            [f for f in frames if f.time > gone[-1]],
+        )
+    )
+    assert before and after and not before & after, "it is another hand to the device"
 
 
 def test_the_hand_that_a_simulated_person_moves_is_theirs_alone():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, cast
@@ -16,6 +17,7 @@ from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.calibration_file import read_calibration
 from models.errors import DeviceError, EncoderError, InputError
 from models.surface import Surface
+from sandbox.cli.own_hand import chosen_file
 from sandbox.devices.device import Device
 from sandbox.devices.leap import DEFAULT_ADDRESS, LeapDevice, LeapFileDevice
 from sandbox.devices.leap_file import LeapRecording, read_leap
@@ -34,6 +36,8 @@ SUFFIXES = (".json", ".lz")
 """Of Leap recordings; touches are in files of other names."""
 PATIENCE = 3.0
 """s that a live device has to say something."""
+_USED = ("frames", "handshakes", "connections")
+"""Of a device's counts, those of nothing that was wrong."""
 OPEN_FRAMES = 100
 """Frames of a recorded open hand that measure it, as in `sandbox paalm show`."""
 
@@ -50,8 +54,8 @@ class LeapOptions:
     20 cm over the device is 10 cm over the table unless this says otherwise."""
 
     calibration: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """Your hand as `sandbox paalm calibrate --out FILE` measured it; without one, an average hand,
-    or what a recording's open hand or the device's own bones say."""
+    """Your hand, as `sandbox paalm calibrate --out FILE` measured it; --profile takes it, too.
+    Without one: an average hand, or what a recording's open hand or the device's bones say."""
 
 
 def is_leap(device: str) -> bool:
@@ -116,12 +120,13 @@ def hand_input(options: LeapOptions, device: str, side: str) -> HandInput:
             "this is no place", where="--leap-at", got=options.leap_at, expected="X,Y,Z in m"
         ) from None
     found: HandCalibration | None = None
-    if options.calibration is not None:
-        known = read_calibration(options.calibration)
+    file = chosen_file(options)
+    if file is not None:
+        known = read_calibration(file)
         if side not in known:
             raise InputError(
-                "this hand was not measured", where=f"--calibration {options.calibration}",
-                got=side, expected=", ".join(known),
+                "this hand was not measured", where=str(file), got=side,
+                expected=", ".join(known),
             )  # fmt: skip
         found = known[side]
     elif device == LIVE:
@@ -145,9 +150,10 @@ def leap_maker(options: Any, settings: RunSettings, user: UserConfiguration, han
     """
     device: str = options.device
     if device == LIVE:
-        return lambda task, surface: open_leap(options.leap)
+        return lambda task, surface: open_leap(options.leap, tell=True)
     if not device.startswith(SIMULATED):
         recording = read_leap(Path(device))
+        _tell_left_out(recording.counts)
         return lambda task, surface: LeapFileDevice(recording)
     dialect, trouble = parse_simulated(device.partition(":")[2])
     in_air = settings.in_airs[hand]
@@ -182,13 +188,28 @@ def over_one(makers: tuple[Any, Any] | None, make: Any, settings: RunSettings) -
     return PerHand(found)
 
 
-def open_leap(address: str = DEFAULT_ADDRESS) -> LeapDevice:
+class TellingLeap(LeapDevice):
+    """A live device that says at its end what it left out, and how often it had to be called."""
+
+    def close(self) -> None:
+        """Ends the connection, once."""
+        closed = self._stop.is_set()
+        super().close()
+        if not closed:
+            _tell_left_out(self.counts)
+
+
+def open_leap(address: str = DEFAULT_ADDRESS, tell: bool = False) -> LeapDevice:
     """A running service that says something.
+
+    Args:
+        address: WebSocket URL.
+        tell: Say at the end what was left out.
 
     Raises:
         DeviceError: It does not.
     """
-    device = LeapDevice(address)
+    device = TellingLeap(address) if tell else LeapDevice(address)
     if not device.wait(PATIENCE):
         device.close()
         raise DeviceError(
@@ -214,6 +235,16 @@ def _recorded(recording: LeapRecording, side: str, name: str) -> HandCalibration
     except EncoderError as error:
         _say(f"taken for an average hand, because {error}")
         return average_calibration(recording.frames, side, paalm.options)
+
+
+def _tell_left_out(counts: Counter[str]) -> None:
+    """Says what of a device's frames could not be used, where anything could not."""
+    left = {what: n for what, n in counts.items() if n and what not in _USED}
+    # One call is how it begins.
+    if counts["connections"] > 1:
+        left["new connections"] = counts["connections"] - 1
+    if left:
+        _say("left out: " + ", ".join(f"{n} {what}" for what, n in left.items()))
 
 
 def _say(text: str) -> None:

@@ -20,11 +20,13 @@ from encoders.paalm.calibration import PAPER_FRAMES, HandCalibration
 from encoders.paalm.calibration_file import read_calibration, write_calibration
 from models.errors import DeviceError, EncoderError, InputError
 from models.frames import SIDES, HandFrame
+from sandbox.cli.own_hand import keep_hands, own_path
 from sandbox.cli.paalm_views import check_picture, show_pictures
 from sandbox.cli.parse import subcommand
 from sandbox.devices.leap import DEFAULT_ADDRESS, LeapDevice, LeapFileDevice
 from sandbox.devices.leap_file import read_leap
 from sandbox.devices.leap_truth import GENERATOR
+from sandbox.profiles import DEFAULT
 
 SCHEMA = 1
 PATIENCE = 5.0
@@ -143,10 +145,12 @@ def calibrate(
         device: leap: a running service; the default without a FILE.
         address: Of the service.
         frames: How many frames with five fingers; 1000 in the paper, about 10 seconds.
-        out: Where the calibration goes, as JSON.
+        out: Where the calibration goes, as JSON; default is this user's own place, which
+            `sandbox play --device leap` takes by itself.
     """
     _check(file, device or (None if file else "leap"), frames, math.inf)
-    if out is not None and not out.absolute().parent.is_dir():
+    own = out == Path(DEFAULT)
+    if out is not None and not own and not out.absolute().parent.is_dir():
         raise InputError("there is no such folder", where=f"--out {out}")
     source = _Source(file, address)
     paalm = Paalm()
@@ -154,7 +158,10 @@ def calibrate(
         found = _measure(paalm, source.frames(), hands, frames)
     finally:
         source.close()
-    if out is not None:
+    if own:
+        known = read_calibration(own_path()) if own_path().exists() else {}
+        keep_hands({**known, **found}, own_path())
+    elif out is not None:
         write_calibration(found, out)
     summary = {
         side: {

@@ -12,7 +12,9 @@ from rich.console import Console
 from models.errors import InputError
 from sandbox.cli.demo import has_display
 from sandbox.cli.latency import checked_limit
+from sandbox.cli.leap_devices import is_leap
 from sandbox.cli.lsl_options import LslOptions, streaming
+from sandbox.cli.own_hand import of_touches, with_own_hand
 from sandbox.cli.page_options import PageOptions
 from sandbox.cli.parse import parse
 from sandbox.cli.play_page import play_on_page
@@ -31,8 +33,9 @@ class PlayOptions(LslOptions, PageOptions, SceneOptions):
     """
 
     device: str = "mouse"
-    """mouse, web (a page in a browser), tuio, evdev (a touch screen of this machine), simulated, or
-    a file: a recording of ours, or a capture of TUIO packets."""
+    """mouse, web (a page in a browser), tuio, evdev (a touch screen of this machine), simulated,
+    leap (a hand in the air, measured the first time), leap-simulated, or a file: a recording of
+    ours or of a Leap, or a capture of TUIO packets."""
 
     view: Literal["auto", "window", "web", "film", "none"] = "auto"
     """Where it is seen. window: in a window, and on a page beside it, whose fingers play along with
@@ -49,6 +52,7 @@ class PlayOptions(LslOptions, PageOptions, SceneOptions):
     def with_own_profile(self) -> PlayOptions:
         """The same, with this user's own profile where their own fingers touch."""
         other = self.profile is not None or self.device in ("mouse", "simulated")
+        other = other or is_leap(self.device)
         if other or Path(self.device).exists() or not default_path().exists():
             return self
         return replace(self, profile=DEFAULT)
@@ -66,8 +70,8 @@ def main(argv: list[str]) -> int:
         options = replace(options, device="mouse")
     elif on_page or (options.view == "web" and options.device == "mouse"):
         options = replace(options, device="web")
-    options = options.with_own_profile()
     console = Console()
+    options = with_own_hand(options.with_own_profile(), console)
     if options.view == "web":
         with streaming(options.lsl, console):
             return play_on_page(options, options, console, limit)
@@ -79,7 +83,7 @@ def main(argv: list[str]) -> int:
             remedy="`--view web` plays in a browser, `sandbox run` without any view; on a remote "
             "machine try `xvfb-run`",
         )
-    if options.profile not in (None, "none"):
+    if of_touches(options, is_leap(options.device)):
         console.print(f"profile: {find_profile(str(options.profile)).line}")
     from sandbox.cli.play_window import play_in_window
 

@@ -20,6 +20,7 @@ from sandbox.cli.leap_devices import (
     over_one,
     with_leaps,
 )
+from sandbox.cli.own_hand import of_touches
 from sandbox.cli.second_hand import SecondOptions, with_second
 from sandbox.cli.touch_devices import is_evdev, live_maker, native_surface, open_file
 from sandbox.devices.device import Device
@@ -108,7 +109,8 @@ class SceneOptions(LeapOptions, SecondOptions):
 
     profile: Annotated[str | None, tyro.conf.arg(metavar="{default,none,FILE}")] = None
     """Hand, size and seat as `sandbox calibrate` found them: default is this user's own profile.
-    Without it, none is used, save by `sandbox play` with a touch device."""
+    Without it, none is used, save by `sandbox play` with a touch device. Over a Leap, also what
+    `sandbox paalm calibrate` wrote; default is then this user's own measured hand."""
 
     surface: Annotated[str | None, tyro.conf.arg(metavar="SIZE")] = None
     """Size of the touch surface: 7.76x5.82in, 197x148mm or a preset such as ipad2."""
@@ -340,7 +342,7 @@ def _settings(options: SceneOptions, recording: Recording | None) -> RunSettings
         values |= _PARTS[part]
     if options.tell_labels:
         values["labels"] = "device"
-    if options.profile not in (None, "none"):
+    if of_touches(options, is_leap(options.device)):
         values |= asdict(find_profile(str(options.profile)).person)
     asked = {"hand": options.hand, "hand_size": options.hand_size, "turn": options.turn}
     values |= {name: value for name, value in asked.items() if value is not None}
