@@ -98,8 +98,8 @@ class CommandPort:
 
     def _one(self, line: bytes) -> None:
         self.longest = max(self.longest, len(line) + 1)
-        self.counts["commands"] += 1
         try:
             self._run_line(line.decode("utf-8"))
         except Exception as error:
             self.errors.append(repr(error))
+        self.counts["commands"] += 1

@@ -74,7 +74,7 @@ def test_a_hand_made_in_maya_has_its_fingertips_where_the_streamed_one_has(side,
 def test_any_chains_that_are_selected_reach_as_far_and_point_as_the_fingers_do(chains, joints):
     scene = FakeMaya()
     q = moving(ADULT, 60, 1)[::15]
-    hand, lines, (places, tips) = commands(q)
+    _, lines, (places, tips) = commands(q)
     bases = []
     scene.select(clear=True)
     scene.joint(name="palm", position=(0, 0, 0))
@@ -160,7 +160,7 @@ def test_a_rig_goes_on_from_where_it_stands_unless_it_is_to_be_where_the_hand_is
         for i, line in enumerate(lines):
             run(line)
             moved = 100 * Y_UP @ (places[i, 0] - places[0, 0])
-            assert np.allclose(where(scene, palm), [50, 20, 10] + moved, atol=2e-3)
+            assert np.allclose(where(scene, palm), np.add([50, 20, 10], moved), atol=2e-3)
 
 
 def test_a_palm_that_is_to_stay_stays_while_the_fingers_move():

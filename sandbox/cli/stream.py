@@ -25,7 +25,7 @@ from sandbox.recording import is_recording
 from sandbox.stream.lines import BLENDER, MAYA, MAYA_MEL, Target
 from sandbox.stream.player import Pace, Player
 from sandbox.stream.script import script
-from sandbox.stream.sender import Sender, parse_address
+from sandbox.stream.sender import Moment, Sender, parse_address
 from sandbox.study.trial_files import find_recordings
 
 LIVE = ("leap", "leap-simulated", "simulated", "tuio", "web", "evdev")
@@ -57,7 +57,7 @@ class StreamOptions(LeapOptions, PageOptions):
 
         sandbox run box-to-goal --device simulated --seed 3 --record run.jsonl
         sandbox stream run.jsonl --blender :7004
-        sandbox stream --device leap-simulated --task stack-in-air --maya :7002
+        sandbox stream --device leap-simulated --maya :7002
 
     The other program may be started later, stall, or be started again. Ctrl-C ends the stream and
     tells it to bake. `--print` shows what would be sent.
@@ -203,7 +203,7 @@ def _open(
         given = Path(options.device)
         path = given if is_recording(given) or given.suffix == ".npz" else None
     if path is not None:
-        files = find_recordings(path, options.out)
+        files = find_recordings(str(path), options.out)
         if len(files) > 1:
             raise InputError(
                 "one motion is streamed at a time", where=str(path), got=f"{len(files)} recordings"
@@ -254,8 +254,8 @@ def _print(player: Player) -> int:
     class Printer:
         """Stands for a sender."""
 
-        def show(self, hand: str, commands: list[str], wait: float = 0.0) -> bool:
-            print("\n".join(commands))
+        def show(self, hand: str, moment: Moment, wait: float = 0.0) -> bool:
+            print("\n".join(moment()))
             return True
 
         def order(self, command: str) -> None:

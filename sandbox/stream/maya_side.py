@@ -205,15 +205,21 @@ class Hand:
             cmds.delete(self.group)
 
 
-def start(side: str = "right", fingers: Optional[Sequence[int]] = None, root: Optional[str] = None,
-          scale: Optional[float] = None, key: bool = True, absolute: bool = False) -> None:  # fmt: skip
+def start(
+    side: str = "right",
+    fingers: Optional[Sequence[int]] = None,
+    root: Optional[str] = None,
+    scale: Optional[float] = None,
+    key: bool = True,
+    absolute: bool = False,
+) -> None:
     """Lets the selected chains follow a streamed hand."""
     stop(side, bake=False)
     chosen = cmds.ls(selection=True, type="joint", long=True) or []
     options: Dict[str, Any] = {"root": root, "scale": scale, "key": key, "absolute": absolute}
     if not chosen:
         waiting[side] = options
-        print("hand_sandbox: no joint is selected; the streamed hand itself is made when it comes")
+        print("hand_sandbox: no joint is selected; the streamed hand is made when it comes")
         return
     cmds.undoInfo(openChunk=True, chunkName="hand_sandbox start")
     try:

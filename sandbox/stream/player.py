@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from dataclasses import dataclass
+from functools import partial
 from typing import Protocol
 
 from models.motion.armature import Keys
@@ -12,12 +13,13 @@ from models.motion.sampling import Poses, Sampler
 from sandbox.export.sources import Source
 from sandbox.pacing import RealTime
 from sandbox.stream.lines import HandLines, Target
+from sandbox.stream.sender import Moment
 
 
 class Receiver(Protocol):
     """What takes commands: a `Sender`, or what prints them."""
 
-    def show(self, hand: str, commands: list[str], wait: float = 0.0) -> bool:
+    def show(self, hand: str, moment: Moment, wait: float = 0.0) -> bool:
         """Takes a moment of a hand."""
         ...
 
@@ -56,7 +58,7 @@ class Player:
     Attributes:
         hands: Writers of lines, one for each hand.
         moments: Sent or dropped so far, of all hands together.
-        work: s of the source's own thread that writing lines took, all together.
+        work: s of processor time that writing lines took, in the sender's thread.
     """
 
     def __init__(self, source: Source, target: Target, pace: Pace) -> None:
@@ -111,8 +113,12 @@ class Player:
             self._clock = self._clock or RealTime(self._pace.speed)
             self._clock.wait(moment)
         for name, lines, keys in zip(self._source.names, self.hands, hands, strict=True):
-            begin = time.perf_counter()
-            commands = lines.lines(moment, keys)
-            self.work += time.perf_counter() - begin
-            sender.show(name, commands, self._pace.wait)
+            sender.show(name, partial(self._commands, lines, moment, keys), self._pace.wait)
         self.moments += 1
+
+    def _commands(self, lines: HandLines, moment: float, keys: Keys) -> list[str]:
+        """In the sender's thread."""
+        begin = time.thread_time()
+        commands = lines.lines(moment, keys)
+        self.work += time.thread_time() - begin
+        return commands

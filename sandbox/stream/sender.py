@@ -17,7 +17,7 @@ import socket
 import threading
 import time
 from collections import Counter, deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from models.errors import DeviceError, InputError
 
@@ -25,6 +25,12 @@ FIRST_PAUSE, LONGEST_PAUSE = 0.1, 2.0
 """s, between attempts to connect; doubled each time."""
 PATIENCE = 0.05
 """s for which an answer is waited for, where answers came before; three frames at 60 Hz."""
+FIRST_PATIENCE = 1.0
+"""s for which the greeting's answer is waited for, to learn what kind of port it is."""
+LINGER = 0.05
+"""s after the greeting's answer in which a port that dies of answers does so."""
+DEATH_PATIENCE = 5.0
+"""s for which the end of a connection is waited for, where every command ended one."""
 SEND_TIMEOUT = 2.0
 """s after which a program that takes nothing in counts as gone."""
 CONNECT_TIMEOUT = 2.0
@@ -34,6 +40,9 @@ SMALL_BUFFER = 8192
 MOST_ORDERS = 16
 """Orders that wait; a session has one for each hand."""
 _GREETING, _ORDER = "greeting", "order"
+
+Moment = Callable[[], list[str]]
+"""Makes the commands of one moment of a hand."""
 
 
 def parse_address(text: str, default_host: str = "127.0.0.1") -> tuple[str, int]:
@@ -71,11 +80,12 @@ class Sender:
         self.host, self.port = host, port
         self._greeting, self._patience = tuple(greeting), patience
         self._news = threading.Condition()
-        self._newest: dict[str, list[str]] = {}
+        self._newest: dict[str, Moment] = {}
         self._orders: deque[str] = deque()
         self._counts: Counter[str] = Counter()
         self._closing = False
-        self._busy = self._answers = False
+        self._busy = self._answers = self._heard = self._dies = False
+        self._said_again: set[str] = set()
         self._greeted = 0
         self.connected = threading.Event()
         self.trouble = ""
@@ -88,12 +98,12 @@ class Sender:
         with self._news:
             return dict(self._counts)
 
-    def show(self, hand: str, commands: list[str], wait: float = 0.0) -> bool:
+    def show(self, hand: str, moment: Moment, wait: float = 0.0) -> bool:
         """Hands over a moment of a hand; the one that still waits is dropped.
 
         Args:
             hand: Whose.
-            commands: Of the moment.
+            moment: Makes its commands, in the sender's thread and only if they are sent.
             wait: s for which to wait for the last moment to be sent, where none may be lost.
 
         Returns:
@@ -105,7 +115,7 @@ class Sender:
             free = hand not in self._newest
             if not free:
                 self._counts["moments dropped"] += 1
-            self._newest[hand] = list(commands)
+            self._newest[hand] = moment
             self._news.notify_all()
         return free
 
@@ -183,39 +193,47 @@ class Sender:
             with self._news:
                 if self._closing:
                     return sent
-                key, commands = self._take()
-                if not commands:
+                key, moment = self._take()
+                if not key:
                     self._news.wait_for(lambda: self._pending or self._closing, 0.2)
+            commands = moment()
             if not self._drain(channel):
                 # It had gone before this was sent, so that this is not lost.
                 self._give_back(key, commands)
                 return sent
             for i, command in enumerate(commands):
                 try:
-                    alive = self._send(channel, command)
+                    alive = self._send(channel, command, key == _GREETING)
                 except OSError:
                     self._give_back(key, commands[i:])
                     raise
                 sent += 1
-                if not alive:
-                    self._give_back(key, commands[i + 1 :])
-                    self._done(key, commands)
-                    return sent
+                if alive:
+                    continue
+                self._dies = sent == 1
+                # Without an answer, and with others on the way, nobody knows which of them the
+                # other side took. Nothing is lost by saying the last one again, once.
+                unsure = sent > 1 and not self._heard and key not in self._said_again
+                self._said_again = {key} if unsure else set()
+                self._give_back(key, commands[i if unsure else i + 1 :])
+                self._done(key, commands if not unsure else [])
+                return sent
+            self._said_again.discard(key)
             self._done(key, commands)
 
-    def _take(self) -> tuple[str, list[str]]:
-        """The next thing to send, and whose it is: moments before orders, since an order may end
-        what they show."""
+    def _take(self) -> tuple[str, Moment]:
+        """Whose turn it is, and what to send: moments before orders, since an order may end what
+        they show."""
         self._busy = True
         if self._greeted < len(self._greeting):
             self._greeted += 1
-            return _GREETING, [self._greeting[self._greeted - 1]]
+            return _GREETING, _ready([self._greeting[self._greeted - 1]])
         for key in self._newest:
             return key, self._newest.pop(key)
         if self._orders:
-            return _ORDER, [self._orders.popleft()]
+            return _ORDER, _ready([self._orders.popleft()])
         self._busy = False
-        return "", []
+        return "", _ready([])
 
     def _done(self, key: str, commands: list[str]) -> None:
         with self._news:
@@ -233,6 +251,7 @@ class Sender:
             self._busy = False
             if not commands:
                 return
+            self._news.notify_all()
             if key == _GREETING:
                 self._greeted = 0
             elif key == _ORDER:
@@ -240,23 +259,34 @@ class Sender:
             elif key in self._newest:
                 self._counts["moments dropped"] += 1
             else:
-                self._newest[key] = commands
+                self._newest[key] = _ready(commands)
             self._news.notify_all()
 
-    def _send(self, channel: socket.socket, command: str) -> bool:
-        """Sends a command, and listens where that was of use before; whether the other side is
-        there still."""
+    def _send(self, channel: socket.socket, command: str, first: bool) -> bool:
+        """Sends a command, and listens where that is of use; whether the other side is there
+        still."""
         channel.sendall(command.encode("ascii") + b"\n")
+        if self._dies:
+            return self._drain(channel, DEATH_PATIENCE, DEATH_PATIENCE)
+        if first:
+            return self._drain(channel, FIRST_PATIENCE, LINGER)
         return self._drain(channel, self._patience if self._answers else 0.0)
 
-    def _drain(self, channel: socket.socket, wait: float = 0.0) -> bool:
-        """Reads answers and forgets them; False where the connection has ended."""
+    def _drain(self, channel: socket.socket, wait: float = 0.0, linger: float = 0.0) -> bool:
+        """Reads answers and forgets them; False where the connection has ended.
+
+        Args:
+            channel: Where from.
+            wait: s for the first of them.
+            linger: s, once one has come, for the connection's end.
+        """
         until = time.monotonic() + wait
+        self._heard = False
         while True:
             left = max(0.0, until - time.monotonic())
             readable, _, _ = select.select([channel], [], [], left)
             if not readable:
-                if wait > 0.0:
+                if wait > 0.0 and not self._heard:
                     self._count("answers missing")
                 return True
             try:
@@ -264,10 +294,15 @@ class Sender:
             except ConnectionError as error:
                 self.trouble = f"{type(error).__name__}: {error}"[:200]
                 data = b""
-            self._answers = True
             if not data:
+                self._answers = True
                 self._count("connections ended by the other side")
                 return False
             self._count("bytes of answers thrown away", len(data))
-            # One answer is all that was waited for; what else has come is read without waiting.
-            until, wait = time.monotonic(), 0.0
+            # What else has come is read without waiting.
+            self._answers = self._heard = True
+            until = time.monotonic() + linger
+
+
+def _ready(commands: list[str]) -> Moment:
+    return lambda: commands
