@@ -15,9 +15,11 @@ import pytest
 from models.errors import StudyError
 from sandbox.cli.main import main
 from sandbox.study.folder import REAL, SIMULATED, StudyFolder
+from sandbox.study.report.analysis import analyse
 from sandbox.study.report.censored import Censored, censored_differences, fit_censored
 from sandbox.study.report.data import load_study
 from sandbox.study.report.make import make_report
+from sandbox.study.report.page import head
 from sandbox.study.report.planted import Truth
 from sandbox.study.simulate import simulate
 from sandbox.study.tables import csv_bytes
@@ -34,10 +36,19 @@ from tests.study_reports import (
 )
 
 
-def test_a_page_fetches_nothing_and_has_a_table_beside_every_picture(tmp_path: Path) -> None:
-    planted(tmp_path)
-    path = make_report(tmp_path, tmp_path / "report")
-    text = path.read_text(encoding="utf-8")
+@pytest.fixture(scope="module")
+def plain(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A planted study of which one participant has not finished, and its report."""
+    folder = tmp_path_factory.mktemp("plain")
+    planted(folder)
+    people = [{"ppid": f"P{i:03d}", "complete": i != 2} for i in range(1, 7)]
+    (folder / "participants.csv").write_bytes(csv_bytes(people, ("ppid", "complete")))
+    make_report(folder, folder / "report")
+    return folder
+
+
+def test_a_page_fetches_nothing_and_has_a_table_beside_every_picture(plain: Path) -> None:
+    text = (plain / "report" / "report.html").read_text(encoding="utf-8")
     page = Page(text)
     assert not page.fetches
     assert not re.findall(r"url\((?!#)|@import|https?://(?!www\.w3\.org)", text)
@@ -47,26 +58,36 @@ def test_a_page_fetches_nothing_and_has_a_table_beside_every_picture(tmp_path: P
     used = set(re.findall(r'(?:url\(#|href="#)([^")]+)', text))
     assert used <= set(page.ids), "what is pointed to is there"
     assert "#0a0b" not in text, "every colour is one of the page's"
-    assert {p.name for p in (tmp_path / "report").iterdir()} == FILES
+    assert "Not finished yet: P002." in page.text
+    assert {p.name for p in (plain / "report").iterdir()} == FILES
 
 
-def test_the_same_tables_make_the_same_report_to_the_byte(tmp_path: Path) -> None:
-    planted(tmp_path)
-    for name in ("a", "b"):
-        make_report(tmp_path, tmp_path / name)
+def test_the_same_tables_make_the_same_report_to_the_byte_by_the_command_too(
+    plain: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["study", "report", str(plain), "--out", str(tmp_path / "r")]) == 0
+    assert str(tmp_path / "r" / "report.html") in capsys.readouterr().out.replace("\n", "")
     for name in FILES:
-        assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
+        assert (plain / "report" / name).read_bytes() == (tmp_path / "r" / name).read_bytes()
 
 
-@pytest.mark.parametrize("mode", ["simulated", "pilot", "real", ""])
-def test_the_title_says_whether_people_took_part(tmp_path: Path, mode: str) -> None:
-    rows = planted(tmp_path)
-    put(tmp_path, [{**row, "mode": mode} for row in rows])
-    page = report(tmp_path)
-    title = page.text[:80].lower()
-    for kind in ("simulated", "pilot", "unknown kind"):
-        assert (kind in title) == (kind == (mode or "unknown kind"))
-    assert ("no person took part" in page.text.lower()) == (mode == "simulated")
+def test_the_command_refuses_other_folders_and_measures_that_there_are_not(
+    plain: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["study", "report", str(plain / "nowhere")]) == 2
+    assert main(["study", "report", str(plain), "--measure", "beauty"]) == 2
+    assert "no such measure" in capsys.readouterr().err
+
+
+def test_the_title_says_whether_people_took_part(plain: Path) -> None:
+    found = analyse(load_study(plain))
+    for mode in ("simulated", "pilot", "real", ""):
+        told = head(replace(found, data=replace(found.data, mode=mode)))
+        for kind in ("simulated", "pilot", "unknown kind"):
+            assert (kind in told["title"].lower()) == (kind == (mode or "unknown kind"))
+        assert ("no person took part" in told["warning"].lower()) == (mode == "simulated")
+    text = Page((plain / "report" / "report.html").read_text(encoding="utf-8")).text
+    assert head(found)["title"] in text[:80] and head(found)["warning"] in text
 
 
 def test_data_of_two_kinds_are_refused(tmp_path: Path) -> None:
@@ -106,33 +127,22 @@ def test_every_exclusion_is_stated_and_sums_agree(tmp_path: Path) -> None:
     assert len(rows_of(tmp_path / "report" / "trials.csv")) == left["used here"]
 
 
-def test_who_has_not_finished_is_named(tmp_path: Path) -> None:
-    planted(tmp_path)
-    people = [{"ppid": f"P{i:03d}", "complete": i != 2} for i in range(1, 7)]
-    (tmp_path / "participants.csv").write_bytes(csv_bytes(people, ("ppid", "complete")))
-    assert "Not finished yet: P002." in report(tmp_path).text
-
-
-def test_a_column_that_the_codebook_explains_is_in_every_file(tmp_path: Path) -> None:
-    planted(tmp_path)
-    make_report(tmp_path, tmp_path / "report")
+def test_a_column_that_the_codebook_explains_is_in_every_file(plain: Path) -> None:
     told: dict[str, list[str]] = {}
-    for row in rows_of(tmp_path / "report" / "codebook.csv"):
+    for row in rows_of(plain / "report" / "codebook.csv"):
         told.setdefault(row["file"], []).append(row["column"])
     for name in FILES - {"codebook.csv", "report.html", "analysis.R"}:
-        with (tmp_path / "report" / name).open(encoding="utf-8") as file:
+        with (plain / "report" / name).open(encoding="utf-8") as file:
             assert next(csv.reader(file)) == told[name]
 
 
-def test_tables_open_in_pandas_as_they_are(tmp_path: Path) -> None:
+def test_tables_open_in_pandas_as_they_are(plain: Path) -> None:
     import pandas as pd
 
-    planted(tmp_path)
-    make_report(tmp_path, tmp_path / "report")
-    trials = pd.read_csv(tmp_path / "report" / "trials.csv")
+    trials = pd.read_csv(plain / "report" / "trials.csv")
     assert trials["time_s"].dtype == float
     assert set(trials["success"]) == {0, 1}
-    both = pd.read_csv(tmp_path / "report" / "comparisons.csv")
+    both = pd.read_csv(plain / "report" / "comparisons.csv")
     assert (both["low"] <= both["estimate"]).all() and (both["estimate"] <= both["high"]).all()
 
 
@@ -141,10 +151,7 @@ def test_levels_stand_in_the_order_of_the_design(tmp_path: Path) -> None:
     book = [{"table": "trial_results.csv", "column": "factor_encoder", "unit": "",
              "meaning": "level: c, a, b, never-used"}]  # fmt: skip
     (tmp_path / "codebook.csv").write_bytes(csv_bytes(book, tuple(book[0])))
-    make_report(tmp_path, tmp_path / "report")
-    means = rows_of(tmp_path / "report" / "means.csv")
-    assert [r["name"] for r in means if r["by"] == "encoder" and r["measure"] == "time_s"] == [
-        "c", "a", "b"]  # fmt: skip
+    assert load_study(tmp_path).factor("encoder").levels == ("c", "a", "b")
 
 
 def test_a_measure_that_was_asked_for_is_compared_and_others_are_not(tmp_path: Path) -> None:
@@ -204,17 +211,6 @@ def test_a_word_in_the_place_of_a_number_is_named_with_its_row(tmp_path: Path) -
     put(tmp_path, rows)
     with pytest.raises(StudyError, match=r"time_s, row 6.*soon"):
         make_report(tmp_path, tmp_path / "report")
-
-
-def test_the_command_makes_a_report_of_a_folder_and_refuses_others(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    planted(tmp_path / "s")
-    assert main(["study", "report", str(tmp_path / "s"), "--out", str(tmp_path / "r")]) == 0
-    assert str(tmp_path / "r" / "report.html") in capsys.readouterr().out.replace("\n", "")
-    assert main(["study", "report", str(tmp_path / "nowhere")]) == 2
-    assert main(["study", "report", str(tmp_path / "s"), "--measure", "beauty"]) == 2
-    assert "no such measure" in capsys.readouterr().err
 
 
 def test_a_study_as_it_was_simulated_has_a_report(tmp_path: Path) -> None:

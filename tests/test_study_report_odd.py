@@ -38,6 +38,14 @@ def half_finished(rows: Rows) -> Rows:
     return rows[: len(rows) // 2 + 3]
 
 
+def half_finished_with_a_person_without_success(rows: Rows) -> Rows:
+    return a_person_without_success(half_finished(rows))
+
+
+def nested_with_hostile_names_and_a_later_attempt(rows: Rows) -> Rows:
+    return a_later_attempt(nested(hostile_names(rows)))
+
+
 def only_practice(rows: Rows) -> Rows:
     return [{**r, "practice": 1} for r in rows]
 
@@ -97,9 +105,9 @@ def a_later_attempt(rows: Rows) -> Rows:
 
 @pytest.mark.parametrize("change", [
     nobody_succeeds, everybody_succeeds, all_excluded, one_person, two_people, one_trial,
-    half_finished, only_practice, nothing, equal_times, time_zero, times_missing,
-    a_level_nobody_succeeds_with, a_person_without_success, one_success_of_a_level, between_people,
-    one_level_only, one_trial_of_each, nested, hostile_names, a_later_attempt,
+    half_finished_with_a_person_without_success, only_practice, nothing, equal_times, time_zero,
+    times_missing, a_level_nobody_succeeds_with, one_success_of_a_level, between_people,
+    one_level_only, one_trial_of_each, nested_with_hostile_names_and_a_later_attempt,
 ])  # fmt: skip
 def test_of_any_study_there_is_a_report(tmp_path: Path, change: Callable[[Rows], Rows]) -> None:
     rows = change(planted(tmp_path))

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from sandbox.study.session_folder import SessionFolder
     from sandbox.study.study_page import StudyPage
 
-ONCE = ("file", "participant", "hand", "hand_size", "language", "resume", "force_upgrade")
+SAID_ANEW = ("file", "participant", "hand", "hand_size", "language", "resume", "force_upgrade")
 """Options that are said anew, or never again, when a session goes on."""
 FAREWELL = 1.0
 """s in which the page gets its last words before the program ends."""
@@ -100,6 +100,9 @@ class RunOptions:
     language: str = ""
     """Of a new participant; the design's first unless told otherwise."""
 
+    session: int = 1
+    """Everybody comes once: for a second time, make another design."""
+
     resume: tyro.conf.FlagCreatePairsOff[bool] = False
     """Goes on with an interrupted session without asking."""
 
@@ -141,10 +144,12 @@ class RunOptions:
 def run(options: RunOptions, console: Console) -> int:
     """Runs a session, or what is left of it."""
     from sandbox.study.controls import Controls, Terminal
-    from sandbox.study.design_file import load_design
+    from sandbox.study.design_file import ANOTHER, ONCE, load_design
     from sandbox.study.folder import PILOT, REAL, StudyFolder
     from sandbox.study.session_folder import SessionFolder
 
+    if options.session != 1:
+        raise StudyError(ONCE, where="--session", got=options.session, remedy=ANOTHER)
     _check(options)
     _check_page(options)
     design = load_design(options.file)
@@ -181,7 +186,7 @@ def _again(options: RunOptions, ppid: str) -> str:
     words = ["sandbox", "study", "run", str(options.file), "--participant", ppid]
     for field in fields(options):
         value = getattr(options, field.name)
-        if field.name in ONCE or value == field.default:
+        if field.name in SAID_ANEW or value == field.default:
             continue
         words.append("--" + field.name.replace("_", "-"))
         if value is not True:

@@ -28,6 +28,12 @@ from sandbox.study.questionnaires import read_form, read_item
 from sandbox.study.reading import DesignError, Mistake, Reader, Table
 from sandbox.study.showing import read_showing
 
+ONCE = "everybody comes once"
+ANOTHER = (
+    "Make a design of another name, and with a seed of its own, for the second time; a list of "
+    "yours says who is who"
+)
+
 
 def load_design(path: Path, try_out: bool = True) -> Design:
     """Reads a design; see `parse_design`.
@@ -79,6 +85,8 @@ def _design(top: Table, text: str, path: Path) -> Design:
     schema = top.raw("schema", SCHEMA)
     if schema != SCHEMA:
         top.wrong("schema", f"got {schema!r}", f"This version reads schema {SCHEMA}")
+    if top.raw("sessions", 1) != 1:
+        top.reader.wrong(("sessions",), ONCE, ANOTHER)
     languages = top.strings("languages", ("en",)) or ("en",)
     top.reader.languages = languages
     factors = _factors(top)

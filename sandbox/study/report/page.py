@@ -49,7 +49,7 @@ def page(found: Analysis) -> str:
         here.joinpath("page.html").read_text(encoding="utf-8")
     )
     css = here.joinpath("page.css").read_text(encoding="utf-8")
-    return template.render(css=_Safe(css), sections=_sections(found), **_head(found))
+    return template.render(css=_Safe(css), sections=_sections(found), **head(found))
 
 
 class _Safe(str):
@@ -59,7 +59,8 @@ class _Safe(str):
         return str(self)
 
 
-def _head(found: Analysis) -> dict[str, Any]:
+def head(found: Analysis) -> dict[str, Any]:
+    """What stands above the sections: title, warning, facts and findings."""
     data = found.data
     mode = data.mode if data.mode in KINDS else "unknown"
     kind, title, warning = UNKNOWN
