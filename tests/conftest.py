@@ -1,8 +1,12 @@
-"""What all tests share: the data beside the project, and that a skipped test is no passed test.
+"""What all tests share: data beside the project, processes, and that a skip is no passed test.
 
 With `CI=true` a skip fails the run, since a check that quietly stopped running looks like one that
 passes. Two things a machine may honestly lack are let through, each only while it is lacking: the
 recordings in `../shared/data` (`HAND_SANDBOX_DATA` overrides the place) and device nodes in /dev.
+
+Whoever runs a folder of tests has them run in as many processes as there are processors, at most
+four, a file in one of them; a file or a test that is named runs in the process that was started.
+`-n 0` has everything in one process.
 """
 
 from __future__ import annotations
@@ -17,6 +21,7 @@ from hypothesis import HealthCheck, settings
 ROOT = Path(__file__).resolve().parent.parent
 DATA_ABSENT = "shared data absent"
 NODE_ABSENT = "device node absent"
+MOST_PROCESSES = 4
 IN_CI = os.environ.get("CI", "").lower() in ("true", "1")
 
 # A busy machine is no failure: no deadlines. CI searches from a fixed seed, people explore.
@@ -27,6 +32,22 @@ settings.register_profile(
     suppress_health_check=[HealthCheck.too_slow],
 )
 settings.load_profile("hand-sandbox")
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
+    """How many processes `-n auto` means; 0: this one."""
+    here = config.invocation_params.dir
+    if config.option.collectonly or not any((here / name).is_dir() for name in config.args):
+        return 0
+    can_count = hasattr(os, "sched_getaffinity")
+    processors = len(os.sched_getaffinity(0)) if can_count else os.cpu_count() or 1
+    if processors == 1:
+        return 0
+    # Each of them has one processor: threads of linear algebra would only be in the others' way.
+    for library in ("OMP", "OPENBLAS", "MKL"):
+        os.environ.setdefault(f"{library}_NUM_THREADS", "1")
+    return min(processors, MOST_PROCESSES)
 
 
 def data_folder() -> Path:

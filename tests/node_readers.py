@@ -1,10 +1,11 @@
-"""three.js and the glTF validator, fetched once a session; skips where node or its registry is not.
+"""three.js and the glTF validator, fetched once a process; skips where node or its registry is not.
 
 With CI=true a skip fails the run: `.ci/run` installs node.
 """
 
 from __future__ import annotations
 
+import atexit
 import json
 import shutil
 import subprocess
@@ -37,6 +38,7 @@ def _installed() -> Path | str:
     if not (shutil.which("node") and shutil.which("npm")):
         return "node or npm is not installed"
     folder = Path(mkdtemp(prefix="hand-sandbox-readers-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
     for name in ("package.json", "package-lock.json", "read.mjs"):
         shutil.copy(HERE / name, folder / name)
     line = ["npm", "ci", "--silent", "--ignore-scripts", "--no-audit", "--no-fund"]

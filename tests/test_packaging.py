@@ -256,6 +256,24 @@ def test_ci_fails_a_whole_file_that_is_skipped(tmp_path: Path) -> None:
     assert "no display" in result.stdout
 
 
+def test_a_folder_is_tested_in_processes_where_a_skip_fails_too_and_a_file_in_one(
+    tmp_path: Path,
+) -> None:
+    shutil.copy(ROOT / "tests" / "conftest.py", tmp_path)
+    for name in ("test_a.py", "test_b.py"):
+        (tmp_path / name).write_text(
+            "import pytest\ndef test_no_reason(): pytest.skip('no display')\n", encoding="utf-8"
+        )
+    can_count = hasattr(os, "sched_getaffinity")
+    processors = len(os.sched_getaffinity(0)) if can_count else os.cpu_count() or 1
+    run = ("-m", "pytest", "-v", "-p", "no:cacheprovider", "-n", "auto", "--dist", "loadfile")
+    for asked, failed in ((tmp_path, 2), (tmp_path / "test_a.py", 1)):
+        said = python(*run, "--rootdir", tmp_path, asked, cwd=tmp_path, CI="true").stdout
+        assert re.fullmatch(f"=+ {failed} failed in .*=+", said.splitlines()[-1]), said
+        assert said.count("with CI=true a skipped test fails") >= failed
+        assert ("[gw" in said) == (asked == tmp_path and processors > 1)
+
+
 # The commands, and what is shipped
 
 
