@@ -261,6 +261,7 @@ class Session:
 
     def _notices(self) -> list[str]:
         found = [rig.yaw.notice for rig in self.rigs if rig.yaw and rig.yaw.notice]
+        found += sorted({s.notice for s in self._solidity if s.notice})
         since, back = self._back
         return [*found, back] if self.time - since < NOTICE_TIME else found
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from encoders.touch_reconstructor import Reconstruction
 from models.one_pose import OnePose
-from models.scene import BodyPoses, Scene
+from models.scene import CONTROL_PERIOD, BodyPoses, Scene
 
 Array = NDArray[np.float64]
 
@@ -29,6 +29,10 @@ ALONG = np.linspace(0.0, 1.0, 7)
 half a millimetre."""
 
 GHOST: frozenset[int] = frozenset()
+
+STUCK = "a finger is inside an object: the hand passes through things until it is out"
+STUCK_TIME = 1.0
+"""s that a hand stays a ghost over a finger inside an object before the person is told."""
 
 
 @dataclass(frozen=True)
@@ -69,6 +73,12 @@ class Solidity:
         end = scene.spec.hands[hand].solid_end
         self._inner = np.maximum(0.0, 1.0 - (np.inf if end is None else end) / self._reach)
         self.fingers = GHOST
+        self._inside = 0  # steps in a row that a finger inside an object kept the hand a ghost
+
+    @property
+    def notice(self) -> str:
+        """A word to the person whose hand stays a ghost; empty while all is well."""
+        return STUCK if self._inside * CONTROL_PERIOD > STUCK_TIME else ""
 
     def tips(self, data: BodyPoses) -> Array:
         """(5, 3) m, fingertips of the simulated hand."""
@@ -95,17 +105,20 @@ class Solidity:
         wanted = reconstruction.fingers if reconstruction.down and not ghost else GHOST
         staying = self.fingers & wanted
         joining = wanted - staying
+        inside = False
         if joining:
             target = self._commanded.tips(reconstruction.q)
             near = np.linalg.norm(self.tips(data) - target, axis=1) < ARRIVED
             free = near & (self._clear(data) if self._rules.ghost_until_clear else True)
             fit = frozenset(f for f in joining if free[f])
+            inside = any(near[f] and not free[f] for f in joining)
             # A hand that comes down becomes solid as a whole: one finger ahead of the others would
             # push away what they are about to grasp.
             if staying or not self._rules.together:
                 staying |= fit
             elif fit == joining:
                 staying = fit
+        self._inside = self._inside + 1 if inside and not staying else 0
         if staying != self.fingers:
             rules = self._rules
             self._scene.set_solid(

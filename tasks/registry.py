@@ -84,6 +84,8 @@ def draw_task(kind: type[Task], seed: int, surface: Surface) -> Task:
         InputError: The task's own code fails, or what it draws cannot be a trial.
     """
     where = f"{kind.name}, seed {seed}"
+    if seed < 0:
+        raise InputError("there is no such seed", where="seed", got=seed, expected="0 or more")
     try:
         task = kind.draw(seed, surface)
     except HandSandboxError:

@@ -22,6 +22,11 @@ class Status(StrEnum):
     INPUT_ENDED = "input_ended"
 
 
+def ending(status: str, success: bool) -> str:
+    """How a trial ended, in a word or two for people."""
+    return "done" if success else status.replace("_", " ")
+
+
 @dataclass(frozen=True)
 class Score:
     """The result of a trial so far.

@@ -25,6 +25,7 @@ from sandbox.recording import load_recording
 from sandbox.session import Session
 from sandbox.settings import RunSettings
 from sandbox.views.errors import GraphicsError
+from tasks.score import ending
 
 FILM_RATE = 15
 """Pictures per second of the film."""
@@ -76,8 +77,9 @@ def main(argv: list[str]) -> int:
         _headless(session, kept, console, length)
     score = session.scorer.score
     colour = "green" if score.success else "red"
+    how = ending(score.status, score.success)
     console.print(
-        f"[bold {colour}]{session.task.name}: {score.status.value}[/] after {score.time:.1f} s"
+        f"[bold {colour}]{session.task.name}: {how}[/] after {score.time:.1f} s"
         + (f", {score.reason}" if score.reason else ", placed and let go")
     )
     if options.view != "none" and kept:

@@ -28,6 +28,7 @@ from sandbox.session import Session
 from sandbox.timing import Timing, timed
 from sandbox.two_hands import with_first
 from tasks.registry import TASKS
+from tasks.score import ending
 
 TICK = 0.02
 """s between two looks at what the person wants."""
@@ -140,7 +141,8 @@ class PagePlay:
         if live.failure:
             raise live.failure
         report_dump(result, self.console)
-        self.console.print(f"{session.task.name}: {result['status']} {result['reason']}")
+        how = ending(result["status"], result["success"])
+        self.console.print(f"{session.task.name}: {how} {result['reason']}")
 
     def _chosen(self, wishes: Wishes) -> Plan:
         chosen = plan(replace(self.options, record=None))

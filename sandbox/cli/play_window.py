@@ -35,6 +35,7 @@ from sandbox.session import Session
 from sandbox.timing import Timing, timed
 from sandbox.two_hands import with_first
 from sandbox.views.window import Window
+from tasks.score import Status, ending
 from tasks.task import Task
 
 WAITING = "time begins with your first touch"
@@ -74,6 +75,8 @@ class Footer:
         reach = 1000.0 * session.task.lift_range
         if reach > 0.0:
             found.append(f"lifted {reach * (session.lift(0) or 0.0):.0f} of {reach:.0f} mm")
+        if session.scorer.score.status is not Status.RUNNING:
+            found.append("r starts again")
         if self.address:
             found.append(f"in a browser: {self.address}")
         return tuple(line for line in found if line)
@@ -167,7 +170,8 @@ class WindowPlay:
         self.results.append(result)
         self.events.tell("trial_end", **result)
         report_dump(result, self.console)
-        self.console.print(f"{session.task.name}: {result['status']} {result['reason']}")
+        how = ending(result["status"], result["success"])
+        self.console.print(f"{session.task.name}: {how} {result['reason']}")
         return again
 
     def _watch(self, session: Session, live: LiveSession, wishes: Wishes, timing: Timing) -> bool:

@@ -40,9 +40,12 @@ class RegressOptions:
     Exit status 1: a loss beyond chance (exact one-sided McNemar test over paired seeds, alpha 0.05,
     Holm over tasks), or with --exact another state on the same machine and libraries.
 
-    Try: sandbox regress --seeds 0:20 --json report.json
-    then: sandbox regress --baseline base.json --update-baseline, and later without the last option
-    or: sandbox regress --tasks box-to-goal --seeds 0:30 --vary size latency=50,100 --plot worse.png
+    Try:
+
+        sandbox regress --seeds 0:20 --json report.json
+        sandbox regress --baseline base.json --update-baseline
+        sandbox regress --baseline base.json
+        sandbox regress --tasks box-to-goal --seeds 0:30 --vary size latency=50,100
     """
 
     tasks: Annotated[tuple[str, ...], tyro.conf.arg(metavar="all|NAME")] = ("all",)
@@ -161,7 +164,10 @@ def _scene(options: RegressOptions, more: Sequence[str]) -> dict[str, Any]:
     for word in more:
         if word.partition("=")[0] in ("--device", "--events", "--port", "--bind", "--seed"):
             raise InputError(
-                "this is not for regression runs", got=word, expected="options of the trials"
+                "this is not for regression runs",
+                got=word,
+                expected="options of `sandbox run` that hold for every trial",
+                remedy="--seeds A:B says which" if word.startswith("--seed") else None,
             )
     # A task that is no option keeps a stray word from being taken for one.
     scene = parse(SceneOptions, "sandbox regress", ["box-to-goal", *more])

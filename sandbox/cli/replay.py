@@ -25,6 +25,7 @@ from sandbox.replay import Verification, replay
 from sandbox.session import Session
 from sandbox.study.players import no_search_for_garbage
 from sandbox.study.trial_files import find_recordings
+from tasks.score import ending
 
 ELSEWHERE = "it was made with other versions or on another kind of processor"
 SELDOM = 64
@@ -190,4 +191,5 @@ def _report(recording: Recording, session: Session, found: Verification, console
         console.print(f"shown: {shown}{why}")
     if found.diverged:
         console.print(f"[yellow]the simulation diverged: {found.diverged}[/]")
-    console.print(f"{session.task.name}: {score.status.value} after {score.time:.1f} s")
+    how = ending(score.status, score.success)
+    console.print(f"{session.task.name}: {how} after {score.time:.1f} s")

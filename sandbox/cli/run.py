@@ -26,6 +26,7 @@ from sandbox.messages import Snapshot
 from sandbox.pacing import RealTime
 from sandbox.session import Session
 from sandbox.two_hands import DeviceMaker, with_each
+from tasks.score import ending
 
 
 @dataclass(frozen=True)
@@ -157,7 +158,7 @@ def report_dump(result: dict[str, Any], console: Console) -> None:
 def _report(result: dict[str, Any], console: Console) -> None:
     report_dump(result, console)
     colour = "green" if result["success"] else "red"
-    what = "done" if result["success"] else result["status"].replace("_", " ")
+    what = ending(result["status"], result["success"])
     line = f"[bold {colour}]{result['task']}: {what}[/] after {result['time_s']:.1f} s"
     if result["reason"]:
         line += f", {result['reason']}"

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 
 import tyro
 
-from models.errors import InputError, RecordingError
+from models.errors import DeviceError, InputError, RecordingError
 from models.surface import Surface, parse_surface
 from sandbox.devices.device import Device
 from sandbox.devices.discovery import find_device, offered_devices
@@ -154,6 +154,11 @@ def open_file(path: Path, surface: Surface | None, stale_after: float = 2.0) -> 
             expected=", ".join(["tuio", "web", "evdev", *offered_devices(), "or a file"]),
             remedy="`sandbox touches formats` lists the files that play as devices",
         )
+    if path.suffix == ".py":
+        raise DeviceError(
+            "the class of this device is missing", where="--device", got=str(path),
+            expected=f"such as {path}:CLASS",
+        )  # fmt: skip
     head = first_line(path) if path.is_file() else {}
     if "contacts" in head or "surface_in" in head:
         file = read_frame_file(path)

@@ -1,0 +1,79 @@
+"""What the documentation points at is there, and what it shows of an example is the example."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PAGES = sorted(
+    [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"), *(ROOT / "examples").rglob("*.md")]
+)
+LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
+MODULE = re.compile(r"python -m ((?:benchmarks|sandbox)\.[\w.]*\w)")
+FOLDERS = "benchmarks|docs|encoders|examples|models|sandbox|tasks|tests"
+PATH = re.compile(rf"(?<![\w./-])((?:{FOLDERS})/[\w./-]*\.(?:md|npz|py|toml|ts|yml))\b")
+CODE = re.compile(r"^```python\n(.*?)^```", re.M | re.S)
+ELSEWHERE = ("https://", "http://", "mailto:")
+
+
+def name(page: Path) -> str:
+    return str(page.relative_to(ROOT))
+
+
+def anchors(page: Path) -> set[str]:
+    """The headings of a page, as links name them."""
+    found = set()
+    for heading in re.findall(r"^#+ (.*)$", page.read_text(encoding="utf-8"), re.M):
+        text = re.sub(r"[`*]|\]\([^)]*\)|\[", "", heading).strip().lower()
+        found.add(re.sub(r"[^\w\- ]", "", text).replace(" ", "-"))
+    return found
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name)
+def test_every_link_within_the_repository_leads_somewhere(page: Path) -> None:
+    astray = []
+    for link in LINK.findall(page.read_text(encoding="utf-8")):
+        if link.startswith(ELSEWHERE):
+            continue
+        file, _, anchor = link.partition("#")
+        target = page.parent / file if file else page
+        if not target.exists() or (anchor and anchor not in anchors(target)):
+            astray.append(link)
+    assert not astray
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name)
+def test_every_file_and_module_that_a_page_names_exists(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    missing = [path for path in PATH.findall(text) if not (ROOT / path).exists()]
+    for module in MODULE.findall(text):
+        place = ROOT / module.replace(".", "/")
+        if not (place.with_suffix(".py").exists() or (place / "__main__.py").exists()):
+            missing.append(module)
+    # Capital letters are to be filled in.
+    assert not [m for m in missing if not re.search(r"\b[A-Z]{2,}\b", m)]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name)
+def test_every_piece_of_python_can_be_read(page: Path) -> None:
+    for code in CODE.findall(page.read_text(encoding="utf-8")):
+        ast.parse(code, name(page))
+
+
+@pytest.mark.parametrize(
+    ("page", "example"),
+    [
+        ("docs/write-a-task.md", "examples/push_the_mug.py"),
+        ("docs/write-a-device.md", "examples/circling_finger.py"),
+    ],
+)
+def test_a_page_shows_the_whole_example_that_it_explains(page: str, example: str) -> None:
+    shown = CODE.findall((ROOT / page).read_text(encoding="utf-8"))[0]
+    kept = ast.parse((ROOT / example).read_text(encoding="utf-8"))
+    # The file says besides how it is run.
+    assert ast.get_docstring(kept)
+    assert ast.dump(ast.parse(shown)) == ast.dump(ast.Module(kept.body[1:], kept.type_ignores))
