@@ -275,3 +275,25 @@ def test_a_slip_in_a_pseudonym_is_seen(place: int, sign: str) -> None:
     if wrong != name:
         with pytest.raises(StudyError, match="last sign"):
             read_pseudonym(wrong)
+
+
+@pytest.mark.parametrize(("sound", "wrong", "told"), [
+    ("seed = 5", "seed = 5\nsessions = 2", "everybody comes once"),
+    ("seed = 5", 'seed = 5\nlanguages = ["en", "de"]\n[consent]\ntext = "?"', "one text, and the"),
+    ("[[factors]]", '[settings]\nsurface = "14x5.5in"\ntask = "carry-together"\n[[factors]]',
+     "this task needs two"),
+])  # fmt: skip
+def test_what_a_study_cannot_be_is_said_before_anybody_comes(
+    sound: str, wrong: str, told: str
+) -> None:
+    text = DESIGN.split("[consent]")[0].replace("seed = 3", "seed = 5")
+    text = text.replace('[settings]\ntask = "tests/regress_tasks.py:Quick"\n', "")
+    text = text.replace('encoder = "linear"\n', "")
+    with pytest.raises(DesignError, match=told):
+        design(text.replace(sound, wrong, 1))
+
+
+def test_that_levels_were_not_tried_is_said_where_something_else_is_wrong() -> None:
+    text = CROSSED.replace("repetitions = 2", "repetitions = 0").replace("linear", "papr")
+    with pytest.raises(DesignError, match="Levels are tried once this is put right"):
+        design(text)

@@ -23,6 +23,16 @@ from sandbox.cli.study_run import RunOptions, run, sayer
 if TYPE_CHECKING:
     from sandbox.study.design import Design
 
+FIRST_STEPS = """
+To begin with:
+
+  sandbox study new design.toml
+  sandbox study check design.toml
+  sandbox study simulate design.toml --out out --participants 2
+  sandbox study report out/my-study-simulated
+
+docs/studies.md tells the rest."""
+
 File = Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="DESIGN")]
 
 
@@ -89,6 +99,7 @@ def main(argv: list[str]) -> int:
         print("usage: sandbox study {" + ",".join(ACTIONS) + "} [--help]\n")
         for name, (options, _) in ACTIONS.items():
             print(f"  {name:<9} {(options.__doc__ or '').splitlines()[0]}")
+        print(FIRST_STEPS)
         return 0
     if argv[0] not in ACTIONS:
         raise InputError("there is no such thing to do with a study", got=argv[0],
@@ -135,17 +146,20 @@ def _plan(options: PlanOptions, console: Console) -> int:
     design = _load(options.file)
     count = options.participants or design.participants
     table = Table("participant", *(f.name for f in design.factors), "trials", "minutes")
-    minutes = []
+    minutes, practice = [], 0
     for number in range(count):
         steps = session_plan(design, number)
         trials = trials_of(steps)
         orders = [_order([t.levels[f.name] for t in trials if not t.practice])
                   for f in design.factors]  # fmt: skip
         minutes.append(duration(design, steps) / 60)
+        practice = max(practice, sum(t.practice for t in trials))
         table.add_row(str(number + 1), *orders, str(len(trials)), f"{minutes[-1]:.0f}")
     console.print(table)
     console.print(f"a session takes about {max(minutes):.0f} min, all of them "
-                  f"{sum(minutes) / 60:.1f} h; a trial taken as {design.expected:g} s")  # fmt: skip
+                  f"{sum(minutes) / 60:.1f} h; a trial taken as {design.expected:g} s"
+                  + (f"; {practice} of a session's trials are practice" if practice else "")
+                  )  # fmt: skip
     cycle = whole_cycle(design)
     if count % cycle:
         console.print(f"[yellow]orders are used equally often after every {cycle} participants, "

@@ -17,7 +17,7 @@ def number(value: float, digits: int = 3) -> str:
     if "e" in text:
         return f"{value:.0f}" if 1.0 <= abs(value) < 1e6 else text
     # 4.50 and 4.5 are equally exact here.
-    return text
+    return text.replace("-", "−")
 
 
 def percent(share: float) -> str:

@@ -1,0 +1,178 @@
+"""The example study for docs: `python -m benchmarks.example_study out/three-encoders-simulated`.
+
+Makes the report on a simulated study, keeps its page as examples/study/report.html, and writes
+docs/example-study.md with some of its tables and pictures. Nobody took part.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+import shutil
+import sys
+import tempfile
+from collections.abc import Sequence
+from contextlib import redirect_stdout
+from importlib.resources import files
+from pathlib import Path
+
+from sandbox.cli.main import main as sandbox
+from sandbox.study.design_file import load_design
+from sandbox.study.folder import StudyFolder
+from sandbox.study.report.analysis import Analysis, analyse
+from sandbox.study.report.data import load_study
+from sandbox.study.report.make import make_report
+from sandbox.study.report.page import head
+from sandbox.study.report.parts import Part, Picture, Section, Table
+from sandbox.study.report.section_checks import (
+    exclusions_section,
+    people_section,
+    questionnaire_section,
+)
+from sandbox.study.report.section_results import success_section, time_section
+from sandbox.study.tables import rebuild_study
+
+DESIGN = "examples/study/design.toml"
+PAGE = Path("examples/study/report.html")
+LARGEST = 1_000_000
+"""Bytes of a page that is kept."""
+
+TEXT = """# An example: three encoders by three tasks
+
+**Simulated. Nobody took part**: this shows how a study goes and what its report says, and nothing
+about people. The design is [examples/study/design.toml](../examples/study/design.toml), the whole
+report [examples/study/report.html](../examples/study/report.html) (save it, and open it in a
+browser). `python -m benchmarks.example_study FOLDER` wrote this page and all numbers in it.
+
+```console
+$ sandbox study check {design}
+{check}
+$ sandbox study plan {design} --power
+...
+{plan}
+$ sandbox study simulate {design} --out out --participants {people}
+...
+{simulated}
+$ sandbox study report out/three-encoders-simulated
+```
+
+Of the {planned} participants of the design, {people} were simulated. They differ in skill
+(reaction, speed, noise, aim), in the number of fingers, in the length of the hand, and in which
+hand is the better one: `sandbox/study/simulate.py`. **Their answers to questionnaires are by
+chance**, and so are the differences between encoders in them.
+
+## What the report says
+
+{facts}
+
+{findings}
+
+{sections}
+"""
+
+
+def main(folder: Path, docs: Path = Path("docs")) -> None:
+    """Writes the page, its pictures and the whole report."""
+    found = analyse(load_study(folder))
+    if found.data.mode != "simulated":
+        raise SystemExit("this example is of simulated people only")
+    with tempfile.TemporaryDirectory() as work:
+        page = make_report(folder, Path(work) / "report")
+        if page.stat().st_size < LARGEST:
+            shutil.copyfile(page, PAGE)
+    told, counted = head(found), rebuild_study(StudyFolder.at(folder))
+    plan = said("study", "plan", DESIGN, "--power").splitlines()
+    text = TEXT.format(
+        design=DESIGN,
+        check=said("study", "check", DESIGN).strip(),
+        plan="\n".join(line for line in plan if line[:1].isalpha()),
+        simulated="out/{}: {participants} simulated participants, {trials} trials that count, "
+        "{excluded} excluded".format(folder.name, **counted),
+        planned=load_design(Path(DESIGN), try_out=False).participants,
+        people=counted["participants"],
+        facts="\n".join(f"- {name}: {value}, {more}" for name, value, more in told["facts"]),
+        findings="\n".join(f"- {finding}" for finding in told["findings"]),
+        sections="\n\n".join(sections(found, docs)),
+    )
+    (docs / "example-study.md").write_text(text.rstrip() + "\n", encoding="utf-8")
+
+
+def said(*command: str) -> str:
+    """What a command prints."""
+    out = io.StringIO()
+    with redirect_stdout(out):
+        assert sandbox(list(command)) == 0
+    return out.getvalue()
+
+
+def sections(found: Analysis, docs: Path) -> list[str]:
+    """Some parts of the report as Markdown; pictures become files."""
+    time, success, people = time_section(found), success_section(found), people_section(found)
+    return [
+        *shown(time, docs, ("example-time", "example-differences")),
+        *shown(success, docs, ()),
+        *shown(Section("", people.title, people.parts[:1]), docs, ("example-people",), False),
+        *shown(scores_only(questionnaire_section(found)), docs, ()),
+        *shown(exclusions_section(found), docs, ()),
+    ]
+
+
+def scores_only(section: Section) -> Section:
+    """Of every questionnaire its first scale, which is what it is named after."""
+    parts: list[Part] = []
+    for part in section.parts:
+        if isinstance(part, Picture) and "score" in part.table.caption:
+            first = part.table.rows[0][0].partition(":")[0]
+            rows = [r for r in part.table.rows if r[0].partition(":")[0] in (first, "all")]
+            parts.append(Table(f"{part.table.caption}: {first}", part.table.head, rows))
+    return Section(section.id, section.title, parts)
+
+
+def shown(section: Section, docs: Path, names: Sequence[str], tables: bool = True) -> list[str]:
+    """A section; its first pictures get these names, others are left out."""
+    wanted = list(names)
+    lines = [f"## {section.title}"]
+    for part in section.parts:
+        if isinstance(part, Picture):
+            if wanted:
+                name = wanted.pop(0)
+                (docs / "pictures" / f"{name}.svg").write_text(alone(part.svg), encoding="utf-8")
+                lines.append(f"![{part.caption}](pictures/{name}.svg)\n\n*{part.caption}*")
+            if tables:
+                lines.append(markdown(part.table))
+        else:
+            lines.append(plain(part))
+    return lines
+
+
+def plain(part: Part) -> str:
+    """A table or a paragraph."""
+    if isinstance(part, Table):
+        return markdown(part)
+    assert not isinstance(part, Picture)
+    return part.text
+
+
+def markdown(table: Table) -> str:
+    """A table."""
+    rows = [list(table.head), ["---"] * len(table.head), *map(list, table.rows)]
+    lines = "\n".join(
+        "| " + " | ".join(cell.replace("|", "\\|") for cell in r) + " |" for r in rows
+    )
+    return f"{table.caption}:\n\n{lines}" + (f"\n\n{table.note}" if table.note else "")
+
+
+def alone(svg: str) -> str:
+    """A picture of the report that needs no page: in its light colours, on white."""
+    css = files("sandbox.study.report").joinpath("page.css").read_text(encoding="utf-8")
+    light = dict(re.findall(r"(--\w+): (#\w+)", css.split("@media")[0]))
+    svg = re.sub(r"var\((--\w+)\)", lambda m: light[m[1]], svg)
+    size = re.search(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', svg)
+    assert size
+    start = f'<svg xmlns="http://www.w3.org/2000/svg" width="{size[1]}" height="{size[2]}" '
+    svg = svg.replace("<svg ", start + 'font-family="sans-serif" ', 1)
+    return svg.replace(">", f'>\n<rect width="100%" height="100%" fill="{light["--paper"]}"/>', 1)
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))
