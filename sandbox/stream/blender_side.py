@@ -7,7 +7,8 @@
 
 A streamed hand makes an armature of its own, hand_sandbox_right, that does what the hand does,
 joint by joint, keyed. To move an armature of yours, select the first bones of one to five chains
-in pose mode, thumb first, and call start() at the end of this text; without a window:
+in pose mode and call start() at the end of this text. Chains are taken in the order in which the
+armature has them; start(chains=["thumb", "index"]) says another. Without a window:
 
     python hand_sandbox_blender.py --open rig.blend --armature Rig --chains thumb index --out a.glb
 

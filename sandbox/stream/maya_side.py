@@ -223,7 +223,9 @@ def start(
         return
     cmds.undoInfo(openChunk=True, chunkName="hand_sandbox start")
     try:
-        hands[side] = _hand(chosen, fingers, side, **options)
+        hand = hands[side] = _hand(chosen, fingers, side, **options)
+        for finger, chain in zip(hand.fingers, hand.chains):
+            print("hand_sandbox: the %s moves %s" % (FINGERS[finger], chain[0]))
     except Refused as error:
         cmds.warning("hand_sandbox: %s" % error)
     finally:
