@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from rich.console import Console
 
+from encoders.paalm.hand_reconstructor import HandReconstructor
 from models.errors import DeviceError
 from sandbox.cli.page_options import PageOptions, open_page
 from sandbox.devices.web import WebDevice
@@ -41,6 +42,7 @@ def show_session(
         session.rigs[0].reconstructor.surface,
         hand,
         caption,
+        isinstance(session.rigs[0].reconstructor, HandReconstructor),
     )
     skins = [pack_skin(hand) for hand in session.scene.spec.hands]
     server.show_scene(message, session.scene, device, skins)

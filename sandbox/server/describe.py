@@ -35,7 +35,13 @@ _KINDS: dict[Any, Any] = {
 
 
 def describe_scene(
-    number: int, scene: SimulatedScene, task: Task, surface: Surface, hand: str, caption: str
+    number: int,
+    scene: SimulatedScene,
+    task: Task,
+    surface: Surface,
+    hand: str,
+    caption: str,
+    in_air: bool = False,
 ) -> Scene:
     """The scene's shapes, task and touch rectangle.
 
@@ -46,6 +52,7 @@ def describe_scene(
         surface: Placed in the world.
         hand: `right` or `left`.
         caption: Who plays what, where that has to be said.
+        in_air: Hands move over a 3-D device.
     """
     model = scene.model
     things = {thing.name for thing in task.objects}
@@ -72,7 +79,8 @@ def describe_scene(
         summary(type(task)),
         task.seed,
         "left" if hand == "left" else "right",
-        float(getattr(task, "lift_range", 0.0)),
+        # A hand in the air lifts itself.
+        0.0 if in_air else float(getattr(task, "lift_range", 0.0)),
         task.time_limit,
         SurfaceView(
             surface.width_in,
@@ -84,6 +92,7 @@ def describe_scene(
         [model.body(i).name for i in range(model.nbody)],
         geoms,
         caption,
+        in_air,
     )
 
 

@@ -178,6 +178,7 @@ class Scene(Struct, tag="scene", frozen=True):
 
     `bodies` names the rows of a frame's poses. `lift` is how far the hand rises at a lift control
     of 1, m; 0: the task has none. `size` of a geom is as in MuJoCo: half lengths and radii.
+    `in_air`: hands move over a 3-D device, and nobody touches the page.
     """
 
     scene: int
@@ -191,6 +192,7 @@ class Scene(Struct, tag="scene", frozen=True):
     bodies: list[str]
     geoms: list[Geom]
     caption: str
+    in_air: bool = False
 
 
 class Trouble(Struct, tag="trouble", frozen=True):

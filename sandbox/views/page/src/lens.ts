@@ -16,6 +16,9 @@ const FAR = 8;
 const EYE_FLAT = new Vector3(0, 0.07, 0.7);
 const EYE_UPRIGHT = new Vector3(0, 0.12, 0.55);
 
+/** m, middle of what hands in the air do, over the table. */
+const HELD = 0.07;
+
 export interface Rectangle {
   left: number;
   top: number;
@@ -70,8 +73,15 @@ export class Lens {
   }
 
   /** The camera of somebody who only looks: all of the surface, from the side of the thumb, where
-   * the arm is not in the way. */
-  overlook(surface: SurfaceView, hand: "left" | "right", width: number, height: number): void {
+   * the arm is not in the way. Hands in the air are seen from farther away, and more from the side:
+   * how high they are is what one has to see. */
+  overlook(
+    surface: SurfaceView,
+    hand: "left" | "right",
+    width: number,
+    height: number,
+    inAir: boolean,
+  ): void {
     this.aim(surface, 100, width, height);
     const upright = Math.abs(surface.rotation[8]) < 0.5;
     const span = Math.max(surface.width_in, surface.height_in * 1.4) * METRES_PER_INCH;
@@ -80,15 +90,18 @@ export class Lens {
     camera.aspect = width / height;
     camera.near = NEAR;
     camera.far = FAR;
-    const from = upright ? new Vector3(-0.5, 0.3, 1) : new Vector3(-1, -0.3, 0.75);
+    const flat = inAir ? new Vector3(-0.9, -0.55, 0.6) : new Vector3(-1, -0.3, 0.75);
+    const from = upright ? new Vector3(-0.5, 0.3, 1) : flat;
     if (hand === "left") from.x = -from.x;
-    const distance = (span * 2.4) / Math.min(camera.aspect, 1.4);
+    const distance = (span * (inAir ? 4.4 : 2.4)) / Math.min(camera.aspect, 1.4);
+    const middle = this.centre.clone();
+    if (inAir) middle.z += HELD;
     camera.position
       .copy(from.normalize().multiplyScalar(distance))
       .applyMatrix4(this.axes)
       .add(this.centre);
     camera.up.set(0, 0, 1);
-    camera.lookAt(this.centre);
+    camera.lookAt(middle);
     camera.updateProjectionMatrix();
     camera.updateMatrixWorld(true);
   }

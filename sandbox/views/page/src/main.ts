@@ -155,10 +155,11 @@ class Page {
     show(this.trouble, false);
     this.hud.setScene(scene);
     this.stage.open(scene);
+    this.sender.active = this.touches;
     this.layOut();
     this.lift.open(this.player && scene.lift > 0, scene.hand);
     this.sender.setLift(this.player && scene.lift > 0 ? 0 : null);
-    if (this.player && !scene.caption && !this.inStudy) this.hint.open(scene.goal);
+    if (this.touches && !scene.caption && !this.inStudy) this.hint.open(scene.goal);
   }
 
   private take(frame: Frame): void {
@@ -234,17 +235,22 @@ class Page {
 
   // -- layout -----------------------------------------------------------------------------------
 
+  /** Whether fingers on this page are the hand's. */
+  private get touches(): boolean {
+    return this.player && !this.scene?.in_air;
+  }
+
   private layOut(): void {
     const scene = this.scene;
-    this.hud.setGuessed(this.player && !calibrated());
+    this.hud.setGuessed(this.touches && !calibrated());
     this.dirty = true;
     if (!scene) return;
     const [width, height] = [window.innerWidth, window.innerHeight];
-    if (this.player) {
+    if (this.touches) {
       this.stage.lens.aim(scene.surface, pxPerInch(), width, height);
       const { left, top } = touchRectangle(scene.surface, pxPerInch(), width, height);
       this.sender.corner = { x: left, y: top };
-    } else this.stage.lens.overlook(scene.surface, scene.hand, width, height);
+    } else this.stage.lens.overlook(scene.surface, scene.hand, width, height, !!scene.in_air);
   }
 
   private resize(): void {
@@ -280,7 +286,7 @@ class Page {
     if (!this.dirty) return;
     this.dirty = false;
     const { frame, scene } = this;
-    this.rings.draw(this.ringsNow(), this.player ? pxPerInch() : 60);
+    this.rings.draw(this.ringsNow(), this.touches ? pxPerInch() : 60);
     if (!frame || !scene) return;
     this.stage.move(frame);
     this.stage.draw(now);

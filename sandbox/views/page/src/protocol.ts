@@ -125,7 +125,7 @@ export interface SurfaceView {
   calibrated: boolean;
 }
 
-/** A new scene. Frames of another `scene` number belong to one that is over. `bodies` names the rows of a frame's poses. `lift` is how far the hand rises at a lift control of 1, m; 0: the task has none. `size` of a geom is as in MuJoCo: half lengths and radii. */
+/** A new scene. Frames of another `scene` number belong to one that is over. `bodies` names the rows of a frame's poses. `lift` is how far the hand rises at a lift control of 1, m; 0: the task has none. `size` of a geom is as in MuJoCo: half lengths and radii. `in_air`: hands move over a 3-D device, and nobody touches the page. */
 export interface Scene {
   type: "scene";
   scene: number;
@@ -139,6 +139,7 @@ export interface Scene {
   bodies: (string)[];
   geoms: (Geom)[];
   caption: string;
+  in_air?: boolean;
 }
 
 /** Something that the person has to know before there is a scene, and what to do about it. */
