@@ -31,6 +31,7 @@ from sandbox.devices.evdev_touch import (
     MultiTouch,
 )
 from tests.kernel_slots import KernelSlots
+from tests.processes import PATIENCE
 
 PLACES = st.tuples(st.integers(0, 4000), st.integers(0, 3000))
 FINGERS = st.dictionaries(st.integers(0, 12), PLACES, max_size=10)
@@ -213,7 +214,7 @@ def test_a_screen_made_with_uinput_is_read_like_a_real_one(
             for event in script.read():
                 screen.write(*event)
         frames: list[TouchFrame] = []
-        end = time.monotonic() + 20.0
+        end = time.monotonic() + PATIENCE
         while len(frames) < len(scenes) and time.monotonic() < end:
             frames += device.poll()
             time.sleep(0.005)

@@ -16,9 +16,9 @@ from sandbox.devices.leap import KEPT, LeapDevice
 from sandbox.devices.leap_fake import FakeLeapd
 from sandbox.devices.leap_write import leap_message
 from tests.leap_hands import take
+from tests.processes import PATIENCE
 
 MESSAGES = [leap_message(f, n) for n, f in enumerate(take(0).frames[:300])]
-PATIENCE = 20.0
 
 
 def until(true: Callable[[], bool]) -> bool:

@@ -301,7 +301,7 @@ def test_a_person_that_cannot_be_is_one_clear_error(wrong):
 def test_the_command_line_knows_the_hand(tmp_path):
     done = subprocess.run(
         [sys.executable, "-m", "sandbox.cli.main", "run", "--hand", "left", "--hand-size", "9"],
-        cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False,
+        cwd=tmp_path, capture_output=True, text=True, timeout=240, check=False,
         env={"PYTHONPATH": str(Path(__file__).parents[1]), "PATH": "/usr/bin:/bin"},
     )  # fmt: skip
     assert done.returncode == 2 and "--hand-size" in done.stderr
