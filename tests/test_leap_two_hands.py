@@ -17,6 +17,7 @@ from sandbox.cli.leap_devices import hand_input, is_leap
 from sandbox.cli.main import main as command
 from sandbox.cli.run import main
 from sandbox.cli.scene_options import SceneOptions, plan
+from sandbox.cli.second_view import show_session
 from sandbox.devices.leap_trouble import LeapTrouble, parse_simulated
 from sandbox.devices.leap_truth import write_take
 from sandbox.devices.leap_user import SimulatedLeap
@@ -25,12 +26,14 @@ from sandbox.devices.shared_leap import SharedLeap
 from sandbox.headless import run_trial
 from sandbox.recording import load_recording
 from sandbox.replay import replay
+from sandbox.server.page_server import PageServer
 from sandbox.study.conditions import run_settings
 from sandbox.study.folder import Participant
 from sandbox.study.plan import TrialStep
 from sandbox.study.simulate import simulated_device
 from tasks.simulated_user.configuration import UserConfiguration
 from tests.leap_hands import take
+from tests.page_client import Page
 
 
 class Played:
@@ -189,6 +192,22 @@ def test_the_hand_that_a_simulated_person_moves_is_theirs_alone():
         palms.append(session.reconstructions[0].q)
     np.testing.assert_array_equal(palms[0], palms[1])
     assert np.abs(palms[0] - palms[2]).max() > 1e-3
+
+
+@pytest.mark.parametrize("device", ["leap-simulated", "simulated"])
+def test_who_looks_at_a_hand_in_the_air_on_the_page_has_no_lift_control(device: str):
+    made = chosen("stack", device=device)
+    session = build(made.settings, made.make_device)
+    server = PageServer()
+    try:
+        show_session(server, session, "right", "simulated user")
+        with Page(server.url) as page:
+            told = page.until("scene")
+    finally:
+        server.close()
+        session.close()
+    assert told.get("in_air", False) == (device == "leap-simulated")
+    assert (told["lift"] == 0.0) == (device == "leap-simulated")
 
 
 def test_a_study_compares_touch_and_air():
