@@ -99,7 +99,8 @@ def test_lengths_of_fingers_are_in_an_anonymous_copy_only_if_somebody_wants_them
     study: StudyFolder, tmp_path: Path, kept: bool
 ) -> None:
     _, hand = measured(study)
-    anonymise(study, tmp_path / "copy", Masking(hands=kept), lambda text: None)
+    done = anonymise(study, tmp_path / "copy", Masking(hands=kept), lambda text: None)
+    assert done.hands == (0 if kept else 2)
     copy = StudyFolder.at(tmp_path / "copy")
     session = session_path(copy.path, copy.participants()[0].ppid)
     assert len(list((session / "trials").iterdir())) == (2 if kept else 0)

@@ -293,6 +293,9 @@ def _tell(done: Anonymised, out: Path, console: Console) -> None:
     console.print(f"{escape(str(out))}: {done.people} participants without names or dates")
     if done.without_consent:
         console.print(f"  {done.without_consent} who did not agree are left out")
+    if done.hands:
+        console.print(f"  {done.hands} recordings of hands in the air are left out: they hold the "
+                      "lengths of fingers; --keep-hands keeps them")  # fmt: skip
     found = done.groups
     if found.exposed:
         console.print(

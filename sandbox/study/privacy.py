@@ -11,7 +11,7 @@ from __future__ import annotations
 import json
 import shutil
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 from uuid import uuid4
@@ -60,11 +60,13 @@ class Masking:
 
 @dataclass(frozen=True)
 class Anonymised:
-    """What came out: how many people, who was left out for want of consent, and the groups."""
+    """What came out: how many people, how many were left out for want of consent, the groups, and
+    how many recordings of hands in the air were left out."""
 
     people: int
     without_consent: int
     groups: Groups
+    hands: int = 0
 
 
 def anonymise(study: StudyFolder, out: Path, masking: Masking, say: Say) -> Anonymised:
@@ -99,7 +101,9 @@ def anonymise(study: StudyFolder, out: Path, masking: Masking, say: Say) -> Anon
             say(f"{names[old]}: {len(records)} records")
             _write_session(work, source, disguised(records, disguise), disguise, masking)
         found = _finish(work, masking, len(sessions) - len(agreed))
-    return found
+    starts = [r for _, some in agreed.values() for r in some if r["kind"] == "trial_start"]
+    hidden = masking.recordings and not masking.hands
+    return replace(found, hands=sum(hidden and in_the_air(r["values"]) for r in starts))
 
 
 def _check(design: Design, masking: Masking) -> None:

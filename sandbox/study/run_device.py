@@ -50,7 +50,10 @@ def person_device(
         def make(task: Task, surface: Surface) -> Device:
             device: Device
             if settings.in_air is not None:
-                # What the design says counts: this trial is played over a Leap.
+                # What the design says counts: this trial is played over a Leap, and begins with the
+                # scene, not with a touch of the page.
+                if page is not None:
+                    page.device = None
                 return cast(Device, open_leap(leap))
             if page is not None and name == "web":
                 device = page_device(page, surface)
