@@ -58,8 +58,8 @@ _PARTS: dict[str, dict[str, Any]] = {
 
 
 @dataclass(frozen=True)
-class SceneOptions(LeapOptions, SecondOptions):
-    """What runs, and how."""
+class OneHandOptions:
+    """What runs, and how, by one hand."""
 
     task: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="TASK")] = "box-to-goal"
     """Task to do; `sandbox` lists them. Or FILE.py with one of your own."""
@@ -159,6 +159,12 @@ class SceneOptions(LeapOptions, SecondOptions):
 
     events: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """Appends events as JSON lines: listening, trial_start, trial_end, warning."""
+
+
+# Bases from the last to the first are the order of `--help`: what most people need comes first.
+@dataclass(frozen=True)
+class SceneOptions(LeapOptions, SecondOptions, OneHandOptions):
+    """What runs, and how."""
 
 
 @dataclass(frozen=True)

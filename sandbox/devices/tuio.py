@@ -16,12 +16,12 @@ import time
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from types import TracebackType
-from typing import Literal, Self, get_args
+from typing import Literal, get_args
 
 from models.errors import DeviceError
 from models.frames import Contact, TouchFrame
 from models.surface import Surface
+from sandbox.closing import Closing
 from sandbox.devices.tuio_senders import Commit, SourceStatus, Statistics, Tuio
 from sandbox.devices.tuio_streams import DEFAULT_WEBSOCKET_PORT, Streams, parse_target
 
@@ -46,7 +46,7 @@ _SOCKET_BUFFER = 1 << 20
 """Bytes that the system is asked to keep for us while the thread is busy."""
 
 
-class TuioDevice:
+class TuioDevice(Closing):
     """A port on which any number of TUIO senders report touches, in version 1.1 or 2.0.
 
     All senders share the surface, so every frame holds the touches of all of them; their ids are
@@ -255,17 +255,6 @@ class TuioDevice:
             )
             self._failure.__cause__ = error
             self._news.notify_all()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     @property
     def _alive(self) -> bool:

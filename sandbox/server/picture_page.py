@@ -10,11 +10,11 @@ import io
 import threading
 from collections.abc import Callable
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from types import TracebackType
 
 from PIL import Image
 
 from models.errors import DeviceError
+from sandbox.closing import Closing
 
 _BOUNDARY = "picture"
 _HOSTS = ("127.0.0.1", "localhost")
@@ -29,7 +29,7 @@ body{{display:grid;place-items:center}}img{{max-width:100%;max-height:100vh}}</s
 """
 
 
-class PicturePage:
+class PicturePage(Closing):
     """Serves the newest picture to every browser that asks.
 
     Args:
@@ -74,17 +74,6 @@ class PicturePage:
             self._news.notify_all()
         self._server.shutdown()
         self._server.server_close()
-
-    def __enter__(self) -> PicturePage:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
 
 def _handler(page: PicturePage, title: str) -> Callable[..., BaseHTTPRequestHandler]:

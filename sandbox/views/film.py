@@ -6,13 +6,13 @@ import queue
 import threading
 from collections.abc import Callable
 from pathlib import Path
-from types import TracebackType
 
 from PIL import Image
 
 from models.errors import HandSandboxError, InputError
 from models.scene import Scene
 from models.surface import Surface
+from sandbox.closing import Closing
 from sandbox.messages import Snapshot
 from sandbox.views.errors import FilmError
 from sandbox.views.film_files import FilmFile, open_film
@@ -35,7 +35,7 @@ for its film."""
 _Job = Callable[[Renderer], None]
 
 
-class FilmView:
+class FilmView(Closing):
     """Films a session at the speed at which it was simulated, and takes pictures of it.
 
     The film is complete only after `close`. What goes wrong in the drawing thread is raised there:
@@ -210,17 +210,6 @@ class FilmView:
         except Exception as error:
             assert self._error is not None
             self._error.add_note(f"and the unfinished film could not be removed: {error}")
-
-    def __enter__(self) -> FilmView:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
 
 def save_picture(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from contextlib import ExitStack
-from types import TracebackType
 
 import mujoco
 import numpy as np
@@ -12,6 +11,7 @@ from PIL import Image
 from models.errors import InputError
 from models.scene import Scene
 from models.surface import Surface
+from sandbox.closing import Closing
 from sandbox.messages import Snapshot
 from sandbox.views.cameras import film_camera
 from sandbox.views.drawing import Drawing, Hidden
@@ -41,7 +41,7 @@ SMALLEST, LARGEST = 16, 4096
 """px, of a picture's side."""
 
 
-class Renderer:
+class Renderer(Closing):
     """Draws snapshots of a scene into pictures.
 
     Belongs to the thread that makes it, or, with a context made elsewhere, to the first that draws.
@@ -194,17 +194,6 @@ class Renderer:
         mujoco.mjr_readPixels(pixels, None, rect, self._context)
         # OpenGL counts rows from the bottom.
         return Image.fromarray(pixels).transpose(Image.Transpose.FLIP_TOP_BOTTOM)
-
-    def __enter__(self) -> Renderer:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
 
 def _background(snapshot: Snapshot) -> object:

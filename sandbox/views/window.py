@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from functools import partial
-from types import TracebackType
 from typing import Any
 
 import glfw
@@ -16,6 +15,7 @@ from PIL import Image
 from models.errors import HandSandboxError
 from models.scene import Scene
 from models.surface import Surface
+from sandbox.closing import Closing
 from sandbox.devices.device import Device, HandDevice
 from sandbox.devices.lift_keys import LiftKeys
 from sandbox.devices.merged import parts_of
@@ -43,7 +43,7 @@ SPEEDS = {1.0: "", 0.5: "slow motion 1/2", 0.25: "slow motion 1/4", 0.1: "slow m
 """Simulated seconds per second, in the order of the key's presses -> what is written meanwhile."""
 
 
-class Window:
+class Window(Closing):
     """Draws the newest snapshot, and turns mouse and keys into touches.
 
     Args:
@@ -359,17 +359,6 @@ class Window:
 
     def _down(self, *keys: int) -> bool:
         return any(glfw.get_key(self._context.handle, k) == glfw.PRESS for k in keys)
-
-    def __enter__(self) -> Window:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
 
 def _same(one: Surface, other: Surface) -> bool:
