@@ -18,9 +18,11 @@ from sandbox.study.folder import REAL, SIMULATED, StudyFolder
 from sandbox.study.report.analysis import analyse
 from sandbox.study.report.censored import Censored, censored_differences, fit_censored
 from sandbox.study.report.data import load_study
+from sandbox.study.report.intervals import Estimate
 from sandbox.study.report.make import make_report
 from sandbox.study.report.page import head
 from sandbox.study.report.planted import Truth
+from sandbox.study.report.plots import lines_by_person
 from sandbox.study.simulate import simulate
 from sandbox.study.tables import csv_bytes
 from tests.study_files import design
@@ -243,3 +245,13 @@ def test_more_people_make_intervals_narrower(tmp_path: Path) -> None:
         some = censored_differences(data, found)
         widths.append(np.mean([d.estimate.high - d.estimate.low for d in some]))
     assert widths[1] < 0.75 * widths[0]
+
+
+def test_everybodys_line_is_inside_of_the_picture_in_every_panel() -> None:
+    values = [np.array([[10.0, 12.0], [11.0, 13.0]]), np.array([[1.0, 2.0], [40.0, 60.0]])]
+    means = [[Estimate(v, 0.9 * v, 1.1 * v) for v in table.mean(axis=0)] for table in values]
+    svg = lines_by_person("p", "p", "s", ["a", "b"], [["x", "y"]] * 2, values, means, True)
+    height = float(re.findall(r'viewBox="0 0 [\d.]+ ([\d.]+)"', svg)[0])
+    lines = re.findall(r'<path d="([^"]+)" clip-path', svg)
+    drawn = [float(y) for d in lines for y in re.findall(r"[ML] [-\d.]+ ([-\d.]+)", d)]
+    assert len(drawn) > 10 and min(drawn) > 0.0 and max(drawn) < height

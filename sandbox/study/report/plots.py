@@ -254,7 +254,8 @@ def lines_by_person(name: str, title: str, label: str, panels: Sequence[str],
             axes.set_xlim(-0.5, len(x) - 0.5)
             axes.set_title(panels[k])
             axes.grid(axis="x", visible=False)
-            _scale(axes.yaxis, log, np.concatenate([v.ravel() for v in values]))
+        # Once everything is drawn: the panels share this axis.
+        _scale(all_axes[0].yaxis, log, np.concatenate([v.ravel() for v in values]))
         all_axes[0].set_ylabel(label)
         return svg_of(figure, name, title)
 
