@@ -59,7 +59,8 @@ $ sandbox study report out/three-encoders-simulated
 Of the {planned} participants of the design, {people} were simulated. They differ in skill
 (reaction, speed, noise, aim), in the number of fingers, in the length of the hand, and in which
 hand is the better one: `sandbox/study/simulate.py`. **Their answers to questionnaires are by
-chance**, and so are the differences between encoders in them.
+chance**, and so are the differences between encoders in them. The encoders learned from a simulated
+subject, too.
 
 ## What the report says
 
