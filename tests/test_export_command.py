@@ -187,6 +187,17 @@ def test_a_recording_that_breaks_off_is_written_up_to_there(two_hands, tmp_path,
     assert 1.9 < table[-1, 0] < 2.0
 
 
+def test_a_recording_without_its_end_is_said_to_break_off(two_hands, tmp_path, capsys):
+    path, _ = two_hands
+    text = path.read_text()
+    assert main(["export", str(path), "--to", str(tmp_path / "whole.csv")]) == 0
+    assert "breaks off" not in capsys.readouterr().err
+    cut = tmp_path / "cut.jsonl"
+    cut.write_text("\n".join(text.splitlines()[:-1]) + "\n")
+    assert main(["export", str(cut), "--to", str(tmp_path / "cut.csv")]) == 0
+    assert "it breaks off before its end" in " ".join(capsys.readouterr().err.split())
+
+
 def test_a_compressed_recording_is_the_same_to_the_bit(session, tmp_path, capsys):
     folder, _, _ = session
     packed = tmp_path / "run.jsonl.gz"

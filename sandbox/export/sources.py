@@ -213,17 +213,21 @@ def _tracks(path: Path) -> Iterator[tuple[Array, Array, str]]:
 
     Where the file is damaged, the last item says so, and has no poses.
     """
-    nothing, number = np.zeros(0), 0
+    nothing, number, ended, found = np.zeros(0), 0, False, False
     try:
         for text in _lines(path):
             number += 1
             # What else is in a line is of no use here, and most of the file.
-            if not text[:40].replace(b" ", b"").startswith(b'{"kind":"track"'):
+            begins = text[:40].replace(b" ", b"")
+            ended = begins.startswith(b'{"kind":"end"') and text.endswith(b"\n")
+            if not begins.startswith(b'{"kind":"track"'):
                 continue
-            track = Track()
+            found, track = True, Track()
             read_line(json.loads(text), track)
             steps = sorted(track.qpos)
             yield np.array(steps, float), np.array([track.qpos[s] for s in steps]), ""
+        if found and not ended:
+            yield nothing, nothing, "it breaks off before its end"
     except (ValueError, KeyError, TypeError, EOFError, OSError, zlib.error) as error:
         yield nothing, nothing, f"line {number} is damaged ({error}); what follows is left"
 

@@ -33,7 +33,7 @@ class WindowContext:
 
     def __init__(self, title: str, size: tuple[int, int]) -> None:
         said: list[str] = []
-        glfw.set_error_callback(lambda _code, text: said.append(str(text)))
+        glfw.set_error_callback(lambda _code, text: said.append(_text(text)))
         if not glfw.init():
             raise GraphicsError(
                 "no window can be opened, since there is no screen",
@@ -94,3 +94,8 @@ class Loan:
 
     def free(self) -> None:
         """Gives it back; the window keeps it."""
+
+
+def _text(said: str | bytes) -> str:
+    """What glfw says: bytes, whatever its types promise."""
+    return said.decode(errors="replace") if isinstance(said, bytes) else said
