@@ -79,7 +79,8 @@ def test_every_order_is_used_once_in_a_cycle() -> None:
 def test_outer_and_inner_orders_are_balanced_after_a_whole_cycle() -> None:
     crossed = design(CROSSED)
     assert whole_cycle(crossed) == 6
-    outer, inner = Counter(), Counter()
+    outer: Counter[tuple[int, str]] = Counter()
+    inner: Counter[tuple[int, str]] = Counter()
     for number in range(6):
         trials = trials_of(session_plan(crossed, number))
         blocks = list(dict.fromkeys(tuple(t.levels.values()) for t in trials))

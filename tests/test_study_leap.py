@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -74,7 +75,7 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
     return found
 
 
-def measured(study: StudyFolder) -> tuple[Path, dict[str, object]]:
+def measured(study: StudyFolder) -> tuple[Path, dict[str, Any]]:
     session = session_path(study.path, study.participants()[0].ppid)
     records = read_journal(session / "journal.jsonl")
     (found,) = (r["calibration"] for r in records if r["kind"] == "calibration")
@@ -105,7 +106,7 @@ def test_lengths_of_fingers_are_in_an_anonymous_copy_only_if_somebody_wants_them
     session = session_path(copy.path, copy.participants()[0].ppid)
     assert len(list((session / "trials").iterdir())) == (2 if kept else 0)
     assert len(list((session / "trackers").glob("frames_*.csv.gz"))) == 2
-    length = str(hand["standard"][0]).encode()  # type: ignore[index]
+    length = str(hand["standard"][0]).encode()
     files = [p.read_bytes() for p in copy.path.rglob("*") if p.is_file()]
     inside = [gzip.decompress(d) if d[:2] == b"\x1f\x8b" else d for d in files]
     assert any(length in data for data in inside) is kept
