@@ -25,7 +25,7 @@ USES = {
     "bullet": "comparison with Bullet",
     "evdev": "Linux touch screens and trackpads",
     "lsl": "streams to the Lab Streaming Layer",
-    "study": "tables of user studies for other programs",
+    "study": "reports on user studies, and their tables for other programs",
 }
 
 _REQUIREMENT = re.compile(r"\s*([\w.-]+)\s*(?:\[[^\]]*\])?\s*\(?([^;)]*)\)?\s*(?:;(.*))?")
