@@ -50,11 +50,12 @@ class NoticeEvents:
 
     def __init__(self, events: EventLog, say: Callable[[str], object]) -> None:
         self._events, self._say = events, say
-        self._last = ""
+        self._last: frozenset[str] = frozenset()
 
     def show(self, snapshot: Snapshot) -> None:
         """Looks at a snapshot; all of them, or a short notice would be missed."""
-        if snapshot.notice and snapshot.notice != self._last:
-            self._events.tell("warning", what=snapshot.notice, time_s=round(snapshot.time, 3))
-            self._say(snapshot.notice)
-        self._last = snapshot.notice
+        for notice in snapshot.notices:
+            if notice not in self._last:
+                self._events.tell("warning", what=notice, time_s=round(snapshot.time, 3))
+                self._say(notice)
+        self._last = frozenset(snapshot.notices)

@@ -75,7 +75,7 @@ class Snapshot(Later):
         objects: By name.
         goals: What is to be reached, all of it placed in the world.
         score: So far.
-        notice: A word to the person, or empty.
+        notices: Words to the person.
         contact: How hands and objects touch: `hard`, `soft` or `none`.
     """
 
@@ -86,5 +86,10 @@ class Snapshot(Later):
     objects: Mapping[str, ObjectView]
     goals: tuple[Goal, ...]
     score: Score
-    notice: str = ""
+    notices: tuple[str, ...] = ()
     contact: str = "hard"
+
+    @property
+    def notice(self) -> str:
+        """All notices in one line, or empty."""
+        return "; ".join(self.notices)

@@ -250,7 +250,7 @@ class Session:
             step=self.step,
             qpos=self.data.qpos.copy(),
             score=self.scorer.score,
-            notice="; ".join(self._notices()),
+            notices=tuple(self._notices()),
             contact=self.contact,
         )
 

@@ -244,7 +244,7 @@ def test_progress_reason_time_and_caption_are_written(v: Viewed) -> None:
         replace(one, time=one.time + 1.0),
         replace(one, score=replace(one.score, progress=0.5)),
         replace(one, score=replace(one.score, reason="something else is missing")),
-        replace(one, notice="a word to the person"),
+        replace(one, notices=("a word to the person",)),
     ):
         assert changed(first, written(other)).any()
     named = written(one, "SIMULATED USER")

@@ -210,7 +210,7 @@ class WindowPlay:
         found = session.snapshot()
         score = replace(found.score, reason=summary(type(session.task)))
         how = WITH_MOUSE if self.options.device == "mouse" else ""
-        return replace(found, score=score, notice=how + WAITING)
+        return replace(found, score=score, notices=(how + WAITING,))
 
     def _inviting(self) -> bool:
         """Whether a tablet is still waited for."""
