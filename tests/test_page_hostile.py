@@ -19,6 +19,7 @@ from multiprocessing import get_context
 from urllib.parse import urlsplit
 
 import pytest
+from websockets.exceptions import InvalidStatus
 
 from sandbox.live import LiveSession
 from sandbox.server.client import MOST_WORDS, Client
@@ -200,5 +201,14 @@ def test_files_that_are_fetched_and_not_read_take_a_bounded_place(stage, live):
     assert wait_for(lambda: memory() - before < MOST_GUESTS * MEGABYTE)
     for link in links:
         link.close()
-    with Page(stage.server.url) as page:
-        page.until("frame")
+    # The server hears of it in its own time.
+    assert wait_for(lambda: is_let_in(stage.server.url))
+
+
+def is_let_in(url: str) -> bool:
+    try:
+        with Page(url) as page:
+            page.until("frame")
+    except InvalidStatus:
+        return False
+    return True
