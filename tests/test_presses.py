@@ -2,8 +2,8 @@
 
 A hand's fingertips lie as they do when it is about to grip, somewhere on the surface and turned.
 Its fingers come down, move and leave in any order, several at once now and then. The same story
-goes through TUIO 1.1, TUIO 2.0, the page, and as pins through the mouse. The quick run is a tenth
-of the long one.
+goes through TUIO 1.1, TUIO 2.0, the page, and as pins through the mouse: what each of them told is
+laid beside what was the case.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ from models.surface import METRES_PER_INCH, Surface
 from sandbox.devices.conformance import check_frames
 from sandbox.devices.mouse import GRAB_RADIUS, MouseDevice, default_hand
 from sandbox.devices.tuio import touch_frame
-from sandbox.devices.tuio_senders import Tuio
+from sandbox.devices.tuio_senders import Commit, Tuio
 from sandbox.devices.web import WebDevice
 from sandbox.server.protocol import Screen, Touches, decode
 from tests.tuio_packets import alv, bundle, frame, frm, ptr
 
-QUICK, FULL = 1_000, 10_000
+EVENTS = pytest.mark.parametrize("events", [1_000, pytest.param(10_000, marks=pytest.mark.full)])
 """Presses and lifts."""
 
 SURFACE = Surface()
@@ -87,32 +87,40 @@ Encoder = Callable[[int, Scene, bool], bytes]
 BOTH = pytest.mark.parametrize("encode", [as_tuio11, as_tuio20])
 
 
-def assert_is(got: TouchFrame, scene: Scene) -> None:
-    """Every finger is where it is, under its id, and nothing else is there."""
-    places = {c.id: (c.x / WIDTH, c.y / HEIGHT) for c in got.contacts}
-    assert places.keys() == scene.keys()
-    for i, (_, x, y) in scene.items():
-        assert math.dist(places[i], (x, y)) < 1e-6
+Told = list[tuple[TouchFrame, Scene]]
+"""What came through, beside what was the case."""
+Points = list[tuple[float, float]]
 
 
-def tuio_tells_all(encode: Encoder, events: int) -> None:
-    tuio, frames = Tuio(), []
+def apart(told: Points, meant: Points) -> float:
+    """How far the farthest is from where it was meant; infinite: one lacks or is too many."""
+    return max(map(math.dist, told, meant), default=0.0) if len(told) == len(meant) else math.inf
+
+
+def astray(told: TouchFrame, scene: Scene) -> float:
+    """The same by the fingers' ids, in sides of the surface."""
+    places = {c.id: (c.x / WIDTH, c.y / HEIGHT) for c in told.contacts}
+    if places.keys() != scene.keys():
+        return math.inf
+    return apart([places[i] for i in scene], [(x, y) for _, x, y in scene.values()])
+
+
+def through_tuio(encode: Encoder, events: int) -> Told:
+    tuio, told = Tuio(), []
     for n, scene in enumerate(story(7, events)):
-        now = n * PERIOD
-        (commit,) = tuio.feed(encode(n, scene, False), "a", now)
-        frames.append(touch_frame(commit, SURFACE, now))
-        assert_is(frames[-1], scene)
-        if encode is as_tuio20:
-            assert {c.id: c.label for c in frames[-1].contacts} == {
-                i: finger for i, (finger, _, _) in scene.items()
-            }
-    check_frames(frames, SURFACE)
+        (commit,) = tuio.feed(encode(n, scene, False), "a", n * PERIOD)
+        told.append((touch_frame(commit, SURFACE, n * PERIOD), scene))
+    return told
 
 
-def a_bad_network_leaves_none_stuck(encode: Encoder, events: int) -> None:
-    """A tenth of the packets is lost, some are doubled, some overtake each other."""
+def through_a_bad_network(encode: Encoder, events: int) -> tuple[Told, list[Commit]]:
+    """A tenth of the packets is lost, some are doubled, some overtake each other.
+
+    What is told after a packet that comes in time, and the last of all, where silence ends it.
+    """
     rng = random.Random(8)
-    tuio, held = Tuio(), None
+    tuio, held, told = Tuio(), None, []
+    everything: list[Commit] = []
     for n, scene in enumerate(story(9, events)):
         now = n * PERIOD
         packet = encode(n, scene, False)
@@ -124,18 +132,20 @@ def a_bad_network_leaves_none_stuck(encode: Encoder, events: int) -> None:
         if held is not None:
             sent, held = [*sent, held], None
         shown = [c for data in sent for c in tuio.feed(data, "a", now)]
+        everything += shown
         if fate >= 0.15:
             assert shown, "a packet that comes in time counts"
-            assert_is(touch_frame(shown[-1], SURFACE, now), scene)
+            told.append((touch_frame(shown[-1], SURFACE, now), scene))
         if n % 60 == 59:  # once a second senders repeat all that is the case
             (commit,) = tuio.feed(encode(n, scene, True), "a", now)
-            assert_is(touch_frame(commit, SURFACE, now), scene)
-    last = tuio.expire(1e6)
-    assert not last or not last[-1].touches
+            told.append((touch_frame(commit, SURFACE, now), scene))
+            everything.append(commit)
+    return told, everything + tuio.expire(1e6)
 
 
-def the_page_tells_all(events: int) -> None:
-    device, frames = WebDevice(SURFACE), []
+def through_the_page(events: int) -> tuple[Told, list[tuple[frozenset[int], set[int]]]]:
+    """Also which touches it told to be cancelled, beside those that were."""
+    device, told, cancelled = WebDevice(SURFACE), [], []
     sizes = 1024.0 / SCREEN.px_per_in * METRES_PER_INCH, 768.0 / SCREEN.px_per_in * METRES_PER_INCH
     before: Scene = {}
     rng = random.Random(10)
@@ -156,20 +166,30 @@ def the_page_tells_all(events: int) -> None:
         assert isinstance(touches, Touches)
         device.push(touches, SCREEN)
         (got,) = device.poll()
-        assert_is(got, scene)
-        assert got.cancelled == set(gone)
-        frames.append(got)
+        told.append((got, scene))
+        cancelled.append((got.cancelled, set(gone)))
         before = scene
-    check_frames(frames, SURFACE)
     assert not device.touched
+    return told, cancelled
 
 
-def the_mouse_tells_all(events: int) -> None:
-    """Every finger is a pin: shift and a click put it down, shift and a click on it lift it."""
-    device, frames = MouseDevice(SURFACE), []
+def through_the_mouse(events: int) -> tuple[list[TouchFrame], list[tuple[Points, Points]]]:
+    """Every finger is a pin: shift and a click put it down, shift and a click on it lift it.
+
+    All frames, and after every press and lift the places that were told beside those where
+    fingers were, metres.
+    """
+    device, frames = MouseDevice(SURFACE), list[TouchFrame]()
+    told: list[tuple[Points, Points]] = []
     down: dict[int, tuple[float, float]] = {}
     rng, done = random.Random(13), 0
     places = [(x * WIDTH, y * HEIGHT) for x, y in hand(rng)]
+
+    def tell(*pointer: tuple[float, float]) -> None:
+        frames.extend(device.poll(0.0))
+        there = sorted((c.x, c.y) for c in frames[-1].contacts)
+        told.append((there, sorted([*down.values(), *pointer])))
+
     while done < events:
         if not down and rng.random() < 0.3:
             places = [(x * WIDTH, y * HEIGHT) for x, y in hand(rng)]
@@ -186,62 +206,62 @@ def the_mouse_tells_all(events: int) -> None:
             else:
                 down[finger] = places[finger]
             device.release()
-            frames += device.poll(0.0)
-            there = sorted((c.x, c.y) for c in frames[-1].contacts)
-            assert len(there) == len(down)
-            for got, wanted in zip(there, sorted(down.values()), strict=True):
-                assert math.dist(got, wanted) < 1e-9
+            tell()
         fate = rng.random()
         if fate < 0.05:
             # A finger that is the pointer itself comes and goes beside those that stay.
             corner = (0.0, 0.0) if all(math.dist(p, (0, 0)) > 0.02 for p in places) else None
             if corner:
                 device.press(corner)
-                assert len(device.poll(0.0)[-1].contacts) == len(down) + 1
+                tell(corner)
                 device.release()
-                assert len(device.poll(0.0)[-1].contacts) == len(down)
+                tell()
         elif fate < 0.08 and down:
             done += len(down)
             device.lift()
             down.clear()
-            frames += device.poll(0.0)
-            assert frames[-1].contacts == ()
+            tell()
     device.close()
-    frames += device.poll(0.0)
-    assert frames[-1].contacts == ()
+    down.clear()
+    tell()
+    return frames, told
+
+
+@BOTH
+@EVENTS
+def test_every_press_and_lift_comes_through_tuio(encode: Encoder, events: int) -> None:
+    told = through_tuio(encode, events)
+    assert max(astray(frame, scene) for frame, scene in told) < 1e-6
+    check_frames([frame for frame, _ in told], SURFACE)
+
+
+@EVENTS
+def test_tuio_2_says_of_every_touch_which_finger_it_is(events: int) -> None:
+    for told, scene in through_tuio(as_tuio20, events):
+        fingers = {i: finger for i, (finger, _, _) in scene.items()}
+        assert {c.id: c.label for c in told.contacts} == fingers
+
+
+@BOTH
+@EVENTS
+def test_lost_doubled_and_overtaken_packets_leave_no_finger_stuck(
+    encode: Encoder, events: int
+) -> None:
+    told, everything = through_a_bad_network(encode, events)
+    assert max(astray(frame, scene) for frame, scene in told) < 1e-6
+    assert everything[-1].touches == ()
+
+
+@EVENTS
+def test_every_press_and_lift_comes_through_the_page(events: int) -> None:
+    told, cancelled = through_the_page(events)
+    assert max(astray(frame, scene) for frame, scene in told) < 1e-6
+    assert all(said == meant for said, meant in cancelled)
+    check_frames([frame for frame, _ in told], SURFACE)
+
+
+@EVENTS
+def test_every_press_and_lift_comes_through_the_mouse(events: int) -> None:
+    frames, told = through_the_mouse(events)
+    assert max(apart(there, meant) for there, meant in told) < 1e-9
     check_frames(frames, SURFACE)
-
-
-@BOTH
-def test_every_press_and_lift_comes_through_tuio(encode: Encoder) -> None:
-    tuio_tells_all(encode, QUICK)
-
-
-@BOTH
-def test_lost_doubled_and_overtaken_packets_leave_no_finger_stuck(encode: Encoder) -> None:
-    a_bad_network_leaves_none_stuck(encode, QUICK)
-
-
-def test_every_press_and_lift_comes_through_the_page() -> None:
-    the_page_tells_all(QUICK)
-
-
-def test_every_press_and_lift_comes_through_the_mouse() -> None:
-    the_mouse_tells_all(QUICK)
-
-
-@pytest.mark.full
-@BOTH
-def test_ten_thousand_presses_and_lifts_come_through_tuio(encode: Encoder) -> None:
-    tuio_tells_all(encode, FULL)
-    a_bad_network_leaves_none_stuck(encode, FULL)
-
-
-@pytest.mark.full
-def test_ten_thousand_presses_and_lifts_come_through_the_page() -> None:
-    the_page_tells_all(FULL)
-
-
-@pytest.mark.full
-def test_ten_thousand_presses_and_lifts_come_through_the_mouse() -> None:
-    the_mouse_tells_all(FULL)
