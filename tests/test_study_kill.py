@@ -6,6 +6,7 @@ import csv
 import os
 import resource
 import tempfile
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -14,7 +15,8 @@ import pytest
 
 from models.errors import InputError, StudyError
 from sandbox.study.folder import REAL, StudyFolder
-from sandbox.study.journal import Journal
+from sandbox.study.journal import SYNC, Journal
+from sandbox.study.plan import trials_of
 from sandbox.study.session_folder import SessionFolder, session_path
 from sandbox.study.simulate import run_simulated, simulate
 from sandbox.study.tables import rebuild_session, rebuild_study
@@ -166,6 +168,23 @@ def test_a_journal_on_a_full_device_says_so(tmp_path: Path) -> None:
         journal.append("note", text="lost")
     assert journal.records == []
     journal.close()
+
+
+def test_a_session_whose_recording_never_reaches_the_disk_finishes_no_trial(
+    tmp_path: Path,
+) -> None:
+    study = open_study(tmp_path)
+    with SessionFolder(study, study.add()) as session:
+        trial = trials_of(session.steps)[0]
+        recording = session.begin(trial)
+        recording.symlink_to("/dev/full")
+        time.sleep(2.5 * SYNC)
+        recording.unlink()
+        recording.write_text("as if nothing had been")
+        with pytest.raises(StudyError, match="the disk did not take"):
+            session.finish(trial, {"status": "held"})
+        assert trial.id not in session.state.finished
+        assert session.journal.records[-1]["kind"] == "trial_start"
 
 
 def test_a_folder_that_cannot_be_written_is_refused_before_anything_runs() -> None:

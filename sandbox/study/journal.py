@@ -79,7 +79,8 @@ class Journal:
             values: JSON values.
 
         Raises:
-            StudyError: It cannot be written; the journal is as it was before.
+            StudyError: It cannot be written, and the journal is as it was before; or, where it is
+                to be durable, it was written and is not known to be on the disk.
         """
         record = {"n": len(self.records), "time": now(), "clock": round(time.monotonic(), 6),
                   "kind": kind, **values}  # fmt: skip
@@ -170,19 +171,25 @@ class Syncing:
     """Puts files on the disk every half second, from a thread of its own.
 
     Args:
-        sync: Puts them there; an `OSError` is kept, and raised when the session asks.
+        sync: Puts them there. What it fails at once has to be told: the system says of lost pages
+            one single time that they are lost, and whoever syncs after that hears that all is well.
     """
 
     def __init__(self, sync: Callable[[], None]) -> None:
-        self._sync, self._error = sync, ""
+        self._sync = sync
+        self._error: OSError | None = None
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name="sync", daemon=True)
         self._thread.start()
 
-    @property
-    def error(self) -> str:
-        """What went wrong last; empty if nothing did."""
-        return self._error
+    def check(self) -> None:
+        """Says what could not be put on the disk.
+
+        Raises:
+            OSError: At some moment since the beginning, something could not.
+        """
+        if self._error is not None:
+            raise self._error
 
     def close(self) -> None:
         """Ends the thread."""
@@ -193,6 +200,6 @@ class Syncing:
         while not self._stop.wait(SYNC):
             try:
                 self._sync()
-                self._error = ""
             except OSError as error:
-                self._error = str(error.strerror)
+                self._error = error
+                return

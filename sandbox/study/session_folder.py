@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -53,6 +53,7 @@ class SessionFolder:
                        self.path / "session_info"):  # fmt: skip
             make_folder(folder)
         self._recording: Path | None = None
+        self._syncing: Syncing | None = None
         self._closing = ExitStack()
         try:
             self._open()
@@ -78,8 +79,8 @@ class SessionFolder:
                    experiment=self.study.design.name, mode=self.study.mode,
                    design=self.study.design.digest, session=SESSION, versions=versions(),
                    build=self.study.build, **vars(self.person))  # fmt: skip
-        syncing = Syncing(self._sync)
-        self._closing.callback(syncing.close)
+        self._syncing = Syncing(self._sync)
+        self._closing.callback(self._syncing.close)
 
     def write(self, kind: str, durable: bool = False, **values: Any) -> Record:
         """Writes a record and takes it in.
@@ -87,6 +88,12 @@ class SessionFolder:
         Raises:
             StudyError: It cannot be written, and is not taken in either.
         """
+        if durable and self._syncing is not None:
+            try:
+                self._syncing.check()
+            except OSError as error:
+                raise explain(error, self.path, "the disk did not take what was written before") \
+                    from None  # fmt: skip
         record = self.journal.append(kind, durable, **values)
         self.state.take(record)
         # Other instruments hear what happens, and nothing that anybody has said.
@@ -210,10 +217,11 @@ class SessionFolder:
 
     def _sync(self) -> None:
         self.journal.sync()
-        # One read: the session's thread may end the trial meanwhile.
+        # One read: the session's thread may end the trial meanwhile, and compress its recording.
         recording = self._recording
-        if recording is not None and recording.exists():
-            sync_file(recording)
+        if recording is not None:
+            with suppress(FileNotFoundError):
+                sync_file(recording)
 
 
 def session_path(study: Path, ppid: str, session: int = SESSION) -> Path:
