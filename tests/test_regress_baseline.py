@@ -224,8 +224,8 @@ def test_the_fixture_asks_for_a_rate_only_beyond_chance(tmp_path):
         asking(Quick, "0:3", finger=3)
 
 
-def passes(folder: Path, *more: str) -> None:
-    """Runs a folder's tests as a lab would."""
+def failures(folder: Path, *more: str) -> str:
+    """Runs a folder's tests as a lab would; what pytest prints if not all of them pass."""
     ran = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "-p", "sandbox.regression", *more, "."],
         cwd=folder,
@@ -234,7 +234,7 @@ def passes(folder: Path, *more: str) -> None:
         text=True,
         check=False,
     )
-    assert ran.returncode == 0, ran.stdout + ran.stderr
+    return ran.stdout + ran.stderr if ran.returncode else ""
 
 
 PLUGIN_TEST = """
@@ -248,7 +248,7 @@ def test_ours(regression):
 def test_the_plugin_makes_a_baseline_and_then_compares_in_processes(tmp_path):
     (tmp_path / "test_ours.py").write_text(PLUGIN_TEST)
     for more in (["--sandbox-update-baseline"], ["--sandbox-workers", "2"]):
-        passes(tmp_path, *more)
+        assert not failures(tmp_path, *more)
         assert load_baseline(tmp_path / "base.json").tasks["quick"].trials.keys() == {1, 2}
 
 
@@ -256,5 +256,8 @@ def test_the_plugin_makes_a_baseline_and_then_compares_in_processes(tmp_path):
 def test_the_example_for_a_lab_makes_its_baseline_and_passes_it(tmp_path):
     source = (ROOT / "examples" / "test_my_lab.py").read_text()
     (tmp_path / "test_my_lab.py").write_text(source)
-    passes(tmp_path, "--sandbox-update-baseline")
-    passes(tmp_path)
+    assert not failures(tmp_path, "--sandbox-update-baseline")
+    assert load_baseline(tmp_path / "put-away.json").tasks["my-lab-put-away"].trials.keys() == {
+        *range(4)
+    }
+    assert not failures(tmp_path)

@@ -5,12 +5,10 @@ from __future__ import annotations
 import math
 import random
 
-import pytest
-
 from sandbox.devices.tuio20_frames import MAX_ALIVE
 from sandbox.devices.tuio_senders import MAX_SOURCES, Tuio
 from sandbox.devices.tuio_values import MAX_IDS
-from tests.test_tuio_fuzz import FULL, QUICK, check, mutants
+from tests.test_tuio_fuzz import COUNTS, check, mutants
 from tests.tuio_packets import alv, bnd, bundle, frame20, frm, message, ptr
 
 CORPUS = [
@@ -79,14 +77,10 @@ def fuzz(seed: int, count: int, corpus: list[bytes]) -> Tuio:
     return tuio
 
 
-def test_mutated_packets_do_no_harm() -> None:
-    counts = fuzz(20180619, QUICK, CORPUS).statistics
+@COUNTS
+def test_mutated_packets_do_no_harm(count: int) -> None:
+    seen = fuzz(20180619, count, CORPUS).statistics
     # The mutants must reach both sides of every decision, or this test says nothing.
-    assert QUICK / 10 < counts.malformed < QUICK * 9 / 10
-    assert counts.frames > QUICK / 10
-    assert min(counts.late, counts.unfinished, counts.ignored, counts.evicted) > 0
-
-
-@pytest.mark.full
-def test_a_hundred_thousand_mutated_packets_do_no_harm() -> None:
-    fuzz(5, FULL, CORPUS)
+    assert count / 10 < seen.malformed < count * 9 / 10
+    assert seen.frames > count / 10
+    assert min(seen.late, seen.unfinished, seen.ignored, seen.evicted) > 0
