@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import sys
 import time
 from dataclasses import dataclass
 from importlib.resources import files
@@ -24,6 +22,7 @@ from sandbox.messages import Snapshot
 from sandbox.recording import load_recording
 from sandbox.session import Session
 from sandbox.settings import RunSettings
+from sandbox.views.display import has_display
 from sandbox.views.errors import GraphicsError
 from tasks.score import ending
 
@@ -86,13 +85,6 @@ def main(argv: list[str]) -> int:
         _pictures(session, kept, options.out, console)
     console.print("Next: [bold]sandbox[/] lists what else there is.")
     return 0
-
-
-def has_display() -> bool:
-    """Whether there is a screen to open a window on."""
-    if sys.platform.startswith("linux"):
-        return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
-    return True
 
 
 def _keep(kept: list[Snapshot], snapshot: Snapshot) -> None:

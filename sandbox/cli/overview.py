@@ -8,6 +8,8 @@ from collections.abc import Mapping
 from importlib.metadata import entry_points
 from pathlib import Path
 
+from sandbox.views.display import has_display
+
 DEVICES = {
     "mouse": ("sandbox.devices.mouse", "MouseDevice"),
     "web": ("sandbox.devices.web", "WebDevice"),
@@ -46,7 +48,6 @@ def devices() -> dict[str, str]:
 
 def first_steps() -> list[str]:
     """Command lines, the easiest first: made of the first task, and of the first that lifts."""
-    from sandbox.cli.demo import has_display
     from tasks.registry import TASKS
 
     first = next(iter(TASKS))

@@ -10,7 +10,6 @@ import tyro
 from rich.console import Console
 
 from models.errors import InputError
-from sandbox.cli.demo import has_display
 from sandbox.cli.latency import checked_limit
 from sandbox.cli.leap_devices import is_leap
 from sandbox.cli.lsl_options import LslOptions, streaming
@@ -21,6 +20,7 @@ from sandbox.cli.play_page import play_on_page
 from sandbox.cli.run import RunOptions, perform
 from sandbox.cli.scene_options import SceneOptions
 from sandbox.profiles import DEFAULT, default_path, find_profile
+from sandbox.views.display import has_display
 
 
 @dataclass(frozen=True)

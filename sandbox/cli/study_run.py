@@ -18,6 +18,7 @@ from rich.markup import escape
 
 from models.errors import InputError, StudyError
 from sandbox.cli.lsl_options import streaming
+from sandbox.views.display import has_display
 
 if TYPE_CHECKING:
     from sandbox.cli.page_options import PageOptions
@@ -196,7 +197,6 @@ def _again(options: RunOptions, ppid: str) -> str:
 
 def _check(options: RunOptions) -> None:
     """What fits together, before anything is written."""
-    from sandbox.cli.demo import has_display
     from sandbox.cli.touch_devices import guessed_surface, is_evdev, live_maker
 
     if options.device not in ("web", "mouse", "tuio", "simulated") and not is_evdev(options.device):
@@ -266,7 +266,6 @@ def _open_page(
     """The participant's page, and how it is opened."""
     if not options.has_page:
         return None
-    from sandbox.cli.demo import has_display
     from sandbox.cli.page_options import open_page
     from sandbox.cli.play_page import say_refusals
     from sandbox.cli.second_view import invite

@@ -6,6 +6,7 @@ import os
 import sys
 
 from sandbox.doctor.check import Answer, Check, ask
+from sandbox.views.display import VARIABLES
 from sandbox.views.errors import DEBIAN_PACKAGES
 
 _WINDOW = """
@@ -81,7 +82,7 @@ def _told(answer: Answer) -> str:
 def _display() -> tuple[bool, str]:
     if sys.platform != "linux":
         return True, "of the system"
-    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+    for name in VARIABLES:
         if os.environ.get(name):
             return True, f"{name}={os.environ[name]}"
-    return False, "neither DISPLAY nor WAYLAND_DISPLAY is set"
+    return False, f"neither {' nor '.join(VARIABLES)} is set"
