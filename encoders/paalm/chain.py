@@ -19,6 +19,8 @@ from models.errors import EncoderError
 from models.frames import Vector
 
 _ENTRIES = 512
+_STEPS = 4
+_NOTHING = 1e-12
 
 
 @dataclass(frozen=True)
@@ -78,7 +80,8 @@ class FingerChain:
         start = int(np.argmax(chord))
         rising = np.nonzero(np.diff(chord[start:]) >= 0.0)[0]
         piece = slice(start, start + int(rising[0]) + 1 if len(rising) else len(chord))
-        self._pip, self._dip = pip[piece], dip[piece]
+        self._pip = pip[piece]
+        self._least, self._most = float(self._pip[0]), float(self._pip[-1])
         self._along, self._below = along[piece], below[piece]
         self.longest, self.shortest = float(chord[piece][0]), float(chord[piece][-1])
         # Near the stretched finger, PIP goes with the root of what is missing to its length: even
@@ -110,7 +113,8 @@ class FingerChain:
         x, y, z = x * scale, y * scale, z * scale
         pip = self._bend(reached)
         along, below = self._plane(pip)
-        spread = asin(min(max(-x / max(along, 1e-6), -1.0), 1.0))
+        # Straight below the knuckle, spread moves nothing and is left alone.
+        spread = asin(min(max(-x / along, -1.0), 1.0)) if abs(along) > _NOTHING else 0.0
         flexion = atan2(-z, y) - atan2(below, along * cos(spread))
         low, high = self.limits.flexion
         left, right = self.limits.spread
@@ -135,11 +139,35 @@ class FingerChain:
         return Bend(flexion, spread, pip, self.dip(pip), 0.0)
 
     def _bend(self, chord: float) -> float:
-        """PIP, rad, of a reachable length."""
+        """PIP, rad, of a reachable length.
+
+        The table is off by up to half an entry where DIP comes to its limit and the length has a
+        bend in its course; Newton's steps make every length exact.
+        """
         at = sqrt(max(self.longest - chord, 0.0)) * self._per_root
         index = min(int(at), _ENTRIES - 2)
         low, high = self._inverse[index], self._inverse[index + 1]
-        return low + (high - low) * min(at - index, 1.0)
+        pip = low + (high - low) * min(at - index, 1.0)
+        _, second, third = self.lengths
+        for _ in range(_STEPS):
+            along, below = self._plane(pip)
+            turns = self._turns(pip)
+            bend = pip + radians(self.dip(degrees(pip)))
+            falls = below * (second * cos(pip) + third * turns * cos(bend))
+            falls -= along * (second * sin(pip) + third * turns * sin(bend))
+            if falls > -_NOTHING:  # Stretched, or at its shortest: the table is exact there.
+                break
+            step = 0.5 * (chord * chord - along * along - below * below) / falls
+            pip = min(max(pip + step, self._least), self._most)
+            if abs(step) < _NOTHING:
+                break
+        return pip
+
+    def _turns(self, pip: float) -> float:
+        """By how much the last bone turns for a turn of the middle one."""
+        low, high = self.limits.dip
+        free = low < self.coupling.slope * degrees(pip) + self.coupling.offset < high
+        return 1.0 + self.coupling.slope if free else 1.0
 
     def _plane(self, pip: float) -> tuple[float, float]:
         first, second, third = self.lengths
