@@ -11,10 +11,10 @@ import threading
 import time
 from collections import deque
 from collections.abc import Sequence
-from typing import Any
 
 from models.frames import TouchFrame
 from sandbox.assembly import DeviceMaker
+from sandbox.devices.around import Around
 from sandbox.devices.device import Device
 from sandbox.messages import Snapshot
 from sandbox.server.latency import LatencyLog
@@ -64,28 +64,19 @@ class Timing:
                 self._log.add("window", 1000.0 * (now - self._unseen.popleft()[1]))
 
 
-class TimedDevice:
-    """A live device whose touches are followed; whatever else it has is found here as well.
+class TimedDevice(Around):
+    """A live device whose touches are followed.
 
     Args:
         device: Its frames carry the time at which they came in, s, by its own clock.
         timing: Is told.
-
-    Attributes:
-        device: As given.
-        name: Of the device.
     """
 
     def __init__(self, device: Device, timing: Timing) -> None:
-        self.device, self.name = device, device.name
+        super().__init__(device)
         self._timing = timing
         # A device that counts from its own beginning says when that was.
         self._origin = float(getattr(device, "clock_origin", 0.0))
-
-    @property
-    def finished(self) -> bool:
-        """As the device says."""
-        return self.device.finished
 
     def poll(self, now: float) -> Sequence[TouchFrame]:
         """The device's frames as they are."""
@@ -93,16 +84,6 @@ class TimedDevice:
         if frames:
             self._timing.taken_in(frames, self._origin)
         return frames
-
-    def close(self) -> None:
-        """Closes the device."""
-        self.device.close()
-
-    def __getattr__(self, name: str) -> Any:
-        # Never for its own parts, which `copy` and `pickle` ask for before there are any.
-        if name in ("device", "_timing", "_origin"):
-            raise AttributeError(name)
-        return getattr(self.device, name)
 
 
 def timed(make_device: DeviceMaker, timing: Timing) -> DeviceMaker:

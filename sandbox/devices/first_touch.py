@@ -3,28 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 from models.frames import TouchFrame
+from sandbox.devices.around import Around
 from sandbox.devices.device import Device
 
 
-class FirstTouch:
+class FirstTouch(Around):
     """A device that can be asked whether anybody has touched it, while its session stands still.
 
     What comes before the first touch is forgotten; the frame of the first touch is the first one
-    that the session gets. Everything else that the device has is found here as well.
+    that the session gets.
 
     Args:
         device: Of a person.
-
-    Attributes:
-        device: As given.
-        name: Of the device.
     """
 
     def __init__(self, device: Device) -> None:
-        self.device, self.name = device, device.name
+        super().__init__(device)
         self._kept: list[TouchFrame] = []
         self._came = False
 
@@ -38,22 +34,7 @@ class FirstTouch:
                 self._came = True
         return self._came or self.device.finished
 
-    @property
-    def finished(self) -> bool:
-        """As the device says."""
-        return self.device.finished
-
     def poll(self, now: float) -> Sequence[TouchFrame]:
         """The device's frames, with the first touch."""
         kept, self._kept, self._came = self._kept, [], True
         return [*kept, *self.device.poll(now)]
-
-    def close(self) -> None:
-        """Closes the device."""
-        self.device.close()
-
-    def __getattr__(self, name: str) -> Any:
-        # Never for its own parts, which `copy` and `pickle` ask for before there are any.
-        if name in ("device", "_kept", "_came"):
-            raise AttributeError(name)
-        return getattr(self.device, name)

@@ -10,6 +10,7 @@ from functools import partial
 from models.errors import InputError
 from models.frames import TouchFrame
 from models.surface import Surface
+from sandbox.devices.around import Around
 from sandbox.devices.device import Device
 from sandbox.two_hands import DeviceMaker, PerHand, makers_of
 from tasks.task import Task
@@ -18,7 +19,7 @@ SPEED = 0.45
 """Of the whole lift per second, while a key is held."""
 
 
-class LiftKeys:
+class LiftKeys(Around):
     """A device with a lift control beside it. Safe to use from two threads.
 
     Args:
@@ -26,27 +27,20 @@ class LiftKeys:
         leader: Whose lift this one's is: of two hands, the same keys lift both.
 
     Attributes:
-        device: As given.
         has_lift: It has a lift control, by name as in other devices.
     """
 
     has_lift = True
 
     def __init__(self, device: Device, leader: LiftKeys | None = None) -> None:
-        self.device = device
+        super().__init__(device)
         self._leader = leader
-        self.name = device.name
         self._lock = threading.Lock()
         self._direction = 0.0
         self._tapped = 0.0
         self._lift = 0.0
         self._now = 0.0
         self._last = TouchFrame(0.0)
-
-    @property
-    def finished(self) -> bool:
-        """True when the device itself has come to its end."""
-        return self.device.finished
 
     def hold(self, direction: float) -> None:
         """A key goes down: 1 lifts, -1 lowers; 0: no key is held any more."""
@@ -75,10 +69,6 @@ class LiftKeys:
         if frames:
             self._last = frames[-1]
         return frames
-
-    def close(self) -> None:
-        """Closes the device."""
-        self.device.close()
 
 
 def with_lift(make_device: DeviceMaker, keys: bool) -> DeviceMaker:

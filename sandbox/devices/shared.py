@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 from numpy.typing import ArrayLike
 
 from encoders.hand_split import HandSplitter
 from models.frames import TouchFrame
+from sandbox.devices.around import Around
 from sandbox.devices.device import Device
 from sandbox.messages import Snapshot
 
@@ -54,10 +54,8 @@ class SharedSurface:
         return taken
 
 
-class OneHand:
+class OneHand(Around):
     """One hand's contacts on a surface that two share.
-
-    What else the device has (an address, a lift control) is found here as well.
 
     Args:
         surface: The whole of it.
@@ -65,8 +63,8 @@ class OneHand:
     """
 
     def __init__(self, surface: SharedSurface, hand: int) -> None:
+        super().__init__(surface.device)
         self._surface, self._hand = surface, hand
-        self.name = surface.device.name
 
     def poll(self, now: float) -> Sequence[TouchFrame]:
         """This hand's frames since the last call."""
@@ -74,24 +72,9 @@ class OneHand:
 
     def show(self, snapshot: Snapshot) -> None:
         """Shows a device that looks what there is to see; once, through the first hand."""
-        show = getattr(self._surface.device, "show", None)
+        show = getattr(self.device, "show", None)
         if show is not None and self._hand == 0:
             show(snapshot)
-
-    @property
-    def finished(self) -> bool:
-        """Whether no further frame can come."""
-        return self._surface.device.finished
-
-    def close(self) -> None:
-        """Closes the whole surface."""
-        self._surface.device.close()
-
-    def __getattr__(self, name: str) -> Any:
-        if name == "_surface":
-            # Not there yet, as while it is copied.
-            raise AttributeError(name)
-        return getattr(self._surface.device, name)
 
 
 class MergedTouches:

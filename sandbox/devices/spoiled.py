@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from models.frames import Contact, TouchFrame
 from models.surface import Surface
+from sandbox.devices.around import Around
 from sandbox.devices.device import Device
 from sandbox.devices.drop_outs import DropOuts
 from sandbox.messages import Snapshot
@@ -84,10 +84,8 @@ class Ghosts:
         return replace(frame, contacts=frame.contacts + ghosts)
 
 
-class SpoiledDevice:
-    """Any device, with what a variation says done to its touches.
-
-    Frames get session time. What else the device has (an address, a user) is found here as well.
+class SpoiledDevice(Around):
+    """Any device, with what a variation says done to its touches. Frames get session time.
 
     Args:
         device: To be spoiled.
@@ -97,8 +95,7 @@ class SpoiledDevice:
     """
 
     def __init__(self, device: Device, variation: Variation, surface: Surface, seed: int) -> None:
-        self.device = device
-        self.name = device.name
+        super().__init__(device)
         self._noise = Noise(variation.noise, seed)
         self._drop_outs = DropOuts(variation.dropped, seed)
         self._ghosts = Ghosts(variation.ghosts, surface.size, seed)
@@ -138,13 +135,3 @@ class SpoiledDevice:
     def finished(self) -> bool:
         """Whether no further frame can come, and none is on its way."""
         return self.device.finished and not self._on_the_way
-
-    def close(self) -> None:
-        """Closes the device."""
-        self.device.close()
-
-    def __getattr__(self, name: str) -> Any:
-        if name == "device":
-            # Not there yet, as while it is copied.
-            raise AttributeError(name)
-        return getattr(self.device, name)
