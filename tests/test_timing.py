@@ -93,7 +93,7 @@ def test_whatever_else_a_device_has_is_found_around_it_too() -> None:
     mouse = MouseDevice(viewed().surface)
     device = timed(lambda task, surface: mouse, Timing(LatencyLog()))(None, None)  # type: ignore[arg-type]
     assert isinstance(device, TimedDevice) and device.name == "mouse" and not device.finished
-    assert device.news is mouse.news and device.pins == 0
+    assert device.news is LiftKeys(mouse).news is mouse.news and device.pins == 0
     assert not hasattr(device, "has_lift") and copy.copy(device).name == "mouse"
     device.close()
     assert mouse.finished
@@ -120,7 +120,8 @@ def test_a_packet_of_a_tablet_is_timed_from_its_arrival() -> None:
         send(frame(1, {0: (0.5, 0.5)}))
         assert tuio.wait(PATIENCE)
         time.sleep(0.02)
-        assert len(device.poll(0.0)) == 1
+        assert device.news.is_set(), "the step that takes it in is made at once"
+        assert len(device.poll(0.0)) == 1 and not device.news.is_set()
         # It cannot have come before it was sent, nor after `wait` knew of it.
         assert 20.0 <= log.percentiles()["waited"].p50 <= 1000.0 * (time.monotonic() - sent)
 

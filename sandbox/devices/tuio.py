@@ -72,6 +72,7 @@ class TuioDevice(Closing):
 
     Attributes:
         clock_origin: s of the machine's monotonic clock at which the time of its frames is 0.
+        news: Set while there is a frame to fetch.
     """
 
     name = "tuio"
@@ -110,6 +111,7 @@ class TuioDevice(Closing):
         self._failure: DeviceError | None = None
         self._closing = threading.Event()
         self._news = threading.Condition()
+        self.news = threading.Event()
         self._tap = tap
         self.clock_origin = time.monotonic()
         self._next_look = 0.0
@@ -190,6 +192,7 @@ class TuioDevice(Closing):
         with self._news:
             frames = list(self._queue)
             self._queue.clear()
+            self.news.clear()
             if not frames and self._failure is not None:
                 raise self._failure
         return frames
@@ -281,6 +284,7 @@ class TuioDevice(Closing):
             self._dropped += len(self._queue) == self._queue.maxlen
             self._queue.append(touch_frame(commit, self._surface, now))
         if commits:
+            self.news.set()
             self._news.notify_all()
 
 
