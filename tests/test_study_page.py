@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import math
 import threading
 import time
 from collections.abc import Iterator
@@ -346,8 +347,21 @@ def test_whatever_a_page_sends_is_an_answer_of_the_item_or_none(kind: str, value
     elif kind == "text":
         assert kept == value.strip()
     else:
-        off_step = abs(kept / 5 - round(kept / 5))
-        assert kept == value and 0 <= kept <= 10 and (kind == "number" or off_step < 1e-9)
+        assert kept == value and 0 <= kept <= 10 and (kind == "number" or kept % 5 == 0)
+
+
+@given(st.integers(0, 70), st.sampled_from([0.1, 0.25, 0.7, 5.0]), st.integers(-3, 3))
+def test_a_scale_has_its_steps_as_they_are_written_and_nothing_between(
+    place: int, step: float, low: int
+) -> None:
+    item = Item("x", "scale", {"en": "?"}, low=low, high=low + 70 * step, step=step)
+    # What the page sends is what a person would write.
+    told = float(f"{low + place * step:.12g}")
+    assert check_answer(item, told) == told
+    between = float(f"{low + (place + 0.5) * step:.12g}")
+    for wrong in (between, math.nextafter(told, math.inf), -math.inf, math.nan, 10**400):
+        with pytest.raises(StudyError):
+            check_answer(item, wrong)
 
 
 def test_with_trials_elsewhere_the_page_has_the_forms_and_says_where_to_look(

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from decimal import Decimal
 from typing import Any
 
 from models.errors import StudyError
@@ -94,18 +94,21 @@ def check_answer(item: Item, value: object) -> Any:
             return value.strip() or None
         case (("scale" | "number"), bool()):
             pass
-        case (("scale" | "number"), float() | int()):
+        # The bounds come first: Python cannot make a float of every whole number.
+        case (("scale" | "number"), float() | int()) if item.low <= value <= item.high:
             return _number(item, float(value), str(value))
     raise StudyError("this is no answer to the question", where=item.name, got=str(value)[:80],
                      expected=hint(item) or "words")  # fmt: skip
 
 
 def _number(item: Item, value: float, told: str) -> Any:
-    steps = (value - item.low) / item.step
-    on_step = item.kind == "number" or (
-        math.isfinite(steps) and abs(steps - round(steps)) < 1e-9 * max(1.0, abs(steps))
-    )
-    if not (item.low <= value <= item.high and on_step):
+    if not (item.low <= value <= item.high and (item.kind == "number" or _on_step(item, value))):
         raise StudyError("this is no such number", where=item.name, got=told,
                          expected=f"{item.low:g} to {item.high:g} by {item.step:g}")  # fmt: skip
     return int(value) if value == int(value) else value
+
+
+def _on_step(item: Item, value: float) -> bool:
+    """Whether a scale has this place: in decimals, as its steps were written down."""
+    exact = Decimal(repr(value)) - Decimal(repr(float(item.low)))
+    return exact % Decimal(repr(float(item.step))) == 0
