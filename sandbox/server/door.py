@@ -69,8 +69,14 @@ class Door:
             oldest.transport.abort()
 
     def let_in(self, connection: ServerConnection) -> bool:
-        """Somebody has shown the token; whether there is room."""
-        self._strangers.pop(connection, None)
+        """Somebody has shown the token; whether it still stands here and there is room.
+
+        Who was pushed out may have asked before. Nobody would hear of it leaving a second time,
+        and its place would be taken for good.
+        """
+        if connection not in self._strangers:
+            return False
+        del self._strangers[connection]
         if len(self._guests) >= MOST_GUESTS:
             return False
         self._guests.add(connection)
