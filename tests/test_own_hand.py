@@ -65,7 +65,7 @@ def test_who_does_not_want_to_be_measured_is_not():
 
 
 def test_a_service_that_is_not_there_ends_the_measuring(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("sandbox.cli.own_hand.SILENCE", 0.3)
+    monkeypatch.setattr("sandbox.devices.leap.SILENCE", 0.3)
     with pytest.raises(DeviceError, match="says nothing"):
         measured("ws://127.0.0.1:1/v6.json", "right", own_path(), Console(file=StringIO()), 60)
     assert not own_path().exists()

@@ -15,7 +15,7 @@ from encoders.paalm import Paalm
 from encoders.paalm.average import average_calibration
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.calibration_file import read_calibration
-from models.errors import DeviceError, EncoderError, InputError
+from models.errors import EncoderError, InputError
 from models.surface import Surface
 from sandbox.cli.own_hand import chosen_file
 from sandbox.devices.device import Device
@@ -212,11 +212,7 @@ def open_leap(address: str = DEFAULT_ADDRESS, tell: bool = False) -> LeapDevice:
     device = TellingLeap(address) if tell else LeapDevice(address)
     if not device.wait(PATIENCE):
         device.close()
-        raise DeviceError(
-            "the Leap service says nothing", where=address,
-            got=device.trouble or f"no frame for {PATIENCE:g} s",
-            remedy="Start leapd or the Ultraleap bridge, or try `sandbox leap fake FILE`",
-        )  # fmt: skip
+        raise device.silent(PATIENCE)
     return device
 
 

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import json
 import sys
-import time
-from collections.abc import Iterator
 from dataclasses import replace
+from itertools import islice
 from pathlib import Path
 from typing import Any, Literal, cast
 
@@ -17,18 +16,13 @@ from rich.text import Text
 from encoders.paalm import Paalm
 from encoders.paalm.calibration import PAPER_FRAMES, HandCalibration
 from encoders.paalm.calibration_file import read_calibration, write_calibration
-from models.errors import DeviceError, EncoderError, InputError
-from models.frames import HandFrame
+from models.errors import EncoderError, InputError
 from sandbox.devices.leap import LeapDevice
 from sandbox.profiles import DEFAULT, default_path
 
 LIVE = "leap"
-SILENCE = 5.0
-"""s without a frame after which the service counts as gone."""
 TRIES = 3
 """Frames that are looked at for every one that is wanted: most may show no open hand."""
-LOOKS = 0.2
-"""s that one waits for a frame."""
 _LARGEST = 1 << 20
 
 
@@ -163,7 +157,7 @@ def _measure(
     with Progress(console=console, transient=True) as bar:
         job = bar.add_task("open and still", total=1.0)
         return Paalm().calibrate(
-            _frames(device, TRIES * wanted),
+            islice(device.follow(), TRIES * wanted),
             side,
             wanted,
             lambda share: bar.update(job, completed=share),
@@ -184,18 +178,3 @@ def keep_hands(hands: dict[str, Any], path: Path) -> None:
             "the folder cannot be made", where=str(path.parent), got=error.strerror
         ) from None
     write_calibration(hands, path)
-
-
-def _frames(device: LeapDevice, most: int) -> Iterator[HandFrame]:
-    heard, count = time.monotonic(), 0
-    while count < most:
-        for frame in device.poll(0.0):
-            heard = time.monotonic()
-            count += 1
-            yield frame
-        if not device.wait(LOOKS) and time.monotonic() - heard > SILENCE:
-            raise DeviceError(
-                "the Leap service says nothing", where=device.url,
-                got=device.trouble or f"no frame for {SILENCE:g} s",
-                remedy="Start leapd or the Ultraleap bridge, or try `sandbox leap fake FILE`",
-            )  # fmt: skip

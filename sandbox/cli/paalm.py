@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Annotated, Literal
@@ -18,7 +17,7 @@ from encoders.paalm import PAPER, Paalm, PaalmFrame, PaalmOptions
 from encoders.paalm.average import average_calibration
 from encoders.paalm.calibration import PAPER_FRAMES, HandCalibration
 from encoders.paalm.calibration_file import read_calibration, write_calibration
-from models.errors import DeviceError, EncoderError, InputError
+from models.errors import EncoderError, InputError
 from models.frames import SIDES, HandFrame
 from sandbox.cli.own_hand import keep_hands, own_path
 from sandbox.cli.paalm_views import check_picture, show_pictures
@@ -29,8 +28,6 @@ from sandbox.devices.leap_truth import GENERATOR
 from sandbox.profiles import DEFAULT
 
 SCHEMA = 1
-PATIENCE = 5.0
-"""Seconds without a frame after which a live device counts as absent."""
 
 
 def main(argv: list[str]) -> int:
@@ -60,17 +57,19 @@ def show(
 ) -> int:
     """Shows the joint angles of every frame, or pictures of them.
 
-    --view window and web (a page for browsers on this machine) draw what the device says of a hand
-    - finger vectors, the palm's normal and sphere, vanished fingers dimmed - beside the hand that
-    PAALM makes of it, with its angles. A recording is played at its own pace.
+    With --view window or web (a page for browsers on this machine) it draws what the device says of
+    a hand (finger vectors, the palm's normal and sphere, vanished fingers dimmed) beside the hand
+    that PAALM makes of it, with its angles. A recording is played at its own pace.
 
     Without --calibration, the first frames with five fingers measure the hand, which has to be open
     in them; a recorded hand that is not is shown as an average one, which is said. As JSON, a line
     a frame on stdout: {"time", "hands": {side: {"angles", "ratios", "ids", "held"}}}, degrees.
 
-    Try: sandbox leap simulate --out hand.json
-    then: sandbox paalm show hand.json
-    then: sandbox paalm show hand.json --view window
+    Try:
+
+        sandbox leap simulate --out hand.json
+        sandbox paalm show hand.json
+        sandbox paalm show hand.json --view window
 
     Args:
         file: A recording; or use --device.
@@ -198,18 +197,7 @@ class _Source:
             yield from LeapFileDevice(self._file).poll(math.inf)
             return
         assert self._live is not None
-        heard = time.monotonic()
-        while True:
-            for frame in self._live.poll(0.0):
-                heard = time.monotonic()
-                yield frame
-            if not self._live.wait(0.2) and time.monotonic() - heard > PATIENCE:
-                raise DeviceError(
-                    "the Leap service says nothing",
-                    where=self._address,
-                    got=self._live.trouble or f"no frame for {PATIENCE:g} s",
-                    remedy="Start leapd or the Ultraleap bridge, or try `sandbox leap fake FILE`",
-                )
+        yield from self._live.follow()
 
     def close(self) -> None:
         if self._live is not None:

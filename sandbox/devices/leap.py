@@ -9,8 +9,9 @@ wait for whoever polls; what nobody fetches is dropped, oldest first, and counte
 from __future__ import annotations
 
 import threading
+import time
 from collections import Counter, deque
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import msgspec
 from websockets.exceptions import WebSocketException
@@ -29,9 +30,15 @@ KEPT = 600
 LARGEST_MESSAGE = 1 << 20
 """Bytes; a frame of two hands in the newest dialect has 11 thousand."""
 
+SILENCE = 5.0
+"""s without a frame after which a service that is followed counts as gone."""
+START_IT = "Start leapd or the Ultraleap bridge, or try `sandbox leap fake FILE`"
+
 BACKGROUND = '{"background":true}'
 """Asks leapd to send frames although its own window has no focus. 19 bytes."""
 
+_LOOK = 0.05
+"""s between two looks whether anything came."""
 _FIRST_PAUSE, _LONGEST_PAUSE = 0.1, 2.0
 """s, between attempts to connect; doubled each time."""
 
@@ -128,6 +135,32 @@ class LeapDevice:
             self._frames.clear()
         return frames
 
+    def follow(
+        self, hear: Callable[[], object] = lambda: None, remedy: str = START_IT
+    ) -> Iterator[HandFrame]:
+        """Frames as they come, for ever.
+
+        Args:
+            hear: Called again and again meanwhile; what it raises ends it.
+            remedy: Said where the service falls silent.
+
+        Raises:
+            DeviceError: Nothing came for `SILENCE`.
+        """
+        heard = time.monotonic()
+        while True:
+            hear()
+            for frame in self.poll(0.0):
+                heard = time.monotonic()
+                yield frame
+            if not self.wait(_LOOK) and time.monotonic() - heard > SILENCE:
+                raise self.silent(SILENCE, remedy)
+
+    def silent(self, seconds: float, remedy: str = START_IT) -> DeviceError:
+        """The error of a service that has said nothing for so long."""
+        got = self.trouble or f"no frame for {seconds:g} s"
+        return DeviceError("the Leap service says nothing", where=self.url, got=got, remedy=remedy)
+
     def close(self) -> None:
         """Ends the connection and its thread."""
         self._stop.set()
@@ -139,7 +172,7 @@ class LeapDevice:
             heard = self._decoder.counts["frames"]
             try:
                 self._listen()
-            except (OSError, WebSocketException, TimeoutError) as error:
+            except (OSError, WebSocketException) as error:
                 self.trouble = f"{type(error).__name__}: {error}"[:200]
             finally:
                 self.connected.clear()

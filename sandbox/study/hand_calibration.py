@@ -2,26 +2,21 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
+from itertools import islice
 from typing import Any, Literal, cast
 
 from encoders.paalm import Paalm
 from encoders.paalm.calibration import PAPER_FRAMES
 from encoders.paalm.calibration_file import calibration_to_json
-from models.errors import DeviceError, EncoderError
-from models.frames import HandFrame
+from models.errors import EncoderError
 from sandbox.cli.leap_devices import open_leap
-from sandbox.devices.leap import LeapDevice
 from sandbox.study.folder import Participant
 from sandbox.study.forms import Forms, Ready
 
-SILENCE = 5.0
-"""s without a frame after which the device counts as gone."""
-TICK = 0.05
-"""s between two looks at what the experimenter wants."""
 TRIES = 2
 """Frames that are looked at for every one that is wanted: half of them may show no open hand."""
+AGAIN = "Start it again; the study resumes at this step"
 
 WORDS = {
     "en": "Hold your hand about 20 cm above the sensor, palm down, fingers spread, and keep it "
@@ -64,7 +59,7 @@ def hand_measurer(
             forms.instruct(text, ready)
             device = open_leap(address)
             try:
-                frames = _frames(device, TRIES * wanted, ready, address)
+                frames = islice(device.follow(ready, AGAIN), TRIES * wanted)
                 found = Paalm().calibrate(frames, side, wanted)[side]
             except EncoderError as error:
                 say(f"once more: {error}")
@@ -76,18 +71,3 @@ def hand_measurer(
             return calibration_to_json(found)
 
     return measure
-
-
-def _frames(device: LeapDevice, most: int, ready: Ready, address: str) -> Iterator[HandFrame]:
-    """So many frames of the device, while the experimenter is heard."""
-    heard, count = time.monotonic(), 0
-    while count < most:
-        ready()
-        for frame in device.poll(0.0):
-            heard = time.monotonic()
-            count += 1
-            yield frame
-        if not device.wait(TICK) and time.monotonic() - heard > SILENCE:
-            raise DeviceError("the Leap service says nothing any more", where=address,
-                              got=device.trouble or f"no frame for {SILENCE:g} s",
-                              remedy="Start it again; the study resumes at this step")  # fmt: skip
