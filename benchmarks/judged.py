@@ -41,30 +41,46 @@ def judged_seeds(n: int, task: str = "box-to-goal") -> list[int]:
     Raises:
         InputError: The code's configuration is no longer the frozen one.
     """
-    frozen = json.loads(FROZEN.read_text())
-    now = json.loads(json.dumps(configuration()))
+    return frozen_seeds(n, task, FROZEN, configuration(), "judged")
+
+
+def frozen_seeds(n: int, task: str, path: Path, now: dict[str, Any], module: str) -> list[int]:
+    """The first n seeds of a task by a frozen configuration, which must be that of now.
+
+    Args:
+        n: How many.
+        task: Name.
+        path: What was frozen.
+        now: The configuration as it is in the code.
+        module: Of `benchmarks`, which freezes it.
+
+    Raises:
+        InputError: They differ in what decides the task's runs.
+    """
+    frozen = json.loads(path.read_text())
+    now = json.loads(json.dumps(now))
     # Another task that comes or changes draws no new seeds for this one.
     for each in (frozen, now):
         each["tasks"] = {task: each["tasks"].get(task)}
     if frozen != now or frozen["tasks"][task] is None:
         raise InputError(
             "the configuration has changed since it was frozen",
-            where=f"{FROZEN}, {task}",
-            remedy="`python -m benchmarks.judged --freeze` freezes it anew and draws new seeds",
+            where=f"{path}, {task}",
+            remedy=f"`python -m benchmarks.{module} --freeze` freezes it anew and draws new seeds",
         )
     text = json.dumps(frozen, sort_keys=True)
     return [int.from_bytes(sha256(f"{text}\n{i}".encode()).digest()[:4], "big") for i in range(n)]
 
 
-def freeze() -> None:
-    """Writes the configuration down."""
-    FROZEN.write_text(json.dumps(configuration(), indent=1, sort_keys=True) + "\n")
+def freeze(path: Path, now: dict[str, Any]) -> None:
+    """Writes a configuration down."""
+    path.write_text(json.dumps(now, indent=1, sort_keys=True) + "\n")
 
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--freeze", action="store_true", help="write frozen.json")
     if parser.parse_args().freeze:
-        freeze()
+        freeze(FROZEN, configuration())
     for name in TASKS:
         print(name, *judged_seeds(10, name))

@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchmarks.judged import judged_seeds
+from benchmarks.judged import configuration, freeze, frozen_seeds, judged_seeds
+from benchmarks.judged_air import air_seeds
 from benchmarks.success import trial, wilson
+from models.errors import InputError
 from models.frames import Contact, TouchFrame
 from sandbox.assembly import build
 from sandbox.settings import RunSettings
@@ -19,10 +21,26 @@ def test_the_wilson_interval_is_the_published_one():
     assert np.allclose(np.array(wilson(0, 20)) / 100, (0.0, 0.1611), atol=5e-5)
 
 
-def test_judged_seeds_follow_from_the_frozen_configuration_alone():
-    seeds = judged_seeds(20)
-    assert seeds == judged_seeds(30)[:20]
+@pytest.mark.parametrize("drawn", [judged_seeds, air_seeds])
+def test_judged_seeds_follow_from_the_frozen_configuration_alone(drawn):
+    seeds = drawn(20, "box-to-goal")
+    assert seeds == drawn(30, "box-to-goal")[:20]
     assert len(set(seeds)) == 20
+    assert not {*seeds} & {*drawn(20, "stack")}
+
+
+def test_nothing_is_judged_by_another_configuration_than_was_frozen(tmp_path):
+    frozen = tmp_path / "frozen.json"
+    freeze(frozen, configuration())
+    seeds = frozen_seeds(5, "stack", frozen, configuration(), "judged")
+    other_task = configuration()
+    other_task["tasks"]["box-to-goal"] += 1
+    assert frozen_seeds(5, "stack", frozen, other_task, "judged") == seeds
+    changed = configuration()
+    changed["settings"]["impulse"] *= 2.0
+    for now, task in ((changed, "stack"), (other_task, "box-to-goal"), (other_task, "no-such")):
+        with pytest.raises(InputError, match=r"benchmarks\.judged --freeze"):
+            frozen_seeds(5, task, frozen, now, "judged")
 
 
 @pytest.mark.full
