@@ -17,13 +17,15 @@ from encoders.together.clocks import host_clock
 from encoders.together.guide import SETS, Guide
 from encoders.together.registration import registered
 from encoders.together.simulated import FROZEN_TOGETHER, Together, simulate_together
-from models.errors import CaptureError, EncoderError
+from models.errors import CaptureError, EncoderError, RecordingError
 from models.frames import Contact, TouchFrame
 from models.pose import joint_vectors
 from models.rotations import exp, geodesic_angle
+from models.surface import Surface
 from sandbox.cli.capture_simulate import write_simulated
 from sandbox.cli.main import main
-from sandbox.devices.together_file import HANDS, TOUCHES
+from sandbox.devices.frame_file import read_frame_file
+from sandbox.devices.together_file import HANDS, TOUCHES, TogetherWriter
 
 SHORT = replace(FROZEN_TOGETHER, play=9.0, leap_rate=50.0, open_seconds=4.5)
 
@@ -245,6 +247,21 @@ def test_what_does_not_go_together_is_one_line(folder, tmp_path, capsys, options
     status, _, err = said(capsys, *asked, "--out", tmp_path / "c.npz")
     assert status == 2
     assert expected in err and err.count("\n") == 1 and "Traceback" not in err
+
+
+def test_a_full_disk_is_told_at_once_and_what_was_recorded_before_is_kept(tmp_path):
+    device = Path("/dev/full")
+    if not device.exists():
+        pytest.skip("device node absent: /dev/full")
+    with TogetherWriter(tmp_path, Surface(), {"side": "right"}) as writer:
+        writer.touch(frame_of(0.0, 2), 0.0)
+        # /dev/full exists already, and a session makes new files only: hand it the open file.
+        kept, writer._touches = writer._touches, device.open("w")
+        with pytest.raises(RecordingError, match=r"cannot go on.*No space left.*Make room"):
+            writer.touch(frame_of(0.1, 2), 0.1)
+        kept.close()
+    assert writer.touches == 1
+    assert len(read_frame_file(tmp_path / TOUCHES).frames) == 1
 
 
 def test_a_session_is_not_written_over(folder, capsys):

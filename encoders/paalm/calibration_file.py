@@ -90,6 +90,20 @@ def read_calibration(path: Path) -> dict[str, HandCalibration]:
         raise EncoderError(f"the calibration is damaged: {error}", where=where) from error
 
 
+def read_hand(path: Path, side: str) -> HandCalibration:
+    """One hand's calibration out of a file.
+
+    Raises:
+        EncoderError: See `read_calibration`; or it is another hand's.
+    """
+    known = read_calibration(path)
+    if side not in known:
+        raise EncoderError(
+            "this hand was not measured", where=str(path), got=side, expected=", ".join(known)
+        )
+    return known[side]
+
+
 def _side(side: str) -> str:
     if side not in SIDES:
         raise ValueError(f"no such side: {side}")

@@ -9,13 +9,14 @@ from typing import Any
 from encoders.capture import Capture
 from encoders.conversion import ConversionReport, ConversionRules
 from encoders.paalm.calibration import HandCalibration
-from encoders.paalm.calibration_file import read_calibration
+from encoders.paalm.calibration_file import read_hand
 from encoders.together.capture_from_hands import OPEN_FRAMES, capture_from_hands, open_hand
 from encoders.together.clocks import host_clock
 from models.errors import EncoderError, InputError
 from models.frames import SIDES
 from models.surface import Surface
 from sandbox.cli.touch_files import read_touch_log
+from sandbox.devices.leap_file import check_side
 from sandbox.devices.together_file import (
     HANDS,
     TOUCHES,
@@ -43,7 +44,7 @@ def capture_of_hands(
     touches, hands_file, side, about = _files(options)
     log, damage = read_touch_log(touches, surface)
     hands = read_hands(hands_file)
-    _check_side(hands, side, hands_file)
+    check_side(hands.frames, side, str(hands_file), "--side")
     calibration = _calibration(options.calibration, hands, side)
     told = arrivals(touches, len(log.time)) if hands.host is not None else None
     time = hands.time
@@ -100,31 +101,15 @@ def _files(options: Any) -> tuple[Path, Path, str, dict[str, Any]]:
     return folder / TOUCHES, folder / HANDS, side, about
 
 
-def _check_side(hands: HandsFile, side: str, where: Path) -> None:
-    sides = {h.side for f in hands.frames for h in f.hands}
-    if sides and None not in sides and side not in sides:
-        other = ", ".join(sorted(str(s) for s in sides))
-        raise InputError(
-            "this hand is not in the recording", where=str(where), got=side, expected=other,
-            remedy=f"--side {other}",
-        )  # fmt: skip
-
-
 def _calibration(path: Path | None, hands: HandsFile, side: str) -> HandCalibration:
-    if path is None:
-        try:
-            return open_hand(hands.frames, side)
-        except EncoderError as error:
-            raise EncoderError(
-                f"the recording does not begin with an open {side} hand: {error.what}",
-                got=error.got,
-                expected=f"{OPEN_FRAMES} frames of it, or --calibration FILE",
-                remedy="Check --side; hold the hand open, palm down, fingers spread",
-            ) from None
-    known = read_calibration(path)
-    if side not in known:
-        raise InputError(
-            "this hand was not measured", where=f"--calibration {path}", got=side,
-            expected=", ".join(known),
-        )  # fmt: skip
-    return known[side]
+    if path is not None:
+        return read_hand(path, side)
+    try:
+        return open_hand(hands.frames, side)
+    except EncoderError as error:
+        raise EncoderError(
+            f"the recording does not begin with an open {side} hand: {error.what}",
+            got=error.got,
+            expected=f"{OPEN_FRAMES} frames of it, or --calibration FILE",
+            remedy="Check --side; hold the hand open, palm down, fingers spread",
+        ) from None

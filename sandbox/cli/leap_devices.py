@@ -14,13 +14,13 @@ from rich.text import Text
 from encoders.paalm import Paalm
 from encoders.paalm.average import average_calibration
 from encoders.paalm.calibration import HandCalibration
-from encoders.paalm.calibration_file import read_calibration
+from encoders.paalm.calibration_file import read_hand
 from models.errors import EncoderError, InputError
 from models.surface import Surface
 from sandbox.cli.own_hand import chosen_file
 from sandbox.devices.device import Device
 from sandbox.devices.leap import DEFAULT_ADDRESS, LeapDevice, LeapFileDevice
-from sandbox.devices.leap_file import LeapRecording, read_leap
+from sandbox.devices.leap_file import LeapRecording, check_side, read_leap
 from sandbox.devices.leap_trouble import parse_simulated
 from sandbox.devices.leap_user import SimulatedLeap
 from sandbox.devices.shared_leap import BothOver, SharedLeap
@@ -122,13 +122,7 @@ def hand_input(options: LeapOptions, device: str, side: str) -> HandInput:
     found: HandCalibration | None = None
     file = chosen_file(options)
     if file is not None:
-        known = read_calibration(file)
-        if side not in known:
-            raise InputError(
-                "this hand was not measured", where=str(file), got=side,
-                expected=", ".join(known),
-            )  # fmt: skip
-        found = known[side]
+        found = read_hand(file, side)
     elif device == LIVE:
         _say(f"no --calibration: your {side} hand is taken for an average one")
     elif not device.startswith(SIMULATED):
@@ -218,13 +212,7 @@ def open_leap(address: str = DEFAULT_ADDRESS, tell: bool = False) -> LeapDevice:
 
 def _recorded(recording: LeapRecording, side: str, name: str) -> HandCalibration:
     """The hand of a recording: measured where it is held open, else an average one."""
-    sides = {h.side for f in recording.frames for h in f.hands}
-    if sides and None not in sides and side not in sides:
-        other = ", ".join(sorted(str(s) for s in sides))
-        raise InputError(
-            "this hand is not in the recording", where=name, got=side, expected=other,
-            remedy=f"--hand {other}",
-        )  # fmt: skip
+    check_side(recording.frames, side, name, "--hand")
     paalm = Paalm()
     try:
         return paalm.calibrate(recording.frames, cast(Any, side), OPEN_FRAMES)[side]

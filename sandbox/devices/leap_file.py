@@ -18,7 +18,7 @@ from typing import Any
 
 import msgspec
 
-from models.errors import RecordingError
+from models.errors import InputError, RecordingError
 from models.frames import HandFrame
 from sandbox.devices.leap_json import LeapDecoder
 from sandbox.devices.leap_lz import decompress_base64
@@ -56,6 +56,27 @@ class LeapRecording:
     def duration(self) -> float:
         """Seconds from the first frame to the last."""
         return self.frames[-1].time - self.frames[0].time
+
+
+def check_side(frames: Sequence[HandFrame], side: str, where: str, option: str) -> None:
+    """Refuses frames of the other hand alone; those that do not name sides may be of either.
+
+    Args:
+        frames: Of a recording.
+        side: That is wanted.
+        where: The recording, for the message.
+        option: Of the command line, which chooses the side.
+
+    Raises:
+        InputError: The recording is of the other hand.
+    """
+    sides = {hand.side for frame in frames for hand in frame.hands}
+    if sides and None not in sides and side not in sides:
+        other = ", ".join(sorted(str(s) for s in sides))
+        raise InputError(
+            "this hand is not in the recording", where=where, got=side, expected=other,
+            remedy=f"{option} {other}",
+        )  # fmt: skip
 
 
 def read_leap(path: Path) -> LeapRecording:

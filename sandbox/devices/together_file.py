@@ -12,9 +12,9 @@ from __future__ import annotations
 
 import json
 import math
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from types import TracebackType
 from typing import Any, TextIO
 
 import numpy as np
@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from models.errors import RecordingError
 from models.frames import SIDES, HandFrame, TouchFrame
 from models.surface import Surface
+from sandbox.closing import Closing
 from sandbox.devices.frame_file import frame_record, header_record
 from sandbox.devices.leap_file import read_leap
 from sandbox.devices.leap_json import LeapDecoder
@@ -33,7 +34,7 @@ Array = NDArray[np.float64]
 TOUCHES, HANDS, ABOUT = "touches.jsonl", "hands.jsonl", "about.json"
 
 
-class TogetherWriter:
+class TogetherWriter(Closing):
     """Writes a session as it comes; a program that dies loses at most two lines.
 
     Args:
@@ -47,6 +48,7 @@ class TogetherWriter:
 
     def __init__(self, folder: Path, surface: Surface, about: dict[str, Any]) -> None:
         self.touches = self.hands = 0
+        self._folder = folder
         try:
             folder.mkdir(parents=True, exist_ok=True)
             (folder / ABOUT).write_text(json.dumps(about, indent=1) + "\n", encoding="utf-8")
@@ -59,34 +61,42 @@ class TogetherWriter:
         except OSError as error:
             raise RecordingError("cannot be written", where=str(folder), got=str(error)) from None
         device = str(about.get("touches", "touches"))
-        print(json.dumps(header_record(surface, device)), file=self._touches, flush=True)
+        self._write(self._touches, json.dumps(header_record(surface, device)))
 
     def touch(self, frame: TouchFrame, host: float) -> None:
-        """A frame of the touch device that arrived at `host`, s."""
-        print(json.dumps(frame_record(frame) | {"host": host}), file=self._touches, flush=True)
+        """A frame of the touch device that arrived at `host`, s.
+
+        Raises:
+            RecordingError: It cannot be written; what came before it is.
+        """
+        self._write(self._touches, json.dumps(frame_record(frame) | {"host": host}))
         self.touches += 1
 
     def hand(self, frame: HandFrame, host: float) -> None:
-        """A frame of the Leap that arrived at `host`, s."""
+        """A frame of the Leap that arrived at `host`, s.
+
+        Raises:
+            RecordingError: It cannot be written; what came before it is.
+        """
+        line = leap_message(frame, self.hands + 1) | {"host": host}
+        self._write(self._hands, json.dumps(line, separators=(",", ":")))
         self.hands += 1
-        line = leap_message(frame, self.hands) | {"host": host}
-        print(json.dumps(line, separators=(",", ":")), file=self._hands, flush=True)
 
     def close(self) -> None:
-        """Closes both files."""
-        self._touches.close()
-        self._hands.close()
+        """Closes both files; may be called twice."""
+        for file in (self._touches, self._hands):
+            # What could not be written was told then.
+            with suppress(OSError):
+                file.close()
 
-    def __enter__(self) -> TogetherWriter:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
+    def _write(self, file: TextIO, line: str) -> None:
+        try:
+            print(line, file=file, flush=True)
+        except OSError as error:
+            raise RecordingError(
+                "the recording cannot go on", where=str(self._folder), got=error.strerror,
+                remedy="Make room on the disk; what was recorded before is kept",
+            ) from None  # fmt: skip
 
 
 @dataclass(frozen=True)
