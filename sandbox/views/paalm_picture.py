@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from types import TracebackType
 
 import mujoco
 import numpy as np
@@ -19,6 +18,7 @@ from models.person import Person
 from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT
 from models.surface import Surface
+from sandbox.closing import Closing
 from sandbox.messages import HandView, Snapshot
 from sandbox.views import palette
 from sandbox.views.graphics import GLContext
@@ -42,7 +42,7 @@ _TABLE_HEIGHT = 158
 _COLUMNS = ("flexion", "spread", "middle", "end")
 
 
-class PaalmPicture:
+class PaalmPicture(Closing):
     """Draws frames; belongs to the thread that makes it.
 
     Args:
@@ -197,17 +197,6 @@ class PaalmPicture:
             cells.append("held" if held else f"{hand.ratios[finger]:.2f}")
             for c, cell in enumerate(cells, start=1):
                 pen.text((x + (c + 1) * wide, y), cell, font=font, fill=ink, anchor="ra")
-
-    def __enter__(self) -> PaalmPicture:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
 
 class _Plain(Renderer):

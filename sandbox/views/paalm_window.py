@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from types import TracebackType
 from typing import Any
 
 import glfw
@@ -12,6 +11,7 @@ from PIL import Image
 
 from encoders.paalm.paalm import PaalmFrame
 from models.frames import HandFrame
+from sandbox.closing import Closing
 from sandbox.views.paalm_picture import SIZE, PaalmPicture
 from sandbox.views.renderer import LARGEST
 from sandbox.views.window_context import WindowContext
@@ -20,7 +20,7 @@ RATE = 30.0
 """Pictures a second at most; a device says up to 290 frames."""
 
 
-class PaalmWindow:
+class PaalmWindow(Closing):
     """Shows the newest frame; dragging turns the hand, Esc closes.
 
     Args:
@@ -89,14 +89,3 @@ class PaalmWindow:
     def _pixels(self) -> tuple[int, int]:
         width, height = glfw.get_framebuffer_size(self._context.handle)
         return min(max(width, 480), LARGEST), min(max(height, 320), LARGEST)
-
-    def __enter__(self) -> PaalmWindow:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
