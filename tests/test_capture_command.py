@@ -281,7 +281,13 @@ def test_the_help_teaches_with_an_example(capsys):
         main(["capture", "--help"])
     text = capsys.readouterr().out
     assert stop.value.code == 0
-    for word in ("--touches", "--mapping", "[surface]", "Try: sandbox capture", "50 ms"):
+    for word in (
+        "--touches",
+        "--mapping",
+        "[surface]",
+        "    sandbox capture --recorded session",
+        "50 ms",
+    ):
         assert word in text
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from sandbox.cli.main import COMMANDS, main
@@ -43,6 +45,11 @@ def test_an_option_that_there_is_not_is_one_line_that_leads_on(command, capsys):
         (["leap"], ["fake", "simulate", "formats"]),
         (["regress", "--tasks"], ["--tasks"]),
         (["bla"], ["bla", "play"]),
+        (["run", "--seed", "x"], ["--seed: 'x' is no whole number"]),
+        (["run", "--fingers", "x"], ["--fingers: 'x' is no whole number"]),
+        (["run", "--hand-size", "x"], ["--hand-size: 'x' is no number"]),
+        (["run", "--turn", "45"], ["('0', '90', '180', '270')"]),
+        (["paalm", "show", "--frames", "x"], ["--frames: 'x' is no whole number"]),
     ],
     ids=lambda v: " ".join(v) if isinstance(v, list) else None,
 )
@@ -58,4 +65,7 @@ def test_every_command_has_help(command, capsys):
     with pytest.raises(SystemExit) as stop:
         main([*command, "--help"])
     assert stop.value.code == 0
-    assert "usage: sandbox " + " ".join(command) in " ".join(capsys.readouterr().out.split())
+    help_text = capsys.readouterr().out
+    assert "usage: sandbox " + " ".join(command) in " ".join(help_text.split())
+    # What may be left out is not offered as a value, and not said to be one.
+    assert not re.search(r"\bNone\b", help_text)

@@ -69,10 +69,12 @@ class CaptureOptions:
     record`, which guides you through it, or of `sandbox capture simulate`. The clocks' offset is
     found from taps, the device's place from touches, and --joints, --mapping are not needed.
 
-    Try: sandbox capture simulate --out session
-    then: sandbox capture --recorded session --out c.npz
-    or: sandbox capture --touches t.jsonl --joints hand.bvh --mapping m.toml --sync tap --out c.npz
-    then: sandbox train --capture c.npz --out mine.npz
+    Try, with a simulated session, then with recordings of your own:
+
+        sandbox capture simulate --out session
+        sandbox capture --recorded session --out c.npz
+        sandbox capture --touches t.jsonl --joints hand.bvh --mapping m.toml --sync tap --out c.npz
+        sandbox train --capture c.npz --out mine.npz
     """
 
     out: Annotated[Path, tyro.conf.arg(metavar="FILE")]

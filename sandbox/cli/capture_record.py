@@ -38,11 +38,15 @@ class RecordOptions:
     seconds each. Ctrl-C ends it earlier; what was recorded is kept. Another day, record again to
     test on. docs/own-hand.md tells where the Leap may stand.
 
-    Try it without devices: sandbox capture simulate --out day
-    then: sandbox capture record --touches day/touches.jsonl --hands day/hands.jsonl --out copy
+    Try it without devices:
 
-    With them: sandbox capture record --touches tuio --bind 0.0.0.0 --surface ipad2 --out monday
-    then: sandbox capture --recorded monday --out mine.npz
+        sandbox capture simulate --out day
+        sandbox capture record --touches day/touches.jsonl --hands day/hands.jsonl --out copy
+
+    With them:
+
+        sandbox capture record --touches tuio --bind 0.0.0.0 --surface ipad2 --out monday
+        sandbox capture --recorded monday --out mine.npz
     """
 
     out: Annotated[Path, tyro.conf.arg(metavar="FOLDER")]

@@ -30,8 +30,10 @@ class SimulateOptions:
     true poses, and truth.json, with the offset of the clocks and the place of the Leap. Every seed
     is another person, with bones of their own. Day 0 is the training script, later days free play.
 
-    Try: sandbox capture simulate --out monday
-    then: sandbox capture --recorded monday --out mine.npz
+    Try:
+
+        sandbox capture simulate --out monday
+        sandbox capture --recorded monday --out mine.npz
     """
 
     out: Annotated[Path, tyro.conf.arg(metavar="FOLDER")]

@@ -33,8 +33,10 @@ class EvaluateOptions:
     them, whose numbers follow from the subject's configuration and --day-seed. Everything measured
     is defined in docs/evaluation.md.
 
-    Try: sandbox evaluate --encoders linear quadratic best --days 1
-    then: sandbox evaluate --days 5 --json out.json --plots pictures
+    Try:
+
+        sandbox evaluate --encoders linear quadratic best --days 1
+        sandbox evaluate --days 5 --json out.json --plots pictures
 
     The paper of 2013 instead: sandbox evaluate --paalm simulated|FOLDER [--json OUT]
     """

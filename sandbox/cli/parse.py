@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import inspect
 import io
 import re
 import sys
@@ -14,6 +15,7 @@ from typing import Any, TypeVar
 import tyro
 
 from models.errors import InputError
+from sandbox.cli.help_text import OPTIONS, Screen, typed_parameters
 from sandbox.cli.second_hand import named
 
 T = TypeVar("T")
@@ -46,12 +48,13 @@ def in_one_line(call: Callable[[], T], prog: str) -> T:
     Raises:
         InputError: Instead of the box, and the exit with status 2.
     """
-    said = io.StringIO()
+    said, screen = io.StringIO(), Screen(sys.stdout)
     try:
-        with contextlib.redirect_stderr(said):
+        with contextlib.redirect_stderr(said), contextlib.redirect_stdout(screen), OPTIONS:
             return call()
     except SystemExit as end:
         if not end.code:
+            screen.show()
             sys.stderr.write(said.getvalue())
             raise
         wrong = _wrong(said.getvalue())
@@ -73,6 +76,10 @@ def subcommand(
         def chosen(*args: Any, **options: Any) -> Callable[[], int]:
             return functools.partial(function, *args, **options)
 
+        # Not what it wraps is asked for its parameters, but it.
+        del chosen.__wrapped__
+        chosen.__signature__ = inspect.signature(function)  # type: ignore[attr-defined]
+        chosen.__annotations__ = typed_parameters(function)
         return chosen
 
     run: Callable[[], int] = in_one_line(
@@ -105,10 +112,21 @@ def _wrong(box: str) -> str:
             found.append(text)
         if len(found) == 2 and found[0].startswith("Missing from"):
             break
-    # An option that may be left out has no value of this name.
-    words = re.sub(r"'None', |, 'None'", "", " ".join(found))
+    words = re.sub(r"one of \(([^()]*'None'[^()]*)\)", _without_none, " ".join(found))
+    words = re.sub(r"no type matching .*Got errors:.* - <class '(int|float)'>: ", "", words)
+    words = re.sub(
+        r"invalid literal for int\(\) with base 10: ('.*')", r"\1 is no whole number", words
+    )
+    words = re.sub(r"could not convert string to float: ('.*')", r"\1 is no number", words)
     words = words.replace(" (required)", "").replace(" Available", "; available")
+    words = words.replace(" Expected 1 values", "")
     return words[:1].lower() + words[1:].rstrip(".") or "these options make no sense"
+
+
+def _without_none(choices: re.Match[str]) -> str:
+    """An option that may be left out has no value of this name; tyro's order is by chance."""
+    words = [w for w in choices[1].split(", ") if w != "'None'"]
+    return f"one of ({', '.join(sorted(words, key=lambda w: (len(w), w)))})"
 
 
 def _fields(options: Any) -> tuple[Any, ...]:

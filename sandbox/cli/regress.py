@@ -34,8 +34,8 @@ class RegressOptions:
     """Runs the simulated user over many seeds, says how often it succeeds, and whether that is
     less than a baseline said.
 
-    Options of `sandbox run` are taken as well and hold for all trials: --bare, --without PART,
-    --impulse safe, --drop-outs 0.3 and so on.
+    Options of `sandbox run` are taken as well and hold for all trials, such as --bare or
+    `--impulse safe`.
 
     Exit status 1: a loss beyond chance (exact one-sided McNemar test over paired seeds, alpha 0.05,
     Holm over tasks), or with --exact another state on the same machine and libraries.
@@ -48,8 +48,8 @@ class RegressOptions:
         sandbox regress --tasks box-to-goal --seeds 0:30 --vary size latency=50,100
     """
 
-    tasks: Annotated[tuple[str, ...], tyro.conf.arg(metavar="all|NAME")] = ("all",)
-    """Which tasks."""
+    tasks: Annotated[tuple[str, ...], tyro.conf.arg(metavar="all|NAME|FILE.py")] = ("all",)
+    """Which tasks; `sandbox` lists them, and FILE.py has one of your own."""
 
     seeds: Annotated[str, tyro.conf.arg(metavar="A:B")] = "0:120"
     """From A to before B; commas join several."""
@@ -87,7 +87,9 @@ class RegressOptions:
     across_encoders: tyro.conf.FlagCreatePairsOff[bool] = False
     """The baseline may be another encoder's: whether this one is worse is the question."""
 
-    vary: Annotated[tuple[str, ...], tyro.conf.arg(metavar="NAME[=V1,V2]")] = ()
+    vary: Annotated[
+        tuple[str, ...], tyro.conf.arg(metavar="NAME[=V1,V2]", help_behavior_hint="")
+    ] = ()
     """Success against size, mass, friction, start, hand-size, noise, dropped, ghosts or latency,
     with the values given, or with ever worse ones until it breaks. Instead of a baseline."""
 

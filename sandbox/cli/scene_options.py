@@ -70,7 +70,9 @@ class OneHandOptions:
     """Where touches come from: the simulated user, a TUIO sender, the mouse in the window, a touch
     screen of this Linux machine, a device of your own (docs/write-a-device.md), or a file: a
     recording of ours, what `touches record` wrote, or a capture of TUIO packets. Or a hand in the
-    air, over a Leap: leap, leap-simulated[:v1], or a Leap recording, .json or .json.lz."""
+    air, over a Leap: leap, a Leap recording (.json, .json.lz), or leap-simulated, a simulated
+    person; leap-simulated:v1 is over the first Leap, and leap-simulated:v1,noise=2,lose=1 over one
+    with twice the noise, which loses the hand for 1 s while it carries something."""
 
     encoder: Annotated[
         str, tyro.conf.arg(metavar="{paper,linear,quadratic,cubic,pca-ik,best,FILE}")

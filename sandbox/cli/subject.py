@@ -28,8 +28,10 @@ class SubjectOptions:
     same file. A capture is npz: time (s), trial, ids, xy (m on the surface, x right, y down, by
     finger), q (48 numbers in m and rad), and a header.
 
-    Try: sandbox subject --seed 7 --day 0 --out training.npz
-    then: sandbox train --capture training.npz --out mine.npz
+    Try:
+
+        sandbox subject --seed 7 --day 0 --out training.npz
+        sandbox train --capture training.npz --out mine.npz
     """
 
     out: Annotated[Path, tyro.conf.arg(metavar="FILE")]

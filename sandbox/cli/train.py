@@ -53,8 +53,10 @@ class TrainOptions:
     than 0.0001 (m, rad), and predictions by 0.001 (root mean square); exit status 1 if they do.
     It takes a minute or two.
 
-    Try: sandbox train --capture training.npz --out mine.npz
-    then: sandbox run box-to-goal --encoder mine.npz
+    Try:
+
+        sandbox train --capture training.npz --out mine.npz
+        sandbox run box-to-goal --encoder mine.npz
     """
 
     out: Annotated[Path, tyro.conf.arg(metavar="MODEL|DIR")]
