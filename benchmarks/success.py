@@ -12,7 +12,6 @@ file of JSON lines and not run again.
 from __future__ import annotations
 
 import argparse
-import gc
 import json
 import os
 from collections.abc import Iterator
@@ -80,9 +79,6 @@ def trial(job: Job) -> dict[str, Any]:
     task, row, fingers, seed = job
     chosen = plan(SceneOptions(task=task, seed=seed, fingers=fingers, **ROWS[row]))
     result = run_trial(chosen.settings, chosen.make_device, about=chosen.about)
-    if seed % 16 == 0:
-        # A finished trial waits in cycles, and Python does not see how large MuJoCo's arrays are.
-        gc.collect()
     kept = ("success", "instant", "final", "status", "progress", "time_s", "reason", "state_hash")
     return {"task": task, "row": row, "fingers": fingers, "seed": seed,
             **{k: result[k] for k in kept}}  # fmt: skip

@@ -10,7 +10,8 @@ class Later:
     """A base for dataclasses of which some fields may be given as a way to work them out.
 
     What works them out must hold all that it needs and nothing that changes: it may be called at
-    any time, from any thread, and even twice.
+    any time, from any thread, and even twice. Nor may it hold who keeps what is made: each would
+    keep the other until Python looks for garbage.
     """
 
     @classmethod

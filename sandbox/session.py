@@ -24,7 +24,7 @@ from encoders.yaw_range import YawWatch
 from models.errors import DivergenceError
 from models.frames import Frame, TouchFrame
 from models.hand import Hand
-from models.scene import BodyPoses, Scene, SceneSpec, StillPoses
+from models.scene import Scene, SceneSpec, StillPoses
 from models.surface import Surface, enclosing
 from sandbox.contact_modes import ContactMode, ContactModes, contact_mode
 from sandbox.devices.device import Device, HandDevice
@@ -229,20 +229,27 @@ class Session:
     def snapshot(self) -> Snapshot:
         """What a view may see now; most of it is worked out only where a view looks."""
         poses = StillPoses(self.data.xpos.copy(), self.data.xmat.copy())
-        found, solid = tuple(self.reconstructions), [s.fingers for s in self._solidity]
+        # Devices keep what they were shown: were the session in it, each would keep the other, and
+        # with them MuJoCo's memory, after the trial.
+        scene, task = self.scene, self.task
+        hands = [
+            (found, s.fingers, s.tips, rig.reconstructor.surface)
+            for found, s, rig in zip(self.reconstructions, self._solidity, self.rigs, strict=True)
+        ]
 
         def work_out() -> dict[str, Any]:
             objects = {
-                thing.name: ObjectView(*self.scene.object_pose(poses, thing.name))
-                for thing in self.task.objects
+                thing.name: ObjectView(*scene.object_pose(poses, thing.name))
+                for thing in task.objects
             }
-            hands = tuple(
-                self._hand_view(i, r, poses, fingers)
-                for i, (r, fingers) in enumerate(zip(found, solid, strict=True))
-            )
             return {
-                "hands": hands, "objects": objects, "goals": place(self.task.goals, objects),
-            }  # fmt: skip
+                "hands": tuple(
+                    _hand_view(found, solid, tips(poses), surface)
+                    for found, solid, tips, surface in hands
+                ),
+                "objects": objects,
+                "goals": place(task.goals, objects),
+            }
 
         return Snapshot.later(
             work_out,
@@ -345,22 +352,16 @@ class Session:
             remedy="A smaller impulse limit, or a smaller time step, helps",
         )
 
-    def _hand_view(
-        self, i: int, reconstruction: Reconstruction, poses: BodyPoses, solid: frozenset[int]
-    ) -> HandView:
-        found = reconstruction.contacts
-        places = self.rigs[i].reconstructor.surface.to_world([c.xy for c in found]) if found else ()
-        contacts = tuple(
-            ContactView(c.id, place, c.label, c.state)
-            for c, place in zip(found, places, strict=True)
-        )
-        return HandView(
-            reconstruction.q,
-            self._solidity[i].tips(poses),
-            solid,
-            reconstruction.phase.value,
-            contacts,
-        )
+
+def _hand_view(
+    reconstruction: Reconstruction, solid: frozenset[int], tips: Array, surface: Surface
+) -> HandView:
+    found = reconstruction.contacts
+    places = surface.to_world([c.xy for c in found]) if found else ()
+    contacts = tuple(
+        ContactView(c.id, place, c.label, c.state) for c, place in zip(found, places, strict=True)
+    )
+    return HandView(reconstruction.q, tips, solid, reconstruction.phase.value, contacts)
 
 
 def describe(session: Session) -> dict[str, Any]:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from models.errors import InputError
 from models.frames import TouchFrame
+from models.objects import Thing
 from models.person import Person
 from models.surface import Surface
 from models.tray import Tray
@@ -128,32 +130,14 @@ class SimulatedDevice:
 
     def show(self, snapshot: Snapshot) -> None:
         """Lets the user look at the screen."""
+        # Without the device in it, which keeps what its user looks at and would be kept by that.
+        shown = partial(_sight, snapshot, self._hand, self._shapes, self._screen.own_id)
         if self._screen.loses:
             # Who is who on such a screen is known only now.
-            self._seated.look(self._sight(snapshot))
+            self._seated.look(shown())
             return
         # Who acts four times in a second need not see sixty pictures.
-        self._seated.look(Sight.later(lambda: vars(self._sight(snapshot)), time=snapshot.time))
-
-    def _sight(self, snapshot: Snapshot) -> Sight:
-        hand = snapshot.hands[self._hand]
-        tips = {
-            self._screen.own_id(c.id): hand.tips[c.label]
-            for c in hand.contacts
-            if c.label is not None
-        }
-        objects = {
-            name: SeenObject(self._shapes[name], o.position, o.rotation)
-            for name, o in snapshot.objects.items()
-        }
-        return Sight(
-            snapshot.time,
-            tips,
-            bool(hand.solid),
-            objects,
-            snapshot.goals,
-            snapshot.score.held,
-        )
+        self._seated.look(Sight.later(lambda: vars(shown()), time=snapshot.time))
 
     def poll(self, now: float) -> Sequence[TouchFrame]:
         """What the user touches now."""
@@ -178,3 +162,21 @@ class SimulatedDevice:
     def close(self) -> None:
         """The user leaves; there is nothing to give back."""
         self.finished = True
+
+
+def _sight(
+    snapshot: Snapshot, hand: int, shapes: Mapping[str, Thing], own_id: Callable[[int], int]
+) -> Sight:
+    """What is seen of a snapshot by who has one of its hands."""
+    mine = snapshot.hands[hand]
+    return Sight(
+        snapshot.time,
+        {own_id(c.id): mine.tips[c.label] for c in mine.contacts if c.label is not None},
+        bool(mine.solid),
+        {
+            name: SeenObject(shapes[name], o.position, o.rotation)
+            for name, o in snapshot.objects.items()
+        },
+        snapshot.goals,
+        snapshot.score.held,
+    )

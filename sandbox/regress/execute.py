@@ -6,14 +6,12 @@ thread, so that nothing depends on who else was run where.
 
 from __future__ import annotations
 
-import gc
 import multiprocessing
 import signal
 import traceback
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from itertools import count
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from pathlib import Path
@@ -28,9 +26,6 @@ from sandbox.regress.plan import TrialJob, registered
 
 Trial = dict[str, Any]
 """A trial's JSON, shortened: see `KEPT`."""
-
-TRIALS_BETWEEN_CLEANING = 20
-"""A finished trial waits in cycles, and Python does not see how large MuJoCo's arrays in it are."""
 
 KEPT = (
     "task",
@@ -198,7 +193,7 @@ def _give(worker: _Worker, waiting: list[TrialJob]) -> None:
 def _work(line: Connection) -> None:
     """A worker's life: a job, its result, and the next, until the line is closed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    for done in count(1):
+    while True:
         try:
             job = line.recv()
         except EOFError:
@@ -214,8 +209,6 @@ def _work(line: Connection) -> None:
             )
             continue
         line.send(attempt(job))
-        if done % TRIALS_BETWEEN_CLEANING == 0:
-            gc.collect()
 
 
 def _sound(found: Trial | HandSandboxError) -> Trial:

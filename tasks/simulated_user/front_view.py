@@ -72,7 +72,8 @@ class FrontUser:
 
     def look(self, sight: Sight) -> None:
         """Takes in what is on the screen now."""
-        self.user.look(Sight.later(lambda: vars(self._view.sight(sight)), time=sight.time))
+        view = self._view  # Who keeps what they see would keep themselves, were they in it.
+        self.user.look(Sight.later(lambda: vars(view.sight(sight)), time=sight.time))
 
     def touch(self, now: float) -> TouchFrame:
         """What the fingers do now; touches are the surface's own, however it stands."""

@@ -119,7 +119,8 @@ class SeatedUser:
 
     def look(self, sight: Sight) -> None:
         """Takes in what is on the screen now."""
-        self.user.look(Sight.later(lambda: vars(self._seat.sight(sight)), time=sight.time))
+        seat = self._seat  # Who keeps what they see would keep themselves, were they in it.
+        self.user.look(Sight.later(lambda: vars(seat.sight(sight)), time=sight.time))
 
     def touch(self, now: float) -> TouchFrame:
         """What the fingers do on the real screen now."""
