@@ -17,7 +17,8 @@ from models.errors import InputError, RecordingError
 from models.frames import TouchFrame
 from sandbox.cli.leap_devices import LIVE, open_leap
 from sandbox.cli.parse import parse
-from sandbox.cli.touch_devices import Opened, TouchOptions, open_touches
+from sandbox.cli.touch_devices import Opened, TouchOptions
+from sandbox.cli.touch_opening import open_any
 from sandbox.devices.leap import DEFAULT_ADDRESS, LeapFileDevice
 from sandbox.devices.leap_file import read_leap
 from sandbox.devices.together_file import ABOUT, TogetherWriter, first_line_with_host, read_about
@@ -230,9 +231,4 @@ def _touches(options: RecordOptions) -> Opened | None:
         surface=options.surface,
         tablet=options.tablet,
     )
-    if options.touches != "web" and not options.tablet:
-        return open_touches(asked)
-    from sandbox.cli.touch_page import open_page_touches
-
-    page = open_page_touches(asked, Console(stderr=True), options.seconds)
-    return None if page is None else Opened(page, page.surface)
+    return open_any(asked, options.seconds)

@@ -14,10 +14,11 @@ from sandbox.assembly import build
 from sandbox.cli.page_options import PageOptions, open_page
 from sandbox.cli.play_page import rectangle
 from sandbox.cli.scene_options import SceneOptions, plan
+from sandbox.cli.second_view import invite
 from sandbox.cli.touch_devices import TouchOptions
 from sandbox.devices.web import WebDevice
+from sandbox.events import EventLog
 from sandbox.server.describe import describe_scene
-from sandbox.server.invitation import code, hints
 from sandbox.server.page_server import PageServer
 
 _PERIOD = 1.0 / 30.0
@@ -84,11 +85,7 @@ def open_page_touches(asked: TouchOptions, console: Console, patience: float) ->
     """
     options = PageOptions(asked.tablet, asked.lan, asked.page_port)
     server = open_page(options)
-    if options.tablet or options.lan:
-        console.print(code(server.url), highlight=False, soft_wrap=True)
-    console.print(f"open {server.url}", soft_wrap=True, highlight=False)
-    for hint in hints(options.page_host):
-        console.print(f"[dim]{hint}[/]")
+    invite(server, options, EventLog(None), console)
     end = time.monotonic() + patience
     try:
         while not server.wait_for_player(0.1):

@@ -5,28 +5,27 @@ from __future__ import annotations
 import contextlib
 import json
 import math
-import socket
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, TextIO
 
 import tyro
 from rich.console import Console
-from rich.progress import Progress
 from rich.table import Table
 from rich.text import Text
 
 from models.errors import InputError, RecordingError
 from models.frames import TouchFrame
 from sandbox.cli.parse import in_one_line
-from sandbox.cli.touch_devices import Opened, TouchOptions, open_touches
+from sandbox.cli.touch_devices import Opened, TouchOptions
+from sandbox.cli.touch_opening import open_any, rest
+from sandbox.cli.touch_send import Send, send
 from sandbox.cli.touch_views import JsonView, TextView, View, what_to_check
 from sandbox.devices.discovery import offered_devices
 from sandbox.devices.frame_file import frame_record, header_record
-from sandbox.devices.touch_capture import CapturedPacket, packet_record, read_capture
-from sandbox.devices.tuio_sender import TuioOutput, connected, send_packet
+from sandbox.devices.touch_capture import CapturedPacket, packet_record
 
 PATIENCE = 5.0
 """Seconds without a single frame after which we say what to check."""
@@ -85,36 +84,6 @@ class Record(TouchOptions):
     """Stop after this many frames."""
 
 
-@dataclass(frozen=True)
-class Send(TouchOptions):
-    """Sends touches to other programs.
-
-    --to sends a capture's packets over UDP as they were recorded, as if its tablet were here. With
-    `sandbox touches show` running in another terminal:
-
-        sandbox touches send touches.jsonl --to 127.0.0.1:3333
-
-    --tuio sends what any device or file says as TUIO 1.1 (2Dcur), for programs that understand it:
-
-        sandbox touches send --device web --tablet --tuio 127.0.0.1:3333
-    """
-
-    file: Annotated[tyro.conf.Positional[Path | None], tyro.conf.arg(metavar="FILE")] = None
-    """A file to send; with --tuio, a device may be named instead."""
-
-    to: Annotated[str, tyro.conf.arg(metavar="HOST:PORT")] = ""
-    """Where the packets of a capture are sent."""
-
-    tuio: Annotated[str, tyro.conf.arg(metavar="HOST:PORT")] = ""
-    """Where TUIO is sent."""
-
-    speed: float = 1.0
-    """Of a file: 2 is twice as fast as recorded."""
-
-    seconds: float = math.inf
-    """Stop after this many seconds."""
-
-
 def main(argv: list[str]) -> int:
     """Runs `sandbox touches ...`; returns the exit status."""
     kinds: dict[str, type] = {"show": Show, "record": Record, "send": Send}
@@ -137,7 +106,7 @@ def main(argv: list[str]) -> int:
 def show(options: Show) -> int:
     """Shows frames."""
     _check_end(options.seconds, options.frames)
-    opened = _opened(options, options.seconds)
+    opened = open_any(options, options.seconds)
     if opened is None:
         return 0
     view: View = (
@@ -155,7 +124,7 @@ def record(options: Record) -> int:
             print(json.dumps(packet_record(CapturedPacket(now, data, peer))), file=file, flush=True)
 
         packets = options.device == "tuio"
-        opened = _opened(options, options.seconds, tap if packets else None)
+        opened = open_any(options, options.seconds, tap if packets else None)
         if opened is None:
             return 0
         if not packets:
@@ -165,23 +134,6 @@ def record(options: Record) -> int:
         status = _shown(opened, view, options.seconds, options.frames)
     Console(stderr=True).print(Text(f"written to {options.file}"), soft_wrap=True)
     return status
-
-
-def send(options: Send) -> int:
-    """Sends packets or frames."""
-    if bool(options.to) == bool(options.tuio):
-        raise InputError(
-            "where to is not clear", where="--to, --tuio", expected="one of the two: HOST:PORT"
-        )
-    if not 0.0 < options.speed < math.inf:
-        raise InputError(
-            "this is no speed", where="--speed", got=options.speed, expected="more than 0"
-        )
-    if options.tuio:
-        return _send_tuio(options)
-    if options.file is None:
-        raise InputError("there is no file to send", where="--to", expected="a capture of packets")
-    return _send_packets(options.file, options.to, options.speed)
 
 
 def formats() -> int:
@@ -245,17 +197,6 @@ def _check_end(seconds: float, frames: int | None) -> None:
         )
 
 
-def _opened(options: TouchOptions, seconds: float, tap: Any = None) -> Opened | None:
-    """The device; None: it is the page, and nobody opened it in time."""
-    if options.device != "web" and not options.tablet and not options.lan:
-        return open_touches(options, tap)
-    # The page needs the whole program behind it, which is only loaded for it.
-    from sandbox.cli.touch_page import open_page_touches
-
-    page = open_page_touches(options, Console(stderr=True), seconds)
-    return None if page is None else Opened(page, page.surface)
-
-
 def _shown(opened: Opened, view: View, seconds: float, frames: int | None) -> int:
     """Shows frames until there are enough; a damaged file is an error once its end is reached."""
     device = opened.device
@@ -280,7 +221,7 @@ def _follow(opened: Opened, view: View, seconds: float, wanted: int | None) -> N
     begin = time.monotonic()
     while True:
         elapsed = time.monotonic() - begin
-        _rest(seen, min(0.1, max(0.0, seconds - elapsed)))
+        rest(seen, min(0.1, max(0.0, seconds - elapsed)))
         for frame in seen.poll(elapsed):
             view.frame(frame)
             shown += 1
@@ -294,83 +235,6 @@ def _follow(opened: Opened, view: View, seconds: float, wanted: int | None) -> N
             return
 
 
-def _rest(device: Any, longest: float) -> None:
-    """Waits for news where the device can say so, else for a moment."""
-    wait = getattr(device, "wait", None)
-    if wait is not None:
-        wait(longest)
-    else:
-        time.sleep(min(0.002, longest))
-
-
-def _send_tuio(options: Send) -> int:
-    """Sends the frames of a device or file."""
-    chosen = options if options.file is None else replace(options, device=str(options.file))
-    opened = _opened(chosen, options.seconds)
-    if opened is None:
-        return 0
-    console = Console(stderr=True)
-    frames = 0
-    device = opened.device
-    try:
-        with contextlib.closing(TuioOutput(options.tuio, opened.surface)) as output:
-            console.print(Text(f"sending TUIO 1.1 to {options.tuio}; Ctrl-C ends"))
-            begin = time.monotonic()
-            with contextlib.suppress(KeyboardInterrupt):
-                while True:
-                    elapsed = time.monotonic() - begin
-                    _rest(device, min(0.1, max(0.0, options.seconds - elapsed)))
-                    came = device.poll(elapsed * options.speed)
-                    output.send(came, elapsed)
-                    frames += len(came)
-                    if device.finished or elapsed >= options.seconds:
-                        break
-        reached_end = device.finished
-    finally:
-        device.close()
-    report = f"sent {frames} frames in {output.packets} packets to {options.tuio}"
-    if output.refused:
-        report += f"; while nobody listened there: {output.refused}"
-    console.print(Text(report), soft_wrap=True)
-    damage = getattr(device, "damage", None)
-    if damage is not None and reached_end:
-        raise damage
-    return 0
-
-
-def _send_packets(file: Path, to: str, speed: float) -> int:
-    """Sends a capture's packets at their times; every sender in it has a socket of its own."""
-    capture = read_capture(file)
-    console = Console(stderr=True)
-    refused = sent = 0
-    channels: dict[str, socket.socket] = {}
-    with contextlib.ExitStack() as closing, _progress(console) as bar:
-        channels[""] = closing.enter_context(connected(to))
-        job = bar.add_task(f"sending to {to}", total=len(capture.packets))
-        begin = time.monotonic()
-        for packet in capture.packets:
-            due = begin + (packet.time - capture.packets[0].time) / speed
-            time.sleep(max(0.0, due - time.monotonic()))
-            bar.advance(job)
-            if packet.data is None:
-                continue  # UDP has no connections that could end
-            if packet.peer not in channels:
-                channels[packet.peer] = closing.enter_context(connected(to))
-            if send_packet(channels[packet.peer], packet.data, to):
-                if not refused:
-                    bar.print(Text(f"nobody listens at {to} yet: `sandbox touches show` does"))
-                refused += 1
-            sent += 1
-    took = time.monotonic() - begin
-    report = f"sent {sent} packets in {took:.1f} s to {to}"
-    if refused:
-        report += f"; while nobody listened there: {refused}"
-    console.print(Text(report))
-    if capture.damage is not None:
-        raise capture.damage
-    return 0
-
-
 @contextlib.contextmanager
 def _new_file(path: Path) -> Iterator[TextIO]:
     try:
@@ -382,7 +246,3 @@ def _new_file(path: Path) -> Iterator[TextIO]:
         ) from None
     except OSError as error:
         raise RecordingError("cannot be written", where=str(path), got=error.strerror) from None
-
-
-def _progress(console: Console) -> Progress:
-    return Progress(console=console, transient=True, disable=not console.is_terminal)
