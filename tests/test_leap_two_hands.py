@@ -1,7 +1,7 @@
 """Two hands over one Leap, and hands in the air on the command line."""
 
 import json
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -154,7 +154,11 @@ def test_a_simulated_leap_is_as_noisy_and_forgetful_as_it_is_asked_to_be():
     assert parse_simulated("") == ("v3", LeapTrouble())
     assert parse_simulated("v1,noise=2,lose=1.5") == ("v1", LeapTrouble(2.0, 1.5))
     assert LeapTrouble().applied(FROZEN_LEAP) is FROZEN_LEAP
-    assert LeapTrouble(3.0).applied(FROZEN_LEAP).tip == 3.0 * FROZEN_LEAP.tip
+    noisy = asdict(LeapTrouble(3.0).applied(FROZEN_LEAP))
+    changed = {name: value for name, value in noisy.items() if value != getattr(FROZEN_LEAP, name)}
+    assert changed == {name: 3.0 * getattr(FROZEN_LEAP, name) for name in changed}
+    assert set(changed) == {"tip", "joint", "length_white", "length_slow", "direction",
+                            "palm_place", "palm_turn", "lost_rate"}  # fmt: skip
 
 
 @pytest.mark.parametrize("wrong", ["v9", "noise", "noise=loud", "noise=nan", "lose=-1", "v1=2"])

@@ -118,6 +118,8 @@ def test_a_release_is_a_tenth_of_a_second_without_a_push_and_a_grasp_takes_two_d
     assert weak == []
     # A strong beginning, and then as light as a feather, is one stretch.
     assert handled(["t"] * 4, [0.0, 0.2, 0.001, 0.2], PERIOD) == [(1, 3)]
+    # A tenth of a second to the dot is long enough.
+    assert handled(["t", *[""] * 4, "t"], [1.0, *[0.0] * 4, 1.0], 0.02) == [(0, 0), (5, 5)]
 
 
 @given(st.lists(st.sampled_from(["", "t", "ti"]), max_size=60))
@@ -140,6 +142,12 @@ def test_a_thing_that_falls_is_dropped_and_one_that_is_put_down_is_not(
     free = [False] * 10 + [True] * len(t) + [False] * 10
     assert drops(free, fall) == number
     assert drops(free * 3, np.tile(fall, 3)) == 3 * number
+
+
+def test_a_fall_begins_where_the_thing_was_touched_last() -> None:
+    assert drops([False, True, True], [0.02, 0.009, 0.009]) == 1
+    assert drops([True, True], [0.02, 0.009]) == 1
+    assert drops([False, True, False], [0.02, 0.015, 0.009]) == 1
 
 
 def test_a_thing_that_is_thrown_up_and_caught_is_not_dropped() -> None:
