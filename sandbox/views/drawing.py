@@ -1,8 +1,7 @@
 """The scene as a person must see it: hand, objects, goals, contacts and the touch surface.
 
 Works on copies of the model and of its state, so that drawing can neither change nor disturb a
-simulation. What the model does not have (goals, contacts) is added to MuJoCo's drawing list after
-the model's own geoms.
+simulation. What the model does not have (goals, contacts) is added as marks.
 
 A hand that can touch nothing is drawn as a ghost by mixing two pictures, one with and one without
 it. Drawn translucent, it would show its own far side through the near one.
@@ -15,7 +14,7 @@ from typing import Literal
 
 import mujoco
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from models.scene import Scene
 from models.skin_colours import PALE
@@ -23,6 +22,7 @@ from models.surface import Surface
 from sandbox.messages import ContactView, HandView, Snapshot
 from sandbox.views import palette
 from sandbox.views.hand_look import HIDDEN_GROUP, TARGET_GROUP, part_colour, skinned_model
+from sandbox.views.marks import Marks
 from sandbox.views.palette import Colour
 from sandbox.views.shelf import PANE, SHELF, hide_table, shelf
 from tasks.task import Goal
@@ -89,6 +89,7 @@ class Drawing:
         self._fovy = float(self.model.vis.global_.fovy)
         self.model.vis.map.shadowclip = SHADOW_REACH / self.model.stat.extent
         self.view = mujoco.MjvScene(self.model, MAX_GEOMS)
+        self._marks = Marks(self.view)
         self._data = mujoco.MjData(self.model)
         self._option = mujoco.MjvOption()
         self._option.geomgroup[HIDDEN_GROUP:] = 0
@@ -144,7 +145,7 @@ class Drawing:
         self._draw_outline()
         if self.surface.upright:
             half, place = shelf()
-            self._add(mujoco.mjtGeom.mjGEOM_BOX, half, place, np.eye(3), SHELF, 1.0)
+            self._marks.box(half, place, np.eye(3), SHELF, 1.0)
         colour = goal_colour(snapshot)
         for goal in snapshot.goals:
             self._draw_goal(goal, snapshot, colour)
@@ -233,7 +234,7 @@ class Drawing:
             back = self._data.xmat[self.model.geom_bodyid[g]].reshape(3, 3)[:, 2]
             depth = CASTER_DEPTH * self.model.geom_size[g, 0]
             place, turn = self._data.geom_xpos[g] - depth * back, self._data.geom_xmat[g]
-            caster = self._add(self.model.geom_type[g], size, place, turn, PALE, 1.0)
+            caster = self._marks.shape(self.model.geom_type[g], size, place, turn, PALE, 1.0)
             if caster is not None:
                 caster.category = mujoco.mjtCatBit.mjCAT_DYNAMIC
                 # Lit like skin: should one ever come through, nobody sees it.
@@ -248,14 +249,7 @@ class Drawing:
         for i, length in enumerate((width, height, width, height)):
             middle = (corners[i] + corners[(i + 1) % 4]) / 2
             along = [length / 2 + half, half] if i % 2 == 0 else [half, length / 2 - half]
-            self._add(
-                mujoco.mjtGeom.mjGEOM_BOX,
-                [*along, 1e-4],
-                middle,
-                rotation,
-                palette.OUTLINE,
-                0.9,
-            )
+            self._marks.box([*along, 1e-4], middle, rotation, palette.OUTLINE, 0.9)
 
     def _draw_goal(self, goal: Goal, snapshot: Snapshot, colour: Colour) -> None:
         cos, sin = np.cos(goal.yaw), np.sin(goal.yaw)
@@ -269,36 +263,16 @@ class Drawing:
         for part in self._parts[goal.object]:
             place, turn = position + rotation @ part.position, rotation @ part.rotation
             if faces > 0.0:
-                self._add(part.type, part.size * 1.004, place, turn, colour, faces, mesh=part.mesh)
+                size = part.size * 1.004
+                self._marks.shape(part.type, size, place, turn, colour, faces, part.mesh)
             if part.type == mujoco.mjtGeom.mjGEOM_BOX:
                 edge = EDGE_RADIUS * (1.8 if done else 1.0)
-                self._draw_edges(part.size + 0.7 * edge, place, turn, colour, edge)
+                self._marks.edges(part.size + 0.7 * edge, place, turn, colour, edge)
         if done:
             ground = np.array([position[0], position[1], LIFT])
             reach = 1.9 * max(float(np.linalg.norm(p.size[:2])) for p in self._parts[goal.object])
-            self._draw_ring(ground, np.eye(3), reach / 1.4, 0.003, 48, colour, 1.0)
-            self._add(
-                mujoco.mjtGeom.mjGEOM_CYLINDER,
-                [reach / 1.4, 1e-4, 0.0],
-                ground,
-                np.eye(3),
-                colour,
-                0.20,
-            )
-
-    def _draw_edges(
-        self, half: Array, place: Array, turn: Array, colour: Colour, radius: float
-    ) -> None:
-        """The twelve edges of a box."""
-        signs = np.array([[a, b] for a in (-1.0, 1.0) for b in (-1.0, 1.0)])
-        for axis in range(3):
-            others = [(axis + 1) % 3, (axis + 2) % 3]
-            for pair in signs:
-                ends = np.zeros((2, 3))
-                ends[:, others] = pair * half[others]
-                ends[:, axis] = -half[axis], half[axis]
-                a, b = place + ends @ turn.T
-                self._add_line(a, b, radius, colour, 1.0)
+            self._marks.ring(ground, np.eye(3), reach / 1.4, 0.003, 48, colour, 1.0)
+            self._marks.disc(reach / 1.4, ground, np.eye(3), colour, 0.20)
 
     def _draw_threads(self, hand: HandView) -> None:
         """From every touch to its fingertip: where a hovering finger will land."""
@@ -306,82 +280,16 @@ class Drawing:
             if contact.label is not None and contact.state != "ignored":
                 colour = palette.finger_colour(contact.label)
                 place = contact.position + self.drop
-                self._add_line(place, hand.tips[contact.label], THREAD_RADIUS, colour, 0.9)
+                self._marks.line(place, hand.tips[contact.label], THREAD_RADIUS, colour, 0.9)
 
     def _draw_contact(self, contact: ContactView, hand: HandView) -> None:
         place = contact.position + self.drop
         colour = palette.finger_colour(contact.label, contact.state)
         strength = 0.45 if contact.state == "lost" else 1.0
         rotation = self.surface.rotation
-        self._draw_ring(place, rotation, RING_RADIUS, RING_WIDTH, RING_SIDES, colour, strength)
-        solid = contact.label in hand.solid
-        self._add(
-            mujoco.mjtGeom.mjGEOM_CYLINDER,
-            [RING_RADIUS, 1e-4, 0.0],
-            place,
-            rotation,
-            colour,
-            (0.55 if solid else 0.22) * strength,
-        )
-
-    def _draw_ring(
-        self,
-        place: Array,
-        rotation: Array,
-        radius: float,
-        width: float,
-        sides: int,
-        colour: Colour,
-        alpha: float,
-    ) -> None:
-        half = radius * np.tan(np.pi / sides)
-        for angle in 2 * np.pi * np.arange(sides) / sides:
-            cos, sin = np.cos(angle), np.sin(angle)
-            turn = rotation @ np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
-            middle = place + turn @ np.array([radius, 0.0, 0.0])
-            self._add(
-                mujoco.mjtGeom.mjGEOM_BOX, [width / 2, half, 2e-4], middle, turn, colour, alpha
-            )
-
-    def _add_line(
-        self, start: Array, end: Array, radius: float, colour: Colour, alpha: float
-    ) -> None:
-        geom = self._add(mujoco.mjtGeom.mjGEOM_CAPSULE, np.ones(3), start, np.eye(3), colour, alpha)
-        if geom is not None:
-            mujoco.mjv_connector(geom, mujoco.mjtGeom.mjGEOM_CAPSULE, radius, start, end)
-
-    def _add(
-        self,
-        kind: int,
-        size: ArrayLike,
-        position: Array,
-        rotation: Array,
-        colour: Colour,
-        alpha: float,
-        mesh: int = -1,
-    ) -> mujoco.MjvGeom | None:
-        """Appends a geom that lies in the world; None when the list is full."""
-        view = self.view
-        if view.ngeom >= view.maxgeom:
-            return None
-        geom = view.geoms[view.ngeom]
-        mujoco.mjv_initGeom(
-            geom,
-            kind,
-            np.asarray(size, float),
-            np.asarray(position, float),
-            np.asarray(rotation, float).ravel(),
-            np.array([*colour, alpha], np.float32),
-        )
-        # Marks cast no shadow, shine a little by themselves, and belong to nothing in the model.
-        geom.category = mujoco.mjtCatBit.mjCAT_DECOR
-        geom.objtype, geom.objid, geom.segid = mujoco.mjtObj.mjOBJ_UNKNOWN, -1, -1
-        geom.emission, geom.specular, geom.shininess = 0.35, 0.1, 0.2
-        if mesh >= 0:
-            # MuJoCo draws a mesh's own triangles at an even number, its hull at the odd one after.
-            geom.dataid = 2 * mesh
-        view.ngeom += 1
-        return geom
+        self._marks.ring(place, rotation, RING_RADIUS, RING_WIDTH, RING_SIDES, colour, strength)
+        filled = 0.55 if contact.label in hand.solid else 0.22
+        self._marks.disc(RING_RADIUS, place, rotation, colour, filled * strength)
 
 
 def goal_colour(snapshot: Snapshot) -> Colour:

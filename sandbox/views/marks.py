@@ -1,0 +1,110 @@
+"""Marks in a picture that the model does not have: rings, edges, lines, single shapes.
+
+They are added to MuJoCo's drawing list after the model's own geoms.
+"""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from sandbox.views.palette import Colour
+
+Array = NDArray[np.float64]
+
+
+class Marks:
+    """Adds to a drawing list.
+
+    Args:
+        view: The list.
+    """
+
+    def __init__(self, view: mujoco.MjvScene) -> None:
+        self._view = view
+
+    def shape(
+        self,
+        kind: int,
+        size: ArrayLike,
+        position: Array,
+        rotation: Array,
+        colour: Colour,
+        alpha: float,
+        mesh: int = -1,
+    ) -> mujoco.MjvGeom | None:
+        """Appends a geom that lies in the world; None when the list is full."""
+        view = self._view
+        if view.ngeom >= view.maxgeom:
+            return None
+        geom = view.geoms[view.ngeom]
+        mujoco.mjv_initGeom(
+            geom,
+            kind,
+            np.asarray(size, float),
+            np.asarray(position, float),
+            np.asarray(rotation, float).ravel(),
+            np.array([*colour, alpha], np.float32),
+        )
+        # Marks cast no shadow, shine a little by themselves, and belong to nothing in the model.
+        geom.category = mujoco.mjtCatBit.mjCAT_DECOR
+        geom.objtype, geom.objid, geom.segid = mujoco.mjtObj.mjOBJ_UNKNOWN, -1, -1
+        geom.emission, geom.specular, geom.shininess = 0.35, 0.1, 0.2
+        if mesh >= 0:
+            # MuJoCo draws a mesh's own triangles at an even number, its hull at the odd one after.
+            geom.dataid = 2 * mesh
+        view.ngeom += 1
+        return geom
+
+    def box(
+        self, half: ArrayLike, position: Array, rotation: Array, colour: Colour, alpha: float
+    ) -> None:
+        """A box of half sizes (3,), m."""
+        self.shape(mujoco.mjtGeom.mjGEOM_BOX, half, position, rotation, colour, alpha)
+
+    def disc(
+        self, radius: float, position: Array, rotation: Array, colour: Colour, alpha: float
+    ) -> None:
+        """A flat disc of a radius, m."""
+        size = [radius, 1e-4, 0.0]
+        self.shape(mujoco.mjtGeom.mjGEOM_CYLINDER, size, position, rotation, colour, alpha)
+
+    def line(self, start: Array, end: Array, radius: float, colour: Colour, alpha: float) -> None:
+        """A round line from one place to another."""
+        kind = mujoco.mjtGeom.mjGEOM_CAPSULE
+        geom = self.shape(kind, np.ones(3), start, np.eye(3), colour, alpha)
+        if geom is not None:
+            mujoco.mjv_connector(geom, kind, radius, start, end)
+
+    def ring(
+        self,
+        position: Array,
+        rotation: Array,
+        radius: float,
+        width: float,
+        sides: int,
+        colour: Colour,
+        alpha: float,
+    ) -> None:
+        """A flat ring of so many straight pieces; radius and width in m."""
+        half = radius * np.tan(np.pi / sides)
+        for angle in 2 * np.pi * np.arange(sides) / sides:
+            cos, sin = np.cos(angle), np.sin(angle)
+            turn = rotation @ np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+            middle = position + turn @ np.array([radius, 0.0, 0.0])
+            self.box([width / 2, half, 2e-4], middle, turn, colour, alpha)
+
+    def edges(
+        self, half: Array, position: Array, rotation: Array, colour: Colour, radius: float
+    ) -> None:
+        """The twelve edges of a box of half sizes (3,), m."""
+        signs = np.array([[a, b] for a in (-1.0, 1.0) for b in (-1.0, 1.0)])
+        for axis in range(3):
+            others = [(axis + 1) % 3, (axis + 2) % 3]
+            for pair in signs:
+                ends = np.zeros((2, 3))
+                ends[:, others] = pair * half[others]
+                ends[:, axis] = -half[axis], half[axis]
+                start, end = position + ends @ rotation.T
+                self.line(start, end, radius, colour, 1.0)
