@@ -13,8 +13,9 @@ from sandbox.study.design import Design
 from sandbox.study.design_file import parse_design
 from sandbox.study.folder import SIMULATED, StudyFolder
 from sandbox.study.journal import read_journal
+from sandbox.study.kept_sessions import session_path
 from sandbox.study.plan import session_plan, trials_of
-from sandbox.study.session_folder import finished_result, session_path
+from sandbox.study.session_folder import finished_result
 from sandbox.study.state import SessionState
 from sandbox.study.tables import trial_rows
 
@@ -107,13 +108,14 @@ def told_finished(said: str) -> int:
     return max(numbers, default=1) - 1
 
 
-def check_session(study: StudyFolder, number: int, at_least: int) -> int:
-    """What must be true of a session at any moment; how many of its trials are finished."""
+def check_session(study: StudyFolder, number: int, at_least: int, nth: int = 1) -> int:
+    """What must be true of somebody's nth session at any moment; how many of its trials are
+    finished."""
     person = next((p for p in study.participants() if p.number == number), None)
     if person is None:
         assert at_least == 0
         return 0
-    path = session_path(study.path, person.ppid)
+    path = session_path(study.path, person.ppid, nth)
     if not (path / "journal.jsonl").exists():
         assert at_least == 0
         return 0
@@ -132,6 +134,6 @@ def check_session(study: StudyFolder, number: int, at_least: int) -> int:
     assert len(set(files)) == len(files), "no attempt wrote over another"
     rows = trial_rows(study.design, state)
     assert sorted(r["trial_num"] for r in rows if r["counted"]) == sorted(finished)
-    planned = [t.number for t in trials_of(session_plan(study.design, number))]
+    planned = [t.number for t in trials_of(session_plan(study.design, number, nth))]
     assert planned[: len(finished)] == sorted(finished), "they come in the order of the plan"
     return len(finished)

@@ -18,12 +18,13 @@ from sandbox.server.page_server import PageServer
 from sandbox.session import Session
 from sandbox.study.controls import Controls
 from sandbox.study.folder import PILOT, Participant, StudyFolder
+from sandbox.study.kept_sessions import session_path
 from sandbox.study.page_forms import PageForms
 from sandbox.study.page_player import PagePlayer
 from sandbox.study.players import Trial
 from sandbox.study.run_device import fitting, person_device
 from sandbox.study.runner import Outcome, SessionRunner
-from sandbox.study.session_folder import SessionFolder, session_path
+from sandbox.study.session_folder import SessionFolder
 from sandbox.study.study_page import StudyPage, study_view
 from tasks.simulated_user.configuration import UserConfiguration
 from tests.study_files import design

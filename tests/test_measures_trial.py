@@ -22,9 +22,9 @@ from sandbox.study.codebook import COLUMNS
 from sandbox.study.columns import Columns
 from sandbox.study.folder import StudyFolder
 from sandbox.study.frames import FrameTable, missing, rebuild, turn_off
+from sandbox.study.kept_sessions import session_path
 from sandbox.study.measures import BY_NAME, MEASURES
 from sandbox.study.measures_trial import measure_trial
-from sandbox.study.session_folder import session_path
 from sandbox.study.simulate import run_simulated
 from sandbox.study.tables import rebuild_study, trial_columns
 from sandbox.study.touching import Touching

@@ -18,7 +18,7 @@ from sandbox.recording import is_recording, load_recording
 from sandbox.recording_file import first_line, packed, read_stored, stored
 from sandbox.replay import replay
 from sandbox.study.folder import StudyFolder
-from sandbox.study.session_folder import session_path
+from sandbox.study.kept_sessions import session_path
 from sandbox.study.simulate import run_simulated
 from sandbox.study.trial_files import find_recordings
 from tests.study_files import TRIALS, open_study

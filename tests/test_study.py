@@ -20,8 +20,9 @@ from sandbox.replay import replay
 from sandbox.study import build as build_module
 from sandbox.study.folder import PILOT, REAL, SIMULATED, StudyFolder
 from sandbox.study.journal import Journal, parse_records, read_journal
+from sandbox.study.kept_sessions import session_path
 from sandbox.study.runner import Outcome
-from sandbox.study.session_folder import SessionFolder, session_path
+from sandbox.study.session_folder import SessionFolder
 from sandbox.study.simulate import run_simulated, simulated_person
 from sandbox.study.tables import csv_bytes, rebuild_session, rebuild_study
 from tests.study_files import DESIGN, TRIALS, design, open_study

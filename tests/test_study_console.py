@@ -22,9 +22,10 @@ from sandbox.study.design import Item
 from sandbox.study.folder import StudyFolder
 from sandbox.study.forms import SimulatedForms, TerminalForms
 from sandbox.study.journal import read_journal
+from sandbox.study.kept_sessions import session_path
 from sandbox.study.players import HeadlessPlayer
 from sandbox.study.runner import Outcome, SessionRunner
-from sandbox.study.session_folder import SessionFolder, session_path
+from sandbox.study.session_folder import SessionFolder
 from sandbox.study.simulate import run_simulated, simulated_device, simulated_person
 from sandbox.study.state import SessionState
 from tests.study_files import DESIGN, TRIALS, open_study

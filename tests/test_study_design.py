@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from models.errors import StudyError
@@ -90,6 +90,32 @@ def test_outer_and_inner_orders_are_balanced_after_a_whole_cycle() -> None:
                 inner[place, task] += 1
     assert set(outer.values()) == {2}
     assert set(inner.values()) == {3}
+
+
+FIXED = st.tuples(st.sampled_from(["latin", "factorial", "blocked"]), st.integers(1, 4))
+OUTER = FIXED | st.tuples(st.sampled_from(["random", "between"]), st.integers(1, 4))
+
+
+@given(outer=OUTER, inner=FIXED, session=st.integers(1, 3))
+@settings(max_examples=40)
+def test_after_a_whole_cycle_every_inner_order_was_equally_often_at_every_outer_place(
+    outer: tuple[str, int], inner: tuple[str, int], session: int
+) -> None:
+    text = "name = 'n'\nsessions = 3\n"
+    for name, (rule, count) in (("contact", outer), ("servo", inner)):
+        told = ", ".join(f'{{name = "{i}", encoder = "linear"}}' for i in range(count))
+        text += f"[[factors]]\nname = '{name}'\norder = '{rule}'\nlevels = [{told}]\n"
+    found = parse_design(text, Path("design.toml"), try_out=False)
+    orders: Counter[tuple[int, tuple[str, ...]]] = Counter()
+    size, places = inner[1], 1 if outer[0] == "between" else outer[1]
+    for number in range(whole_cycle(found)):
+        trials = trials_of(session_plan(found, number, session))
+        for place in range(places):
+            block = trials[place * size : (place + 1) * size]
+            orders[place, tuple(t.levels["servo"] for t in block)] += 1
+    # Of two levels, an order and its reverse are all there are.
+    assert len(orders) == places * len({order_of(inner[0], size, i, ()) for i in range(1000)})
+    assert len(set(orders.values())) == 1
 
 
 def test_every_combination_occurs_as_often_as_the_design_says() -> None:
@@ -279,7 +305,7 @@ def test_a_slip_in_a_pseudonym_is_seen(place: int, sign: str) -> None:
 
 
 @pytest.mark.parametrize(("sound", "wrong", "told"), [
-    ("seed = 5", "seed = 5\nsessions = 2", "everybody comes once"),
+    ("seed = 5", "seed = 5\nsessions = 0", "Write a whole number from 1 to 99"),
     ("seed = 5", 'seed = 5\nlanguages = ["en", "de"]\n[consent]\ntext = "?"', "one text, and the"),
     ("[[factors]]", '[settings]\nsurface = "14x5.5in"\ntask = "carry-together"\n[[factors]]',
      "this task needs two"),

@@ -18,10 +18,11 @@ from sandbox.replay import replay
 from sandbox.study.controls import Controls
 from sandbox.study.folder import PILOT, StudyFolder
 from sandbox.study.forms import SimulatedForms
+from sandbox.study.kept_sessions import session_path
 from sandbox.study.players import HeadlessPlayer
 from sandbox.study.run_device import fitting, person_device
 from sandbox.study.runner import Outcome, SessionRunner
-from sandbox.study.session_folder import SessionFolder, session_path
+from sandbox.study.session_folder import SessionFolder
 from tests.study_files import DESIGN, design
 from tests.tuio_packets import frame
 

@@ -16,9 +16,10 @@ from sandbox.study.backup import back_up, check_backup
 from sandbox.study.export_log import copies, remember_copy
 from sandbox.study.folder import PILOT, SIMULATED, StudyFolder
 from sandbox.study.journal import read_journal
+from sandbox.study.kept_sessions import session_path
 from sandbox.study.merge import merge
 from sandbox.study.runner import Outcome
-from sandbox.study.session_folder import SessionFolder, session_path
+from sandbox.study.session_folder import SessionFolder
 from sandbox.study.simulate import run_simulated, simulate
 from sandbox.study.withdraw import withdraw, withdrawn
 from tests.study_files import DESIGN, TRIALS, check_session, design, in_child, killed_after

@@ -16,8 +16,9 @@ import pytest
 from models.errors import InputError, StudyError
 from sandbox.study.folder import REAL, StudyFolder
 from sandbox.study.journal import SYNC, Journal
+from sandbox.study.kept_sessions import session_path
 from sandbox.study.plan import trials_of
-from sandbox.study.session_folder import SessionFolder, session_path
+from sandbox.study.session_folder import SessionFolder
 from sandbox.study.simulate import run_simulated, simulate
 from sandbox.study.tables import rebuild_session, rebuild_study
 from tests.study_files import (

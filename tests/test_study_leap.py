@@ -19,12 +19,13 @@ from sandbox.study.folder import PILOT, Participant, StudyFolder
 from sandbox.study.forms import SimulatedForms
 from sandbox.study.hand_calibration import WORDS, hand_measurer
 from sandbox.study.journal import read_journal
+from sandbox.study.kept_sessions import session_path
 from sandbox.study.plan import CalibrationStep, TrialStep, session_plan
 from sandbox.study.players import HeadlessPlayer
 from sandbox.study.privacy import Masking, anonymise
 from sandbox.study.run_device import fitting, person_device
 from sandbox.study.runner import Outcome, SessionRunner
-from sandbox.study.session_folder import SessionFolder, session_path
+from sandbox.study.session_folder import SessionFolder
 from sandbox.study.words import WORDS as PAGE_WORDS
 from tests.leap_hands import take
 from tests.study_files import DESIGN, design

@@ -12,8 +12,8 @@ import pytest
 from models.errors import StudyError
 from sandbox.recording_file import read_stored, stored
 from sandbox.study.files import sweep
+from sandbox.study.kept_sessions import session_path
 from sandbox.study.pack import pack
-from sandbox.study.session_folder import session_path
 from sandbox.study.simulate import run_simulated
 from tests.study_files import TRIALS, in_child, killed_after, open_study
 

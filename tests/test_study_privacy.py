@@ -17,6 +17,7 @@ from sandbox.recording import load_recording
 from sandbox.replay import replay
 from sandbox.study.folder import SIMULATED, StudyFolder
 from sandbox.study.journal import read_journal
+from sandbox.study.kept_sessions import session_path
 from sandbox.study.privacy import Anonymised, Masking, anonymise
 from sandbox.study.privacy_groups import binned, groups
 from sandbox.study.privacy_records import (
@@ -27,7 +28,7 @@ from sandbox.study.privacy_records import (
     disguised_line,
     without_places,
 )
-from sandbox.study.session_folder import SessionFolder, session_path
+from sandbox.study.session_folder import SessionFolder
 from sandbox.study.simulate import run_simulated
 from sandbox.study.state import SessionState
 from sandbox.study.tables import rebuild_study

@@ -13,9 +13,10 @@ from sandbox.recording import load_recording
 from sandbox.replay import replay
 from sandbox.study.controls import Controls
 from sandbox.study.forms import SimulatedForms
+from sandbox.study.kept_sessions import session_path
 from sandbox.study.players import HeadlessPlayer, Player, WindowPlayer
 from sandbox.study.runner import Outcome, SessionRunner
-from sandbox.study.session_folder import SessionFolder, session_path
+from sandbox.study.session_folder import SessionFolder
 from sandbox.study.simulate import simulated_device, simulated_person
 from tests.screen import screen
 from tests.study_files import DESIGN, open_study

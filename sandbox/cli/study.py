@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.resources import files
+from itertools import product
 from math import comb
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -145,16 +146,18 @@ def _plan(options: PlanOptions, console: Console) -> int:
 
     design = _load(options.file)
     count = options.participants or design.participants
-    table = Table("participant", *(f.name for f in design.factors), "trials", "minutes")
+    several = ("session",) if design.sessions > 1 else ()
+    table = Table("participant", *several, *(f.name for f in design.factors), "trials", "minutes")
     minutes, practice = [], 0
-    for number in range(count):
-        steps = session_plan(design, number)
+    for number, session in product(range(count), range(1, design.sessions + 1)):
+        steps = session_plan(design, number, session)
         trials = trials_of(steps)
         orders = [_order([t.levels[f.name] for t in trials if not t.practice])
                   for f in design.factors]  # fmt: skip
         minutes.append(duration(design, steps) / 60)
         practice = max(practice, sum(t.practice for t in trials))
-        table.add_row(str(number + 1), *orders, str(len(trials)), f"{minutes[-1]:.0f}")
+        table.add_row(str(number + 1), *(str(session) for _ in several), *orders, str(len(trials)),
+                      f"{minutes[-1]:.0f}")  # fmt: skip
     console.print(table)
     console.print(f"a session takes about {max(minutes):.0f} min, all of them "
                   f"{sum(minutes) / 60:.1f} h; a trial taken as {design.expected:g} s"

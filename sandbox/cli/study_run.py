@@ -25,13 +25,21 @@ if TYPE_CHECKING:
     from sandbox.cli.touch_devices import TouchOptions
     from sandbox.study.controls import Controls, Terminal
     from sandbox.study.design import Design
-    from sandbox.study.folder import Participant, StudyFolder
     from sandbox.study.forms import Forms, Ready
     from sandbox.study.players import Player
     from sandbox.study.session_folder import SessionFolder
     from sandbox.study.study_page import StudyPage
 
-SAID_ANEW = ("file", "participant", "hand", "hand_size", "language", "resume", "force_upgrade")
+SAID_ANEW = (
+    "file",
+    "participant",
+    "session",
+    "hand",
+    "hand_size",
+    "language",
+    "resume",
+    "force_upgrade",
+)
 """Options that are said anew, or never again, when a session goes on."""
 FAREWELL = 1.0
 """s in which the page gets its last words before the program ends."""
@@ -101,8 +109,9 @@ class RunOptions:
     language: str = ""
     """Of a new participant; the design's first unless told otherwise."""
 
-    session: int = 1
-    """Everybody comes once: for a second time, make another design."""
+    session: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    """Of somebody who comes several times: the first that is not finished, unless told otherwise;
+    how often people come is `sessions` in the design."""
 
     resume: tyro.conf.FlagCreatePairsOff[bool] = False
     """Goes on with an interrupted session without asking."""
@@ -144,13 +153,12 @@ class RunOptions:
 
 def run(options: RunOptions, console: Console) -> int:
     """Runs a session, or what is left of it."""
+    from sandbox.cli.study_people import has_begun, next_session, who_comes
     from sandbox.study.controls import Controls, Terminal
-    from sandbox.study.design_file import ANOTHER, ONCE, load_design
+    from sandbox.study.design_file import load_design
     from sandbox.study.folder import PILOT, REAL, StudyFolder
     from sandbox.study.session_folder import SessionFolder
 
-    if options.session != 1:
-        raise StudyError(ONCE, where="--session", got=options.session, remedy=ANOTHER)
     _check(options)
     _check_page(options)
     design = load_design(options.file)
@@ -160,14 +168,21 @@ def run(options: RunOptions, console: Console) -> int:
     say = sayer(console)
     controls = Controls(say)
     terminal = Terminal(controls)
-    person = _person(options, study, console)
-    with SessionFolder(study, person) as session:
+    person = who_comes(options, study, console)
+    number = options.session or next_session(study, person)
+    if number > 1 and options.session is None and not has_begun(study, person, number):
+        say(f"{person.ppid} has finished session {number - 1} of {design.sessions}. Begin the "
+            "next? yes / no")  # fmt: skip
+        if not _agreed(terminal):
+            return 0
+    with SessionFolder(study, person, number) as session:
         done, of = session.state.done(session.steps)
         if session.resumed and not options.resume and not session.state.complete:
             say(f"{person.ppid} has done {done} of {of} trials. Go on with the next? yes / no")
-            if (terminal.ask() or "no").strip().lower() not in ("y", "yes"):
+            if not _agreed(terminal):
                 return 0
-        say(f"participant {person.ppid}" + (", a pilot" if options.pilot else "")
+        of_several = f", session {number} of {design.sessions}" if design.sessions > 1 else ""
+        say(f"participant {person.ppid}" + of_several + (", a pilot" if options.pilot else "")
             + "; h and Enter shows your keys"
             + ("" if options.has_page else ", while a question is open /h"))  # fmt: skip
         with ExitStack() as closing:
@@ -176,10 +191,14 @@ def run(options: RunOptions, console: Console) -> int:
                 session.write("clock_sync", **clock)
             page = _open_page(options, session, console, closing)
             outcome = _play(options, session, page, controls, terminal, console)
-    say(f"{person.ppid}: {outcome}")
+    say(f"{person.ppid}{of_several}: {outcome}")
     if outcome == "stopped":
         say(f"to go on: {_again(options, person.ppid)}")
     return 0
+
+
+def _agreed(terminal: Terminal) -> bool:
+    return (terminal.ask() or "no").strip().lower() in ("y", "yes")
 
 
 def _again(options: RunOptions, ppid: str) -> str:
@@ -341,46 +360,6 @@ def _player(options: RunOptions, session: SessionFolder, page: StudyPage | None)
     if options.view == "window":
         player = WindowPlayer("simulated user" if simulated else "")
     return player if page is None else Beside(player, page)
-
-
-def _person(options: RunOptions, study: StudyFolder, console: Console) -> Participant:
-    from sandbox.study.pseudonym import read_pseudonym
-    from sandbox.study.simulate import simulated_person
-
-    if options.participant and options.participant != "new":
-        return study.find(read_pseudonym(options.participant))
-    unfinished = _unfinished(study)
-    if not options.participant:
-        raise StudyError("who takes part is missing", where="--participant",
-                         expected=", ".join(("new", *unfinished)))  # fmt: skip
-    if unfinished:
-        console.print(f"[yellow]not finished yet: {', '.join(unfinished)}[/]")
-    design = study.design
-    if options.language and options.language not in design.languages:
-        raise StudyError("the design has no texts in this language", where="--language",
-                         got=options.language, expected=", ".join(design.languages))  # fmt: skip
-    if options.device == "simulated":
-        return study.add(**simulated_person(design, len(study.participants())))
-    from models.person import Person
-
-    checked = Person(options.hand, options.hand_size)
-    return study.add(hand=checked.hand, hand_size=checked.hand_size,
-                     language=options.language or design.languages[0])  # fmt: skip
-
-
-def _unfinished(study: StudyFolder) -> list[str]:
-    """Those who have begun and not come to the end."""
-    from sandbox.study.journal import read_journal
-    from sandbox.study.session_folder import session_path
-    from sandbox.study.state import SessionState
-
-    found = []
-    for person in study.participants():
-        path = session_path(study.path, person.ppid) / "journal.jsonl"
-        state = SessionState.of(read_journal(path)) if path.exists() else SessionState()
-        if not state.complete and not state.excluded_participant:
-            found.append(person.ppid)
-    return found
 
 
 def sayer(console: Console) -> Callable[[str], object]:

@@ -103,7 +103,7 @@ def check_backup(path: Path) -> Checked:
                          where=str(path), got=", ".join(wrong[:5]) or None,
                          expected="every file as it is listed in " + SUMS)  # fmt: skip
     trials = sum(_finished(name, data, found, path) for name, data in journals.items())
-    ppids = tuple(sorted(PurePosixPath(name).parts[0] for name in journals))
+    ppids = tuple(sorted({PurePosixPath(name).parts[0] for name in journals}))
     return Checked(ppids, len(found), size, trials)
 
 

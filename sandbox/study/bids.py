@@ -30,12 +30,10 @@ from sandbox.study.bids_about import (
     readme,
 )
 from sandbox.study.columns import Columns
+from sandbox.study.exclusions import exclude_person
 from sandbox.study.export_folder import new_folder
 from sandbox.study.folder import StudyFolder
-from sandbox.study.journal import read_journal
-from sandbox.study.plan import session_plan, trials_of
-from sandbox.study.session_folder import session_path
-from sandbox.study.state import SessionState
+from sandbox.study.kept_sessions import KeptSession, all_sessions, planned_trials
 from sandbox.study.tables import Row, person_columns, person_row, trial_rows
 
 TRACKSYS = "handsandbox"
@@ -74,20 +72,20 @@ def export_bids(study: StudyFolder, out: Path, say: Say) -> int:
     people: list[Row] = []
     runs = 0
     with new_folder(out) as work:
-        for person in study.participants():
-            path = session_path(study.path, person.ppid)
-            if not (path / "journal.jsonl").exists():
+        for person, sessions in all_sessions(study):
+            states = [session.state for session in sessions]
+            if any(state.consent is False for state in states):
                 continue
-            state = SessionState.of(read_journal(path / "journal.jsonl"))
-            if not state.start or state.consent is False:
-                continue
-            rows = trial_rows(study.design, state)
-            written = _person(path, work / f"sub-{person.ppid}" / "motion", person.ppid, rows)
+            rows = [trial_rows(study.design, state) for state in states]
+            mine = [row for some in rows for row in some]
+            exclude_person(study.design, states, mine)
+            written = sum(_session(study, session, work, some)
+                          for session, some in zip(sessions, rows, strict=True))  # fmt: skip
             if not written:
                 continue
             runs += written
-            planned = len(trials_of(session_plan(study.design, person.number)))
-            people.append(person_row(study.design, state, planned, rows))
+            people.append(person_row(study.design, states, planned_trials(study, person), mine,
+                                     study.design.sessions))  # fmt: skip
             say(f"sub-{person.ppid}: {written} runs")
         if not runs:
             raise StudyError("there is no trial that counts", where=str(study.path))
@@ -101,7 +99,12 @@ def task_label(task: str) -> str:
     return words[0] + "".join(word[:1].upper() + word[1:] for word in words[1:])
 
 
-def _person(session: Path, folder: Path, ppid: str, rows: Sequence[Row]) -> int:
+def _session(study: StudyFolder, session: KeptSession, work: Path, rows: Sequence[Row]) -> int:
+    """Writes the runs of a session; BIDS names it only where there are several."""
+    entities = [f"sub-{session.person.ppid}"]
+    if study.design.sessions > 1:
+        entities.append(f"ses-{session.number:02d}")
+    folder = work.joinpath(*entities, "motion")
     counts: dict[str, int] = {}
     for row in rows:
         if not row["counted"] or row["practice"]:
@@ -109,8 +112,8 @@ def _person(session: Path, folder: Path, ppid: str, rows: Sequence[Row]) -> int:
         folder.mkdir(parents=True, exist_ok=True)
         label = task_label(str(row["task"]))
         counts[label] = counts.get(label, 0) + 1
-        stem = f"sub-{ppid}_task-{label}_tracksys-{TRACKSYS}_run-{counts[label]}"
-        _run(session, folder, stem, row)
+        named = "_".join([*entities, f"task-{label}", f"tracksys-{TRACKSYS}"])
+        _run(session.path, folder, f"{named}_run-{counts[label]}", row)
     return sum(counts.values())
 
 

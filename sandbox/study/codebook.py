@@ -14,7 +14,7 @@ from sandbox.study.scoring_table import score_columns
 COLUMNS = {
     "experiment": ("", "name of the study"),
     "ppid": ("", "pseudonym of the participant; its last sign checks the others"),
-    "session_num": ("", "number of the session"),
+    "session_num": ("", "1, 2, ...: the how manyeth time that the participant came"),
     "trial_num": ("", "1, 2, ... over the session, practice included"),
     "block_num": ("", "1, 2, ...; a block ends where a factor's level changes"),
     "trial_num_in_block": ("", "1, 2, ..."),
@@ -53,8 +53,9 @@ COLUMNS = {
     "simulated": ("0/1", "1: no person, but a simulated user"),
     "consent": ("0/1", "the participant agreed; empty: not asked"),
     "trials_done": ("", "trials with an attempt that counts, practice included"),
-    "trials_planned": ("", "trials of the whole session, practice included"),
-    "complete": ("0/1", "the session came to its planned end"),
+    "sessions_done": ("", "sessions that came to their planned end"),
+    "trials_planned": ("", "trials of all sessions, practice included"),
+    "complete": ("0/1", "all sessions came to their planned end"),
 }
 """Unit and meaning by column."""
 

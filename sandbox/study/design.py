@@ -41,6 +41,7 @@ class Factor:
         levels: All of them; of a nested factor, those of all outer levels.
         outer: Name of the factor in whose levels this one's are nested; empty for a crossed one.
         nested: Levels by name of the outer factor's level; empty for a crossed one.
+        one_a_session: Every session has one of its levels, in the order's order.
     """
 
     name: str
@@ -48,6 +49,7 @@ class Factor:
     levels: tuple[Level, ...]
     outer: str = ""
     nested: dict[str, tuple[Level, ...]] | None = None
+    one_a_session: bool = False
 
     def within(self, chosen: dict[str, Level]) -> tuple[Level, ...]:
         """The levels that occur where outer factors have the levels chosen."""
@@ -101,6 +103,7 @@ class Form:
         at: `start`, `end`, or the factor after each of whose levels it is asked.
         scales: How answers become scores.
         source: Name and text of the file with its items; None where they are in the design.
+        sessions: In which it is asked; none: in all.
     """
 
     name: str
@@ -109,15 +112,18 @@ class Form:
     at: str
     scales: tuple[Scale, ...] = ()
     source: tuple[str, str] | None = None
+    sessions: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
 class Instruction:
-    """A text, at `start`, at `end`, or before each new level of a factor (or one level of it)."""
+    """A text, at `start`, at `end`, or before each new level of a factor (or one level of it); in
+    some sessions, or in all."""
 
     text: Text
     at: str
     level: str = ""
+    sessions: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -153,6 +159,7 @@ class Design:
         title: For people.
         seed: Every chance follows from it.
         participants: How many are wanted.
+        sessions: How often everybody comes.
         languages: The first is the default.
         settings: Of all trials, as options of `sandbox run`.
         factors: From the outermost to the innermost.
@@ -160,6 +167,7 @@ class Design:
         repeat_inside: Factor inside of whose levels the repetitions go round; empty: innermost.
         practice: Trials before each new level of `practice_each`.
         practice_each: A factor, or empty: once at the start.
+        practice_sessions: In which there is practice; none: in all.
         seeds: `own` starts and goals for everybody, or `shared` ones.
         time_limit: s of a trial; the task's own is shorter or counts.
         expected: s that a trial takes, for plans.
@@ -177,6 +185,7 @@ class Design:
     title: str
     seed: int
     participants: int
+    sessions: int
     languages: tuple[str, ...]
     settings: dict[str, Any]
     factors: tuple[Factor, ...]
@@ -184,6 +193,7 @@ class Design:
     repeat_inside: str
     practice: int
     practice_each: str
+    practice_sessions: tuple[int, ...]
     seeds: str
     time_limit: float
     expected: float

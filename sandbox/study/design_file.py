@@ -28,11 +28,8 @@ from sandbox.study.questionnaires import read_form, read_item
 from sandbox.study.reading import DesignError, Mistake, Reader, Table
 from sandbox.study.showing import read_showing
 
-ONCE = "everybody comes once"
-ANOTHER = (
-    "Make a design of another name, and with a seed of its own, for the second time; a list of "
-    "yours says who is who"
-)
+MOST_SESSIONS = 99
+"""Of one person."""
 
 
 def load_design(path: Path, try_out: bool = True) -> Design:
@@ -85,8 +82,8 @@ def _design(top: Table, text: str, path: Path) -> Design:
     schema = top.raw("schema", SCHEMA)
     if schema != SCHEMA:
         top.wrong("schema", f"got {schema!r}", f"This version reads schema {SCHEMA}")
-    if top.raw("sessions", 1) != 1:
-        top.reader.wrong(("sessions",), ONCE, ANOTHER)
+    sessions = top.number("sessions", 1, 1, MOST_SESSIONS, whole=True)
+    top.reader.sessions = sessions
     languages = top.strings("languages", ("en",)) or ("en",)
     top.reader.languages = languages
     factors = _factors(top)
@@ -98,6 +95,7 @@ def _design(top: Table, text: str, path: Path) -> Design:
         title=top.string("title", ""),
         seed=top.number("seed", 0, 0, 2**53, whole=True),
         participants=top.number("participants", 12, 1, 10_000, whole=True),
+        sessions=sessions,
         languages=languages,
         settings=_settings(top.table("settings")),
         factors=factors,
@@ -105,6 +103,7 @@ def _design(top: Table, text: str, path: Path) -> Design:
         repeat_inside=_factor(trials, "repeat_inside", names),
         practice=trials.number("practice", 0, 0, 100, whole=True),
         practice_each=_factor(trials, "practice_each", names),
+        practice_sessions=trials.session_numbers("practice_sessions"),
         seeds=trials.choice("seeds", ("own", "shared"), "own"),
         time_limit=float(trials.number("time_limit_s", 600.0, 0.05, 3600.0)),
         expected=float(trials.number("expected_s", 20.0, 0.05, 3600.0)),
@@ -197,11 +196,27 @@ def _one_factor(table: Table, outer_ones: list[Factor]) -> Factor:
     else:
         levels = _levels(table, raw, setting)
         lists = [levels]
+    one_a_session = table.flag("one_a_session")
+    if one_a_session:
+        _check_one_a_session(table, bool(outer_ones), bool(outer), order, len(levels))
     if order == "factorial" and max(map(len, lists), default=0) > MOST_FACTORIAL:
         table.wrong("order", f"{len(levels)} levels have too many orders",
                     f"Use latin, or at most {MOST_FACTORIAL} levels")  # fmt: skip
     table.done()
-    return Factor(name, order, levels, outer, nested)
+    return Factor(name, order, levels, outer, nested, one_a_session)
+
+
+def _check_one_a_session(table: Table, inner: bool, nested: bool, order: str, count: int) -> None:
+    sessions = table.reader.sessions
+    if inner or nested:
+        table.wrong("one_a_session", "only the outermost factor can have one level a session",
+                    "Put it first")  # fmt: skip
+    elif order == "between":
+        table.wrong("one_a_session", "between participants everybody has the same level always",
+                    "Choose another order, or leave it out")  # fmt: skip
+    elif count != sessions:
+        table.wrong("one_a_session", f"{count} levels, and {sessions} sessions",
+                    f"Write sessions = {count} at the top, or leave it out")  # fmt: skip
 
 
 def _levels(table: Table, raw: Any, setting: str) -> tuple[Level, ...]:
@@ -240,7 +255,7 @@ def _instruction(table: Table, factors: tuple[Factor, ...]) -> Instruction:
     if level and level not in names:
         table.wrong("level", f"{at} has no level {level!r}",
                     f"Levels: {', '.join(names)}" if names else "Set `at` to a factor")  # fmt: skip
-    found = Instruction(table.text("text"), at, level)
+    found = Instruction(table.text("text"), at, level, table.session_numbers("sessions"))
     table.done()
     return found
 

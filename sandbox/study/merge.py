@@ -12,6 +12,7 @@ import json
 import os
 import shutil
 from collections.abc import Callable, Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -25,10 +26,11 @@ from sandbox.study.export_tables import rebuild_all
 from sandbox.study.files import TEMPORARY, locked, write_atomically
 from sandbox.study.folder import SCHEMA, StudyFolder, write_design
 from sandbox.study.journal import Record, now, read_journal
+from sandbox.study.kept_sessions import JOURNAL, session_folders, sessions_of
 from sandbox.study.privacy import lines
 from sandbox.study.pseudonym import new_pseudonym
-from sandbox.study.session_folder import session_path
 from sandbox.study.tables import csv_bytes
+from sandbox.study.trial_files import TRIALS
 from sandbox.study.withdraw import SITES, WITHDRAWN, withdrawn
 
 Say = Callable[[str], object]
@@ -133,8 +135,8 @@ def _choose(sites: Mapping[str, StudyFolder], found: Merged) -> dict[tuple[str, 
 
 
 def _same_person(first: StudyFolder, second: StudyFolder, ppid: str) -> StudyFolder | None:
-    """Where the longer journal of somebody is who is in both; None: they are two people."""
-    journals = [_journal(study, ppid) for study in (first, second)]
+    """Where somebody is who is in both went further; None: they are two people."""
+    journals = [_records(study, ppid) for study in (first, second)]
     if not all(journals):
         # Somebody who has not begun has nothing but a pseudonym.
         return first if journals[0] or not journals[1] else second
@@ -154,9 +156,11 @@ def _plain(record: Record) -> Record:
     return {key: value for key, value in record.items() if key != "study"}
 
 
-def _journal(study: StudyFolder, ppid: str) -> list[Record]:
-    path = session_path(study.path, ppid) / "journal.jsonl"
-    return read_journal(path) if path.exists() else []
+def _records(study: StudyFolder, ppid: str) -> list[Record]:
+    """All that the journals of somebody's sessions say, in order."""
+    return [
+        record for session in sessions_of(study, study.find(ppid)) for record in session.records
+    ]
 
 
 def _fresh(taken: set[str]) -> str:
@@ -196,27 +200,31 @@ def _write_journal(
 
 def _copy(source: Path, old: str, work: Path, new: str, study: str) -> None:
     """A participant's folder, under a new pseudonym and a new study's id where they have one."""
-    session = session_path(source, old)
     if not (source / old).exists():
         return
-    if session.exists() and os.access(session, os.W_OK):
-        with locked(session / ".lock", wait=False, what=f"participant {old}"):
-            shutil.copytree(source / old, work / new, ignore=_ignored)
-    else:
+    with ExitStack() as stack:
+        for session in session_folders(source / old):
+            if os.access(session, os.W_OK):
+                what = f"participant {old}"
+                stack.enter_context(locked(session / ".lock", wait=False, what=what))
         shutil.copytree(source / old, work / new, ignore=_ignored)
-    path = session_path(work, new) / "journal.jsonl"
-    if not path.exists():
-        return
-    renamed = {"ppid": new, "study": study}
+    for session in session_folders(work / new):
+        if (session / JOURNAL).exists():
+            _rename(session, new if new != old else "", study)
+
+
+def _rename(session: Path, new: str, study: str) -> None:
+    """Puts another study's id into a copied session, and a new pseudonym if there is one."""
+    path = session / JOURNAL
+    renamed = {"study": study} | ({"ppid": new} if new else {})
     records = [{k: renamed.get(k, v) if r["kind"].startswith("session_") else v
                 for k, v in r.items()} for r in read_journal(path)]  # fmt: skip
     write_atomically(path, lines(records), durable=False)
-    if old != new:
-        for recording in (path.parent / "trials").glob("*.jsonl*"):
-            kept = [_renamed(line, new) for line in read_stored(recording).data.split(b"\n")]
-            data = b"\n".join(kept)
-            small = recording.suffix == SUFFIX
-            write_atomically(recording, packed(data) if small else data, durable=False)
+    for recording in (session / TRIALS).glob("*.jsonl*") if new else ():
+        kept = [_renamed(line, new) for line in read_stored(recording).data.split(b"\n")]
+        data = b"\n".join(kept)
+        small = recording.suffix == SUFFIX
+        write_atomically(recording, packed(data) if small else data, durable=False)
 
 
 def _renamed(line: bytes, new: str) -> bytes:

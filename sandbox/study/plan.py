@@ -86,6 +86,7 @@ class TrialStep(Step):
         levels: By factor.
         values: Settings, by the names of `conditions.SETTINGS`.
         seed: Of the trial.
+        session: 1, 2, ...
     """
 
     number: int
@@ -96,16 +97,22 @@ class TrialStep(Step):
     levels: dict[str, str]
     values: dict[str, Any]
     seed: int
+    session: int = 1
 
 
-def session_plan(design: Design, participant: int) -> list[Step]:
-    """All steps of a participant's session.
+def session_plan(design: Design, participant: int, session: int = 1) -> list[Step]:
+    """All steps of one of a participant's sessions.
+
+    Consent and what is asked about the person are parts of the first one. In a later one orders by
+    rows are those that the next participant had in the session before, random ones are drawn anew,
+    and starts and goals are others, unless all share them.
 
     Args:
         design: Of the study.
         participant: 0, 1, ... in order of arrival; decides on orders.
+        session: 1, 2, ... up to `design.sessions`.
     """
-    steps = list(_Plan(design, participant).steps())
+    steps = list(_Plan(design, participant, session).steps())
     if any(in_the_air(step.values) for step in trials_of(steps)):
         return steps
     return [step for step in steps if not isinstance(step, CalibrationStep)]
@@ -148,8 +155,10 @@ def whole_cycle(design: Design) -> int:
 
 
 class _Plan:
-    def __init__(self, design: Design, participant: int) -> None:
-        self._design, self._participant = design, participant
+    def __init__(self, design: Design, participant: int, session: int) -> None:
+        self._design, self._participant, self._session = design, participant, session
+        # What chance in a later session follows from, too; of a first one, that was never told.
+        self._later: tuple[object, ...] = () if session == 1 else ("session", session)
         self._trial = self._block = self._in_block = self._count = 0
         self._levels: dict[str, Level] = {}
         inside = [f.name for f in design.factors]
@@ -160,9 +169,9 @@ class _Plan:
 
     def steps(self) -> Iterator[Step]:
         design = self._design
-        if design.consent:
+        if design.consent and self._session == 1:
             yield ConsentStep("consent")
-        if design.demographics:
+        if design.demographics and self._session == 1:
             title = dict.fromkeys(design.languages, "")
             form = Form("demographics", title, design.demographics, START)
             yield FormStep("form:demographics", form, 0, {})
@@ -171,9 +180,17 @@ class _Plan:
         yield CalibrationStep("calibration")
         if design.practice and not design.practice_each:
             yield from self._practice()
-        yield from self._factor(0, 0, 0)
+        yield from self._factor(0, self._first_place(0), 0)
         yield from self._forms(END)
         yield from self._instructions(END)
+
+    def _now(self, sessions: tuple[int, ...]) -> bool:
+        """Whether something belongs to this session."""
+        return not sessions or self._session in sessions
+
+    def _first_place(self, depth: int) -> int:
+        """Place at which a factor's levels begin: another one in every session."""
+        return 0 if self._design.factors[depth].one_a_session else self._session - 1
 
     def _factor(self, depth: int, place: int, repetition: int) -> Iterator[Step]:
         """All that happens inside of the levels chosen so far; `place` counts their places."""
@@ -187,7 +204,9 @@ class _Plan:
             yield self._make_trial(repetition)
             return
         factor = design.factors[depth]
-        for position, level in enumerate(self._ordered(factor, place, depth, repetition)):
+        levels = self._ordered(factor, place, depth, repetition)
+        first = self._session - 1 if factor.one_a_session else 0
+        for position, level in enumerate(levels, first):
             self._levels[factor.name] = level
             if depth < self._round:
                 self._block += 1
@@ -202,19 +221,24 @@ class _Plan:
 
     def _ordered(self, factor: Factor, place: int, depth: int, repetition: int) -> list[Level]:
         levels = factor.within(self._levels)
-        outer = (
-            cycle(
-                self._design.factors[depth - 1].order, len(self._design.factors[depth - 1].levels)
-            )
-            if depth
-            else 1
-        )
         p = self._participant
-        # Inner orders shift with the place in outer ones, and against them from cycle to cycle.
-        row = p if factor.order == "between" else p + place + (p // outer if outer > 1 else 0)
+        row = (
+            p if factor.order == "between" else p + place + self._shift(factor, len(levels), depth)
+        )
         chosen = ",".join(f"{k}={v.name}" for k, v in self._levels.items())
-        seed = _seed(self._design.seed, "order", p, factor.name, chosen, repetition)
-        return [levels[i] for i in order_of(factor.order, len(levels), row, (seed,))]
+        later = () if factor.one_a_session else self._later
+        seed = _seed(self._design.seed, "order", p, factor.name, chosen, repetition, *later)
+        ordered = [levels[i] for i in order_of(factor.order, len(levels), row, (seed,))]
+        return [ordered[self._session - 1]] if factor.one_a_session else ordered
+
+    def _shift(self, factor: Factor, count: int, depth: int) -> int:
+        """By how many rows a participant's inner orders are shifted against outer ones: from cycle
+        to cycle of both, so that within a cycle every row is used equally often."""
+        if not depth:
+            return 0
+        outer = self._design.factors[depth - 1]
+        around = cycle(outer.order, len(outer.levels))
+        return self._participant // lcm(around, cycle(factor.order, count)) if around > 1 else 0
 
     def _make_trial(self, repetition: int, practice: int = 0) -> TrialStep:
         design = self._design
@@ -225,17 +249,22 @@ class _Plan:
         who = "everybody" if design.seeds == "shared" else self._participant
         # Shared starts are the same in all conditions, too; only task and repetition tell.
         what = values.get("task", "") if design.seeds == "shared" else sorted(levels.items())
-        seed = _seed(design.seed, "trial", who, what, repetition, practice)
+        later = () if design.seeds == "shared" else self._later
+        seed = _seed(design.seed, "trial", who, what, repetition, practice, *later)
         return TrialStep(f"trial:{self._trial}", self._trial, self._block, self._in_block,
-                         repetition, practice > 0, levels, values, seed % 2**31)  # fmt: skip
+                         repetition, practice > 0, levels, values, seed % 2**31,
+                         self._session)  # fmt: skip
 
     def _practice(self) -> Iterator[Step]:
         """Practice with the levels chosen so far, and the first of those that are not."""
         design = self._design
+        if not self._now(design.practice_sessions):
+            return
         missing = [f for f in design.factors if f.name not in self._levels]
         for number in range(1, design.practice + 1):
             for factor in missing:
-                levels = self._ordered(factor, 0, design.factors.index(factor), 0)
+                depth = design.factors.index(factor)
+                levels = self._ordered(factor, self._first_place(depth), depth, 0)
                 self._levels[factor.name] = levels[(number - 1) % len(levels)]
             yield self._make_trial(0, number)
             for factor in missing:
@@ -250,7 +279,8 @@ class _Plan:
 
     def _instructions(self, at: str, level: str = "") -> Iterator[Step]:
         for i, instruction in enumerate(self._design.instructions):
-            if instruction.at == at and instruction.level in ("", level):
+            here = instruction.at == at and instruction.level in ("", level)
+            if here and self._now(instruction.sessions):
                 yield InstructionStep(f"instruction:{i}:{at}:{self._trial}", instruction)
 
     def _forms(self, at: str) -> Iterator[Step]:
@@ -260,10 +290,10 @@ class _Plan:
             names = [f.name for f in self._design.factors]
             levels = {k: v for k, v in levels.items() if names.index(k) <= names.index(at)}
         for form in self._design.questionnaires:
-            if form.at == at:
+            if form.at == at and self._now(form.sessions):
                 block = self._block if at not in (START, END) else 0
                 step = f"form:{form.name}:{self._trial}"
-                seed = _seed(self._design.seed, "form", self._participant, step)
+                seed = _seed(self._design.seed, "form", self._participant, step, *self._later)
                 yield FormStep(step, arranged(form, seed), block, levels)
 
 

@@ -24,12 +24,12 @@ from sandbox.study.export_tables import rebuild_all
 from sandbox.study.files import make_folder, write_atomically
 from sandbox.study.folder import StudyFolder, write_design
 from sandbox.study.frames import STEMS
-from sandbox.study.journal import Record, read_journal
+from sandbox.study.journal import Record
+from sandbox.study.kept_sessions import JOURNAL, KeptSession, all_sessions, session_path
 from sandbox.study.plan import in_the_air
 from sandbox.study.privacy_groups import Groups, binned, groups
 from sandbox.study.privacy_records import EPOCH, Disguise, disguised, disguised_line, without_places
 from sandbox.study.pseudonym import new_pseudonym
-from sandbox.study.session_folder import session_path
 from sandbox.study.state import SessionState
 
 DEMOGRAPHICS = "demographics"
@@ -82,8 +82,9 @@ def anonymise(study: StudyFolder, out: Path, masking: Masking, say: Say) -> Anon
         StudyError: A journal is damaged, there is nobody, or the copy cannot be written.
     """
     _check(study.design, masking)
-    sessions = _sessions(study)
-    agreed = {p: s for p, s in sessions.items() if SessionState.of(s[1]).consent is not False}
+    sessions = {person.ppid: found for person, found in all_sessions(study)}
+    agreed = {p: some for p, some in sessions.items()
+              if all(s.state.consent is not False for s in some)}  # fmt: skip
     if not agreed:
         raise StudyError("there is nobody to export", where=str(study.path))
     names = _new_names(agreed)
@@ -95,13 +96,14 @@ def anonymise(study: StudyFolder, out: Path, masking: Masking, say: Say) -> Anon
         write_design(work, study.design)
         _write_people(work, agreed, names)
         for old in sorted(agreed, key=names.__getitem__):
-            source, records = agreed[old]
             answer = _answer(study.design, masking)
             disguise = Disguise(names[old], new_id, answer, masking.words)
-            say(f"{names[old]}: {len(records)} records")
-            _write_session(work, source, disguised(records, disguise), disguise, masking)
+            for session in agreed[old]:
+                say(f"{names[old]}: {len(session.records)} records")
+                _write_session(work, session, disguise, masking)
         found = _finish(work, masking, len(sessions) - len(agreed))
-    starts = [r for _, some in agreed.values() for r in some if r["kind"] == "trial_start"]
+    starts = [r for some in agreed.values() for session in some for r in session.records
+              if r["kind"] == "trial_start"]  # fmt: skip
     hidden = masking.recordings and not masking.hands
     return replace(found, hands=sum(hidden and in_the_air(r["values"]) for r in starts))
 
@@ -112,18 +114,6 @@ def _check(design: Design, masking: Masking) -> None:
         if name not in known:
             raise StudyError("nobody was asked this", where="--drop or --bins", got=name,
                              expected=", ".join(known) or "no demographics")  # fmt: skip
-
-
-def _sessions(study: StudyFolder) -> dict[str, tuple[Path, list[Record]]]:
-    """Folders and journals of everybody who began, by pseudonym."""
-    found = {}
-    for person in study.participants():
-        path = session_path(study.path, person.ppid)
-        if (path / "journal.jsonl").exists():
-            records = read_journal(path / "journal.jsonl")
-            if SessionState.of(records).start:
-                found[person.ppid] = (path, records)
-    return found
 
 
 def _new_names(sessions: Mapping[str, object]) -> dict[str, str]:
@@ -157,12 +147,12 @@ def _answer(design: Design, masking: Masking) -> Callable[[str, str, Any], Any]:
 
 
 def _write_people(
-    work: Path, sessions: Mapping[str, tuple[Path, list[Record]]], names: Mapping[str, str]
+    work: Path, sessions: Mapping[str, list[KeptSession]], names: Mapping[str, str]
 ) -> None:
     """The study's journal: who took part, in the order of the new names, which tells nothing."""
     records: list[Record] = []
     for old in sorted(sessions, key=names.__getitem__):
-        start = SessionState.of(sessions[old][1]).start
+        start = sessions[old][0].state.start
         records.append({
             "n": len(records), "time": EPOCH.isoformat(timespec="milliseconds"), "clock": 0.0,
             "kind": "participant", "ppid": names[old],
@@ -172,13 +162,12 @@ def _write_people(
     write_atomically(work / "study.jsonl", lines(records))
 
 
-def _write_session(
-    work: Path, source: Path, records: list[Record], disguise: Disguise, masking: Masking
-) -> None:
-    path = session_path(work, disguise.ppid)
+def _write_session(work: Path, session: KeptSession, disguise: Disguise, masking: Masking) -> None:
+    source, records = session.path, disguised(session.records, disguise)
+    path = session_path(work, disguise.ppid, session.number)
     for folder in ("trials", "trackers", "session_info"):
         make_folder(path / folder)
-    write_atomically(path / "journal.jsonl", lines(records), durable=False)
+    write_atomically(path / JOURNAL, lines(records), durable=False)
     for attempt in (a for some in SessionState.of(records).attempts.values() for a in some):
         recording = source / attempt.start["file"]
         kept = masking.recordings and (masking.hands or not in_the_air(attempt.start["values"]))
@@ -205,9 +194,11 @@ def _finish(work: Path, masking: Masking, without_consent: int) -> Anonymised:
     copy = StudyFolder.at(work)
     design = copy.design
     people: list[dict[str, Any]] = []
-    for state in rebuild_all(copy).values():
-        asked = [r["answers"] for r in state.answers.values() if r["form"] == DEMOGRAPHICS]
-        people.append({"hand": state.start["hand"], "language": state.start["language"],
+    for sessions in rebuild_all(copy).values():
+        start = sessions[0].state.start
+        asked = [r["answers"] for s in sessions for r in s.state.answers.values()
+                 if r["form"] == DEMOGRAPHICS]  # fmt: skip
+        people.append({"hand": start["hand"], "language": start["language"],
                        **(asked[-1] if asked else {})})  # fmt: skip
     columns = ["hand", "language"] + [
         item.name for item in design.demographics

@@ -33,6 +33,7 @@ def read_form(table: Table, factors: list[str], folder: Path) -> Form:
     use, file = table.string("use", ""), table.string("file", "")
     name = table.name("name") if not use or table.has("name") else use
     at = table.choice("at", (START, END, *factors), END)
+    sessions = table.session_numbers("sessions")
     if use and file:
         table.wrong("file", "`use` is given, too", "Keep one of the two")
     text = _packaged(table, use) if use else _beside(table, file, folder) if file else None
@@ -60,7 +61,8 @@ def read_form(table: Table, factors: list[str], folder: Path) -> Form:
             remedy = "Translate it in a file of your own" if use else "Correct that file"
             table.wrong("use" if use else "file", f"{use or file}, {mistake}", remedy)
     table.done()
-    return Form(name, title, items, at, scales, (file, text) if file and text else None)
+    origin = (file, text) if file and text else None
+    return Form(name, title, items, at, scales, origin, sessions)
 
 
 def read_item(table: Table) -> Item:

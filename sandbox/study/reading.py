@@ -52,12 +52,13 @@ class DesignError(StudyError):
 
 
 class Reader:
-    """What all tables of one file share: its lines, its languages and the mistakes so far."""
+    """What all tables of one file share: its lines, languages, sessions and mistakes so far."""
 
     def __init__(self, text: str) -> None:
         self.lines = TomlLines(text)
         self.mistakes: list[Mistake] = []
         self.languages: tuple[str, ...] = ("en",)
+        self.sessions = 1
 
     def wrong(self, path: Path, what: str, remedy: str) -> None:
         """Remembers a mistake."""
@@ -151,6 +152,19 @@ class Table:
             return tuple(default)
         if len(set(value)) < len(value):
             self.wrong(key, "something is in the list twice", "Leave it out once")
+        return tuple(value)
+
+    def session_numbers(self, key: str) -> tuple[int, ...]:
+        """Numbers of sessions; none where it is not given, which means all of them."""
+        if not self.has(key):
+            self._known.append(key)
+            return ()
+        value, most = self.raw(key), self.reader.sessions
+        numbers = isinstance(value, list) and all(type(v) is int for v in value)
+        if not numbers or not value or not all(1 <= v <= most for v in value):
+            self.wrong(key, f"got {value!r}", "Write numbers of sessions such as [1]; there "
+                       f"are so many: {most} (`sessions`)")  # fmt: skip
+            return ()
         return tuple(value)
 
     def text(self, key: str) -> Text:

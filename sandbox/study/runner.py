@@ -171,8 +171,8 @@ class SessionRunner:
             "device": self.device,
             **({"user": person.user} if person.user is not None else {}),
             "study": {"experiment": session.study.design.name, "mode": session.study.mode,
-                      "ppid": person.ppid, "trial": trial.number, "attempt": start["attempt"],
-                      "practice": trial.practice, "levels": trial.levels},
+                      "ppid": person.ppid, "session": session.number, "trial": trial.number,
+                      "attempt": start["attempt"], "practice": trial.practice, "levels": trial.levels},
         }  # fmt: skip
         try:
             played = self.player.play(

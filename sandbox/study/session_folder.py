@@ -16,14 +16,13 @@ from sandbox.recording_file import stored
 from sandbox.study.files import explain, locked, make_folder, sweep, sync_file, sync_folder
 from sandbox.study.folder import Participant, StudyFolder
 from sandbox.study.journal import SCHEMA, Journal, Record, Syncing
+from sandbox.study.kept_sessions import JOURNAL, session_path, sessions_of
 from sandbox.study.plan import Step, TrialStep, session_plan, trials_of
 from sandbox.study.state import Attempt, SessionState
 from sandbox.versions import versions
 
 TOLD = ("n", "step", "trial", "attempt", "practice", "form", "block", "levels")
 """Of a record, what other instruments are told."""
-SESSION = 1
-"""Number of the session: everybody comes once."""
 
 
 class SessionFolder:
@@ -35,6 +34,7 @@ class SessionFolder:
     Args:
         study: It belongs to.
         person: Who takes part.
+        number: 1, 2, ...: the how manyeth time they come.
 
     Attributes:
         path: Of the folder.
@@ -42,13 +42,14 @@ class SessionFolder:
         state: What the journal says.
 
     Raises:
-        StudyError: Another program has it open, or it is another study's.
+        StudyError: Another program has it open, it is another study's, or it is not its turn.
     """
 
-    def __init__(self, study: StudyFolder, person: Participant) -> None:
-        self.study, self.person = study, person
-        self.path = session_path(study.path, person.ppid)
-        self.steps: list[Step] = session_plan(study.design, person.number)
+    def __init__(self, study: StudyFolder, person: Participant, number: int = 1) -> None:
+        self.study, self.person, self.number = study, person, number
+        self._check_turn()
+        self.path = session_path(study.path, person.ppid, number)
+        self.steps: list[Step] = session_plan(study.design, person.number, number)
         for folder in (self.path, self.path / "trials", self.path / "trackers",
                        self.path / "session_info"):  # fmt: skip
             make_folder(folder)
@@ -66,7 +67,7 @@ class SessionFolder:
         self._closing.enter_context(locked(self.path / ".lock", wait=False, what=what))
         for name in ("", "trials", "trackers", "session_info"):
             sweep(self.path / name)
-        self.journal = Journal(self.path / "journal.jsonl")
+        self.journal = Journal(self.path / JOURNAL)
         self._closing.callback(self.journal.close)
         self.state = SessionState.of(self.journal.records)
         if self.state.start:
@@ -77,7 +78,7 @@ class SessionFolder:
         kind = "session_resume" if self.resumed else "session_start"
         self.write(kind, durable=True, schema=SCHEMA, study=self.study.id,
                    experiment=self.study.design.name, mode=self.study.mode,
-                   design=self.study.design.digest, session=SESSION, versions=versions(),
+                   design=self.study.design.digest, session=self.number, versions=versions(),
                    build=self.study.build, **vars(self.person))  # fmt: skip
         self._syncing = Syncing(self._sync)
         self._closing.callback(self._syncing.close)
@@ -173,13 +174,32 @@ class SessionFolder:
                    attempt=start["attempt"], file=start["file"], result=brief(result),
                    **more)  # fmt: skip
 
+    def _check_turn(self) -> None:
+        """Refuses a session that the design does not know, or whose forerunner is not finished."""
+        planned = self.study.design.sessions
+        if not 1 <= self.number <= planned:
+            times = "once" if planned == 1 else f"{planned} times"
+            raise StudyError(f"by the design everybody comes {times}", where="--session",
+                             got=self.number,
+                             remedy="`sessions` in the design says how often")  # fmt: skip
+        if self.number == 1:
+            return
+        done = {s.number for s in sessions_of(self.study, self.person) if s.state.complete}
+        missing = next((n for n in range(1, self.number) if n not in done), None)
+        if missing is not None:
+            raise StudyError(f"session {missing} comes first, and is not finished",
+                             where=f"participant {self.person.ppid}", got=f"session {self.number}",
+                             remedy=f"Go on with --session {missing}; there the key s skips what "
+                                    "will not be done")  # fmt: skip
+
     def _check(self) -> None:
         """Refuses a folder that is another study's, such as one copied in from a pilot."""
         start = self.state.start
-        mine = {"study": self.study.id, "mode": self.study.mode, **vars(self.person)}
+        mine = {"study": self.study.id, "mode": self.study.mode, "session": self.number,
+                **vars(self.person)}  # fmt: skip
         wrong = [name for name, value in mine.items() if start.get(name) != value]
         if wrong:
-            raise StudyError("this session belongs to another study, or another participant",
+            raise StudyError("this session belongs to another study, participant or time",
                              where=str(self.path),
                              got=", ".join(f"{n} {start.get(n)}" for n in wrong),
                              expected=", ".join(f"{n} {mine[n]}" for n in wrong),
@@ -222,11 +242,6 @@ class SessionFolder:
         if recording is not None:
             with suppress(FileNotFoundError):
                 sync_file(recording)
-
-
-def session_path(study: Path, ppid: str, session: int = SESSION) -> Path:
-    """Folder of a session."""
-    return study / ppid / f"S{session:03d}"
 
 
 def finished_result(path: Path) -> dict[str, Any] | None:

@@ -35,6 +35,8 @@ LEFT = 0.1
 """Share of people whose left hand is the better one."""
 
 _STREAM = 7_106
+DAYS = 16
+"""Bits of a seed below those that tell sessions apart."""
 
 
 def simulated_person(design: Design, number: int) -> dict[str, Any]:
@@ -78,7 +80,8 @@ def simulated_device(person: Participant) -> Callable[[TrialStep, RunSettings], 
     def of_trial(trial: TrialStep, settings: RunSettings) -> DeviceMaker:
         def make(task: Task, surface: Surface) -> Device:
             # Another stream than the task's own: equal starts are met with other luck.
-            seed = trial.seed ^ (person.number + 1)
+            # A later session is another day.
+            seed = trial.seed ^ (person.number + 1) ^ ((trial.session - 1) << DAYS)
             tell = settings.labels == "device"
             if settings.in_air is not None:
                 place, whose = settings.in_air.at, settings.person
@@ -96,18 +99,17 @@ def simulated_device(person: Participant) -> Callable[[TrialStep, RunSettings], 
 def run_simulated(
     study: StudyFolder, number: int, say: Callable[[str], object], controls: Controls | None = None
 ) -> Outcome:
-    """A participant's whole session, or what is left of it."""
+    """All of a participant's sessions, or what is left of them, up to one that is not finished."""
     person = study.add(number, **simulated_person(study.design, number))
-    with SessionFolder(study, person) as session:
-        runner = SessionRunner(
-            session,
-            HeadlessPlayer(),
-            simulated_device(person),
-            SimulatedForms(study.design.seed % 2**31 + number),
-            controls or Controls(say),
-            say,
-        )
-        return runner.run()
+    outcome = Outcome.COMPLETE
+    for n in range(1, study.design.sessions + 1):
+        with SessionFolder(study, person, n) as session:
+            forms = SimulatedForms((study.design.seed % 2**31 + number) ^ ((n - 1) << DAYS))
+            outcome = SessionRunner(session, HeadlessPlayer(), simulated_device(person), forms,
+                                    controls or Controls(say), say).run()  # fmt: skip
+        if outcome is not Outcome.COMPLETE:
+            break
+    return outcome
 
 
 def simulate(

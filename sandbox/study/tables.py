@@ -13,15 +13,17 @@ from typing import Any
 from sandbox.recording_file import stored
 from sandbox.study.codebook import codebook
 from sandbox.study.design import Design
+from sandbox.study.exclusions import PERSON, exclude_person, excluded_by_rule
 from sandbox.study.files import write_atomically
 from sandbox.study.folder import StudyFolder
 from sandbox.study.frames import STEMS, read_measures
-from sandbox.study.journal import Record, read_journal
+from sandbox.study.journal import Record
+from sandbox.study.kept_sessions import all_sessions, planned_trials
 from sandbox.study.measures import MEASURES
 from sandbox.study.measures_throughput import throughput
 from sandbox.study.plan import Step
 from sandbox.study.scoring_table import score_columns, score_rows
-from sandbox.study.session_folder import SESSION, SessionFolder, session_path
+from sandbox.study.session_folder import SessionFolder
 from sandbox.study.state import Attempt, SessionState
 
 UXF = ("experiment", "ppid", "session_num", "trial_num", "block_num", "trial_num_in_block",
@@ -39,7 +41,8 @@ Row = dict[str, Any]
 QUESTIONNAIRE = ("experiment", "ppid", "session_num", "mode", "instrument", "block_num", "item",
                  "answer", "language", "time")  # fmt: skip
 PEOPLE = ("ppid", "number", "hand", "hand_size", "language", "mode", "simulated", "consent",
-          "trials_done", "trials_planned", "complete", "excluded", "exclusion_reason")  # fmt: skip
+          "sessions_done", "trials_done", "trials_planned", "complete", "excluded",
+          "exclusion_reason")  # fmt: skip
 
 
 def trial_columns(design: Design) -> list[str]:
@@ -64,7 +67,7 @@ def trial_rows(design: Design, state: SessionState, session: Path | None = None)
         for attempt in attempts
         if attempt.end is not None
     ]
-    _exclude_participant(design, state, rows)
+    exclude_person(design, [state], rows)
     _tell_throughput(rows)
     return rows
 
@@ -104,9 +107,7 @@ def _trial_row(
         row["trial_recording_location_0"] = file.relative_to(folder).as_posix()
     for column, kind in (("hand_pose_location_0", "frames"), ("touches_location_0", "touches")):
         row[column] = f"trackers/{STEMS[kind]}_{stem}.csv.gz"
-    reason = state.excluded.get(trial, "") or _excluded_by_rule(design, row)
-    if state.excluded_participant:
-        reason = f"participant: {state.excluded_participant}"
+    reason = state.excluded.get(trial, "") or excluded_by_rule(design, row)
     return {**row, "excluded": bool(reason), "exclusion_reason": reason}
 
 
@@ -127,27 +128,6 @@ def _tell_throughput(rows: list[Row]) -> None:
                            [r["time_s"] for r in moves])  # fmt: skip
         for row in some:
             row["throughput_bit_s"] = found
-
-
-def _excluded_by_rule(design: Design, row: Row) -> str:
-    for rule in design.exclusions:
-        value = row.get(rule.measure)
-        if rule.of == "trial" and value is not None and rule.holds(float(value)):
-            return f"rule {rule.name}"
-    return ""
-
-
-def _exclude_participant(design: Design, state: SessionState, rows: list[Row]) -> None:
-    """Applies rules about participants, once their session is complete."""
-    if not state.complete or state.excluded_participant:
-        return
-    counted = [r for r in rows if r["counted"] and not r["practice"] and not r["excluded"]]
-    for rule in design.exclusions:
-        values = [float(r[rule.measure]) for r in counted if r.get(rule.measure) is not None]
-        if rule.of == "participant" and values and rule.holds(sum(values) / len(values)):
-            for row in rows:
-                row |= {"excluded": True, "exclusion_reason": f"participant: rule {rule.name}"}
-            return
 
 
 def answer_rows(state: SessionState) -> list[Row]:
@@ -177,22 +157,37 @@ def answer_columns(design: Design) -> list[str]:
     return [*QUESTIONNAIRE[:6], *factors, *QUESTIONNAIRE[6:]]
 
 
-def person_row(design: Design, state: SessionState, planned: int, rows: Sequence[Row]) -> Row:
-    """A participant's row in `participants.csv`."""
-    start = state.start
-    reasons = {r["exclusion_reason"] for r in rows if r["exclusion_reason"].startswith("particip")}
-    reason = state.excluded_participant or next(iter(reasons), "").removeprefix("participant: ")
-    asked = [r for r in state.answers.values() if r["form"] == "demographics"]
+def person_row(
+    design: Design, states: Sequence[SessionState], planned: int, rows: Sequence[Row],
+    sessions: int = 1,
+) -> Row:  # fmt: skip
+    """A participant's row in `participants.csv`, or in the one of a single session.
+
+    Args:
+        design: Of the study.
+        states: Of the sessions that were begun, at least one.
+        planned: Trials of all sessions.
+        rows: Of `trial_results.csv`, of these sessions.
+        sessions: How many sessions there are to be.
+    """
+    start = states[0].start
+    reasons = [r["exclusion_reason"] for r in rows if r["exclusion_reason"].startswith(PERSON)]
+    # Where nothing was finished there are no rows.
+    reasons += [s.excluded_participant for s in states if s.excluded_participant]
+    reason = reasons[0].removeprefix(PERSON) if reasons else ""
+    asked = [r for s in states for r in s.answers.values() if r["form"] == "demographics"]
+    ended = sum(state.complete for state in states)
     return {
         **{
             name: start[name]
             for name in ("ppid", "number", "hand", "hand_size", "language", "mode")
         },
         "simulated": start["user"] is not None,
-        "consent": state.consent,
-        "trials_done": sum(state.counted(t) is not None for t in state.attempts),
+        "consent": next((s.consent for s in states if s.consent is not None), None),
+        "sessions_done": ended,
+        "trials_done": sum(s.counted(t) is not None for s in states for t in s.attempts),
         "trials_planned": planned,
-        "complete": state.complete,
+        "complete": ended == sessions,
         "excluded": bool(reason),
         "exclusion_reason": reason,
         **(asked[-1]["answers"] if asked else {}),
@@ -238,7 +233,7 @@ def write_session(
             indent=1, sort_keys=True,
         ).encode() + b"\n",
         "session_info/participant_details.csv": csv_bytes(
-            [person_row(design, state, state.done(steps)[1], rows)], person_columns(design)
+            [person_row(design, [state], state.done(steps)[1], rows)], person_columns(design)
         ),
         "session_info/log.csv": log_bytes(records),
     }  # fmt: skip
@@ -255,29 +250,25 @@ def rebuild_study(study: StudyFolder) -> dict[str, int]:
     Raises:
         StudyError: A journal is damaged, or a table cannot be written.
     """
-    from sandbox.study.plan import session_plan, trials_of
-
     design = study.design
     trials: list[Row] = []
     answers: list[Row] = []
     scored: list[Row] = []
     people: list[Row] = []
     with study.lock():
-        for person in study.participants():
-            folder = session_path(study.path, person.ppid)
-            journal = folder / "journal.jsonl"
-            state = SessionState.of(read_journal(journal)) if journal.exists() else SessionState()
-            if not state.start:
-                continue
-            rows = trial_rows(design, state, folder)
-            for row in rows:
-                for name in FILES:
-                    row[name] = f"{person.ppid}/S{SESSION:03d}/{row[name]}"
-            planned = len(trials_of(session_plan(design, person.number)))
-            trials += rows
-            answers += answer_rows(state)
-            scored += score_rows(design, state)
-            people.append(person_row(design, state, planned, rows))
+        for person, sessions in all_sessions(study):
+            mine: list[Row] = []
+            for session in sessions:
+                for row in trial_rows(design, session.state, session.path):
+                    inside = session.path.relative_to(study.path).as_posix()
+                    mine.append(row | {name: f"{inside}/{row[name]}" for name in FILES})
+                answers += answer_rows(session.state)
+                scored += score_rows(design, session.state)
+            states = [session.state for session in sessions]
+            exclude_person(design, states, mine)
+            trials += mine
+            people.append(person_row(design, states, planned_trials(study, person), mine,
+                                     design.sessions))  # fmt: skip
         for name, data in {
             "participants.csv": csv_bytes(people, person_columns(design)),
             "trial_results.csv": csv_bytes(trials, trial_columns(design)),

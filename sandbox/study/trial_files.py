@@ -8,10 +8,10 @@ from pathlib import Path
 from models.errors import RecordingError
 from sandbox.recording_file import SUFFIX, stored
 from sandbox.study.journal import read_journal
+from sandbox.study.kept_sessions import JOURNAL, SESSIONS, session_folders
 from sandbox.study.state import SessionState
 
 TRIAL = re.compile(r"T\d+(\.a\d+)?")
-SESSIONS = "S[0-9][0-9][0-9]"
 TRIALS = "trials"
 
 
@@ -19,8 +19,8 @@ def find_recordings(name: str, out: Path) -> list[Path]:
     """The recordings that a name means, in order.
 
     Args:
-        name: A file; or a trial of a study, such as `NAME/3B5G5T/S001/T007`, in which the session
-            may be left out; or a study, a participant or a session: then all of its trials.
+        name: A file; or a trial of a study, such as `NAME/3B5G5T/S001/T007`, without the session
+            that of each session; or a study, a participant or a session: then all of its trials.
         out: Where studies are kept, for names that are not found from here.
 
     Raises:
@@ -33,13 +33,14 @@ def find_recordings(name: str, out: Path) -> list[Path]:
         found = _of_folder(base / path)
         if found:
             return found
-    near = next((p for p in (out / path).parents if p.is_dir()), None)
-    inside = sorted(p.name for p in near.iterdir() if p.name[0] != ".") if near else []
+    # As much of the name as there is; no other folder than that of studies is anybody's business.
+    near = next((p for p in (out / path).parents if p.is_relative_to(out) and p.is_dir()), None)
+    kept = [p.name for p in near.iterdir() if p.is_dir() and p.name[0] != "."] if near else []
     raise RecordingError(
         "there is no such recording",
         where=name,
         expected="a file, or a trial such as NAME/3B5G5T/S001/T007"
-        + (f"; in {near} there are {', '.join(inside[:12])}" if inside else ""),
+        + (f"; in {near} there are {', '.join(sorted(kept)[:6])}" if kept else ""),
         remedy="Studies that are elsewhere are found with --out",
     )
 
@@ -57,13 +58,13 @@ def _sessions(path: Path) -> list[Path]:
         path = path.parent
     if (path / TRIALS).is_dir():
         return [path]
-    return sorted(path.glob(SESSIONS)) or sorted(path.glob(f"*/{SESSIONS}"))
+    return session_folders(path) or sorted(path.glob(f"*/{SESSIONS}"))
 
 
 def _trial(session: Path, name: str) -> list[Path]:
     """The attempt of a name; of several attempts of a trial, the one that counts."""
     exact = session / TRIALS / f"{name}.jsonl"
-    journal = session / "journal.jsonl"
+    journal = session / JOURNAL
     if "." not in name and journal.exists():
         counted = SessionState.of(read_journal(journal)).counted(int(name[1:]))
         if counted is not None:

@@ -18,8 +18,8 @@ from sandbox.study.export_log import COPIES, Copy, copies
 from sandbox.study.files import explain, locked, sync_folder, write_atomically
 from sandbox.study.folder import StudyFolder
 from sandbox.study.journal import Record, now, read_journal
+from sandbox.study.kept_sessions import session_folders
 from sandbox.study.privacy import lines
-from sandbox.study.session_folder import session_path
 from sandbox.study.tables import rebuild_study
 
 WITHDRAWN, REMOVED = "withdrawn", "removed"
@@ -54,9 +54,8 @@ def withdraw(study: StudyFolder, ppid: str, reason: str) -> Withdrawal:
     before = ppid in withdrawn(study)
     if not before and ppid not in {p.ppid for p in study.participants()}:
         study.find(ppid)
-    session = session_path(study.path, ppid)
     with ExitStack() as stack:
-        if session.exists():
+        for session in session_folders(study.path / ppid):
             stack.enter_context(locked(session / ".lock", wait=False, what=f"participant {ppid}"))
         with study.lock():
             _bury(study.path / "study.jsonl", ppid, reason)

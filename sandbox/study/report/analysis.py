@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from sandbox.study.report.answers import Scale, scales
 from sandbox.study.report.censored import Censored, censored_differences, fit_censored
 from sandbox.study.report.comparisons import Difference
-from sandbox.study.report.data import Factor, StudyData
+from sandbox.study.report.data import SESSION, Factor, StudyData
 from sandbox.study.report.intervals import holm
 from sandbox.study.report.mixed import Mixed, fit_mixed, mixed_differences
 from sandbox.study.report.order import Learned, Place, learning, places
@@ -72,7 +72,8 @@ class Analysis:
         scales: Of questionnaires.
         places: By factor: the measure at every place in the order.
         learning: From trial to trial.
-        main: The factor that is in colours: the first one with several levels.
+        main: The factor that is in colours: the first one with several levels that is not the
+            session, if there is one.
     """
 
     data: StudyData
@@ -107,7 +108,9 @@ def analyse(data: StudyData, measures: Sequence[str] = ()) -> Analysis:
         StudyError: A measure is none.
     """
     asked, rest = other_quantities(data, measures)
-    main = next((f for f in data.factors if len(f.levels) > 1), None)
+    several = [f for f in data.factors if len(f.levels) > 1]
+    # What was varied on purpose comes before when it was done.
+    main = min(several, key=lambda f: f.name == SESSION, default=None)
     if not len(data.used):
         nothing = "no trials are used"
         return Analysis(data, None, nothing, [], None, nothing, [], [], scales(data), {}, [], main)

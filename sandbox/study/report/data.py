@@ -23,6 +23,8 @@ NEEDED = ("ppid", "trial_num", "counted", "practice", "excluded", "success", "ti
 NUMBERS = ("session_num", "trial_num", "counted", "practice", "excluded", "success", "time_s",
            "attempt", "block_num", "trial_num_in_block", "repetition")  # fmt: skip
 FACTOR = "factor_"
+SESSION = "session"
+"""The factor that a study has where people do the same in several sessions."""
 BETWEEN_NAMES = " / "
 """Between the levels in a condition's name; plain letters, as some spreadsheets know no others."""
 TIMEOUT = "timeout"
@@ -114,6 +116,11 @@ def load_study(folder: Path) -> StudyData:
             trials[name] = to_numbers(trials[name], path)
     meanings = _codebook(folder)
     about = _about(folder)
+    answers, scores = (_optional(folder / name) for name in (
+        "questionnaires.csv", "questionnaire_scores.csv"))  # fmt: skip
+    if _did_the_same_again(trials):
+        for table in (trials, answers, scores):
+            _name_sessions(table)
     factors = _factors(trials, meanings)
     used, conditions = _used(trials, factors)
     people = _optional(folder / "participants.csv")
@@ -127,8 +134,8 @@ def load_study(folder: Path) -> StudyData:
         used=used,
         conditions=conditions,
         people=people,
-        answers=_optional(folder / "questionnaires.csv"),
-        scores=_optional(folder / "questionnaire_scores.csv"),
+        answers=answers,
+        scores=scores,
         codebook=meanings,
         digest=sha256(path.read_bytes()).hexdigest(),
     )
@@ -199,6 +206,23 @@ def _codebook(folder: Path) -> dict[str, tuple[str, str]]:
         return {}
     rows = table[table["table"] == "trial_results.csv"]
     return {row.column: (row.unit, row.meaning) for row in rows.itertuples(index=False)}
+
+
+def _did_the_same_again(trials: DataFrame) -> bool:
+    """Whether anybody met the same levels in two sessions: then sessions can be compared. Where
+    each session has levels of its own they cannot, and the session is no factor."""
+    factors = [name for name in trials.columns if name.startswith(FACTOR)]
+    if "session_num" not in trials.columns or FACTOR + SESSION in factors:
+        return False
+    main = trials[(trials["counted"] == 1) & (trials["practice"] != 1)]
+    return bool((main.groupby(["ppid", *factors])["session_num"].nunique() > 1).any())
+
+
+def _name_sessions(table: DataFrame) -> None:
+    """Makes the session the outermost factor of a table."""
+    if "session_num" in table.columns:
+        numbers = to_numbers(table["session_num"])
+        table.insert(0, FACTOR + SESSION, [f"session {n:g}" for n in numbers])
 
 
 def _factors(trials: DataFrame, meanings: dict[str, tuple[str, str]]) -> tuple[Factor, ...]:
