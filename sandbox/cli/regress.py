@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from time import perf_counter
@@ -18,6 +19,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from models.errors import InputError
 from sandbox.cli.parse import in_one_line, parse
 from sandbox.cli.regress_vary import check_vary, run_vary
+from sandbox.regress.breaking_off import BreakOff
 
 if TYPE_CHECKING:
     from sandbox.regress.baseline import Baseline
@@ -267,14 +269,13 @@ def _run(plan: RegressionPlan, executor: Executor) -> list[Trial]:
         transient=True,
         disable=not screen.is_terminal,
     )
-    try:
-        with progress:
-            bar = progress.add_task("running", total=len(jobs))
-            for trial in executor.run(jobs):
-                trials.append(trial)
-                won = sum(t["success"] for t in trials)
-                progress.update(bar, advance=1, description=f"{won} of {len(trials)} succeeded")
-    except KeyboardInterrupt:
+    with BreakOff() as wish, suppress(KeyboardInterrupt), progress:
+        bar = progress.add_task("running", total=len(jobs))
+        for trial in executor.run(jobs, lambda: wish.asked):
+            trials.append(trial)
+            won = sum(t["success"] for t in trials)
+            progress.update(bar, advance=1, description=f"{won} of {len(trials)} succeeded")
+    if len(trials) < len(jobs):
         screen.print(f"[yellow]stopped after {len(trials)} of {len(jobs)} trials[/]")
     return trials
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from models.errors import HandSandboxError, InputError
-from sandbox.regress.execute import Trial, attempt, crashed
+from sandbox.regress.execute import HEARD_WITHIN, Stopped, Trial, attempt, crashed, never
 from sandbox.regress.plan import TrialJob
 
 CONNECT_TIMEOUT = 5.0
@@ -53,15 +53,18 @@ class Cluster:
         self._ray = need_ray()
         self.workers, self.address = workers, address
 
-    def run(self, jobs: Sequence[TrialJob]) -> Iterator[Trial]:
+    def run(self, jobs: Sequence[TrialJob], stopped: Stopped = never) -> Iterator[Trial]:
         """The trials as they end."""
         ray = self._ray
         self._connect()
         try:
             remote = ray.remote(num_cpus=1, max_retries=0)(attempt)
             pending = {remote.remote(job): job for job in jobs}
-            while pending:
-                (ready, *_), _ = ray.wait(list(pending), num_returns=1)
+            while pending and not stopped():
+                done, _ = ray.wait(list(pending), num_returns=1, timeout=HEARD_WITHIN)
+                if not done:
+                    continue
+                ready = done[0]
                 job = pending.pop(ready)
                 try:
                     found = ray.get(ready)

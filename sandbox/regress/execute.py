@@ -9,7 +9,7 @@ from __future__ import annotations
 import multiprocessing
 import signal
 import traceback
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
@@ -48,13 +48,28 @@ CRASHED = "crashed"
 """Status of a trial that has no result: its process died, or its code raised an error."""
 
 
+Stopped = Callable[[], bool]
+
+HEARD_WITHIN = 0.1
+"""s after which a wish to stop is heard at the latest, where trials run elsewhere."""
+
+
+def never() -> bool:
+    """Nobody stops a run."""
+    return False
+
+
 class Executor(Protocol):
     """Runs trials and gives each back as it ends, in no particular order."""
 
     name: str
 
-    def run(self, jobs: Sequence[TrialJob]) -> Iterator[Trial]:
+    def run(self, jobs: Sequence[TrialJob], stopped: Stopped = never) -> Iterator[Trial]:
         """The trials; whoever stops asking stops the work.
+
+        Args:
+            jobs: What is to be run.
+            stopped: Asked often; once it says so, what is done is given back and no more.
 
         Raises:
             HandSandboxError: What is to be run cannot be run at all.
@@ -113,9 +128,11 @@ class Serial:
 
     name: str = "serial"
 
-    def run(self, jobs: Sequence[TrialJob]) -> Iterator[Trial]:
+    def run(self, jobs: Sequence[TrialJob], stopped: Stopped = never) -> Iterator[Trial]:
         """The trials in order."""
         for job in jobs:
+            if stopped():
+                return
             yield _sound(attempt(job))
 
 
@@ -139,16 +156,16 @@ class Processes:
         self.workers = workers
         self._context = multiprocessing.get_context("spawn")
 
-    def run(self, jobs: Sequence[TrialJob]) -> Iterator[Trial]:
+    def run(self, jobs: Sequence[TrialJob], stopped: Stopped = never) -> Iterator[Trial]:
         """The trials as they end."""
         waiting = list(reversed(jobs))
         workers = [self._start() for _ in range(min(self.workers, len(jobs)))]
         try:
             for worker in workers:
                 _give(worker, waiting)
-            while busy := [w for w in workers if w.job is not None]:
+            while not stopped() and (busy := [w for w in workers if w.job is not None]):
                 # A process that ends closes its line, so that waiting for lines is enough.
-                ready = wait([w.line for w in busy])
+                ready = wait([w.line for w in busy], HEARD_WITHIN)
                 for worker in [w for w in busy if w.line in ready]:
                     job = worker.job
                     assert job is not None
