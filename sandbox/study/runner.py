@@ -172,7 +172,8 @@ class SessionRunner:
             **({"user": person.user} if person.user is not None else {}),
             "study": {"experiment": session.study.design.name, "mode": session.study.mode,
                       "ppid": person.ppid, "session": session.number, "trial": trial.number,
-                      "attempt": start["attempt"], "practice": trial.practice, "levels": trial.levels},
+                      "attempt": start["attempt"], "practice": trial.practice,
+                      "levels": trial.levels},
         }  # fmt: skip
         try:
             played = self.player.play(
