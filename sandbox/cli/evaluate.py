@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import tyro
 from rich.console import Console
 from rich.progress import Progress, TaskID
 
 from models.errors import InputError
+from sandbox.cli.json_out import check_output, write_json
 from sandbox.cli.parse import parse
 
 BUILTIN = "builtin"
@@ -130,8 +130,7 @@ def main(argv: list[str]) -> int:
             },
         )
     show(console, found)
-    if options.json is not None:
-        _write(options.json, found)
+    write_json(options.json, found, sort_keys=True)
     if options.plots is not None:
         from sandbox.figures import draw_all
 
@@ -149,10 +148,7 @@ def _check(options: EvaluateOptions) -> None:
         raise InputError(
             "there is no such seed", where="--day-seed", got=options.day_seed, expected="0 or more"
         )
-    if options.json is not None and not options.json.absolute().parent.is_dir():
-        raise InputError("there is no such folder", where=f"--json {options.json}")
-    if options.json is not None and options.json.is_dir():
-        raise InputError("this is a folder", where=f"--json {options.json}", expected="a file")
+    check_output(options.json)
     if options.plots is not None:
         from sandbox.figures import need_matplotlib
 
@@ -179,9 +175,3 @@ def _writing(where: str) -> Iterator[None]:
         yield
     except OSError as error:
         raise InputError("it cannot be written", where=where, got=str(error)) from error
-
-
-def _write(path: Path, found: dict[str, Any]) -> None:
-    text = json.dumps(found, indent=1, allow_nan=False, sort_keys=True) + "\n"
-    with _writing(f"--json {path}"):
-        path.write_text(text, encoding="utf-8")

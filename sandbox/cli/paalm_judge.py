@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -22,6 +21,7 @@ from encoders.paalm.pair import two_hand_milliseconds
 from encoders.paalm.recorded import as_first_software, independent, take_of_recording
 from models.errors import EncoderError, InputError, RecordingError
 from models.frames import SIDES
+from sandbox.cli.json_out import check_output, write_json
 from sandbox.cli.paalm_readings import SIMULATED_FIT, judge_readings, show_readings
 from sandbox.cli.parse import parse
 from sandbox.devices.leap_file import read_leap
@@ -73,8 +73,7 @@ def main(argv: list[str]) -> int:
         )
     if options.readings and options.paalm != SIMULATED:
         raise InputError("readings are judged on simulated hands only", where="--readings")
-    if options.json is not None and not options.json.absolute().parent.is_dir():
-        raise InputError("there is no such folder", where=f"--json {options.json}")
+    check_output(options.json)
     console = Console(stderr=True)
     with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
         job = bar.add_task("judging", total=1.0)
@@ -93,12 +92,7 @@ def main(argv: list[str]) -> int:
         show_readings(found)
     else:
         _show(found)
-    if options.json is not None:
-        text = json.dumps(found, indent=1, allow_nan=False) + "\n"
-        try:
-            options.json.write_text(text, encoding="utf-8")
-        except OSError as error:
-            raise InputError(f"it cannot be written: {error}", where="--json") from error
+    write_json(options.json, found)
     return 0
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import signal
 import threading
 from collections.abc import Callable, Iterator
@@ -15,6 +14,7 @@ import tyro
 from rich.console import Console
 
 from models.errors import InputError
+from sandbox.cli.json_out import check_output, write_json
 from sandbox.cli.leap_devices import LeapOptions, is_leap
 from sandbox.cli.page_options import PageOptions
 from sandbox.cli.parse import parse
@@ -145,7 +145,7 @@ def main(argv: list[str]) -> int:
         pace = Pace(options.rate, 0.0 if live else options.speed, 0.0 if live else KEY_PATIENCE)
         player = Player(source, target, pace)
         if address is None:
-            return _print(player)
+            return _print(player, console)
         host, port = address
         sender = Sender(host, port, player.greeting)
         try:
@@ -178,6 +178,7 @@ def _target(options: StreamOptions) -> tuple[Target, tuple[str, int] | None]:
 
 
 def _check(options: StreamOptions) -> None:
+    check_output(options.json)
     if (options.file is None) == (options.device is None):
         raise InputError(
             "say where the hand comes from", got="both" if options.file else "neither",
@@ -250,7 +251,7 @@ def _session(options: StreamOptions, console: Console) -> tuple[Any, Any]:
     return replace(chosen.settings, surface_in=size), lambda task, surface: page
 
 
-def _print(player: Player) -> int:
+def _print(player: Player, console: Console) -> int:
     class Printer:
         """Stands for a sender."""
 
@@ -264,7 +265,9 @@ def _print(player: Player) -> int:
     print("\n".join(player.greeting))
     stop = threading.Event()
     with _interruptible(stop):
-        player.play(Printer(), stop)
+        damage = player.play(Printer(), stop)
+    if damage:
+        console.print(damage, style="yellow", soft_wrap=True, markup=False)
     return 0
 
 
@@ -315,12 +318,6 @@ def _report(
         "schema": 1, "moments": player.moments, "counts": counts, "ms_per_moment": round(per, 4),
         "stopped": reached, "damage": damage,
     }  # fmt: skip
-    if options.json:
-        text = json.dumps(result, indent=1)
-        if str(options.json) == "-":
-            print(text)
-        else:
-            options.json.write_text(text + "\n", encoding="utf-8")
     for word in (
         damage,
         ""
@@ -331,3 +328,4 @@ def _report(
             console.print(word, style="yellow", soft_wrap=True, markup=False)
     said = ", ".join(f"{what}: {n}" for what, n in counts.items())
     console.print(f"{player.moments} moments; {said or 'nothing was sent'}", soft_wrap=True)
+    write_json(options.json, result)
