@@ -101,7 +101,7 @@ def measure(url: str, seconds: float, rate: float, core: int | None, out: Any) -
                 answer = json.loads(data)
                 if answer["type"] == "echo":
                     echoes.append(1e3 * now - answer["t"])
-            elif data[1] == KIND:
+            elif opcode is Opcode.BINARY and data[1] == KIND:
                 number, newest = struct.unpack_from("<II", data, 8)
                 touches += [1e3 * (now - sent.pop(s)) for s in [s for s in sent if s <= newest]]
                 line.say({"type": "got", "frame": number})

@@ -196,6 +196,7 @@ def test_what_waits_for_a_page_that_does_not_read_is_bounded() -> None:
 
     class Connection:
         transport = Transport()
+        free = False
 
     client = Client(Connection(), counters, time.monotonic)  # type: ignore[arg-type]
     for _ in range(3 * MOST_WORDS):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import http.client
+import json
 import socket
 import time
 from collections.abc import Iterator
@@ -314,6 +315,31 @@ def test_an_oversized_message_ends_its_connection_and_no_other(stage):
         assert wait_for(lambda: stage.device.touched)
         stage.advance()
         assert page.until("frame", touch=seq)
+
+
+def test_a_message_is_heard_in_pieces_as_it_is_whole(stage):
+    whole = {"type": "touches", "seq": 2, "t": 1.0, "contacts": [[1, 300.0, 300.0, 20.0]]}
+    text = json.dumps(whole)
+    with Page(stage.server.url) as page:
+        page.until("scene")
+        # Pieces make one text.
+        page.socket.send([text[:20], text[20:40], text[40:]])
+        assert wait_for(lambda: stage.device.touched)
+        stage.advance()
+        assert page.until("frame", touch=2)
+    assert stage.server.counters.as_dict() == {}
+
+
+def test_a_text_that_is_none_ends_its_connection(stage):
+    with Page(stage.server.url) as page:
+        page.until("scene")
+        page.socket.send(b'{"type":"beat","t":"\xff"}', text=True)
+        with pytest.raises(ConnectionClosed) as closed:
+            while True:
+                page.next()
+        assert closed.value.rcvd is not None
+        assert closed.value.rcvd.code == 1007
+    assert wait_for(lambda: stage.server.clients == 0)
 
 
 def test_a_flood_is_refused_counted_and_ended(stage):

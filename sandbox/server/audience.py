@@ -6,16 +6,17 @@ All of it runs in the server's thread, save what says otherwise.
 from __future__ import annotations
 
 import asyncio
+import functools
 import queue
 import threading
 import time
 from collections.abc import Sequence
 
-from websockets.asyncio.server import ServerConnection
 from websockets.exceptions import ConnectionClosed
 
 from models.errors import InputError
 from sandbox.devices.web import WebDevice
+from sandbox.server.attentive import Attentive
 from sandbox.server.client import Client
 from sandbox.server.counters import Counters
 from sandbox.server.latency import LatencyLog
@@ -139,7 +140,7 @@ class Audience:
             if client.hello:
                 client.offer(frame)
 
-    async def handle(self, connection: ServerConnection) -> None:
+    async def handle(self, connection: Attentive) -> None:
         """A page from its first word to its last."""
         client = Client(connection, self._counters, time.monotonic)
         if len(self._clients) >= MOST_CLIENTS:
@@ -160,20 +161,29 @@ class Audience:
                 await connection.close(WRONG_VERSION, f"this server speaks version {PROTOCOL}")
                 return
             await self._greet(client, first)
+            connection.hear = functools.partial(self._hear, client)
             async for message in connection:
-                up = client.read(message)
-                if up is not None:
-                    self._take(client, up)
+                self._hear(client, message)
         except TimeoutError:
             self._counters.add("no hello")
         except ConnectionClosed:
-            self._counters.add("lost connection")
-        except InputError:
-            await connection.close(NONSENSE, "too many messages were refused")
+            if not client.parted:
+                self._counters.add("lost connection")
         finally:
+            connection.hear = None
             writing.cancel()
             self._clients.remove(client)
             self._leave(client)
+
+    def _hear(self, client: Client, message: str | bytes) -> None:
+        """What a page says."""
+        try:
+            up = client.read(message)
+        except InputError:
+            client.part(NONSENSE, "too many messages were refused")
+        else:
+            if up is not None:
+                self._take(client, up)
 
     async def _greet(self, client: Client, hello: Hello) -> None:
         client.hello, client.screen = hello, hello.screen

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 from collections import deque
 from collections.abc import Callable, Sequence
 
-from websockets.asyncio.server import ServerConnection
+from websockets.exceptions import ConnectionClosed
 
 from models.errors import InputError
+from sandbox.server.attentive import Attentive
 from sandbox.server.counters import Counters
 from sandbox.server.frames import number_frame
 from sandbox.server.protocol import CREDIT, Hello, Screen, Up, decode
@@ -38,7 +40,7 @@ class Client:
     """
 
     def __init__(
-        self, connection: ServerConnection, counters: Counters, clock: Callable[[], float]
+        self, connection: Attentive, counters: Counters, clock: Callable[[], float]
     ) -> None:
         self.connection = connection
         self.hello: Hello | None = None
@@ -54,7 +56,8 @@ class Client:
         self._newest: bytearray | None = None
         self._deaf = False
         self._sent = self._acknowledged = 0
-        self._news = asyncio.Event()
+        self._full = asyncio.Event()
+        self._parting: asyncio.Task[None] | None = None
         self.sent_at: dict[int, float] = {}
 
     @property
@@ -66,7 +69,7 @@ class Client:
         """Queues a JSON message, or bytes; all are sent, in order, before any later frame."""
         if len(self._words) < MOST_WORDS:
             self._words.append((message, text))
-            self._news.set()
+            self._flush()
         elif not self._deaf:
             self._deaf = True
             self._counters.add("page that does not read")
@@ -82,7 +85,7 @@ class Client:
     def offer(self, frame: bytearray | None) -> None:
         """The newest frame, in place of an older one that has not been sent."""
         self._newest = frame
-        self._news.set()
+        self._flush()
 
     def got(self, number: int) -> float | None:
         """Gives back the credit of a frame and of those before it; s since it was sent."""
@@ -91,23 +94,48 @@ class Client:
         self._acknowledged = number
         at = self.sent_at.get(number)
         self.sent_at = {n: t for n, t in self.sent_at.items() if n > number}
-        self._news.set()
+        self._flush()
         return None if at is None else self._clock() - at
 
+    @property
+    def parted(self) -> bool:
+        """Whether we have said goodbye."""
+        return self._parting is not None
+
+    def part(self, code: int, reason: str) -> None:
+        """Says goodbye, without waiting for an answer."""
+        if self._parting is None:
+            self._parting = asyncio.create_task(self.connection.close(code, reason))
+
     async def write(self) -> None:
-        """Sends what there is to send, for ever; a page that does not read stops only itself."""
-        while True:
-            await self._news.wait()
-            self._news.clear()
-            while self._words:
-                message, text = self._words.popleft()
-                await self.connection.send(message, text=text)
-            frame = self._newest
-            if frame is not None and self.stale < CREDIT:
-                self._newest = None
-                self._sent += 1
-                self.sent_at[self._sent] = self._clock()
-                await self.connection.send(number_frame(frame, self._sent))
+        """Sends, for ever, what had to wait; a page that does not read stops only itself."""
+        with contextlib.suppress(ConnectionClosed):
+            while True:
+                await self._full.wait()
+                self._full.clear()
+                while following := self._following():
+                    message, text = following
+                    await self.connection.send(message, text=text)
+
+    def _flush(self) -> None:
+        """Sends what there is to send, as far as the socket takes it at once."""
+        while self.connection.free:
+            following = self._following()
+            if following is None:
+                return
+            self.connection.send_now(*following)
+        self._full.set()
+
+    def _following(self) -> tuple[bytes, bool] | None:
+        """What is to be sent next, and whether it is text; None: nothing now."""
+        if self._words:
+            return self._words.popleft()
+        if self._newest is None or self.stale >= CREDIT:
+            return None
+        frame, self._newest = self._newest, None
+        self._sent += 1
+        self.sent_at[self._sent] = self._clock()
+        return number_frame(frame, self._sent), False
 
     def read(self, message: str | bytes) -> Up | None:
         """A message, checked; None if it is refused.

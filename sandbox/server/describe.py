@@ -169,4 +169,4 @@ def _part(scene: SimulatedScene, root: str, things: set[str]) -> Any:
 
 def _floats(values: object) -> Any:
     """A tuple as long as the message wants it."""
-    return tuple(round(float(v), 7) for v in np.asarray(values).ravel())
+    return tuple(round(v, 7) for v in np.asarray(values, float).ravel().tolist())

@@ -13,6 +13,7 @@ import time
 
 from websockets.asyncio.server import ServerConnection
 
+from sandbox.server.attentive import Attentive
 from sandbox.server.counters import Counters
 from sandbox.server.rate import Allowance
 
@@ -92,10 +93,10 @@ class Door:
                 self._counters.add("failed handshake")
 
 
-def watched(door: Door) -> type[ServerConnection]:
+def watched(door: Door) -> type[Attentive]:
     """A kind of connection that goes through a door, for `websockets.serve`."""
 
-    class Watched(ServerConnection):
+    class Watched(Attentive):
         _heard = True
 
         def connection_made(self, transport: asyncio.BaseTransport) -> None:

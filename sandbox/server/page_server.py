@@ -223,7 +223,7 @@ class PageServer:
     async def _serve(self, host: str, port: int) -> None:
         try:
             server = await serve(
-                self._audience.handle,
+                self._audience.handle,  # type: ignore[arg-type]  # of the kind below
                 host,
                 port,
                 process_request=self._process,
