@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import isfinite
+from math import inf, isfinite
 
 from models.errors import InputError
-from tasks.variation import Variation
+from tasks.variation import RANGES, Variation
 
 
 @dataclass(frozen=True)
@@ -131,9 +131,13 @@ def made(chosen: Sequence[tuple[Kind, float]]) -> tuple[Variation, float]:
     values = {kind.field: value * kind.scale for kind, value in chosen}
     hand = values.pop(KINDS[HAND].field, 1.0)
     if not 0.0 < hand < 10.0:
-        raise InputError("no hand is of this size", where=f"--vary {HAND}", got=hand)
-    try:
-        return Variation(**values), hand
-    except InputError:
-        given = ", ".join(f"{kind.name}={value:g}" for kind, value in chosen)
-        raise InputError("this is out of range", where="--vary", got=given) from None
+        raise InputError("no hand is of this size", where=f"--vary {HAND}", got=hand,
+                         expected="more than 0, less than 10")  # fmt: skip
+    for kind, value in chosen:
+        least, most = RANGES.get(kind.field, (-inf, inf))
+        if not least <= value * kind.scale <= most:
+            raise InputError(
+                "this is out of range", where=f"--vary {kind.name}", got=kind.text(value),
+                expected=f"{least / kind.scale:g} to {kind.text(most / kind.scale)}",
+            )  # fmt: skip
+    return Variation(**values), hand

@@ -133,7 +133,7 @@ def _replay(file: Path, options: ReplayOptions, brief: bool, console: Console) -
         console.print(f"{file.stem}: {_verdict(found)}", highlight=False)
     else:
         _report(recording, session, found, console)
-        if not keeps and film is None and took > 0:
+        if not keeps and film is None and took > 0 and found.compared:
             console.print(f"[dim]{session.time:.1f} s of trial compared in {took:.2f} s, "
                           f"{session.time / took:.1f} times faster than it was[/]",
                           highlight=False)  # fmt: skip

@@ -70,6 +70,9 @@ def perform(options: RunOptions) -> int:
     finally:
         events.close()
     _report(result, console)
+    for what, path in (("recording", options.record), ("film", options.film)):
+        if path is not None:
+            console.print(f"[dim]{what}: {escape(str(path))}[/]", soft_wrap=True)
     if options.json:
         text = json.dumps(result, indent=1)
         if str(options.json) == "-":

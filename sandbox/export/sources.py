@@ -133,7 +133,8 @@ def _simulated(path: Path) -> Source:
             found = True
         if not found:
             raise RecordingError(
-                "it holds no poses: an older version made it", where=str(path),
+                "it holds no poses: it breaks off before the first, or an older version made it",
+                where=str(path),
                 remedy="--of commanded plays it again and exports what the hand was told to do",
             )  # fmt: skip
         return ""
