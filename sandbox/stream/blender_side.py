@@ -20,6 +20,7 @@ where it stands. Keys go straight onto the bones: there is nothing to bake. stop
 from __future__ import annotations
 
 import argparse
+import os
 import select
 import socket
 import sys
@@ -196,7 +197,9 @@ def main(words: Sequence[str]) -> int:
     finally:
         port.close()
     for side, rig in rigs.items():
-        path = asked.out if len(rigs) == 1 else asked.out.replace(".", "-%s." % side)
+        path = asked.out
+        if path and len(rigs) > 1:
+            path = ("-%s" % side).join(os.path.splitext(path))
         if path and rig.frames:
             export(path, rig.armature, rig.frames)
         print("hand_sandbox: %s, frames %s, %s" % (rig.armature.name, rig.frames, path or "kept"))
