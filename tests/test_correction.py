@@ -161,6 +161,7 @@ def test_fingers_that_rest_bring_the_hand_to_rest_wherever_it_came_from(rng, cou
 @pytest.mark.parametrize("count", range(1, 6))
 def test_a_warm_start_saves_steps_and_changes_nothing(count):
     rng = np.random.default_rng(100 + count)
+    steps = []
     for _ in range(20):
         case = Case(rng, count)
         cold = case.corrected()
@@ -168,3 +169,6 @@ def test_a_warm_start_saves_steps_and_changes_nothing(count):
         warm = case.corrected(start=near)
         assert warm.error < 0.001
         np.testing.assert_allclose(warm.q, cold.q, atol=1e-3, rtol=0)
+        steps.append((warm.iterations, cold.iterations))
+    saved = np.sum([cold - warm for warm, cold in steps])
+    assert saved > 0
