@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from typing import ClassVar, Self
 
@@ -13,7 +15,7 @@ from models.errors import InputError
 from models.objects import Box
 from models.scene import TABLE
 from models.surface import Surface
-from tasks.goals import place
+from tasks.goals import Posed, place
 from tasks.sensing import ObjectState, Sensing
 from tasks.task import Goal, Measure
 
@@ -130,15 +132,19 @@ class Stacking:
         done = next((i for i, reason in enumerate(missing) if reason), len(missing))
         if done == len(missing):
             return 1.0
-        # Where the next box belongs now, against how far from that it was at the start.
-        name = self.goals[done].object
-        start = {box.name: _Start(box) for box in self.objects}
-        now, then = (
-            float(np.linalg.norm(poses[name].position - place(self.goals, poses)[done].position))
-            for poses in (states, start)
-        )
-        way = float(np.clip(1.0 - now / then, 0.0, 1.0))
+        way = float(np.clip(1.0 - self._way(done, states) / self._ways[done], 0.0, 1.0))
         return (done + 0.99 * way) / len(missing)
+
+    def _way(self, i: int, poses: Mapping[str, Posed]) -> float:
+        """m, from a goal's box to where it belongs as things stand."""
+        goal = place(self.goals, poses)[i]
+        return float(np.linalg.norm(poses[goal.object].position - goal.position))
+
+    @cached_property
+    def _ways(self) -> tuple[float, ...]:
+        """m, of every goal's box at the start."""
+        start = {box.name: _Start(box) for box in self.objects}
+        return tuple(self._way(i, start) for i in range(len(self.goals)))
 
 
 class _Start:
@@ -165,6 +171,6 @@ def too_small(name: str, surface: Surface, example: str) -> InputError:
     return InputError(
         "the surface is too small for this task",
         where=name,
-        got=f"{surface.width_in:g}x{surface.height_in:g}in",
+        got=f"{surface.width_in:.3g}x{surface.height_in:.3g}in",
         expected=f"room for the boxes, as on {example}",
     )
