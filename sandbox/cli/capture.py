@@ -170,7 +170,7 @@ def main(argv: list[str]) -> int:
     report, left = ConversionReport(), options.side == "left"
     rules = ConversionRules(rate=options.rate)
     console, errors = Console(), Console(stderr=True)
-    with Progress(console=errors, transient=True) as progress:
+    with Progress(console=errors, transient=True, disable=not errors.is_terminal) as progress:
         bar = progress.add_task("fitting the skeleton", total=1.0)
         log, damage = read_touch_log(options.touches, surface) if options.touches else (None, "")
         joints = read_hand(

@@ -93,7 +93,7 @@ def main(argv: list[str]) -> int:
     if options.to.absolute() == file.absolute():
         raise InputError("this would replace what is read", where=f"--to {options.to}")
     source = open_source(file, options.of, options.take)
-    with Progress(console=errors, transient=True) as progress:
+    with Progress(console=errors, transient=True, disable=not errors.is_terminal) as progress:
         bar = progress.add_task("writing keys", total=source.duration or None)
         with Exporter(options.to, source.armatures, source.names, settings) as exporter:
 

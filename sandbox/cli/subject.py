@@ -50,7 +50,8 @@ def main(argv: list[str]) -> int:
     if not options.out.absolute().parent.is_dir():
         raise InputError("there is no such folder", where=f"--out {options.out}")
     console = Console()
-    with Progress(console=Console(stderr=True), transient=True) as progress:
+    bars = Console(stderr=True)
+    with Progress(console=bars, transient=True, disable=not bars.is_terminal) as progress:
         bar = progress.add_task(f"subject {options.seed}, day {options.day}", total=1.0)
         capture = simulate(
             FROZEN, options.seed, options.day, lambda share: progress.update(bar, completed=share)

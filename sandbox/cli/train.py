@@ -137,7 +137,8 @@ def _kind(model: TrainedModel) -> str:
 
 def _builtin(folder: Path, console: Console) -> int:
     folder.mkdir(parents=True, exist_ok=True)
-    with Progress(console=Console(stderr=True), transient=True) as progress:
+    bars = Console(stderr=True)
+    with Progress(console=bars, transient=True, disable=not bars.is_terminal) as progress:
         bar = progress.add_task("capture", total=1.0 + len(BUILTIN))
         made = simulate(FROZEN, SEED, 0, lambda share: progress.update(bar, completed=share))
         path = folder / "capture.npz"
