@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from decimal import Decimal
+from fractions import Fraction
 from typing import Any
 
 from models.errors import StudyError
@@ -110,5 +110,5 @@ def _number(item: Item, value: float, told: str) -> Any:
 
 def _on_step(item: Item, value: float) -> bool:
     """Whether a scale has this place: in decimals, as its steps were written down."""
-    exact = Decimal(repr(value)) - Decimal(repr(float(item.low)))
-    return exact % Decimal(repr(float(item.step))) == 0
+    exact = Fraction(repr(value)) - Fraction(repr(float(item.low)))
+    return exact % Fraction(repr(float(item.step))) == 0
