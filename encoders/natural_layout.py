@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from cmath import phase
 from collections.abc import Iterable, Sequence
-from functools import cache
 from math import sqrt
 from typing import NamedTuple
 
@@ -21,7 +20,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from encoders.capture import Capture
 from encoders.labelling import hypotheses
-from encoders.trained import builtin_capture
 from models.errors import CaptureError
 
 Array = NDArray[np.float64]
@@ -117,12 +115,6 @@ def of_capture(capture: Capture) -> NaturalLayout:
         CaptureError: No frame has all five fingers down.
     """
     return NaturalLayout(capture.xy[capture.down.all(axis=1)])
-
-
-@cache
-def builtin_layout() -> NaturalLayout:
-    """The natural layout of the built-in capture."""
-    return of_capture(builtin_capture())
 
 
 def _complex(xy: ArrayLike) -> Complex:

@@ -109,23 +109,6 @@ class PolynomialEncoder:
             set_name(s) for s in SETS if len(s) >= _LEAST_FINGERS and set_code(s) not in learned
         )
 
-    def knows(self, U: ArrayLike) -> NDArray[np.bool_]:
-        """(T,) whether the training had the fingers of contact vectors (T, 15), or of one (15,).
-
-        Raises:
-            EncoderError: It is not known what the encoder was trained on, or that was no contact
-                vectors.
-        """
-        learned = getattr(self, "_codes", None)
-        if learned is None:
-            raise EncoderError(
-                "it is not known which fingers the encoder was trained on",
-                remedy="Fit it to contact vectors, or give `load` the inputs it was trained on",
-            )
-        U = np.asarray(U, float)
-        known = np.isin(set_codes(np.atleast_2d(U)), sorted(learned))
-        return known if U.ndim > 1 else known[0]
-
     def for_contacts(self, fast: bool = False) -> ContactPoses:
         """The encoder prepared for contact vectors, one at a time or many.
 

@@ -23,7 +23,6 @@ ROOT_POSITION = slice(0, 3)
 ROOT_ROTATION = slice(3, 6)
 JOINTS = slice(6, 48)
 
-_FLAT = np.eye(3)
 _MIRROR = np.concatenate([[-1.0, 1.0, 1.0], np.tile([1.0, -1.0, -1.0], 1 + BALL_JOINTS)])
 
 
@@ -43,30 +42,14 @@ def mirrored(q: ArrayLike) -> Array:
 
 def surface_to_world(q: ArrayLike, surface: Surface) -> Array:
     """World poses (..., 48) of poses in the 3-D surface frame."""
+    moved, rotation = np.array(q, float), surface.rotation
     if surface.aligned:
         # To the bit: a matrix of a turn by nothing would round.
-        moved = np.array(q, float)
         moved[..., ROOT_POSITION] += surface.corner
-        return moved
-    return _moved(q, surface.rotation, surface.corner)
-
-
-def world_to_surface(q: ArrayLike, surface: Surface) -> Array:
-    """Poses (..., 48) in the 3-D surface frame of world poses."""
-    inverse = surface.rotation.T
-    return _moved(q, inverse, -inverse @ np.asarray(surface.origin))
-
-
-def _moved(q: ArrayLike, rotation: Array, shift: Array) -> Array:
-    q = np.array(q, float)
-    if (rotation == _FLAT).all():
-        # Poses of a flat surface pass through to the bit.
-        q[..., ROOT_POSITION] += shift
     else:
-        q[..., ROOT_POSITION] = q[..., ROOT_POSITION] @ rotation.T + shift
-        turned = log(rotation @ exp(q[..., ROOT_ROTATION]))
-        q[..., ROOT_ROTATION] = turned
-    return q
+        moved[..., ROOT_POSITION] = moved[..., ROOT_POSITION] @ rotation.T + surface.corner
+        moved[..., ROOT_ROTATION] = log(rotation @ exp(moved[..., ROOT_ROTATION]))
+    return moved
 
 
 def relative_pose(q: ArrayLike, leftmost: ArrayLike) -> Array:

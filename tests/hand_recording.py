@@ -26,6 +26,7 @@ from encoders.conversion.convert import Sync
 from encoders.conversion.sites import PALM, sites_of
 from encoders.correction import CorrectionSettings, FingertipCorrection
 from models.kinematics import Kinematics
+from models.motion.pose_table import COLUMNS
 from models.pose import joint_vectors
 from models.rotations import exp
 from models.skeleton import ADULT, Skeleton
@@ -221,3 +222,10 @@ def converted(
 def rows_of(truth: Truth, capture: Capture, ahead: float = AHEAD) -> np.ndarray:
     """Frames of the truth at which the frames of a capture were taken."""
     return np.round((capture.time + ahead) * RATE).astype(int)
+
+
+def write_pose_table(path: Path, time: np.ndarray, q: np.ndarray) -> None:
+    """Times (T,) s and poses (T, 48) as `sandbox capture --joints` reads them."""
+    rows = [("time", *COLUMNS)]
+    rows += [(repr(t), *map(repr, pose)) for t, pose in zip(time.tolist(), q.tolist(), strict=True)]
+    path.write_text("".join(",".join(row) + "\n" for row in rows))

@@ -12,7 +12,7 @@ import pytest
 from encoders.store import load_capture
 from models.errors import MotionError
 from models.frames import Contact, TouchFrame
-from models.motion.pose_table import COLUMNS, read_pose_table, write_pose_table
+from models.motion.pose_table import COLUMNS, read_pose_table
 from models.pose import joint_vectors
 from models.rotations import geodesic_angle
 from models.skeleton import ADULT
@@ -25,6 +25,7 @@ from tests.hand_recording import (
     played,
     touch_log,
     write_bvh,
+    write_pose_table,
     write_shown,
     write_tsv,
 )

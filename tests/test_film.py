@@ -18,7 +18,7 @@ from models.errors import InputError
 from sandbox.messages import Snapshot
 from sandbox.views import film, film_files
 from sandbox.views.errors import FilmError
-from sandbox.views.film import FilmView, save_picture
+from sandbox.views.film import FilmView
 from sandbox.views.film_files import durations
 from tests.viewed import Viewed, viewed
 
@@ -70,9 +70,11 @@ def test_an_animation_lasts_as_long_as_its_trial(v: Viewed, tmp_path: Path, kind
 
 def test_a_video_has_all_frames_and_the_rate_that_was_asked_for(v: Viewed, tmp_path: Path) -> None:
     path = tmp_path / "film.mp4"
+    picture = tmp_path / "picture.png"
     with FilmView(path, v.scene, v.surface, fps=25, size=(160, 90)) as view:
         for snapshot in trial(v, 1.2):
             view.show(snapshot)
+        view.picture(next(trial(v, STEP)), picture, size=(160, 90))
     frames, seconds = imageio_ffmpeg.count_frames_and_secs(str(path))
     assert frames == view.frames == 30
     assert seconds == pytest.approx(1.2, abs=0.05)
@@ -80,8 +82,6 @@ def test_a_video_has_all_frames_and_the_rate_that_was_asked_for(v: Viewed, tmp_p
     assert next(reader)["size"] == (160, 90)
     first = np.frombuffer(next(reader), np.uint8).reshape(90, 160, 3).astype(float)
     reader.close()
-    picture = tmp_path / "picture.png"
-    save_picture(picture, v.scene, v.surface, next(trial(v, STEP)), size=(160, 90))
     assert np.abs(first - np.asarray(Image.open(picture), float)).mean() < 8.0
 
 

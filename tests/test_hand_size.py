@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from encoders.capture import Capture
 from encoders.contact_vector import contact_vectors
 from encoders.hand_size import SPREADS, HandSizes, builtin_sizes
-from encoders.natural_layout import builtin_layout
+from encoders.natural_layout import of_capture
 from encoders.subject import FROZEN, SEED, simulate
 from encoders.trained import builtin, builtin_capture
 from models.errors import CaptureError, InputError
@@ -209,21 +209,23 @@ def test_a_capture_without_five_fingers_has_no_hand_to_compare_with():
 def test_five_fingers_are_told_apart_however_the_hand_is_turned(angle, size, order):
     # A turn of the surface's frame, whose y points down, is clockwise seen from above.
     xy = turned(size * someone()[0], -angle)[list(order)] + [0.1, 0.2]
-    match = builtin_layout().match(xy)
+    layout = of_capture(builtin_capture())
+    match = layout.match(xy)
     assert match.labels.tolist() == list(order)
-    straight = builtin_layout().match(someone()[0]).turn
+    straight = layout.match(someone()[0]).turn
     assert np.cos(match.turn - straight - angle) > 1 - 1e-9
 
 
 def test_most_frames_of_the_trained_subject_are_told_apart_whatever_their_turn():
     capture = builtin_capture()
+    layout = of_capture(capture)
     right = total = 0
     for k, least in ((5, 0.95), (4, 0.80)):
         frames = np.flatnonzero(capture.down.sum(axis=1) == k)[::15]
         for frame in frames:
             fingers = np.flatnonzero(capture.down[frame])
             xy = turned(capture.xy[frame, fingers], 2.0)
-            right += builtin_layout().match(xy).labels.tolist() == fingers.tolist()
+            right += layout.match(xy).labels.tolist() == fingers.tolist()
             total += 1
         assert right / total > least
 

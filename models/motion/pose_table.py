@@ -58,11 +58,3 @@ def read_pose_table(path: Path) -> tuple[Array, Array]:
         n = rows[int(back[0]) + 2][0]
         raise MotionError("the time does not increase", where=f"{path}, line {n}")
     return values[:, 0], values[:, 1:]
-
-
-def write_pose_table(path: Path, time: Array, q: Array) -> None:
-    """Writes times (T,) s and poses (T, 48); numbers come back to the bit."""
-    lines = [",".join(("time", *COLUMNS))]
-    for t, pose in zip(time.tolist(), q.tolist(), strict=True):
-        lines.append(",".join(map(repr, (t, *pose))))
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")

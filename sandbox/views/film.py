@@ -212,25 +212,6 @@ class FilmView(Closing):
             self._error.add_note(f"and the unfinished film could not be removed: {error}")
 
 
-def save_picture(
-    path: Path | str,
-    scene: Scene,
-    surface: Surface,
-    snapshot: Snapshot,
-    caption: str = "",
-    size: tuple[int, int] = PICTURE_SIZE,
-) -> None:
-    """Writes one picture of a snapshot where there is no film.
-
-    Raises:
-        GraphicsError: There is no OpenGL on this machine.
-        InputError: The size cannot be drawn, or the path cannot be written.
-    """
-    target = _picture_path(path)
-    with Renderer(scene, surface, size, Words(caption)) as renderer:
-        _write_picture(renderer.frame(snapshot), target)
-
-
 def _picture_path(path: Path | str) -> Path:
     target = Path(path)
     if target.suffix.lower() not in PICTURE_KINDS:
