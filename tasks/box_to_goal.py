@@ -77,7 +77,7 @@ class BoxToGoal:
             raise InputError(
                 "the surface is too small for this task",
                 where=cls.name,
-                got=f"{surface.width_in:g}x{surface.height_in:g}in",
+                got=f"{surface.width_in:.3g}x{surface.height_in:.3g}in",
                 expected="room for two places of a box, as on 5.5x4in",
             )
         distance = 0.0

@@ -104,7 +104,7 @@ class CarryTogether:
             raise InputError(
                 "the surface is too small for this task",
                 where=cls.name,
-                got=f"{surface.width_in:g}x{surface.height_in:g}in",
+                got=f"{surface.width_in:.3g}x{surface.height_in:.3g}in",
                 expected="room for a tray between two hands, as on 14x5.5in",
                 remedy="Give every hand a surface of its own: --device A --device B",
             )

@@ -133,6 +133,6 @@ def two_places(
             return places[0], places[1]
     raise InputError(
         "the surface is too small for this task",
-        got=f"{surface.width_in:g}x{surface.height_in:g}in",
+        got=f"{surface.width_in:.3g}x{surface.height_in:.3g}in",
         expected=f"room for two places {1000 * apart[0]:.0f} mm apart",
     )

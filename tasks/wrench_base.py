@@ -76,7 +76,7 @@ class WrenchTask(ABC):
             raise InputError(
                 "the surface is too small for this task",
                 where=cls.name,
-                got=f"{surface.width_in:g}x{surface.height_in:g}in",
+                got=f"{surface.width_in:.3g}x{surface.height_in:.3g}in",
                 expected=f"room for {cls.room}",
             )
         start, yaw, end, turn = way

@@ -47,12 +47,15 @@ class PageOptions:
         return local_network_address() if self.tablet else LOOPBACK
 
 
-def open_page(options: PageOptions, study: StudyView | None = None) -> PageServer:
+def open_page(
+    options: PageOptions, study: StudyView | None = None, touch: bool = True
+) -> PageServer:
     """A server of the page.
 
     Args:
         options: Where.
         study: Makes it a study's, without menus.
+        touch: Whether the player's fingers on the page count.
 
     Raises:
         DeviceError: The address or port cannot be had.
@@ -74,5 +77,12 @@ def open_page(options: PageOptions, study: StudyView | None = None) -> PageServe
     program = str(versions()["hand-sandbox"])
     token = kept_token(default_path().with_name("page-token")) if options.page_port else ""
     return PageServer(
-        options.page_host, options.page_port, tasks, program, tls, token=token, study=study
+        options.page_host,
+        options.page_port,
+        tasks,
+        program,
+        tls,
+        token=token,
+        study=study,
+        touch=touch,
     )

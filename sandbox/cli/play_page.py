@@ -13,6 +13,7 @@ from models.errors import InputError
 from sandbox.assembly import build
 from sandbox.cli.latency import judge_latency, say_latency
 from sandbox.cli.page_options import PageOptions, open_page
+from sandbox.cli.room import in_plain_words
 from sandbox.cli.run import report_dump
 from sandbox.cli.scene_options import Plan, SceneOptions, plan
 from sandbox.cli.second_view import invite, publish, show_session
@@ -25,10 +26,11 @@ from sandbox.messages import Snapshot
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol import Ask, Screen
 from sandbox.session import Session
+from sandbox.settings import RunSettings
 from sandbox.timing import Timing, timed
 from sandbox.two_hands import with_first
 from tasks.registry import TASKS
-from tasks.score import ending
+from tasks.score import result_line
 
 TICK = 0.02
 """s between two looks at what the person wants."""
@@ -48,6 +50,7 @@ class Wishes:
         trial: How many trials there were.
         again: A new trial is wanted.
         paused: Time is to stand still.
+        seated: How often another page had become the player's when this trial was laid out.
     """
 
     task: str
@@ -55,6 +58,7 @@ class Wishes:
     trial: int = 0
     again: bool = False
     paused: bool = False
+    seated: int = 0
 
     def hear(self, asks: list[Ask]) -> None:
         """Takes in what was asked; what makes no sense is passed over."""
@@ -90,11 +94,18 @@ class PagePlay:
             self._trial(wishes)
             wishes.trial += 1
             while not wishes.again:
-                wishes.hear(self.server.asked())
+                self._hear(wishes)
                 time.sleep(TICK)
             wishes.again = wishes.paused = False
 
+    def _hear(self, wishes: Wishes) -> None:
+        """What the page wants; on the screen of somebody else, a trial is laid out anew."""
+        wishes.hear(self.server.asked())
+        if self.server.seated != wishes.seated:
+            wishes.again, wishes.paused = True, False
+
     def _trial(self, wishes: Wishes) -> None:
+        wishes.seated = self.server.seated
         chosen = self._chosen(wishes)
         record = self.options.record
         keeping = Keeping(
@@ -110,7 +121,7 @@ class PagePlay:
             session = build(chosen.settings, make, keeping.recorder)
         except InputError as error:
             keeping.close()
-            self._refuse(error)
+            self._refuse(error, chosen.settings)
             return
         touched = _touched(chosen)
         live = LiveSession(
@@ -123,7 +134,7 @@ class PagePlay:
         live.start()
         try:
             while not live.over and not wishes.again:
-                wishes.hear(self.server.asked())
+                self._hear(wishes)
                 waiting = waiting and touched is not None and not touched.touched
                 live.pause(waiting or wishes.paused)
                 if waiting or wishes.paused:
@@ -141,8 +152,15 @@ class PagePlay:
         if live.failure:
             raise live.failure
         report_dump(result, self.console)
-        how = ending(result["status"], result["success"])
-        self.console.print(f"{session.task.name}: {how} {result['reason']}")
+        self.console.print(
+            result_line(
+                session.task.name,
+                result["status"],
+                result["success"],
+                result["time_s"],
+                result["reason"],
+            )
+        )
 
     def _chosen(self, wishes: Wishes) -> Plan:
         chosen = plan(replace(self.options, record=None))
@@ -180,9 +198,9 @@ class PagePlay:
 
         return on_step
 
-    def _refuse(self, error: InputError) -> None:
+    def _refuse(self, error: InputError, settings: RunSettings) -> None:
         """A task that this screen has no room for: said on the page; another can be chosen."""
-        self.server.tell(_plainly(error))
+        self.server.tell(in_plain_words(error, settings))
         self.events.tell("warning", what=str(error))
         self.console.print(f"[yellow]{error}[/]")
 
@@ -195,7 +213,7 @@ def play_on_page(
     Returns 1 where that was longer than `limit`, ms (see `judge_latency`); None sets none.
     """
     events = EventLog(options.events)
-    server = open_page(page)
+    server = open_page(page, touch=options.device == "web")
     try:
         invite(server, page, events, console)
         PagePlay(options, server, events, console).run()
@@ -218,13 +236,6 @@ def rectangle(screen: Screen, hands: int = 1) -> dict[str, Any]:
     most = (hands * LARGEST[0], LARGEST[1])
     size = tuple(round(min(side, end), 4) for side, end in zip(inches, most, strict=True))
     return {"surface_in": size, "surface_calibrated": screen.calibrated}
-
-
-def _plainly(error: InputError) -> str:
-    """The error in words for somebody who plays."""
-    if "too small" not in error.what:
-        return str(error)
-    return f"This screen is small for your hand: {error.where} needs {error.expected}."
 
 
 def _touched(chosen: Plan) -> WebDevice | None:

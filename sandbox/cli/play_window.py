@@ -35,7 +35,7 @@ from sandbox.session import Session
 from sandbox.timing import Timing, timed
 from sandbox.two_hands import with_first
 from sandbox.views.window import Window
-from tasks.score import Status, ending
+from tasks.score import Status, result_line
 from tasks.task import Task
 
 WAITING = "time begins with your first touch"
@@ -170,8 +170,15 @@ class WindowPlay:
         self.results.append(result)
         self.events.tell("trial_end", **result)
         report_dump(result, self.console)
-        how = ending(result["status"], result["success"])
-        self.console.print(f"{session.task.name}: {how} {result['reason']}")
+        self.console.print(
+            result_line(
+                session.task.name,
+                result["status"],
+                result["success"],
+                result["time_s"],
+                result["reason"],
+            )
+        )
         return again
 
     def _watch(self, session: Session, live: LiveSession, wishes: Wishes, timing: Timing) -> bool:
@@ -310,9 +317,10 @@ def play_in_window(
     """
     events = EventLog(options.events)
     try:
-        server = open_second_view(page, events, console)
+        touch = options.device == "mouse"
+        server = open_second_view(page, touch, events, console)
         latency = server.latency if server else LatencyLog()
-        share = server is not None and options.device == "mouse"
+        share = server is not None and touch
         lan = page.tablet or page.lan is not None
         play = WindowPlay(options, server, share, lan, events, console, latency)
         try:

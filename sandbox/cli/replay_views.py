@@ -64,7 +64,7 @@ def show_on_page(
     Raises:
         DeviceError: The page cannot be served.
     """
-    server = open_page(page)
+    server = open_page(page, touch=False)
     try:
         invite(server, page, EventLog(None), console)
         console.print("Ctrl-C ends it")

@@ -64,14 +64,17 @@ def invite(server: PageServer, page: PageOptions, events: EventLog, console: Con
     events.tell("listening", address=server.url)
 
 
-def open_second_view(page: PageOptions, events: EventLog, console: Console) -> PageServer | None:
-    """The page beside the window; None where it cannot be served, which costs nothing else.
+def open_second_view(
+    page: PageOptions, touch: bool, events: EventLog, console: Console
+) -> PageServer | None:
+    """The page beside the window, whose fingers may count; None where it cannot be served, which
+    costs nothing else.
 
     Raises:
         DeviceError: A page was asked for by name, and cannot be served.
     """
     try:
-        server = open_page(page)
+        server = open_page(page, touch=touch)
     except DeviceError as error:
         if page.tablet or page.lan or page.page_port:
             raise

@@ -63,9 +63,11 @@ class Audience:
         counters: Of refusals.
         latency: Of touches.
         study: Makes the page one of a study; None: it is played for its own sake.
+        touch: Whether the player's fingers count.
 
     Attributes:
         joined: Set once a player has come.
+        seated: How often another page became the player's.
         asked: What the player asks for; read by another thread.
         filled: What the player does with a study's sheets; read by another thread.
         screen: The player's screen; None before one came.
@@ -78,7 +80,9 @@ class Audience:
         counters: Counters,
         latency: LatencyLog,
         study: StudyView | None = None,
+        touch: bool = True,
     ) -> None:
+        self._touch, self.seated = touch, 0
         self._tasks, self._version = list(tasks), version
         self._counters, self._latency = counters, latency
         self._clients: list[Client] = []
@@ -89,6 +93,7 @@ class Audience:
         self._skins: Sequence[bytes] = ()
         self._study = study
         self._sheet: Sheet | None = None
+        self._trouble: bytes | None = None
         self._heard = float("-inf")
         self.joined = threading.Event()
         self.asked: queue.SimpleQueue[Ask] = queue.SimpleQueue()
@@ -103,14 +108,16 @@ class Audience:
     ) -> None:
         """A new trial begins."""
         self._scene, self._device, self._frame, self._skins = scene, device, None, skins
+        self._trouble = None
         for client in self._clients:
             client.offer(None)
             if client.hello:
                 client.say(encode(scene))
                 client.dress(skins)
 
-    def say(self, text: bytes) -> None:
-        """A message for everybody."""
+    def trouble(self, text: bytes) -> None:
+        """Why there is no scene, for everybody, and for who comes before there is one."""
+        self._trouble, self._frame = text, None
         for client in self._clients:
             if client.hello:
                 client.say(text)
@@ -192,16 +199,38 @@ class Audience:
             # The same page again, before its old socket was noticed to be dead.
             self._leave(other)
             await other.connection.close(REPLACED, "the page is open elsewhere")
-        if hello.role == "player" and not any(c.player for c in self._clients):
-            client.player, self._last_player = True, hello.client
-            self.screen = hello.screen
+        if hello.role == "player" and (player := self._player()) and self._trouble:
+            # Whoever has no room to play gives the seat to who may have some.
+            player.player = False
+            self._welcome(player)
+        if hello.role == "player" and self._player() is None:
+            self._seat(client)
             self.joined.set()
         self._welcome(client)
+
+    def _player(self) -> Client | None:
+        return next((c for c in self._clients if c.player), None)
+
+    def _seat(self, client: Client) -> None:
+        assert client.hello is not None
+        other = client.hello.client != self._last_player
+        client.player, self._last_player = True, client.hello.client
+        self.screen, self.seated = client.screen, self.seated + other
 
     def _welcome(self, client: Client) -> None:
         role = "player" if client.player else "spectator"
         client.say(
-            encode(Welcome(PROTOCOL, self._version, role, self._tasks, CREDIT, self._study))  # type: ignore[arg-type]
+            encode(
+                Welcome(
+                    PROTOCOL,
+                    self._version,
+                    role,  # type: ignore[arg-type]
+                    self._tasks,
+                    CREDIT,
+                    self._study,
+                    self._touch,
+                )
+            )
         )
         if client.player and self._sheet:
             client.say(encode(self._sheet))
@@ -209,6 +238,8 @@ class Audience:
             client.say(encode(self._scene))
             client.dress(self._skins)
             client.offer(self._frame)
+        if self._trouble:
+            client.say(self._trouble)
 
     def _leave(self, client: Client) -> None:
         if not client.player:
@@ -220,8 +251,7 @@ class Audience:
         # Somebody who wanted to play, and found the seat taken, gets it now.
         for other in self._clients:
             if other is not client and other.hello and other.hello.role == "player":
-                other.player, self._last_player = True, other.hello.client
-                self.screen = other.screen
+                self._seat(other)
                 self._welcome(other)
                 return
 

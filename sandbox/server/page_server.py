@@ -70,6 +70,7 @@ class PageServer:
         files: The page.
         token: That of a server before this one, so that its pages find back; empty: a new one.
         study: Makes the page one of a study, without menus; None: it is played for its own sake.
+        touch: Whether the player's fingers count; False: something else plays, and pages look on.
 
     Raises:
         DeviceError: The address or port cannot be had.
@@ -90,12 +91,13 @@ class PageServer:
         files: StaticFiles | None = None,
         token: str = "",
         study: StudyView | None = None,
+        touch: bool = True,
     ) -> None:
         self.counters, self.latency = Counters(), LatencyLog()
         self._tls, self._token = tls, token
         self._door = Door(self.counters)
         self._files = files or StaticFiles()
-        self._audience = Audience(tasks, version, self.counters, self.latency, study)
+        self._audience = Audience(tasks, version, self.counters, self.latency, study, touch)
         self._shown: _Shown | None = None
         self._scenes = 0
         self._moment: tuple[_Shown, int, Snapshot, bool, Sequence[HandSense]] | None = None
@@ -127,6 +129,11 @@ class PageServer:
     def screen(self) -> Screen | None:
         """The player's screen; None before one came."""
         return self._audience.screen
+
+    @property
+    def seated(self) -> int:
+        """How often another page became the player's: the screen may be another one since."""
+        return self._audience.seated
 
     @property
     def clients(self) -> int:
@@ -187,8 +194,9 @@ class PageServer:
         self._loop.call_soon_threadsafe(self._open_scene, shown)
 
     def tell(self, text: str) -> None:
-        """Says something to everybody who looks."""
-        self._loop.call_soon_threadsafe(self._audience.say, encode(Trouble(text)))
+        """Says why there is no scene to everybody who looks, until there is one. Meanwhile the
+        next page that comes may play instead."""
+        self._loop.call_soon_threadsafe(self._audience.trouble, encode(Trouble(text)))
 
     def publish(
         self, snapshot: Snapshot, paused: bool = False, senses: Sequence[HandSense] = ()

@@ -141,7 +141,8 @@ class StudyView(Struct, frozen=True):
 
 class Welcome(Struct, tag="welcome", frozen=True):
     """The server's first message: what the page is (a player or a spectator), and what there is.
-    In a study there are no menus."""
+    In a study there are no menus. `touch`: the player's fingers on the page are a hand's; else
+    something else plays, and every page only looks."""
 
     protocol: int
     version: str
@@ -149,6 +150,7 @@ class Welcome(Struct, tag="welcome", frozen=True):
     tasks: list[TaskName]
     credit: int
     study: StudyView | None = None
+    touch: bool = True
 
 
 class Geom(Struct, frozen=True):

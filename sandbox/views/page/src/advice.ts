@@ -21,11 +21,11 @@ export function advise(sheets: Sheets, done: () => void): void {
     );
   else lines.push("Switch off gestures of three or more fingers, if your device has any.");
   if (small())
-    lines.push("This screen is small for your hand: play with two or three fingers, or on a tablet.");
+    lines.push("This screen is small for your hand: a tablet or a laptop has room for all tasks.");
   sheets.open(
     "Before you play",
     [make("ul", "", {}, ...lines.map((text) => make("li", "", { text })))],
-    "I have done that",
+    "Go on",
     () => {
       remember("advised", "yes");
       done();

@@ -30,6 +30,7 @@ export class Hud {
   private readonly link = make("span", "link");
   private readonly size: HTMLElement;
   private readonly caption = make("span", "badge quiet");
+  private readonly looking = make("span", "badge");
   private readonly toast = make("div", "toast");
   private readonly end = make("div", "end");
   private readonly endWords = make("p", "end-words");
@@ -74,7 +75,7 @@ export class Hud {
       {},
       make("header", "top", {}, words, score),
       // Buttons are at the edge that the hand comes from: no task needs a finger there.
-      make("footer", "bottom", {}, state, this.size, this.caption, this.buttons),
+      make("footer", "bottom", {}, state, this.size, this.caption, this.looking, this.buttons),
       this.toast,
       this.end,
     );
@@ -82,12 +83,19 @@ export class Hud {
     show(this.end, false);
     show(this.caption, false);
     show(this.size, false);
+    this.setLooking("");
   }
 
   /** A player has buttons; who only looks has none. */
   setPlayer(player: boolean): void {
     show(this.buttons, player);
     this.root.classList.toggle("looking", !player);
+  }
+
+  /** Who plays, where somebody might think that they do themselves; empty: nothing to tell. */
+  setLooking(words: string): void {
+    write(this.looking, words);
+    show(this.looking, words !== "");
   }
 
   /** In a study there is what its design wants seen, in the participant's language. */

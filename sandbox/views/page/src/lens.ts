@@ -16,8 +16,13 @@ const FAR = 8;
 const EYE_FLAT = new Vector3(0, 0.07, 0.7);
 const EYE_UPRIGHT = new Vector3(0, 0.12, 0.55);
 
-/** m, middle of what hands in the air do, over the table. */
-const HELD = 0.07;
+/** m over the surface up to which somebody who only looks sees everything: hands on it, with what
+ * they lift; hands in the air. */
+const ABOVE_TOUCHED = 0.13;
+const ABOVE_IN_AIR = 0.3;
+/** Of the page's height, above and below: there is writing. */
+const FREE_ABOVE = 0.1;
+const FREE_BELOW = 0.03;
 
 export interface Rectangle {
   left: number;
@@ -31,6 +36,8 @@ export class Lens {
   private readonly axes = new Matrix4();
   private readonly centre = new Vector3();
   private readonly seen = new Vector3();
+  /** CSS pixels of an inch of the surface, about: fingers' rings are as large as fingertips. */
+  pxPerInch = 1;
   private size = { width: 1, height: 1 };
 
   /**
@@ -41,6 +48,7 @@ export class Lens {
   aim(surface: SurfaceView, pxPerInch: number, width: number, height: number): void {
     const r = surface.rotation;
     this.size = { width, height };
+    this.pxPerInch = pxPerInch;
     this.axes.set(r[0], r[1], r[2], 0, r[3], r[4], r[5], 0, r[6], r[7], r[8], 0, 0, 0, 0, 1);
     this.centre
       .set(
@@ -84,7 +92,6 @@ export class Lens {
   ): void {
     this.aim(surface, 100, width, height);
     const upright = Math.abs(surface.rotation[8]) < 0.5;
-    const span = Math.max(surface.width_in, surface.height_in * 1.4) * METRES_PER_INCH;
     const camera = this.camera;
     camera.fov = 32;
     camera.aspect = width / height;
@@ -93,17 +100,43 @@ export class Lens {
     const flat = inAir ? new Vector3(-0.9, -0.55, 0.6) : new Vector3(-1, -0.3, 0.75);
     const from = upright ? new Vector3(-0.5, 0.3, 1) : flat;
     if (hand === "left") from.x = -from.x;
-    const distance = (span * (inAir ? 4.4 : 2.4)) / Math.min(camera.aspect, 1.4);
-    const middle = this.centre.clone();
-    if (inAir) middle.z += HELD;
-    camera.position
-      .copy(from.normalize().multiplyScalar(distance))
-      .applyMatrix4(this.axes)
-      .add(this.centre);
+    const above = inAir ? ABOVE_IN_AIR : ABOVE_TOUCHED;
+    const target = new Vector3(0, 0, above / 2).applyMatrix4(this.axes).add(this.centre);
+    from.normalize().applyMatrix4(this.axes);
+    camera.position.copy(target).add(from);
     camera.up.set(0, 0, 1);
-    camera.lookAt(middle);
+    camera.lookAt(target);
+    camera.updateMatrixWorld(true);
+    camera.position.copy(target).addScaledVector(from, this.farEnough(surface, above, target));
     camera.updateProjectionMatrix();
     camera.updateMatrixWorld(true);
+  }
+
+  /** m from the target at which all of the surface is seen, and what is above it. */
+  private farEnough(surface: SurfaceView, above: number, target: Vector3): number {
+    const [x, y, back] = [new Vector3(), new Vector3(), new Vector3()];
+    this.camera.matrixWorld.extractBasis(x, y, back);
+    const tall = Math.tan((this.camera.fov * Math.PI) / 360);
+    const [up, down] = [tall * (1 - 2 * FREE_ABOVE), tall * (1 - 2 * FREE_BELOW)];
+    let distance = 0;
+    for (const right of [-0.5, 0.5])
+      for (const far of [-0.5, 0.5])
+        for (const height of [0, above]) {
+          // What is lifted is farther in than what lies at the edge.
+          const share = METRES_PER_INCH * (height ? 0.5 : 1);
+          const point = new Vector3(
+            right * surface.width_in * share,
+            far * surface.height_in * share,
+            height,
+          );
+          point.applyMatrix4(this.axes).add(this.centre).sub(target);
+          const wide = Math.abs(point.dot(x)) / (tall * this.camera.aspect);
+          const high = point.dot(y);
+          const needed = Math.max(wide, high / up, -high / down);
+          distance = Math.max(distance, needed + point.dot(back));
+        }
+    this.pxPerInch = (METRES_PER_INCH * this.size.height) / (2 * tall * distance);
+    return distance;
   }
 
   /** Where a place in the world is on the page, CSS pixels. */

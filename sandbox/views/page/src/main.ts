@@ -10,7 +10,7 @@ import { Hint } from "./hint";
 import { Hud } from "./hud";
 import { touchRectangle } from "./lens";
 import { Lift } from "./lift";
-import { reload } from "./link";
+import { reload, spectator } from "./link";
 import { measureScreen } from "./measure";
 import { taskMenu } from "./menu";
 import type { Ask, Scene, StudyView, TaskName } from "./protocol";
@@ -24,6 +24,8 @@ import { Stage } from "./stage";
 
 /** ms between two reports of how long a touch took to be drawn. */
 const REPORT_MS = 100;
+/** ms within which another scene is what there is instead of the one that cannot be had. */
+const REFUSED_MS = 1000;
 /** Share by which the page has to change before the trial is laid out anew. */
 const CHANGED = 0.08;
 
@@ -45,6 +47,10 @@ class Page {
 
   private glass: Fingers | null = null;
   private player = false;
+  /** Whether the player's fingers are a hand's: something else may play. */
+  private counts = true;
+  /** When there was last no scene to be had, ms. */
+  private troubled = -Infinity;
   private inStudy: StudyView | null = null;
   private tasks: TaskName[] = [];
   private scene: Scene | null = null;
@@ -102,10 +108,13 @@ class Page {
         if (welcome.study) this.enterStudy(welcome.study);
         show(this.hud.root, true);
         this.player = welcome.role === "player";
-        this.sender.active = this.player;
+        this.counts = welcome.touch ?? true;
+        this.sender.active = this.touches;
         this.hud.setPlayer(this.player);
         this.layOut();
-        if (this.player) this.firstTime();
+        if (this.touches) this.firstTime();
+        else this.sheets.close();
+        this.lookOn();
       },
       onScene: (message) => this.open(message),
       onSkin: (skin) => {
@@ -115,8 +124,8 @@ class Page {
       onSheet: (sheet) => this.study.lay(sheet),
       onRefusal: (refusal) => this.study.refuse(refusal),
       onTrouble: (text) => {
-        this.trouble.textContent = `${text}\nChoose another task, or play on a larger screen.`;
-        show(this.trouble, true);
+        this.troubled = performance.now();
+        this.tell(text);
         this.hint.root.hidden = true;
       },
       onFrame: (frame) => this.take(frame),
@@ -152,13 +161,16 @@ class Page {
     this.pressed.clear();
     this.wasHeld = false;
     this.laidOut = currentScreen();
+    // What was asked for cannot be had, and what there was goes on.
+    if (performance.now() - this.troubled < REFUSED_MS) this.hud.say(this.trouble.textContent ?? "");
+    this.troubled = -Infinity;
     show(this.trouble, false);
     this.hud.setScene(scene);
     this.stage.open(scene);
     this.sender.active = this.touches;
     this.layOut();
-    this.lift.open(this.player && scene.lift > 0, scene.hand);
-    this.sender.setLift(this.player && scene.lift > 0 ? 0 : null);
+    this.lift.open(this.touches && scene.lift > 0, scene.hand);
+    this.sender.setLift(this.touches && scene.lift > 0 ? 0 : null);
     if (this.touches && !scene.caption && !this.inStudy) this.hint.open(scene.goal);
   }
 
@@ -237,7 +249,18 @@ class Page {
 
   /** Whether fingers on this page are the hand's. */
   private get touches(): boolean {
-    return this.player && !this.scene?.in_air;
+    return this.player && this.counts && !this.scene?.in_air;
+  }
+
+  /** Says to who only looks why nothing happens, or that another page plays. */
+  private lookOn(): void {
+    this.hud.setLooking(this.player || spectator || this.inStudy ? "" : "another page plays");
+    if (!this.scene && !this.player && !this.inStudy) this.tell("Nobody plays yet.");
+  }
+
+  private tell(text: string): void {
+    this.trouble.textContent = text;
+    show(this.trouble, true);
   }
 
   private layOut(): void {
@@ -286,7 +309,7 @@ class Page {
     if (!this.dirty) return;
     this.dirty = false;
     const { frame, scene } = this;
-    this.rings.draw(this.ringsNow(), this.touches ? pxPerInch() : 60);
+    this.rings.draw(this.ringsNow(), this.stage.lens.pxPerInch);
     if (!frame || !scene) return;
     this.stage.move(frame);
     this.stage.draw(now);

@@ -94,7 +94,7 @@ export interface StudyView {
   shows: (string)[];
 }
 
-/** The server's first message: what the page is (a player or a spectator), and what there is. In a study there are no menus. */
+/** The server's first message: what the page is (a player or a spectator), and what there is. In a study there are no menus. `touch`: the player's fingers on the page are a hand's; else something else plays, and every page only looks. */
 export interface Welcome {
   type: "welcome";
   protocol: number;
@@ -103,6 +103,7 @@ export interface Welcome {
   tasks: (TaskName)[];
   credit: number;
   study?: StudyView | null;
+  touch?: boolean;
 }
 
 /** A shape on a body: MuJoCo's type and sizes, place (m) and turn (w, x, y, z) on the body. */
