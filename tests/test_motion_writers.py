@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import resource
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -254,6 +257,32 @@ def test_a_file_that_is_there_stays_as_it_is_until_the_new_one_is_whole(tmp_path
         assert all((tmp_path / name).read_text() == "old" for name in names)
     assert all((tmp_path / name).read_bytes() != b"old" for name in names)
     assert sorted(p.name for p in tmp_path.iterdir()) == sorted(names)
+
+
+@contextmanager
+def room_for(size: int) -> Iterator[None]:
+    """No file can become larger than so many bytes, as on a disk that is nearly full."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+@pytest.mark.parametrize("kind", WRITERS)
+def test_where_there_is_no_room_that_is_said_and_nothing_is_left(tmp_path, kind):
+    q = moving(ADULT, 300, 3)
+    whole = [p.stat().st_size for p in written(lambda a: WRITERS[kind](tmp_path, a), ADULT, q)]
+    for share in (0.02, 0.5, 0.98):
+        folder = tmp_path / f"{share}"
+        folder.mkdir()
+        with (
+            pytest.raises(MotionError, match=r"cannot be written here.*File too large"),
+            room_for(int(share * max(whole))),
+        ):
+            written(lambda a, folder=folder: WRITERS[kind](folder, a), ADULT, q)
+        assert not list(folder.iterdir())
 
 
 @pytest.mark.parametrize("kind", WRITERS)

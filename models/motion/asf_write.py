@@ -60,9 +60,6 @@ class AmcWriter(MotionWriter):
         self._amc.write(rows(values, self._line))
         self.frames += count
 
-    def finish(self) -> None:
-        """Nothing is left to be said."""
-
 
 def _skeleton(armature: Armature, zero: Array) -> str:
     bones: list[tuple[str, Array, bool]] = []

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import shutil
 import tempfile
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -81,7 +81,8 @@ class GltfWriter(MotionWriter):
         """Leaves nothing behind."""
         super().abort()
         if hasattr(self, "_closing"):
-            self._closing.close()
+            with suppress(OSError):
+                self._closing.close()
 
     def _temporary(self) -> BinaryIO:
         folder = self.paths[0].parent

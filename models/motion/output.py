@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from abc import ABC, abstractmethod
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import BinaryIO, Self
@@ -50,23 +51,42 @@ class Output:
             raise refused(self.path, error) from error
 
     def put(self, at: int, data: bytes) -> None:
-        """Overwrites bytes from a place on."""
-        end = self.file.tell()
-        self.file.seek(at)
-        self.write(data)
-        self.file.seek(end)
+        """Overwrites bytes from a place on.
 
-    def commit(self) -> None:
-        """Gives the file its name."""
+        Raises:
+            MotionError: There is no room for what was appended before.
+        """
+        try:
+            end = self.file.tell()
+            self.file.seek(at)
+            self.file.write(data)
+            self.file.seek(end)
+        except OSError as error:
+            raise refused(self.path, error) from error
+
+    def complete(self) -> None:
+        """Writes what still waits to be written.
+
+        Raises:
+            MotionError: There is no room.
+        """
         try:
             self.file.close()
+        except OSError as error:
+            raise refused(self.path, error) from error
+
+    def commit(self) -> None:
+        """Gives the complete file its name."""
+        try:
             os.replace(self._part, self.path)
         except OSError as error:
             raise refused(self.path, error) from error
 
     def abort(self) -> None:
         """Leaves nothing behind."""
-        self.file.close()
+        # What waits to be written may have no room, and is not wanted.
+        with suppress(OSError):
+            self.file.close()
         self._part.unlink(missing_ok=True)
 
 
@@ -96,9 +116,8 @@ class MotionWriter(ABC):
     def write(self, *hands: Keys) -> None:
         """Appends the same moments of every hand."""
 
-    @abstractmethod
-    def finish(self) -> None:
-        """Completes what could not be known before the end."""
+    def finish(self) -> None:  # noqa: B027 - it need not be written
+        """Completes what could not be known before the end; most formats know all of it."""
 
     def abort(self) -> None:
         """Leaves nothing behind."""
@@ -121,11 +140,14 @@ class MotionWriter(ABC):
             if not self.frames:
                 raise MotionError("there is no motion to write", where=str(self.paths[0]))
             self.finish()
+            # None of several files appears before all of them are whole.
+            for output in self._outputs:
+                output.complete()
+            for output in self._outputs:
+                output.commit()
         except BaseException:
             self.abort()
             raise
-        for output in self._outputs:
-            output.commit()
 
 
 def refused(path: Path, error: OSError) -> MotionError:

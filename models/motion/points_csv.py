@@ -37,6 +37,3 @@ class PointsCsvWriter(MotionWriter):
         values = np.concatenate([time[:, None], places.reshape(len(places), -1)], axis=1)
         self._outputs[0].write(rows(values, self._line, DECIMALS))
         self.frames += len(places)
-
-    def finish(self) -> None:
-        """Nothing is left to be said."""

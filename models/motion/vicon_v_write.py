@@ -59,9 +59,6 @@ class VWriter(MotionWriter):
         self._v.write(records.tobytes())
         self.frames += count
 
-    def finish(self) -> None:
-        """Nothing is left to be said."""
-
     def _continuous(self, vectors: Array) -> Array:
         """Rotation vectors that do not jump by whole turns; only the wrist's ever could."""
         last = vectors[0, 0] if self._last is None else self._last

@@ -73,9 +73,6 @@ class VskWriter(MotionWriter):
         """Counts the keys."""
         self.frames += len(hands[0].root)
 
-    def finish(self) -> None:
-        """Nothing is left to be said."""
-
 
 def _text(vector: np.ndarray) -> str:
     return " ".join(f"{v + 0.0:.9g}" for v in np.round(vector, 9).tolist())
