@@ -48,19 +48,17 @@ class Target:
         up: (3, 3) its world from ours.
         turns: Also send the turns of all joints.
         wrap: Makes a command of a line, without the line's end.
-        answers: It says `ok` to every line, and a lost connection is not to be feared.
     """
 
     name: str
     up: Array
     turns: bool
     wrap: Callable[[str], str]
-    answers: bool = False
 
 
 MAYA = Target("Maya", Y_UP, False, "hand_sandbox('{}')".format)
 MAYA_MEL = Target("Maya (MEL)", Y_UP, False, "python(\"hand_sandbox('{}')\");".format)
-BLENDER = Target("Blender", Z_UP, True, "{}".format, answers=True)
+BLENDER = Target("Blender", Z_UP, True, "{}".format)
 
 
 class HandLines:
