@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import socket
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -169,6 +170,45 @@ def nobody_else_was_asked(tab: Tab, server: PageServer) -> bool:
     return True
 
 
+WATCHED = """
+window.told = [];
+const say = WebSocket.prototype.send, arc = CanvasRenderingContext2D.prototype.arc;
+const note = (what, x) => told.push([what, x, document.timeline.currentTime]);
+WebSocket.prototype.send = function (text) {
+  const said = typeof text === "string" ? JSON.parse(text) : {};
+  if (said.type === "touches" && said.contacts[0]) note("message", said.contacts[0][1]);
+  return say.call(this, text);
+};
+CanvasRenderingContext2D.prototype.arc = function (x, ...rest) {
+  note("ring", Math.round(100 * x) / 100);
+  return arc.call(this, x, ...rest);
+};
+true
+"""
+"""Writes down which messages and rings have a finger where, and in which picture (ms)."""
+
+
+def test_a_moving_finger_is_sent_before_the_picture_that_has_its_ring(
+    stage: Stage, tab: Tab
+) -> None:
+    tab.wait(READY)
+    stage.advance()
+    tab.wait("document.querySelector('.task').textContent !== ''")
+    tab.evaluate(WATCHED)
+    tab.touch([(1, 200.0, 200.0)])
+    places = [210.25, 220.5, 230.75]
+    for x in places:
+        tab.touch([(1, x, 200.0)])
+        tab.wait(f"told.some(([what, at]) => what === 'ring' && at === {x})")
+    told = tab.evaluate("told")
+    for x in places:
+        message = next(i for i, t in enumerate(told) if t[:2] == ["message", x])
+        ring = next(i for i, t in enumerate(told) if t[:2] == ["ring", x])
+        assert message < ring
+        assert told[message][2] == told[ring][2]
+    tab.touch([])
+
+
 def test_ten_fingers_keep_their_ids_and_each_is_lifted_alone(stage: Stage, tab: Tab) -> None:
     tab.wait(READY)
     stage.advance()
@@ -256,6 +296,19 @@ def test_a_page_finds_back_when_the_server_restarts(browser: Browser, server: Pa
     finally:
         again.close()
         tab.close()
+
+
+def test_a_page_does_not_wait_for_a_computer_that_never_answers(browser: Browser) -> None:
+    server = PageServer(tasks=TASKS)
+    staged(server)
+    tab = browser.open(server.url, width=WIDTH, height=HEIGHT, storage=KNOWN)
+    tab.wait(READY)
+    server.close()
+    with socket.create_server((server.access.host, server.access.port)):
+        # Connections are made here, and nobody ever says a word.
+        for condition in ("connecting", "lost", "connecting", "lost"):
+            tab.wait(f"!!document.querySelector('.dot[data-condition={condition}]')")
+    tab.close()
 
 
 def test_a_page_with_a_wrong_token_gets_nothing(browser: Browser, server: PageServer) -> None:

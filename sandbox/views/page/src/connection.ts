@@ -136,12 +136,12 @@ export class Connection {
   }
 
   private beat(): void {
-    if (!this.isOpen) return;
-    if (performance.now() - this.heard > SILENCE_MS) {
-      this.socket!.close();
+    // One that only tries to connect counts as well: a tablet would try for a minute or two.
+    if (this.socket && performance.now() - this.heard > SILENCE_MS) {
+      this.socket.close();
       this.lose(0);
-      return;
     }
+    if (!this.isOpen) return;
     const last = this.roundTrip === null ? {} : { round_trip_ms: Math.min(this.roundTrip, 60000) };
     this.roundTrip = null;
     this.say({ type: "beat", t: performance.now(), ...last });

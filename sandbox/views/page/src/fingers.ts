@@ -25,11 +25,10 @@ export class Fingers {
   private cancelled: number[] = [];
   private nextId = 1;
   private moved = 0;
-  private scheduled = false;
 
   /**
    * @param stage Where a touch is a contact; touches that begin on a button are none.
-   * @param tell Is told of every change, moves once per picture.
+   * @param tell Is told of every change; of moves when the page settles them.
    */
   constructor(
     stage: HTMLElement,
@@ -65,6 +64,12 @@ export class Fingers {
     this.flush(performance.now());
   }
 
+  /** Five fingers move by five events; they are one message, and one picture. Called before each
+   * picture is drawn, so that neither the message nor the rings wait for the next one. */
+  settle(): void {
+    if (this.moved) this.flush(this.moved);
+  }
+
   private onDown(event: PointerEvent): void {
     if (event.pointerType === "mouse" && event.button !== 0) return;
     if (this.down.size >= MOST || this.down.has(event.pointerId)) return;
@@ -82,13 +87,6 @@ export class Fingers {
     }
     this.down.set(event.pointerId, this.read(event, finger.id));
     this.moved = event.timeStamp;
-    // Five fingers move by five events; they are one message, and one picture.
-    if (this.scheduled) return;
-    this.scheduled = true;
-    requestAnimationFrame(() => {
-      this.scheduled = false;
-      if (this.moved) this.flush(this.moved);
-    });
   }
 
   private onUp(event: PointerEvent): void {

@@ -12,9 +12,9 @@ import {
   Vector3,
 } from "three";
 import { OUTLINE, TABLE } from "./colours";
+import { METRES_PER_INCH } from "./lens";
 import type { SurfaceView } from "./protocol";
 
-const METRES_PER_INCH = 0.0254;
 /** m, side of the piece of mat that is repeated: 5 fields of 2 cm. */
 const PIECE = 0.1;
 

@@ -137,7 +137,7 @@ export class Hud {
         this.endWords,
         state.held
           ? `Done in ${state.time.toFixed(1)} s`
-          : state.status === "timeout" || state.status === "time out"
+          : state.status === "timeout"
             ? "Time is up"
             : `Over: ${state.reason || state.status}`,
       );

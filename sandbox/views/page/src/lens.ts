@@ -9,7 +9,7 @@
 import { Matrix4, PerspectiveCamera, Vector3 } from "three";
 import type { SurfaceView } from "./protocol";
 
-const METRES_PER_INCH = 0.0254;
+export const METRES_PER_INCH = 0.0254;
 const NEAR = 0.02;
 const FAR = 8;
 /** m, of the eye before the surface's middle: along its x, up it, and out of it. */

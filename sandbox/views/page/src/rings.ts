@@ -1,7 +1,7 @@
 // Rings under the fingers, on a canvas of their own above the scene. They follow the glass, not the
 // network: what the computer adds is the finger's name, colour and force.
 
-import { FINGER_COLOURS, UNKNOWN, fingerName } from "./colours";
+import { fingerColour, fingerName } from "./colours";
 
 export interface Ring {
   x: number;
@@ -48,7 +48,7 @@ export class Rings {
     const pen = this.pen;
     const radius = Math.max(RADIUS * pxPerInch, 22);
     const known = !this.plain && !ring.ignored && ring.label !== null;
-    const colour = this.plain ? PLAIN : known ? (FINGER_COLOURS[ring.label!] ?? UNKNOWN) : UNKNOWN;
+    const colour = this.plain ? PLAIN : fingerColour(known ? ring.label : null);
     // From a thin line in the air to a thick one at 3 N.
     const thick = 3 + (this.plain ? 0 : 7 * Math.min(ring.force / 3, 1));
     pen.lineWidth = thick + 3;
