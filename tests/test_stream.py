@@ -219,7 +219,10 @@ def test_addresses_may_leave_out_the_host():
 
 
 @pytest.mark.parametrize("how", ["answers", "dies of every answer", "reads a few bytes at a time"])
-def test_keys_of_a_recorded_hand_all_reach_a_scene_over_a_port_that(how):
+def test_keys_of_a_recorded_hand_all_reach_a_scene_over_a_port_that(how, monkeypatch):
+    # On a busy machine this scene takes its time to answer, and to hang up.
+    monkeypatch.setattr("sandbox.stream.sender.FIRST_PATIENCE", PATIENT)
+    monkeypatch.setattr("sandbox.stream.sender.LINGER", 1.0)
     q = moving(ADULT, 30, 7)
     scene = FakeMaya()
 
