@@ -116,7 +116,8 @@ def simulate(
         path = out / f"take-{seed + i:04d}.json" if many else out
         made_from = {"seed": seed + i, "capture": str(capture) if capture else None}
         write_take(take, path, made_from)
-    Console(stderr=True).print(Text(f"{len(motions)} simulated recordings ({dialect}): {out}"))
+    told = "1 simulated recording" if len(motions) == 1 else f"{len(motions)} simulated recordings"
+    Console(stderr=True).print(Text(f"{told} ({dialect}): {out}"))
     return 0
 
 
@@ -127,7 +128,7 @@ def formats() -> int:
     table.add_row("v1 (2013)", "service, FILE", "directions and lengths, no names, no bones")
     table.add_row("v2 (2014)", "service, FILE", "joints; PIP and DIP bend alike by construction")
     table.add_row("v3 (Orion), bridge", "service, FILE", "joints, PIP and DIP apart")
-    table.add_row("[frame, ...]", "FILE", "JSON as the first software dumped it")
+    table.add_row(r"\[frame, ...]", "FILE", "JSON as the first software dumped it")
     table.add_row("{metadata, frames}", "FILE", "LeapJS recording, plain or packed")
     table.add_row(".json.lz", "FILE", "the same, LZString base64")
     table.add_row("one message a line", "FILE", "JSON lines; good up to damage")

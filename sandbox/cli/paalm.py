@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Annotated, Literal
 
+import numpy as np
 import tyro
 from rich.console import Console
 from rich.progress import Progress
@@ -28,6 +29,11 @@ from sandbox.devices.leap_truth import GENERATOR
 from sandbox.profiles import DEFAULT
 
 SCHEMA = 1
+HEADER = (
+    "seconds and hand; for each finger flexion and spread of its first joint, flexion of its "
+    "middle and of its end joint, degrees; - is a finger that is not seen"
+)
+"""Said before the lines of angles."""
 
 
 def main(argv: list[str]) -> int:
@@ -52,7 +58,7 @@ def show(
     as_json: Annotated[tyro.conf.FlagCreatePairsOff[bool], tyro.conf.arg(name="json")] = False,
     seconds: float = math.inf,
     view: Literal["text", "window", "web"] = "text",
-    picture: Annotated[Path | None, tyro.conf.arg(metavar="FILE.png")] = None,
+    picture: Annotated[Path | None, tyro.conf.arg(metavar="FILE.png|.jpg|.webp")] = None,
     port: int = 0,
 ) -> int:
     """Shows the joint angles of every frame, or pictures of them.
@@ -112,6 +118,8 @@ def show(
                 seconds=seconds, picture=picture, port=port,
             )  # fmt: skip
             return 0
+        if not as_json:
+            print(HEADER)
         begin: float | None = None
         for frame in stream:
             begin = frame.time if begin is None else begin
@@ -267,5 +275,6 @@ def _print(frame: PaalmFrame, as_json: bool) -> None:
         cells = []
         for finger, row in zip(hand.ratios, hand.table.tolist(), strict=True):
             mark = "-" if finger in hand.held else " "
-            cells.append(f"{finger[:2]}{mark}" + "".join(f"{v:5.0f}" for v in row))
+            whole = np.round(row) + 0.0  # no -0
+            cells.append(f"{finger[:2]}{mark}" + "".join(f"{v:5.0f}" for v in whole))
         print(f"{frame.time:9.3f} {side[0]}  " + "  ".join(cells))

@@ -16,6 +16,7 @@ from models.errors import InputError
 from models.frames import HandFrame
 
 ViewName = Literal["text", "window", "web"]
+PICTURES = (".png", ".jpg", ".webp")
 _PAGE_RATE = 20.0
 """Pictures a second on a page; each is drawn and packed."""
 _LONGEST_REST = 0.02
@@ -31,8 +32,10 @@ def check_picture(path: Path | None) -> None:
         return
     if not path.absolute().parent.is_dir():
         raise InputError("there is no such folder", where=f"--picture {path}")
-    if path.suffix.lower() not in (".png", ".jpg"):
-        raise InputError("this is no picture", where=f"--picture {path}", expected=".png or .jpg")
+    if path.suffix.lower() not in PICTURES:
+        raise InputError(
+            "this is no picture", where=f"--picture {path}", expected=", ".join(PICTURES)
+        )
 
 
 def show_pictures(
@@ -73,6 +76,7 @@ def show_pictures(
         last = _play(paalm, stream, shown, recorded and view != "text", seconds)
         if picture is not None and last is not None:
             _save(shown.drawn(*last), picture)
+            Console().print(Text(f"picture: {picture}"))
     finally:
         shown.close()
 

@@ -137,6 +137,7 @@ def diagram(
             _sphere(pen, hand)
         for hand in hands:
             _vectors(pen, hand)
+        pen.write()
     return image.resize(size, Image.Resampling.LANCZOS)
 
 
@@ -156,6 +157,7 @@ class _Pen:
         self.draw = ImageDraw.Draw(image)
         self.unit = image.size[1] / 540.0
         self.font = ImageFont.load_default(round(15 * self.unit))
+        self._words: list[tuple[float, float, str, Colour]] = []
 
     def place(self, point: ArrayLike) -> tuple[float, float]:
         x, y = self._axes @ (np.asarray(point) - self._middle)
@@ -181,12 +183,22 @@ class _Pen:
         r = radius * self.unit
         self.draw.ellipse((x - r, y - r, x + r, y + r), fill=palette.bytes_of(colour)[:3])
 
-    def word(self, point: Array, text: str, colour: Colour, dx: float, dy: float) -> None:
-        x, y = self.place(point)
-        ink = palette.bytes_of(colour)[:3]
-        self.draw.text(
-            (x + dx * self.unit, y + dy * self.unit), text, font=self.font, fill=ink, anchor="mm"
-        )
+    def word(self, point: Array, text: str, colour: Colour) -> None:
+        """Is written about here, by `write`."""
+        self._words.append((*self.place(point), text, colour))
+
+    def write(self) -> None:
+        """Writes all words: over what is drawn, and beside each other."""
+        taken: list[tuple[float, float, float, float]] = []
+        for x, y, text, colour in self._words:
+            for away in (0, 1, -1, 2, -2, 3):
+                place = (x, y + away * 17 * self.unit)
+                box = self.draw.textbbox(place, text, font=self.font, anchor="mm")
+                if not any(_overlap(box, other) for other in taken):
+                    break
+            taken.append(box)
+            ink = palette.bytes_of(colour)[:3]
+            self.draw.text(place, text, font=self.font, fill=ink, anchor="mm")
 
 
 def _sphere(pen: _Pen, hand: HandPicture) -> None:
@@ -218,10 +230,15 @@ def _vectors(pen: _Pen, hand: HandPicture) -> None:
         out = finger.tip - finger.base
         out = finger.tip + 0.016 * out / max(float(np.linalg.norm(out)), 1e-9)
         name = FINGERS[label] if finger.seen else f"({FINGERS[label]})"
-        pen.word(out, name, shade, 0.0, 0.0)
+        pen.word(out, name, shade)
     pen.dot(hand.palm, palette.TEXT, 5.0)
     pen.arrow(hand.palm, hand.palm + _NORMAL_LENGTH * hand.normal, palette.TEXT, 3.0)
-    pen.word(hand.palm + 1.25 * _NORMAL_LENGTH * hand.normal, "palm normal", palette.TEXT, 0, 0)
+    pen.word(hand.palm + 1.25 * _NORMAL_LENGTH * hand.normal, "palm normal", palette.TEXT)
+
+
+def _overlap(a: tuple[float, float, float, float], b: tuple[float, float, float, float]) -> bool:
+    """Whether two boxes (left, top, right, bottom) do."""
+    return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
 
 
 def _dimmed(colour: Colour, share: float) -> Colour:
