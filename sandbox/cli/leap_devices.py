@@ -21,8 +21,6 @@ from sandbox.cli.own_hand import chosen_file
 from sandbox.devices.device import Device
 from sandbox.devices.leap import DEFAULT_ADDRESS, LeapDevice, LeapFileDevice
 from sandbox.devices.leap_file import LeapRecording, check_side, read_leap
-from sandbox.devices.leap_trouble import parse_simulated
-from sandbox.devices.leap_user import SimulatedLeap
 from sandbox.devices.shared_leap import BothOver, SharedLeap
 from sandbox.hand_input import UNDER, HandInput
 from sandbox.recording import Recording
@@ -149,6 +147,10 @@ def leap_maker(options: Any, settings: RunSettings, user: UserConfiguration, han
         recording = read_leap(Path(device))
         _tell_left_out(recording.counts)
         return lambda task, surface: LeapFileDevice(recording)
+    # Bodies and devices are simulated with parts of SciPy that take long to load.
+    from sandbox.devices.leap_trouble import parse_simulated
+    from sandbox.devices.leap_user import SimulatedLeap
+
     dialect, trouble = parse_simulated(device.partition(":")[2])
     in_air = settings.in_airs[hand]
     assert in_air is not None

@@ -16,7 +16,6 @@ import tyro
 
 from models.errors import InputError
 from sandbox.cli.help_text import OPTIONS, Screen, typed_parameters
-from sandbox.cli.second_hand import named
 
 T = TypeVar("T")
 
@@ -37,6 +36,9 @@ def parse(options: type[T], prog: str, argv: list[str], append: bool = True) -> 
         InputError: They do not parse.
     """
     if "second_device" in {f.name for f in _fields(options)}:
+        # It knows scenes, which take long to load; commands without one need none.
+        from sandbox.cli.second_hand import named
+
         argv = named(argv)
     config = (tyro.conf.OmitArgPrefixes, *((tyro.conf.UseAppendAction,) if append else ()))
     return in_one_line(lambda: tyro.cli(options, prog=prog, args=argv, config=config), prog)
