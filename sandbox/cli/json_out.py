@@ -33,11 +33,14 @@ def write_json(path: Path | None, values: dict[str, Any], sort_keys: bool = Fals
     """Writes the values of `--json`; `-` is the terminal, and None nowhere.
 
     Raises:
-        InputError: The file cannot be written.
+        InputError: The file cannot be written, or a number is not finite: JSON knows none such.
     """
     if path is None:
         return
-    text = json.dumps(values, indent=1, allow_nan=False, sort_keys=sort_keys)
+    try:
+        text = json.dumps(values, indent=1, allow_nan=False, sort_keys=sort_keys)
+    except ValueError as error:
+        raise InputError("the result is no JSON", where=f"--json {path}", got=str(error)) from None
     if path == TERMINAL:
         print(text)
         return

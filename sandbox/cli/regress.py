@@ -17,6 +17,7 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from models.errors import InputError
+from sandbox.cli.json_out import check_output
 from sandbox.cli.parse import in_one_line, parse
 from sandbox.cli.regress_vary import check_vary, run_vary
 from sandbox.regress.breaking_off import BreakOff
@@ -197,12 +198,7 @@ def _check(options: RegressOptions) -> None:
     if options.address is not None and options.executor != "ray":
         raise InputError("only Ray has an address", where="--address", remedy="Add --executor ray")
     for name in ("json", "junit", "baseline"):
-        path = getattr(options, name)
-        if path is not None and str(path) != "-":
-            if not path.absolute().parent.is_dir():
-                raise InputError("there is no such folder", where=f"--{name} {path}")
-            if path.is_dir():
-                raise InputError("this is a folder", where=f"--{name} {path}", expected="a file")
+        check_output(getattr(options, name), f"--{name}")
 
 
 def _empty_folder(folder: Path) -> None:

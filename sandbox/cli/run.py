@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import shlex
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -15,6 +14,7 @@ from rich.markup import escape
 
 from models.errors import InputError
 from sandbox.cli.films import open_film
+from sandbox.cli.json_out import TERMINAL, check_output, write_json
 from sandbox.cli.lsl_options import LslOptions, streaming
 from sandbox.cli.parse import parse
 from sandbox.cli.scene_options import Plan, SceneOptions, plan
@@ -59,11 +59,10 @@ def perform(options: RunOptions) -> int:
         raise InputError(
             "the mouse needs a window", where="--device mouse", remedy="Use `sandbox play`"
         )
-    if options.json and str(options.json) != "-" and not options.json.parent.exists():
-        raise InputError("there is no such folder", where=f"--json {options.json}")
+    check_output(options.json)
     events = EventLog(options.events)
     # Nothing but the result goes to standard output when it is asked for there.
-    console = Console(stderr=str(options.json) == "-")
+    console = Console(stderr=options.json == TERMINAL)
     try:
         with streaming(options.lsl, console):
             result = _run(options, chosen, events, console)
@@ -73,20 +72,7 @@ def perform(options: RunOptions) -> int:
     for what, path in (("recording", options.record), ("film", options.film)):
         if path is not None:
             console.print(f"[dim]{what}: {escape(str(path))}[/]", soft_wrap=True)
-    if options.json:
-        text = json.dumps(result, indent=1)
-        if str(options.json) == "-":
-            print(text)
-        else:
-            try:
-                options.json.write_text(text + "\n")
-            except OSError as error:
-                # The trial is over and its score printed; only the file is missing.
-                raise InputError(
-                    "the result cannot be written",
-                    where=f"--json {options.json}",
-                    got=error.strerror,
-                ) from None
+    write_json(options.json, result)
     return 0
 
 
