@@ -9,7 +9,6 @@ air, simulated; its speed is session time by processor time. Times are medians.
 
 from __future__ import annotations
 
-import os
 import tempfile
 from functools import partial
 from pathlib import Path
@@ -18,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.machine import describe_machine
 from encoders.paalm import Paalm
 from encoders.paalm.air import simulate_air
 from encoders.paalm.forward import LeapTake, seen
@@ -60,7 +60,7 @@ def _leap(dialect: str, task: Task, surface: Surface) -> Any:
 
 def main() -> None:
     """Prints both."""
-    print(f"load {os.getloadavg()[0]:.0f}, {os.cpu_count()} processors; SIMULATED hands and device")
+    print(f"{describe_machine()}; SIMULATED hands and device")
     for dialect in ("v1", "v3"):
         takes = {s: seen(simulate_air(i, s), i, dialect) for i, s in enumerate(SIDES)}
         found = [step_ms(takes) for _ in range(TIMES)]

@@ -10,6 +10,7 @@ import time
 
 import numpy as np
 
+from benchmarks.machine import describe_machine
 from models.frames import Contact, TouchFrame
 from models.scene import CONTROL_PERIOD
 from sandbox.lsl import LslOutlets
@@ -30,6 +31,7 @@ def main(seconds: float) -> None:
         time.sleep(max(0.0, began + (step + 1) * CONTROL_PERIOD - time.monotonic()))
     outlets.close()
     found = 1e6 * np.array(cost)
+    print(describe_machine())
     print(
         f"{len(found)} periods: mean {found.mean():.0f} us, p99 {np.percentile(found, 99):.0f} us"
     )

@@ -7,7 +7,6 @@ python -m benchmarks.stream --bpy PYTHON         # also Blender, by a Python tha
 from __future__ import annotations
 
 import argparse
-import os
 import subprocess
 import tempfile
 import time
@@ -16,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.machine import describe_machine
 from models.motion.armature import Y_UP, Armature, Keys
 from models.motion.bvh import read_bvh
 from models.motion.bvh_write import BvhWriter
@@ -125,7 +125,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--bpy", metavar="PYTHON")
     asked = parser.parse_args()
-    print(f"{os.cpu_count()} cores at a load of {os.getloadavg()[0]:.1f}")
+    print(describe_machine())
     cost()
     delay()
     if asked.bpy:
