@@ -7,6 +7,7 @@ are, and where things are. What the drawn hand does wrong is corrected by moving
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import dataclass, replace
 from enum import Enum, auto
 
@@ -22,8 +23,8 @@ from tasks.task import Goal
 
 Array = NDArray[np.float64]
 
-_BEHIND = 0.025
-"""m by which what is drawn over the table may lag before it is taken to have slipped."""
+_ASIDE = 0.025
+"""m beside the line from the drawn thumb to the fingers at which a thing has slipped out."""
 _ROOM, _ROOM_WEIGHT = 0.018, 40.0
 """m that a fingertip wants beside another thing, and rad of turning that each m less is worth."""
 
@@ -36,7 +37,9 @@ class AirHabits:
         over: Height of the tips over things while the hand goes about.
         opening: By which each side of the open hand is away from what it is going to hold.
         squeeze: By which each side closes beyond its faces.
-        grip: Height of the tips over the middle of what is held.
+        grip: Height of the tips over the middle of what is lifted.
+        clear: Height of the tips over the table beside what stays down: fingers that push high up
+            on a flat thing ride over it.
         lift: Height over everything around at which things are carried.
         good: Error of the drawn tips at which the user is content before closing.
         placed, straight: Error of what is carried, m and rad, at which it is lowered.
@@ -44,15 +47,17 @@ class AirHabits:
         looks: Corrections before the user goes on all the same.
         attempts: Grasps before giving up.
         share: Of an error that one correction takes away.
-        follows, stuck: Share of an error that is still there after a correction, and m, from which
-            on a drawn hand is taken to be held up by something.
-        settle: s that the user watches what a movement has done, beyond the reaction time.
+        follows, stuck: Share of an error that is still there after a correction, and m, of both,
+            from which on a drawn hand is taken to be held up by something.
+        settle: s that the user watches what a movement has done, beyond the reaction time; they go
+            by the mean of what they saw of their fingers.
     """
 
     over: float = 0.035
     opening: float = 0.012
     squeeze: float = 0.008
     grip: float = 0.004
+    clear: float = 0.002
     lift: float = 0.020
     good: float = 0.005
     placed: float = 0.004
@@ -106,6 +111,7 @@ class AirPerson:
         self.body = Body(seed)
         self.habits = habits or AirHabits()
         self._eye = Eye(float(rng.uniform(*configuration.reaction)))
+        self._lately: deque[Sight] = deque()
         self._home = np.array(home)
         start = Pinch(np.array([home[0], home[1] - 0.03, 0.10]), 0.0, 0.09, np.zeros((3, 3)))
         self._motion = Motion(start, configuration, rng)
@@ -127,13 +133,24 @@ class AirPerson:
     def look(self, sight: Sight) -> None:
         """Takes in what is on the screen now."""
         self._eye.look(sight)
+        self._lately.append(sight)
 
     def hand(self, now: float) -> tuple[Array, Array, Array]:
         """Palm centre (3,), rotation (3, 3) and joints (5, 4, 3) of the own hand now."""
         sight = self._eye.at(now)
         if sight is not None and now >= self._until - 1e-9 and self._kind != "idle":
-            self._act(sight, now) if self._kind == "skilled" else self._anywhere(now)
+            self._act(self._watched(sight), now) if self._kind == "skilled" else self._anywhere(now)
         return self.body.joints(self._motion.at(now))
+
+    def _watched(self, sight: Sight) -> Sight:
+        """A sight with fingertips where they were on average while what a movement had done was
+        watched: nobody goes by single pictures of a hand that trembles."""
+        seen = self._lately
+        while seen[0].time < sight.time - self.habits.settle:
+            seen.popleft()
+        watched = [s.tips for s in seen if s.time <= sight.time]
+        tips = {f: np.mean([t[f] for t in watched], axis=0) for f in sight.tips}
+        return replace(sight, tips=tips)
 
     def _act(self, sight: Sight, now: float) -> None:
         act = {
@@ -181,12 +198,12 @@ class AirPerson:
             return
         self._tries = 0
         aim = self._motion.aim
-        z = float(hold.position[2]) + self.habits.grip + self._offset[2]
+        z = self._grip(hold, sight)[2] + self._offset[2]
         self._go(replace(aim, centre=np.array([*aim.centre[:2], z])), Stage.AROUND, now)
 
     def _around(self, sight: Sight, now: float) -> None:
         hold = self._hold(sight)
-        wanted = hold.position + _up(self.habits.grip)
+        wanted = self._grip(hold, sight)
         if self._correct(sight, wanted, self.habits.good, now):
             return
         aim = self._motion.aim
@@ -216,7 +233,7 @@ class AirPerson:
         thing, goal, habits = self._thing(sight), self._goal(sight), self.habits
         aim, hold = self._motion.aim, self._hold(sight)
         pinch = aim.centre - self._offset
-        if float(hold.position[2]) - self._stood < 0.5 * self._held or self._slipped(hold, pinch):
+        if float(hold.position[2]) - self._stood < 0.5 * self._held or self._slipped(hold, sight):
             self._open(now)
             return
         off, turn = missing(thing, goal)
@@ -231,9 +248,15 @@ class AirPerson:
         centre = aim.centre + np.append(shift, 0.0)
         self._go(replace(aim, centre=centre, yaw=aim.yaw + turn), Stage.LIFTED, now, 1.2)
 
-    def _slipped(self, hold: Hold, pinch: Array) -> bool:
-        """Whether what is drawn over the table has stayed behind."""
-        return self._held == 0.0 and float(np.linalg.norm((hold.position - pinch)[:2])) > _BEHIND
+    def _slipped(self, hold: Hold, sight: Sight) -> bool:
+        """Whether what is moved over the table is no longer between the drawn fingers."""
+        if self._held > 0.0:
+            return False
+        thumb, fingers = _pads(sight)
+        gap, way = (fingers - thumb)[:2], (hold.position - thumb)[:2]
+        share = float(way @ gap) / max(float(gap @ gap), 1e-9)
+        aside = float(np.linalg.norm(way - share * gap))
+        return not 0.0 < share < 1.0 or aside > _ASIDE
 
     def _lower(self, sight: Sight, now: float) -> None:
         above = float(self._thing(sight).position[2]) - self._goal(sight).position[2]
@@ -264,7 +287,11 @@ class AirPerson:
         error = (ideal - np.array([sight.tips[f] for f in PINCHING])) @ rotation
         before, self._off = self._off, float(np.linalg.norm(error, axis=1).max())
         # A drawn hand that does not follow is held up by something: pushing on does not help.
-        stuck = self._tries > 1 and self._off > max(self.habits.follows * before, self.habits.stuck)
+        stuck = (
+            self._tries > 1
+            and min(self._off, before) > self.habits.stuck
+            and self._off > self.habits.follows * before
+        )
         if self._off < good or stuck or self._tries >= self.habits.looks:
             return False
         self._tries += 1
@@ -287,6 +314,13 @@ class AirPerson:
 
     def _hold(self, sight: Sight) -> Hold:
         return hold_of(self._thing(sight), self._home)
+
+    def _grip(self, hold: Hold, sight: Sight) -> Array:
+        """(3,) m, where the middle between the tips is wanted when they close."""
+        x, y, z = hold.position.tolist()
+        if stays_down(self._thing(sight).shape):
+            return np.array([x, y, float(self._radius[list(PINCHING)].max()) + self.habits.clear])
+        return np.array([x, y, z + self.habits.grip])
 
     def _goal(self, sight: Sight) -> Goal:
         return next(g for g in sight.goals if g.object == self._name)
@@ -323,9 +357,15 @@ class AirPerson:
 
     def _others(self, sight: Sight, yaw: float) -> Array:
         """(2, 3) m from the pinch's middle to the tips that do not hold, of a hand turned so."""
-        pinch = (sight.tips[0] + (sight.tips[1] + sight.tips[2]) / 2.0) / 2.0
+        thumb, fingers = _pads(sight)
+        pinch = (thumb + fingers) / 2.0
         turn = replace(self._motion.aim, yaw=yaw - self._motion.aim.yaw).rotation
         return np.array([turn @ (sight.tips[f] - pinch) for f in STRETCHED])
+
+
+def _pads(sight: Sight) -> tuple[Array, Array]:
+    """(3,) m each, the drawn thumb, and the middle of the two fingers that face it."""
+    return sight.tips[0], (sight.tips[1] + sight.tips[2]) / 2.0
 
 
 def _up(height: float) -> Array:
