@@ -32,6 +32,8 @@ class PaalmOptions:
         vanished: What a finger that vanished does: `held` where it was, as in the paper, or
             `folded`, because folding is why fingers vanish: it closes on within `fold_seconds`.
         smoothing: s, time constant of lengths and directions; 0 switches it off.
+        longest: s, what that constant grows to, finger by finger, where a device trembles
+            (`encoders.paalm.trembling`).
         fold_seconds: s.
     """
 
@@ -45,6 +47,7 @@ class PaalmOptions:
     hold: Literal["palm", "device"] = "palm"
     vanished: Literal["held", "folded"] = "held"
     smoothing: float = 0.03
+    longest: float = 0.15
     fold_seconds: float = 0.1
 
     def __post_init__(self) -> None:
@@ -68,6 +71,7 @@ class PaalmOptions:
             ("thumb_hidden", 0.95),
             ("open_bend", 60.0),
             ("smoothing", 10.0),
+            ("longest", 10.0),
         ):
             if not 0.0 <= getattr(self, name) <= most:
                 raise EncoderError(

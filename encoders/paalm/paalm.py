@@ -29,6 +29,7 @@ from encoders.paalm.options import Hands, PaalmOptions
 from encoders.paalm.palm import Palm, palm_of, stacked
 from encoders.paalm.rig import Rigged, rig
 from encoders.paalm.sides import HandSides
+from encoders.paalm.trembling import Trembling
 from models.errors import EncoderError
 from models.frames import FINGERS, HandFrame, SeenHand, Vector
 
@@ -213,6 +214,7 @@ class _Hand:
         self._miss = [0.0] * len(FINGERS)
         self._ratios = [1.0] * len(FINGERS)
         self._unseen = [0.0] * len(FINGERS)
+        self._trembling = [Trembling() for _ in FINGERS]
         self._palm: Palm | None = None
         for finger in range(len(FINGERS)):
             self._solve(finger)
@@ -233,9 +235,7 @@ class _Hand:
             names = self._identity.names(fingers, palm, time)
         else:
             names = paper_order(fingers, side)
-        keep = exp(-dt / options.smoothing) if options.smoothing > 0.0 else 0.0
-        if self._last is None:
-            keep = 0.0
+        smooth = options.smoothing > 0.0 and self._last is not None
         ids: dict[str, int | None] = dict.fromkeys(FINGERS)
         for finger, name in zip(fingers, names, strict=True):
             rigged = self._rig[name]
@@ -249,6 +249,11 @@ class _Hand:
                 d, s = palm.turn(pointing(finger)), self._ratios[name] * rigged.open_length
                 new = (s * d[0], s * d[1], s * d[2])
             self._latest[name] = new
+            keep = 0.0
+            if smooth:
+                trembling = self._trembling[name]
+                trembling.see(new)
+                keep = exp(-dt / trembling.constant(dt, options.smoothing, options.longest))
             old = self._targets[name]
             self._targets[name] = (
                 new[0] + keep * (old[0] - new[0]),
@@ -278,6 +283,7 @@ class _Hand:
             # Where it was, not where smoothing still had it.
             self._targets[name] = self._latest[name]
             self._solve(name)
+        self._trembling[name].interrupt()
         self._unseen[name] += dt
         if self._options.hold == "device" and self._palm is not None:
             self._targets[name] = palm.turn(self._palm.back(self._targets[name]))
