@@ -269,6 +269,9 @@ class Session:
     def _notices(self) -> list[str]:
         found = [rig.yaw.notice for rig in self.rigs if rig.yaw and rig.yaw.notice]
         found += sorted({s.notice for s in self._solidity if s.notice})
+        # What a hand in the air, or its device, has to say.
+        parts = [part for rig in self.rigs for part in (rig.device, rig.reconstructor)]
+        found += dict.fromkeys(n for part in parts if (n := getattr(part, "notice", "")))
         since, back = self._back
         return [*found, back] if self.time - since < NOTICE_TIME else found
 

@@ -22,7 +22,7 @@ from models.frames import HandFrame, SeenFinger, SeenHand, TouchFrame
 from models.hand import Hand
 from models.kinematics import Kinematics
 from models.limits import RateLimit
-from models.objects import Box
+from models.objects import HANDLE_WIDTH, Box
 from models.person import Person
 from models.pose import ROOT_POSITION
 from models.scene import Scene, SceneSpec
@@ -33,6 +33,7 @@ from sandbox.devices.leap_user import SimulatedLeap
 from sandbox.devices.recorded import RecordedDevice
 from sandbox.hand_input import UNDER, HandInput
 from sandbox.headless import run_trial
+from sandbox.messages import Snapshot
 from sandbox.newest import SILENCE, Newest
 from sandbox.recorded_frames import frame_from_json, frame_to_json
 from sandbox.recording import load_recording
@@ -41,6 +42,7 @@ from sandbox.settings import RunSettings, SecondHand
 from sandbox.solidity import Solidity, SolidityRules
 from sandbox.two_hands import PerHand
 from tasks.simulated_user.configuration import UserConfiguration
+from tasks.task import Task
 from tests.leap_hands import calibrated, take
 
 MIDDLE = ("index_pip", "index_dip")
@@ -300,3 +302,25 @@ def test_a_finger_whose_middle_link_is_in_a_thing_is_solid_only_where_that_link_
     solid = {scene.model.geom(i).name for i in np.flatnonzero(scene.model.geom_contype == 1)}
     assert ("right_middle_pip" in solid) == (links == 2) and "right_middle_mcp" not in solid
     assert "right_middle_dip" in solid and "right_index_pip" not in solid
+
+
+@pytest.mark.parametrize("seed", [16, 33])
+def test_a_wrench_is_held_so_low_that_no_fingertip_rides_over_its_handle(seed: int):
+    settings = RunSettings(task="wrench-turn", seed=seed, in_air=HandInput())
+    made: list[SimulatedLeap] = []
+    over: list[bool] = []
+
+    def device(task: Task, surface: Surface) -> SimulatedLeap:
+        made.append(SimulatedLeap(task, UserConfiguration(), seed, UNDER, "v1"))
+        return made[-1]
+
+    def look(snapshot: Snapshot) -> None:
+        wrench = snapshot.objects["wrench"]
+        along, across, up = ((snapshot.hands[0].tips - wrench.position) @ wrench.rotation)[:3].T
+        if made[0].user.carrying:
+            beside = (np.abs(along) < 0.1) & (np.abs(across) < HANDLE_WIDTH / 2.0)
+            over.append(bool((beside & (up > 0.0)).any()))
+
+    result = run_trial(settings, device, lambda session: [look])
+    assert over and not any(over)
+    assert result["success"] and made[0].user.grasps == 1

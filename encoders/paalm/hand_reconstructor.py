@@ -32,6 +32,11 @@ Array = NDArray[np.float64]
 
 _ALL = frozenset(range(len(FINGERS)))
 
+SAID = 1.0
+"""s for which a word to the person stays after what it is about."""
+MISSED = 1.0
+"""s for which a hand is a ghost because nobody sees it before the person is told."""
+
 
 @dataclass(frozen=True)
 class HandReconstructorSettings:
@@ -115,6 +120,15 @@ class HandReconstructor:
         """(48,) the pose last commanded, in the world."""
         return self._commanded
 
+    @property
+    def notice(self) -> str:
+        """A word to the person whose hand is not followed; empty while all is well."""
+        if self._refused and (self._time or 0.0) - self._refused_at < SAID:
+            return f"{self._refused}: hold them apart"
+        if self._unseen > self.settings.patience + MISSED:
+            return f"the {self.side} hand is not seen: hold it over the device"
+        return ""
+
     def reset(self) -> None:
         """Back to an open hand 20 cm over the device."""
         if self._assume:
@@ -127,6 +141,7 @@ class HandReconstructor:
         self._seen_before = False
         self._unseen = np.inf
         self._here = False
+        self._refused, self._refused_at = "", 0.0
 
     def step(self, frame: HandFrame) -> Reconstruction:
         """Takes in a hand frame; called once per control step, also when nothing has changed.
@@ -156,7 +171,10 @@ class HandReconstructor:
             if not any(h.side in (None, self.side) for h in frame.hands):
                 return None
             self.paalm.use({self.side: average_calibration([frame], self.side, self.paalm.options)})
-        return self.paalm.step(frame).hands.get(self.side)
+        found = self.paalm.step(frame)
+        if found.refused:
+            self._refused, self._refused_at = found.refused, frame.time
+        return found.hands.get(self.side)
 
     def _follow(self, hand: PaalmHand, dt: float) -> None:
         s, goal = self.settings, self._pose(hand.table, hand.palm)

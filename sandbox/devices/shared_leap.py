@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections import Counter, deque
 from collections.abc import Sequence
 from dataclasses import replace
+from math import inf
 from typing import Any
 
+from encoders.paalm.hand_reconstructor import SAID
 from encoders.paalm.palm import stacked
 from encoders.paalm.sides import HandSides
 from models.frames import HandFrame
@@ -30,11 +32,13 @@ class SharedLeap:
     Attributes:
         parts: A device for each hand, in the order of the sides.
         counts: How many frames showed no hand because one was above the other.
+        hidden: s, when that was last; minus infinity for never.
     """
 
     def __init__(self, device: HandDevice, sides: tuple[str, str]) -> None:
         self.device = device
         self.counts: Counter[str] = Counter()
+        self.hidden = -inf
         self._choose = HandSides(sides)
         self.parts = tuple(LeapPart(self, i, side) for i, side in enumerate(sides))
 
@@ -44,6 +48,7 @@ class SharedLeap:
             hands = frame.hands
             hidden = any(stacked(a, b) for i, a in enumerate(hands) for b in hands[:i])
             self.counts["one hand above the other"] += hidden
+            self.hidden = now if hidden else self.hidden
             chosen = {} if hidden else self._choose.choose(frame)
             for part in self.parts:
                 hand = chosen.get(part.side)
@@ -66,6 +71,7 @@ class LeapPart:
         self._shared, self.side = shared, side
         self.name = f"{shared.device.name}, {side} hand"
         self.waiting: deque[HandFrame] = deque(maxlen=KEPT)
+        self._now = 0.0
         if index == 0 and hasattr(shared.device, "show"):
             # Whoever looks has to be shown things once.
             self.show: Any = shared.device.show
@@ -75,8 +81,16 @@ class LeapPart:
         """Whether nothing more can come for this hand."""
         return self._shared.device.finished and not self.waiting
 
+    @property
+    def notice(self) -> str:
+        """A word to the people whose hands are not told apart; empty while they are."""
+        if self._now - self._shared.hidden >= SAID:
+            return ""
+        return "one hand is above the other: hold them apart"
+
     def poll(self, now: float) -> Sequence[HandFrame]:
         """This hand's frames."""
+        self._now = now
         self._shared.fetch(now)
         frames = tuple(self.waiting)
         self.waiting.clear()
