@@ -19,12 +19,10 @@ from models.skeleton import ADULT
 from sandbox.cli.main import main
 from sandbox.gym import HandSandboxEnv, register_task
 from sandbox.recording import Recording, load_recording
-from tasks.registry import TASKS as ALL_TASKS
-from tasks.registry import hands_of
-
-TASKS = {name: task for name, task in ALL_TASKS.items() if hands_of(task) == 1}
+from tasks.registry import TASKS, hands_of
 
 TOUCH, POSE = "hand_sandbox/BoxToGoal-v1", "hand_sandbox/BoxToGoalPose-v1"
+TWO = "sandbox.gym:hand_sandbox/CarryTogether-v1"
 MUG = str(Path(__file__).parent.parent / "examples" / "push_the_mug.py")
 
 
@@ -80,19 +78,13 @@ def test_every_task_has_an_id_with_its_version_for_touches_and_for_poses():
             assert spec.kwargs["task"] == task.name
 
 
-def test_tasks_for_two_hands_have_no_environment_and_say_so():
-    assert not any("CarryTogether" in name for name in gymnasium.registry)
-    for make in (register_task, HandSandboxEnv):
-        with pytest.raises(InputError, match="one hand's"):
-            make("carry-together")
-
-
 @pytest.mark.parametrize("action", ["touch", "pose"])
 def test_every_task_takes_steps_and_shows_all_its_things_and_goals(action):
     for name, task in TASKS.items():
         env = HandSandboxEnv(name, action)
         lifts = action == "touch" and task.lift_range > 0
-        assert env.action_space.shape == ({"touch": 15, "pose": 53}[action] + lifts,)
+        each = {"touch": 15, "pose": 53}[action] + lifts
+        assert env.action_space.shape == (each * hands_of(task),)
         for seen in (env.reset(seed=1)[0], env.step(actions(env, 1)[0])[0]):
             assert seen in env.observation_space
             assert len(seen["objects"]) == len(env.session.task.objects)
@@ -124,6 +116,45 @@ def test_a_recorded_run_s_touches_give_its_states_and_its_score(env, recording):
     result = recording.end["result"]
     assert info["trial"] == {name: result[name] for name in info["trial"]}
     assert info["trial"]["success"] and info["state_hash"] == result["state_hash"]
+
+
+def test_two_hands_touches_of_a_recorded_run_give_its_states_and_its_score(tmp_path):
+    path = tmp_path / "run.jsonl"
+    both = ["--device", "simulated", "--device", "simulated"]
+    assert main(["run", "carry-together", "--seed", "3", *both, "--record", str(path)]) == 0
+    recording = load_recording(path)
+    assert recording.end is not None
+    assert [i.step for i in recording.inputs[0]] == [i.step for i in recording.inputs[1]]
+    env, slots = gymnasium.make(TWO), [Slots(), Slots()]
+    seen, info = env.reset(seed=3)
+    for inputs in zip(recording.inputs[0], recording.inputs[1], strict=True):
+        assert {i.state_hash for i in inputs} == {info["state_hash"]}
+        action = [
+            [*hand.action(i.frame.contacts), i.frame.lift or 0.0]
+            for hand, i in zip(slots, inputs, strict=True)
+        ]
+        seen, _, terminated, _, info = env.step(np.ravel(action))
+    assert terminated
+    assert info["state_hash"] == recording.end["result"]["state_hash"]
+    assert info["trial"]["success"] is recording.end["result"]["success"] is True
+    hands = env.unwrapped._snapshot.hands
+    for i, hand in enumerate(hands):
+        assert np.array_equal(seen["tips"][i], hand.tips)
+        assert np.array_equal(seen["pose"][i][:3], env.unwrapped.session.data.qpos[63 * i :][:3])
+    env.close()
+
+
+def test_each_of_two_hands_does_what_its_own_half_of_an_action_says():
+    env = gymnasium.make(TWO.replace("-v", "Pose-v"))
+    seen, _ = env.reset(seed=1)
+    action = np.concatenate([np.concatenate([pose, np.zeros(5)]) for pose in seen["pose"]])
+    moved = action.copy()
+    moved[53:56] += (0.0, 0.03, 0.02)
+    for _ in range(60):
+        after, *_ = env.step(moved)
+    assert after["pose"][0][:3] == pytest.approx(seen["pose"][0][:3], abs=0.001)
+    assert after["pose"][1][:3] == pytest.approx(moved[53:56], abs=0.002)
+    env.close()
 
 
 @pytest.mark.parametrize("id", [TOUCH, POSE])
@@ -249,7 +280,7 @@ def test_a_slot_that_touches_again_is_another_contact(env):
     ids = []
     for action in (touch, touch, np.zeros(15), touch):
         env.step(action)
-        ids.append(env._hands.touch_ids[0])
+        ids.append(env._hands[0].touch_ids[0])
     assert ids == [0, 0, None, 1]
 
 

@@ -6,7 +6,7 @@
 
 Importing this module registers two ids for every task, ours and those of installed packages:
 `hand_sandbox/BoxToGoal-v1`, whose actions are touches, and `hand_sandbox/BoxToGoalPose-v1`, whose
-actions are poses of the hand. The version is the task's. Tasks for two hands have no id.
+actions are poses of the hand. The version is the task's. One agent moves all hands of a task.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ except ImportError:
     ) from None
 
 from sandbox.gym.environment import HandSandboxEnv
-from tasks.registry import find_task, hands_of, task_names
+from tasks.registry import find_task, task_names
 
 __all__ = ["NAMESPACE", "HandSandboxEnv", "register_task"]
 
@@ -42,13 +42,9 @@ def register_task(task: str) -> tuple[str, str]:
         Its ids, with touches and with poses as actions.
 
     Raises:
-        InputError: There is no such task, or it cannot be used, or it is for two hands.
+        InputError: There is no such task, or it cannot be used.
     """
     kind = find_task(task)
-    if hands_of(kind) > 1:
-        raise InputError("the actions of environments are one hand's", where="sandbox.gym",
-                         got=f"{kind.name}, for {hands_of(kind)} hands",
-                         remedy="Run it with `sandbox run`, or build a session")  # fmt: skip
     name = "".join(word.capitalize() for word in kind.name.split("-"))
     ids = []
     for suffix, action in (("", "touch"), ("Pose", "pose")):
@@ -64,8 +60,7 @@ def register_task(task: str) -> tuple[str, str]:
 
 for _name in task_names():
     try:
-        if hands_of(find_task(_name)) == 1:
-            register_task(_name)
+        register_task(_name)
     except InputError as _error:
         # Of all tasks this one alone is missing, and whoever asks for it is told so by its id.
         warnings.warn(str(_error), stacklevel=1)

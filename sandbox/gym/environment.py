@@ -17,7 +17,8 @@ from sandbox.assembly import build, place_surface
 from sandbox.gym.actions import Hands, PoseHands, TouchHands
 from sandbox.gym.observation import observation_space, observe
 from sandbox.session import Session, describe
-from sandbox.settings import RunSettings
+from sandbox.settings import RunSettings, SecondHand
+from sandbox.two_hands import DeviceMaker, PerHand, place_all
 from tasks.registry import draw_task, find_task, hands_of
 from tasks.score import Status
 from tasks.sensing import Sensing
@@ -38,8 +39,11 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
     the hand goes, is reconstructed as for any person.
     With `action="pose"`, (53,) float64: the pose (48,) of the hand in the world, m and rad, then
     for each finger whether it may be solid (0.5 or more). What is out of bounds is clipped.
+    In a task for two hands, an action is that of the right hand and then that of the left one;
+    touches are in metres on a surface of each hand's own.
 
-    Observations, float64, in the world (x right, y away from the person, z up):
+    Observations, float64, in the world (x right, y away from the person, z up); with two hands,
+    `pose`, `tips`, `solid` and `labels` have one row for each, (2, 48) and so on:
         pose (48,): the simulated hand: root position m, root and 14 joints' rotation vectors, rad.
         tips (5, 3): its fingertips, m, thumb first.
         solid (5,): 1 where a finger can touch things now, thumb first.
@@ -101,7 +105,7 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
                 raise InputError("there is no such choice", where=where, got=got,
                                  expected=", ".join(map(str, options)))  # fmt: skip
         try:
-            self.settings = RunSettings(task=task, **settings)
+            chosen = RunSettings(task=task, **settings)
         except TypeError as error:
             raise InputError(
                 "this is no setting of a run", where="settings", got=str(error)
@@ -109,13 +113,19 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
         self.action, self.reward = action, reward
         self.render_mode, self.size = render_mode, size
         self._kind = find_task(task)
-        if hands_of(self._kind) > 1:
-            raise InputError("the actions of environments are one hand's", where="task",
-                             got=f"{task}, for {hands_of(self._kind)} hands")  # fmt: skip
-        self._surface = place_surface(self.settings.surface, self._kind)
+        if hands_of(self._kind) > 1 and chosen.second is None:
+            other = "right" if chosen.hand == "left" else "left"
+            chosen = replace(chosen, second=SecondHand(other, chosen.hand_size))
+        self.settings = chosen
+        placed = place_surface(chosen.surface, self._kind)
+        self._surface, self._surfaces = place_all(placed, chosen, self._kind)
         hands = self._make_hands()
-        self.action_space = spaces.Box(hands.low, hands.high, dtype=np.float64)
-        self._space = observation_space(draw_task(self._kind, 0, self._surface))
+        self.action_space = spaces.Box(
+            np.concatenate([hand.low for hand in hands]),
+            np.concatenate([hand.high for hand in hands]),
+            dtype=np.float64,
+        )
+        self._space = observation_space(draw_task(self._kind, 0, self._surface), len(hands))
         shown: Any = self._space
         self.observation_space = shown
         self.session: Session | None = None
@@ -133,9 +143,14 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
         super().reset(seed=seed)
         trial = int(self.np_random.integers(SEEDS)) if seed is None else seed
         self.close()
-        self._hands = hands = self._make_hands()
+        self._hands = self._make_hands()
         settings = replace(self.settings, seed=trial)
-        self.session = build(settings, lambda task, surface: hands, wear=hands.worn)
+        wearing = iter(self._hands)
+        self.session = build(
+            settings,
+            PerHand(tuple(_given(hand) for hand in self._hands)),
+            wear=lambda touched: next(wearing).worn(touched),
+        )
         self._snapshot = self.session.snapshot()
         sensing = Sensing(self.session.scene, self.session.data)
         self._progress = self.session.task.measure(sensing).progress
@@ -152,7 +167,9 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
         session = self.session
         if session is None or session.over:
             raise gymnasium.error.ResetNeeded("the episode is over, or has not begun: call reset()")
-        self._hands.act(self._checked(action))
+        whole = self._checked(action)
+        for hand, own in zip(self._hands, np.split(whole, len(self._hands)), strict=True):
+            hand.act(own)
         won = session.scorer.score.success
         try:
             self._snapshot = session.advance()
@@ -194,10 +211,10 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
             self.session.close()
             self.session = None
 
-    def _make_hands(self) -> Hands:
+    def _make_hands(self) -> tuple[Hands, ...]:
         if self.action == "pose":
-            return PoseHands(self.settings.person.skeleton(ADULT))
-        return TouchHands(self._surface, self._kind)
+            return tuple(PoseHands(p.skeleton(ADULT)) for p in self.settings.persons)
+        return tuple(TouchHands(surface, self._kind) for surface in self._surfaces)
 
     def _checked(self, action: ArrayLike) -> Array:
         values = np.asarray(action, float)
@@ -208,7 +225,8 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
         return np.clip(values, self.action_space.low, self.action_space.high)
 
     def _observed(self, session: Session) -> Observation:
-        return observe(session, self._snapshot, self._hands.touch_ids, self._space)
+        ids = [hand.touch_ids for hand in self._hands]
+        return observe(session, self._snapshot, ids, self._space)
 
     def _copied(self) -> Observation:
         return {name: values.copy() for name, values in self._seen.items()}
@@ -222,3 +240,8 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
             "success": session.scorer.score.success,
         }
         return {**info, "trial": describe(session)} if session.over else info
+
+
+def _given(hand: Hands) -> DeviceMaker:
+    """Opens a device that there is already."""
+    return lambda task, surface: hand

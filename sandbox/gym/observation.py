@@ -28,14 +28,15 @@ _LATE = 3600.0
 """s, longer than any trial."""
 
 
-def observation_space(task: Task) -> spaces.Dict:
+def observation_space(task: Task, hands: int = 1) -> spaces.Dict:
     """The space of a task's observations; see `HandSandboxEnv`."""
     things, goals = len(task.objects), len(task.goals)
+    each = () if hands == 1 else (hands,)
     found: dict[str, spaces.Space] = {
-        "pose": _symmetric(np.repeat([FAR, np.pi], [3, 45])),
-        "tips": _symmetric(np.full((SLOTS, 3), FAR)),
-        "solid": spaces.Box(0.0, 1.0, (SLOTS,), np.float64),
-        "labels": spaces.Box(-1.0, SLOTS - 1.0, (SLOTS,), np.float64),
+        "pose": _symmetric(np.tile(np.repeat([FAR, np.pi], [3, 45]), (*each, 1))),
+        "tips": _symmetric(np.full((*each, SLOTS, 3), FAR)),
+        "solid": spaces.Box(0.0, 1.0, (*each, SLOTS), np.float64),
+        "labels": spaces.Box(-1.0, SLOTS - 1.0, (*each, SLOTS), np.float64),
         "objects": _symmetric(np.tile(_STATE, (things, 1))),
         "time": spaces.Box(0.0, _LATE, (1,), np.float64),
     }
@@ -49,24 +50,23 @@ def _symmetric(bound: Array) -> spaces.Box:
 
 
 def observe(
-    session: Session, snapshot: Snapshot, touch_ids: Sequence[int | None], space: spaces.Dict
+    session: Session,
+    snapshot: Snapshot,
+    touch_ids: Sequence[Sequence[int | None]],
+    space: spaces.Dict,
 ) -> dict[str, Array]:
     """What an agent sees now; nothing of it changes later.
 
     Args:
-        session: With one hand.
+        session: With one hand, or two.
         snapshot: Of the session now.
-        touch_ids: Contact of every slot.
+        touch_ids: Contact of every slot, hand by hand.
         space: Its bounds.
     """
-    scene, data, hand = session.scene, session.data, snapshot.hands[0]
-    joints = data.qpos[scene.qpos_slice(0)]
-    turns = quaternion_log(joints[3:].reshape(15, 4)).ravel()
+    hands = [_hand(session, snapshot, i, ids) for i, ids in enumerate(touch_ids)]
     found = {
-        "pose": np.concatenate([joints[:3], turns]),
-        "tips": hand.tips,
-        "solid": np.zeros(SLOTS),
-        "labels": np.full(SLOTS, -1.0),
+        # One hand is seen by itself, two have a row each.
+        **(hands[0] if len(hands) == 1 else {n: np.stack([h[n] for h in hands]) for n in hands[0]}),
         "objects": np.array([_object(session, t.name) for t in session.task.objects]),
         "time": np.array([snapshot.time]),
     }
@@ -75,12 +75,25 @@ def observe(
         found["goals"] = np.array(
             [[*g.position, yaw] for g, yaw in zip(snapshot.goals, yaws, strict=True)], float
         )
-    found["solid"][sorted(hand.solid)] = 1.0
-    labels = {c.id: c.label for c in hand.contacts}
-    for slot, id in enumerate(touch_ids):
-        label = None if id is None else labels.get(id)
-        found["labels"][slot] = -1.0 if label is None else label
     return {name: _within(values, space[name]) for name, values in found.items()}
+
+
+def _hand(
+    session: Session, snapshot: Snapshot, i: int, touch_ids: Sequence[int | None]
+) -> dict[str, Array]:
+    """What is seen of a hand: its pose, fingertips, solid fingers, and labels of its touches."""
+    hand, joints = snapshot.hands[i], session.data.qpos[session.scene.qpos_slice(i)]
+    turns = quaternion_log(joints[3:].reshape(15, 4)).ravel()
+    solid, labels = np.zeros(SLOTS), np.full(SLOTS, -1.0)
+    solid[sorted(hand.solid)] = 1.0
+    known = {c.id: c.label for c in hand.contacts}
+    for slot, id in enumerate(touch_ids):
+        label = None if id is None else known.get(id)
+        labels[slot] = -1.0 if label is None else label
+    return {
+        "pose": np.concatenate([joints[:3], turns]), "tips": hand.tips,
+        "solid": solid, "labels": labels,
+    }  # fmt: skip
 
 
 def _within(values: Array, space: spaces.Space[Any]) -> Array:
