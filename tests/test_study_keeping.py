@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import gzip
 import shutil
 import tarfile
 from pathlib import Path
@@ -100,9 +101,15 @@ def test_a_withdrawal_tells_which_copies_and_files_still_hold_the_data(
     remember_copy(study, "backup", archive, back_up(study, archive).ppids)
     remember_copy(study, "export", tmp_path / "elsewhere", [other])
     (study.path / "report.html").write_text(f"<p>{gone}</p>")
+    packed = gzip.compress(f"{gone}, {other}".encode())
+    # Of what was cut short nobody can say what was in it.
+    for name, data in (("all.csv.gz", packed), ("cut.csv.gz", packed[:-9]), ("no.csv.gz", b"text")):
+        (study.path / name).write_bytes(data)
+    (study.path / "other.csv.gz").write_bytes(gzip.compress(other.encode()))
     found = withdraw(study, gone, "")
     assert [(c.what, c.path, c.there) for c in found.copies] == [("backup", archive, True)]
-    assert found.still == (study.path / "report.html",)
+    names = ("all.csv.gz", "cut.csv.gz", "no.csv.gz", "report.html")
+    assert found.still == tuple(study.path / name for name in names)
     archive.unlink()
     assert [c.there for c in copies(study, gone)] == [False]
 

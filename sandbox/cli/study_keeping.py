@@ -187,7 +187,8 @@ def withdraw(options: WithdrawOptions, console: Console) -> int:
     console.print(f"{ppid}: {found.files} files deleted"
                   + (", what an earlier withdrawal had left" if found.before else ""))  # fmt: skip
     if found.still:
-        console.print("[yellow]these files still name the participant; make them anew, or delete "
+        console.print("[yellow]these files still name the participant, or may, since they are "
+                      "damaged; make them anew, or delete "
                       "them:[/]")  # fmt: skip
     for path in found.still:
         console.print(f"  {escape(str(path))}")

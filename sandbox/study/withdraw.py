@@ -9,6 +9,7 @@ from __future__ import annotations
 import gzip
 import shutil
 import time
+import zlib
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
@@ -35,7 +36,8 @@ class Withdrawal:
         files: How many files were deleted.
         before: The data were gone already, and only what was left was looked for.
         copies: Backups, exports and merged folders that were made with the data in them.
-        still: Files in the study's folder that still hold the pseudonym, such as a report.
+        still: Files in the study's folder that still hold the pseudonym, such as a report, or may,
+            since they are damaged.
     """
 
     files: int
@@ -119,7 +121,8 @@ def _forget_site(path: Path, ppid: str) -> None:
 
 
 def _traces(study: StudyFolder, ppid: str) -> list[Path]:
-    """Files of the study that still hold the pseudonym; those of other participants cannot."""
+    """Files of the study that still hold the pseudonym, or may, since they cannot be read whole;
+    those of other participants cannot."""
     others = {person.ppid for person in study.participants()}
     own = {study.path / "study.jsonl", study.path / COPIES}
     found = []
@@ -130,7 +133,8 @@ def _traces(study: StudyFolder, ppid: str) -> list[Path]:
         try:
             data = path.read_bytes()
             data = gzip.decompress(data) if path.suffix == ".gz" else data
-        except OSError:
+        except (OSError, EOFError, zlib.error):
+            found.append(path)
             continue
         if ppid.encode() in data or ppid in str(Path(*inside)):
             found.append(path)
