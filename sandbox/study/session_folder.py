@@ -6,10 +6,10 @@ import json
 import os
 from contextlib import ExitStack, suppress
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 from models.errors import RecordingError, StudyError
+from sandbox.closing import Closing
 from sandbox.lsl_listening import tell
 from sandbox.recording import load_recording
 from sandbox.recording_file import stored
@@ -25,7 +25,7 @@ TOLD = ("n", "step", "trial", "attempt", "practice", "form", "block", "levels")
 """Of a record, what other instruments are told."""
 
 
-class SessionFolder:
+class SessionFolder(Closing):
     """A participant's session, opened for writing by nobody else.
 
     Opening repairs what a kill or a power cut has left: a torn last line is cut off, a trial whose
@@ -135,15 +135,6 @@ class SessionFolder:
     def close(self) -> None:
         """Lets others open it."""
         self._closing.close()
-
-    def __enter__(self) -> SessionFolder:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:  # fmt: skip
-        self.close()
 
     def _free(self, trial: int, attempt: int) -> str:
         """A recording's name that nothing has yet.
