@@ -8,7 +8,6 @@ what the filters remember, is known only from all touches since the beginning.
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -44,7 +43,9 @@ class BlackBox(RecordingLines):
         super().__init__()
         self._header, self._recording = header, recording
         self._lines: list[Line | LaterLine] = []
-        self._last: deque[tuple[int, NDArray[np.float64], str]] = deque(maxlen=LAST)
+        # The last control states, one to a row, round and round, and which they are.
+        self._last = np.empty((0, 0))
+        self._told: list[tuple[int, str]] = []
 
     def state(
         self,
@@ -56,7 +57,10 @@ class BlackBox(RecordingLines):
     ) -> None:
         """The simulation at the beginning of a control period."""
         super().state(step, state, state_hash, qpos, solid)
-        self._last.append((step, state.copy(), state_hash))
+        if not self._told:
+            self._last = np.empty((LAST, len(state)))
+        self._last[len(self._told) % LAST] = state
+        self._told.append((step, state_hash))
 
     def dump(self, path: Path, step: int, result: dict[str, Any]) -> Path:
         """Writes what led to a divergence.
@@ -73,15 +77,16 @@ class BlackBox(RecordingLines):
             RecordingError: It cannot be written, or not wholly.
         """
         self._put_track()
-        writer = _new(path, {**self._header, "dump": {"states": len(self._last)}})
-        dense = {s for s, _, _ in self._last}
+        told = list(enumerate(self._told))[-LAST:]
+        writer = _new(path, {**self._header, "dump": {"states": len(told)}})
+        dense = {s for _, (s, _) in told}
         # In this order the file tells the same story twice: what came in, then how it ended.
         for kept in self._lines:
             line = kept.line() if isinstance(kept, LaterLine) else kept
             if not (line["kind"] == "keyframe" and line["step"] in dense) and line["kind"] != "end":
                 writer.put(line)
-        for s, state, state_hash in self._last:
-            writer.put(keyframe_line(s, state, state_hash))
+        for i, (s, state_hash) in told:
+            writer.put(keyframe_line(s, self._last[i % LAST], state_hash))
         writer.put(end_line(step, result))
         path = writer.path
         writer.close()

@@ -17,7 +17,6 @@ from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -49,22 +48,25 @@ class LaterLine:
     what it is made of.
 
     Args:
-        make: Makes it, of what does not change any more.
+        make: Makes it.
+        values: Of these, which do not change any more.
     """
 
-    __slots__ = ("_line", "_make")
+    __slots__ = ("_line", "_parts")
 
-    def __init__(self, make: Callable[[], Line]) -> None:
-        self._make: Callable[[], Line] | None = make
+    def __init__(self, make: Callable[..., Line], *values: Any) -> None:
+        # One thing, which another thread takes away whole or not at all.
+        self._parts: tuple[Callable[..., Line], tuple[Any, ...]] | None = (make, values)
         self._line: Line | None = None
 
     def line(self) -> Line:
         """The line; from any thread."""
-        make = self._make
-        if self._line is None and make is not None:
-            self._line = make()
+        parts = self._parts
+        if self._line is None and parts is not None:
+            make, values = parts
+            self._line = make(*values)
         # What it was made of may be large, and is not needed any more.
-        self._make = None
+        self._parts = None
         assert self._line is not None
         return self._line
 
@@ -78,7 +80,7 @@ class RecordingLines(ABC):
 
     def input(self, step: int, hand: int, frame: Frame, state_hash: str) -> None:
         """A frame that takes effect at a physics step, and the state's hash before it."""
-        self._put(LaterLine(partial(input_line, step, hand, frame, state_hash)))
+        self._put(LaterLine(input_line, step, hand, frame, state_hash))
 
     def event(self, step: int, what: str, **details: Any) -> None:
         """Something else that takes effect, or has happened, at a physics step."""
@@ -101,7 +103,7 @@ class RecordingLines(ABC):
 
     def keyframe(self, step: int, state: NDArray[np.float64], state_hash: str) -> None:
         """The integration state at a physics step."""
-        self._put(LaterLine(partial(keyframe_line, step, state.copy(), state_hash)))
+        self._put(LaterLine(keyframe_line, step, state.copy(), state_hash))
 
     def end(self, step: int, result: dict[str, Any]) -> None:
         """The trial's end and result."""
@@ -165,7 +167,7 @@ class RecordingWriter(RecordingLines):
 
     def put(self, line: Line | LaterLine) -> None:
         """A line that was made elsewhere."""
-        self._put(line)
+        self._waiting.append(line)
 
     def _start(self) -> None:
         # A deque takes a line without waking anybody, which costs more than all else here.

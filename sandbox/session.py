@@ -208,7 +208,8 @@ class Session:
             DivergenceError: The simulation left the region where its numbers mean something; the
                 trial is marked before it is raised.
         """
-        self._record_state()
+        if self.step == 0:
+            self._record_state()
         self._switch()
         self.reconstructions = [self._command(i) for i in range(len(self.rigs))]
         wrong = nonsense(self.scene, self.data)
@@ -224,7 +225,12 @@ class Session:
         self.scorer.update(self.time, self.task.measure(self._sensing))
         if all(rig.device.finished for rig in self.rigs):
             self.scorer.abort(Status.INPUT_ENDED, "the input ended before the task was done")
-        return self.snapshot()
+        snapshot = self.snapshot()
+        if not self.over:
+            # What the next period begins with is recorded now: after a pause for real time that
+            # takes three times as long, and a touch would wait for it.
+            self._record_state()
+        return snapshot
 
     def snapshot(self) -> Snapshot:
         """What a view may see now; most of it is worked out only where a view looks."""

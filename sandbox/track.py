@@ -22,6 +22,8 @@ GRAIN = 2e-5
 """m, rad or part of a quaternion, to which joint positions are rounded: 0.02 mm, 0.002 degrees."""
 LEVEL = 6
 """Of zlib: a second's poses take 0.1 ms; 9 takes 0.5 to 1 ms and saves 2 percent."""
+ROOM = 64
+"""Poses: a second's, and a little."""
 LONGEST = 3600 * 1000
 """Poses in one line beyond which a file is damaged."""
 
@@ -46,26 +48,31 @@ def bits(fingers: frozenset[int]) -> int:
 
 
 class TrackWriter:
-    """Collects poses, of which a line is made now and then."""
+    """Collects poses, of which a line is made now and then.
+
+    Poses are put into memory that was asked for beforehand: in a loop that has just slept, asking
+    costs more than copying.
+    """
 
     def __init__(self) -> None:
-        self._steps: list[int] = []
-        self._poses: list[Array] = []
-        self._solid: list[Sequence[frozenset[int]]] = []
+        self._told: list[tuple[int, Sequence[frozenset[int]]]] = []
+        self._poses = np.empty((0, 0))
 
     def add(self, step: int, qpos: Array, solid: Sequence[frozenset[int]]) -> None:
         """Takes in a pose (nq,) and who is solid at a physics step."""
-        self._steps.append(step)
-        self._poses.append(qpos.copy())
-        self._solid.append(solid)
+        row = len(self._told)
+        if row == len(self._poses):
+            self._make_room(len(qpos))
+        self._poses[row] = qpos
+        self._told.append((step, solid))
 
     def take(self) -> Callable[[], dict[str, Any]] | None:
         """What makes a line of all that was collected since the last time; None where that is
         nothing. It takes a millisecond, and may be called at any time, from any thread."""
-        if not self._steps:
+        if not self._told:
             return None
-        make = partial(track_line, self._steps, self._poses, self._solid)
-        self._steps, self._poses, self._solid = [], [], []
+        make = partial(_line_of, self._told, self._poses)
+        self._told, self._poses = [], np.empty_like(self._poses)
         return make
 
     def line(self) -> dict[str, Any] | None:
@@ -73,9 +80,20 @@ class TrackWriter:
         make = self.take()
         return make() if make else None
 
+    def _make_room(self, joints: int) -> None:
+        room = np.empty((max(ROOM, 2 * len(self._poses)), joints))
+        if len(self._poses):
+            room[: len(self._poses)] = self._poses
+        self._poses = room
+
+
+def _line_of(told: Sequence[tuple[int, Sequence[frozenset[int]]]], poses: Array) -> dict[str, Any]:
+    steps, solid = zip(*told, strict=True)
+    return track_line(list(steps), poses[: len(told)], solid)
+
 
 def track_line(
-    steps: list[int], poses: Sequence[Array], solid: Sequence[Sequence[frozenset[int]]]
+    steps: list[int], poses: Array | Sequence[Array], solid: Sequence[Sequence[frozenset[int]]]
 ) -> dict[str, Any]:
     """A line of poses (nq,) and labels of solid fingers of every hand at some physics steps."""
     with np.errstate(invalid="ignore"):

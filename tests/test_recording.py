@@ -13,7 +13,15 @@ from hypothesis import strategies as st
 from models.errors import RecordingError
 from models.frames import Contact, TouchFrame
 from sandbox.devices.recorded import RecordedDevice
-from sandbox.recording import RecordingWriter, is_recording, load_recording
+from sandbox.recording import (
+    LaterLine,
+    RecordingLines,
+    RecordingWriter,
+    is_recording,
+    load_recording,
+)
+from tasks.score import Status
+from tests.scripted import scripted
 
 HEADER = {"settings": {"timestep": 0.002}, "versions": {}, "digests": {}}
 
@@ -144,3 +152,41 @@ def test_a_recorded_device_gives_each_frame_at_its_step(tmp_path):
     got = [list(device.poll(8 * i * 0.002)) for i in range(4)]
     assert got == [[f] for f in written]
     assert device.finished
+
+
+class Kept(RecordingLines):
+    """Keeps lines, and which states it was told of."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.told: list[str] = []
+
+    def _put(self, line) -> None:
+        self.told.append(line.line()["kind"] if isinstance(line, LaterLine) else line["kind"])
+
+    def state(self, step, state, state_hash, qpos, solid) -> None:
+        super().state(step, state, state_hash, qpos, solid)
+        self.told.append(f"state {step}")
+
+
+def test_what_a_period_begins_with_is_recorded_before_the_pause_ahead_of_it():
+    recorder = Kept()
+    session = scripted(lambda now: [Contact(1, 0.1, 0.1)], recorder, seed=1)
+    assert recorder.told == []
+    for period in range(1, 4):
+        session.advance()
+        states = [t for t in recorder.told if t.startswith("state")]
+        assert states == [f"state {8 * n}" for n in range(period + 1)]
+        assert recorder.told[-1] == states[-1]
+    # Each touch lies between the state that it met and the one that it led to.
+    assert recorder.told[2:] == ["input", "state 8", "input", "state 16", "input", "state 24"]
+
+
+def test_a_trial_that_is_over_records_no_state_that_nothing_begins_with():
+    recorder = Kept()
+    session = scripted(lambda now: [], recorder, seed=1)
+    session.advance()
+    before = list(recorder.told)
+    session.scorer.abort(Status.TIMEOUT, "the test is over")
+    session.advance()
+    assert recorder.told == before + [t for t in recorder.told[len(before) :] if t == "input"]

@@ -134,7 +134,7 @@ def test_poses_are_the_smaller_part_of_a_recording(recorded):
 @given(
     qpos=hnp.arrays(
         float,
-        st.tuples(st.integers(1, 40), st.integers(1, 9)),
+        st.tuples(st.integers(1, 150), st.integers(1, 9)),
         elements=st.floats(-100.0, 100.0) | st.sampled_from([np.nan, np.inf, -np.inf]),
     ),
     first=st.integers(0, 10**6),
