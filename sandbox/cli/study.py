@@ -19,7 +19,8 @@ from models.errors import InputError, StudyError
 from sandbox.cli import study_keeping
 from sandbox.cli.parse import parse
 from sandbox.cli.study_report import ReportOptions, report
-from sandbox.cli.study_run import RunOptions, run, sayer
+from sandbox.cli.study_run import run, sayer
+from sandbox.cli.study_run_options import RunOptions
 
 if TYPE_CHECKING:
     from sandbox.study.design import Design

@@ -14,7 +14,7 @@ from sandbox.study.pseudonym import read_pseudonym
 from sandbox.study.simulate import simulated_person
 
 if TYPE_CHECKING:
-    from sandbox.cli.study_run import RunOptions
+    from sandbox.cli.study_run_options import RunOptions
 
 
 def who_comes(options: RunOptions, study: StudyFolder, console: Console) -> Participant:
