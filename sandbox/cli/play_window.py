@@ -17,7 +17,7 @@ from sandbox.cli.page_options import PageOptions
 from sandbox.cli.play_page import Wishes, numbered, say_refusals
 from sandbox.cli.run import report_dump
 from sandbox.cli.scene_options import Plan, SceneOptions, plan
-from sandbox.cli.second_view import open_second_view, publish, short_address, show_session
+from sandbox.cli.second_view import in_air, open_second_view, publish, short_address, show_session
 from sandbox.devices.device import Device
 from sandbox.devices.first_touch import FirstTouch
 from sandbox.devices.lift_keys import with_lift
@@ -34,7 +34,7 @@ from sandbox.server.page_server import PageServer
 from sandbox.session import Session
 from sandbox.timing import Timing, timed
 from sandbox.two_hands import with_first
-from sandbox.views.window import Window
+from sandbox.views.window import SIZE, Window
 from tasks.score import Status, result_line
 from tasks.task import Task
 
@@ -72,7 +72,8 @@ class Footer:
         found = [self._rate]
         if lost > BEHIND:
             found.append(f"{lost:.1f} s behind real time")
-        reach = 1000.0 * session.task.lift_range
+        # A hand in the air lifts itself.
+        reach = 0.0 if in_air(session) else 1000.0 * session.task.lift_range
         if reach > 0.0:
             found.append(f"lifted {reach * (session.lift(0) or 0.0):.0f} of {reach:.0f} mm")
         if session.scorer.score.status is not Status.RUNNING:
@@ -259,9 +260,9 @@ class WindowPlay:
         title = f"Hand Sandbox: {session.task.name}"
         caption = "simulated user" if chosen.about.get("user") is not None else ""
         if self.window is None:
-            self.window = Window(session.scene, surface, title=title, caption=caption)
+            self.window = Window(session.scene, surface, title, SIZE, caption, in_air(session))
         else:
-            self.window.show_scene(session.scene, surface, title, caption)
+            self.window.show_scene(session.scene, surface, title, caption, in_air(session))
         self.window.attach(session.rigs[0].device)
         address = getattr(chosen.opened[-1], "address", None)
         if address:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from rich.console import Console
 
 from sandbox.cli.page_options import PageOptions, open_page
-from sandbox.cli.second_view import invite, show_session
+from sandbox.cli.second_view import in_air, invite, show_session
 from sandbox.events import EventLog
 from sandbox.messages import Snapshot
 from sandbox.playback import Playback
@@ -31,7 +31,7 @@ def show_in_window(
     from sandbox.views.window import Window
 
     with Window(session.scene, session.whole_surface, title=f"replay: {session.task.name}",
-                caption=caption) as window:  # fmt: skip
+                caption=caption, in_air=in_air(session)) as window:  # fmt: skip
         window.help = REPLAY_HELP
         playback = Playback(snapshots, speed)
         whole = snapshots[-1].time

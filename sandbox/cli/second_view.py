@@ -42,10 +42,15 @@ def show_session(
         session.rigs[0].reconstructor.surface,
         hand,
         caption,
-        isinstance(session.rigs[0].reconstructor, HandReconstructor),
+        in_air(session),
     )
     skins = [pack_skin(hand) for hand in session.scene.spec.hands]
     server.show_scene(message, session.scene, device, skins)
+
+
+def in_air(session: Session) -> bool:
+    """Whether its first hand is in the air over a 3-D device, and nobody touches anything."""
+    return isinstance(session.rigs[0].reconstructor, HandReconstructor)
 
 
 def publish(server: PageServer, session: Session, snapshot: Snapshot) -> None:

@@ -142,7 +142,8 @@ class WindowPlayer:
             self.close()
             surface = session.rigs[0].reconstructor.surface
             self._window = Window(session.scene, surface, title=session.task.name,
-                                  caption=self.caption)  # fmt: skip
+                                  caption=self.caption,
+                                  in_air=ask.settings.in_air is not None)  # fmt: skip
             device = session.rigs[0].device
             self._window.attach(device)
             live = LiveSession(session, lambda snapshot: trial.step(session, snapshot),

@@ -16,6 +16,10 @@ WINDOW_AZIMUTH, WINDOW_ELEVATION, WINDOW_DISTANCE = 58.0, -50.0, 0.40
 """deg, deg, m. Nearer to the view of a person whose hand it is, so that right and away mean right
 and away for the mouse; turned as far as the thumb and what it touches need to be seen."""
 
+AIR_AZIMUTH, AIR_ELEVATION, AIR_DISTANCE, AIR_MIDDLE = 54.0, -34.0, 0.47, 0.055
+"""deg, deg, m, m over the table. Of a window before which hands are in the air: lower and farther
+away, so that a raised hand is in the picture and one sees how high it is; chosen by looking."""
+
 FRONT_FILM_AZIMUTH, FRONT_FILM_ELEVATION, FRONT_FILM_DISTANCE = 64.0, -14.0, 0.42
 """deg, deg, m. Before an upright surface: as far round to the thumb's side as it takes to see a box
 between thumb and fingers, and from above, so that one sees the table and who stands on what."""
@@ -48,12 +52,18 @@ def film_camera(snapshot: Snapshot, surface: Surface) -> mujoco.MjvCamera:
     return camera
 
 
-def window_camera(surface: Surface) -> mujoco.MjvCamera:
-    """A camera that has the whole surface in its picture, from a person's side."""
+def window_camera(surface: Surface, in_air: bool = False) -> mujoco.MjvCamera:
+    """A camera that has the whole surface in its picture, from a person's side; and what is over
+    it, where hands are in the air."""
     if surface.upright:
         return _front(surface, FRONT_AZIMUTH, FRONT_ELEVATION, FRONT_DISTANCE)
     size = float(np.max(surface.size))
-    camera = _free(WINDOW_AZIMUTH, WINDOW_ELEVATION, WINDOW_DISTANCE * max(size / 0.197, 0.6))
+    scale = max(size / 0.197, 0.6)
+    if in_air:
+        camera = _free(AIR_AZIMUTH, AIR_ELEVATION, AIR_DISTANCE * scale)
+        camera.lookat[:] = _middle(surface) + np.array([0.0, 0.0, AIR_MIDDLE])
+        return camera
+    camera = _free(WINDOW_AZIMUTH, WINDOW_ELEVATION, WINDOW_DISTANCE * scale)
     camera.lookat[:] = _middle(surface) + np.array([0.0, -0.01, 0.012])
     return camera
 

@@ -1,9 +1,9 @@
-"""What the window says about its keys."""
+"""What the window says about its keys: a key, two spaces, and what it does."""
 
 from __future__ import annotations
 
 HINT = ("h  keys",)
-HELP = (
+MOUSE_HELP = (
     "drag  one finger",
     "shift + click  pin a finger, or lift it",
     "drag a pin  moves it",
@@ -13,6 +13,8 @@ HELP = (
     "wheel  open and close",
     "shift + wheel  turn",
     "space  lift all fingers",
+)
+HELP = (
     "right drag  look from elsewhere",
     "v  from above, and back",
     "c  contact: hard, soft, none",
@@ -41,6 +43,7 @@ REPLAY_HELP = (
 LIFT_HELP = ("up, down  lift and lower the hand",)
 
 
-def keys(lift: bool) -> tuple[str, ...]:
-    """One line for each key; those that lift only where there is something to lift."""
-    return (*LIFT_HELP, *HELP) if lift else HELP
+def keys(mouse: bool, lift: bool) -> tuple[str, ...]:
+    """One line for each key; those of the mouse's fingers and of lifting only where they do
+    something."""
+    return (*(LIFT_HELP if lift else ()), *(MOUSE_HELP if mouse else ()), *HELP)

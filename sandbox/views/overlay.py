@@ -23,6 +23,8 @@ REFERENCE_HEIGHT = 540
 """px, height of a picture for which the sizes below hold; others are scaled by their height."""
 SMALLEST_SCALE = 0.85
 """Text smaller than this times its size could not be read."""
+NARROW = 0.7
+"""Of a picture's width, the height above which it does not make text larger."""
 MARGIN = 14
 RING_CLEARANCE = 16
 SMALL, NORMAL, LARGE = 13, 15, 24
@@ -81,7 +83,7 @@ def stickers(
         words: More to write.
     """
     width, height = lens.size
-    scale = max(height / REFERENCE_HEIGHT, SMALLEST_SCALE)
+    scale = max(min(height, NARROW * width) / REFERENCE_HEIGHT, SMALLEST_SCALE)
     margin = round(MARGIN * scale)
     placed = _names(snapshot, lens, drop, scale)
     panel = _panel(*_status(snapshot), scale)
@@ -90,30 +92,33 @@ def stickers(
     notices = [snapshot.notice] if snapshot.notice else []
     if not surface.calibrated:
         notices.append("size of the touch surface guessed")
+    told = [_label(n, palette.PANEL, palette.WARNING, NORMAL, scale) for n in notices]
     if words.caption:
-        image = _label(words.caption, palette.WARNING, palette.PANEL, NORMAL, scale, solid=True)
-        bottom -= image.height
-        placed.append(Sticker(image, margin, bottom))
-    for notice in notices:
-        image = _label(notice, palette.PANEL, palette.WARNING, NORMAL, scale)
-        bottom -= image.height + margin // 2
-        placed.append(Sticker(image, margin, bottom))
+        ink = palette.PANEL
+        told.insert(0, _label(words.caption, palette.WARNING, ink, NORMAL, scale, solid=True))
+    if words.footer:
+        image = _lines(words.footer, scale)
+        left = max(width - image.width - margin, 0)
+        placed.append(Sticker(image, left, bottom - image.height))
+        if any(2 * margin + line.width > left for line in told):
+            # There is no room for words beside it.
+            bottom -= image.height + margin // 2
+    for line in told:
+        bottom -= line.height
+        placed.append(Sticker(line, margin, bottom))
+        bottom -= margin // 2
+    if words.banner:
+        image = _label(words.banner, palette.PANEL, palette.TEXT, LARGE, scale)
+        left = max((width - image.width) // 2, panel.width + margin + margin // 2)
+        placed.append(Sticker(image, left, margin))
     if words.help:
         image = _lines(words.help, scale)
         placed.append(Sticker(image, max(width - image.width - margin, 0), margin))
-    if words.footer:
-        image = _lines(words.footer, scale)
-        placed.append(
-            Sticker(image, max(width - image.width - margin, 0), height - image.height - margin)
-        )
     if words.link:
         # At the left, where neither the help nor the hand is.
         image = link_code(words.link, round(CODE_SHARE * min(height, width)))
         bottom -= image.height + margin // 2
         placed.append(Sticker(image, margin, bottom))
-    if words.banner:
-        image = _label(words.banner, palette.PANEL, palette.TEXT, LARGE, scale)
-        placed.append(Sticker(image, (width - image.width) // 2, margin))
     return placed
 
 
@@ -237,20 +242,29 @@ def _label(
 
 @lru_cache(maxsize=16)
 def _lines(lines: tuple[str, ...], scale: float) -> Image.Image:
-    """Several lines of small text on one ground."""
+    """Several lines of small text on one ground; where all have two spaces in them, in columns."""
     font = _font(SMALL, scale)
-    sizes = [_text_size(line, font) for line in lines]
-    step = round(sizes[0][1] * 1.25)
+    split = [line.partition("  ") for line in lines]
+    columns = len(lines) > 1 and all(gap for _, gap, _ in split)
     pad = round(10 * scale)
-    image = Image.new("RGBA", (max(w for w, _ in sizes) + 2 * pad, step * len(lines) + 2 * pad))
+    keys = max(_text_size(key, font)[0] for key, _, _ in split) + pad if columns else 0
+    sizes = [_text_size(said if columns else line, font)
+             for line, (_, _, said) in zip(lines, split, strict=True)]  # fmt: skip
+    step = round(sizes[0][1] * 1.25)
+    width = keys + max(w for w, _ in sizes) + 2 * pad
+    image = Image.new("RGBA", (width, step * len(lines) + 2 * pad))
     draw = ImageDraw.Draw(image)
     draw.rounded_rectangle(
         (0, 0, image.width - 1, image.height - 1),
         radius=pad,
         fill=palette.bytes_of(palette.PANEL, 0.78),
     )
-    for i, line in enumerate(lines):
-        draw.text((pad, pad + i * step), line, font=font, fill=palette.bytes_of(palette.TEXT))
+    ink = palette.bytes_of(palette.TEXT)
+    for i, (line, (key, _, said)) in enumerate(zip(lines, split, strict=True)):
+        y = pad + i * step
+        if columns:
+            draw.text((pad, y), key, font=font, fill=palette.bytes_of(palette.GOAL))
+        draw.text((pad + keys, y), said if columns else line, font=font, fill=ink)
     return image
 
 

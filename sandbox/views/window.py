@@ -52,6 +52,7 @@ class Window(Closing):
         title: Of the window.
         size: px in the screen's coordinates.
         caption: Who plays what; a window that shows a simulated user has to say so here.
+        in_air: Hands are in the air over a 3-D device, not on a surface.
 
     Raises:
         GraphicsError: No window can be opened here.
@@ -74,6 +75,7 @@ class Window(Closing):
         title: str = "Hand Sandbox",
         size: tuple[int, int] = SIZE,
         caption: str = "",
+        in_air: bool = False,
     ) -> None:
         self.paused, self.speed = False, 1.0
         self.footer: tuple[str, ...] = ()
@@ -97,13 +99,20 @@ class Window(Closing):
         self._context = WindowContext(title, size)
         self._renderer: Renderer | None = None
         try:
-            self.show_scene(scene, surface, title, caption)
+            self.show_scene(scene, surface, title, caption, in_air)
         except BaseException:
             self._context.free()
             raise
         self._listen()
 
-    def show_scene(self, scene: Scene, surface: Surface, title: str, caption: str = "") -> None:
+    def show_scene(
+        self,
+        scene: Scene,
+        surface: Surface,
+        title: str,
+        caption: str = "",
+        in_air: bool = False,
+    ) -> None:
         """Shows another scene in the same window, as for another trial; nothing drives it yet.
 
         Args:
@@ -111,10 +120,12 @@ class Window(Closing):
             surface: Where its touches are.
             title: Of the window.
             caption: Who plays what.
+            in_air: Hands are in the air.
         """
         self._release()
         before, self._renderer = self._renderer, None
-        camera = window_camera(surface)
+        self._in_air = in_air
+        camera = window_camera(surface, in_air)
         if before is not None:
             if before.camera is not None and _same(surface, self._surface):
                 # Whoever looks from elsewhere does so for the next trial, too.
@@ -216,7 +227,7 @@ class Window(Closing):
         size, window = self._drawn_size(), glfw.get_framebuffer_size(self._context.handle)
         renderer.words = Words(
             self._caption,
-            (self.help or keys(lift=self._lift is not None)) if self._help else HINT,
+            self._keys() if self._help else HINT,
             "paused" if self.paused else SPEEDS[self.speed] or self._contact_word(),
             self.footer,
             self.link,
@@ -239,6 +250,10 @@ class Window(Closing):
         self.pictures, self.picture_time = self.pictures + 1, time.monotonic() - begun
         self.seen = self._snapshot
         self._plainness.took(self.picture_time, renderer)
+
+    def _keys(self) -> tuple[str, ...]:
+        """What the keys do now."""
+        return self.help or keys(self._mouse is not None, self._lift is not None)
 
     def _contact_word(self) -> str:
         """How things touch, where that is not as usual."""
@@ -341,8 +356,11 @@ class Window(Closing):
             self._contact = True
         elif key == glfw.KEY_V and self._renderer is not None:
             self._above = not self._above
-            choose = camera_above if self._above else window_camera
-            self._renderer.camera = choose(self._surface)
+            self._renderer.camera = (
+                camera_above(self._surface)
+                if self._above
+                else window_camera(self._surface, self._in_air)
+            )
 
     def _on_focus(self, focused: int) -> None:
         if not focused:
