@@ -1,4 +1,4 @@
-"""A session whose touches a test chooses."""
+"""A session whose touches a test chooses, and devices that do as they are told."""
 
 from __future__ import annotations
 
@@ -29,6 +29,27 @@ class Script:
 
     def close(self) -> None:
         pass
+
+
+class Played:
+    """A device that gives frames, of touches or of hands, as their times come."""
+
+    name = "played"
+
+    def __init__(self, frames: Sequence[Any]) -> None:
+        self._frames = list(frames)
+
+    @property
+    def finished(self) -> bool:
+        return not self._frames
+
+    def poll(self, now: float) -> list[Any]:
+        due = [f for f in self._frames if f.time <= now]
+        del self._frames[: len(due)]
+        return due
+
+    def close(self) -> None:
+        self._frames = []
 
 
 def scripted(touch: Touch, recorder: Recorder | None = None, **settings: Any) -> Session:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from models.frames import Contact, TouchFrame
 from models.surface import Surface
 from sandbox.devices.conformance import DeviceConformance
 from sandbox.devices.first_touch import FirstTouch
 from sandbox.devices.mouse import MouseDevice
+from tests.scripted import Played
 
 
 def test_nothing_has_come_before_a_finger_is_down_and_then_all_of_it_is_there() -> None:
@@ -41,6 +43,14 @@ def test_a_device_that_has_ended_keeps_nobody_waiting() -> None:
     device = FirstTouch(MouseDevice(Surface()))
     device.close()
     assert device.came()
+
+
+def test_what_a_device_said_before_the_first_touch_is_forgotten() -> None:
+    finger = (Contact(1, 0.05, 0.05),)
+    said = [TouchFrame(0.0, ()), TouchFrame(0.0, finger), TouchFrame(0.0, ())]
+    device = FirstTouch(Played(said))
+    assert device.came()
+    assert list(device.poll(0.0)) == said[1:]
 
 
 class TestMouseThatIsWaitedFor(DeviceConformance):

@@ -11,7 +11,6 @@ import pytest
 from encoders.paalm.forward import FROZEN_LEAP
 from encoders.paalm.pair import side_by_side
 from models.errors import InputError
-from models.frames import HandFrame
 from sandbox.assembly import build
 from sandbox.cli.leap_devices import hand_input, is_leap
 from sandbox.cli.main import main as command
@@ -34,27 +33,7 @@ from sandbox.study.simulate import simulated_device
 from tasks.simulated_user.configuration import UserConfiguration
 from tests.leap_hands import take
 from tests.page_client import Page
-
-
-class Played:
-    """Frames as a device."""
-
-    name = "played"
-
-    def __init__(self, frames: list[HandFrame]) -> None:
-        self.frames = list(frames)
-
-    @property
-    def finished(self) -> bool:
-        return not self.frames
-
-    def poll(self, now: float) -> list[HandFrame]:
-        due = [f for f in self.frames if f.time <= now]
-        del self.frames[: len(due)]
-        return due
-
-    def close(self) -> None:
-        self.frames = []
+from tests.scripted import Played
 
 
 def test_each_hand_gets_the_frames_of_its_own_side_and_no_other():

@@ -34,6 +34,7 @@ from sandbox.settings import RunSettings
 from tasks.simulated_user.seated import Seat
 from tasks.simulated_user.sight import SeenObject, Sight
 from tasks.task import Goal
+from tests.scripted import Script
 from tests.simulation import legal_poses, put
 
 MIRROR = np.diag([-1.0, 1.0, 1.0])
@@ -46,22 +47,6 @@ places = st.tuples(st.floats(0.0, 1.0), st.floats(0.0, 1.0))
 def trial(record: Path | None = None, **options) -> dict:
     chosen = plan(SceneOptions(**options))
     return run_trial(chosen.settings, chosen.make_device, record=record, about=chosen.about)
-
-
-class Script:
-    """A device that touches as it is told."""
-
-    name = "script"
-    finished = False
-
-    def __init__(self, touch):
-        self.touch = touch
-
-    def poll(self, now):
-        return [TouchFrame(now, tuple(self.touch(now)))]
-
-    def close(self):
-        pass
 
 
 def grasp(now: float) -> list[Contact]:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -16,29 +14,9 @@ from sandbox.devices.merged import MergedDevice
 from sandbox.devices.mouse import MouseDevice
 from sandbox.devices.web import WebDevice
 from sandbox.server.protocol import Screen, Touches
+from tests.scripted import Played
 
 SCREEN = Screen(100.0, 1000.0, 800.0, True)
-
-
-class Scripted:
-    """Gives out the frames it was given, as far as their time has come."""
-
-    name = "scripted"
-
-    def __init__(self, frames: Sequence[TouchFrame]) -> None:
-        self._frames = list(frames)
-
-    @property
-    def finished(self) -> bool:
-        return not self._frames
-
-    def poll(self, now: float) -> Sequence[TouchFrame]:
-        due = [f for f in self._frames if f.time <= now]
-        self._frames = self._frames[len(due) :]
-        return due
-
-    def close(self) -> None:
-        self._frames = []
 
 
 def contact(i: int, x: float = 0.0) -> Contact:
@@ -59,7 +37,7 @@ frames_of_one = st.lists(
 def test_the_merged_frame_is_what_all_of_them_hold_down(
     scripts: list[list[TouchFrame]], polls: list[float]
 ) -> None:
-    merged = MergedDevice([Scripted(script) for script in scripts])
+    merged = MergedDevice([Played(script) for script in scripts])
     found = [f for now in [*sorted(polls), 1.0] for f in merged.poll(now)]
     assert len(found) == sum(map(len, scripts)) and merged.finished
     if found:
@@ -73,7 +51,7 @@ def test_the_merged_frame_is_what_all_of_them_hold_down(
 def test_of_one_device_only_the_ids_differ_and_an_id_means_one_press(
     script: list[TouchFrame],
 ) -> None:
-    found = MergedDevice([Scripted(script)]).poll(1.0)
+    found = MergedDevice([Played(script)]).poll(1.0)
     names: dict[int, int] = {}
     used: set[int] = set()
     for before, after in zip(script, found, strict=True):
@@ -90,8 +68,8 @@ def test_of_one_device_only_the_ids_differ_and_an_id_means_one_press(
 
 
 def test_touches_that_were_cancelled_stay_cancelled_under_their_new_ids() -> None:
-    one = Scripted([TouchFrame(0.0, (contact(4),)), TouchFrame(0.2, (), None, frozenset({4, 9}))])
-    other = Scripted([TouchFrame(0.1, (contact(4),))])
+    one = Played([TouchFrame(0.0, (contact(4),)), TouchFrame(0.2, (), None, frozenset({4, 9}))])
+    other = Played([TouchFrame(0.1, (contact(4),))])
     first, second, third = MergedDevice([one, other]).poll(1.0)
     (gone,) = {c.id for c in second.contacts} - {c.id for c in third.contacts}
     assert {c.id for c in first.contacts} == {gone} == third.cancelled

@@ -22,27 +22,12 @@ from sandbox.recording import load_recording
 from sandbox.replay import replay
 from sandbox.session import STATE, Rig, Session
 from sandbox.settings import RunSettings
+from tests.scripted import Script
 
 
 def trial(record: Path | None = None, **options) -> dict:
     chosen = plan(SceneOptions(**options))
     return run_trial(chosen.settings, chosen.make_device, record=record, about=chosen.about)
-
-
-class Script:
-    """A device that touches as it is told: step -> contacts."""
-
-    name = "script"
-    finished = False
-
-    def __init__(self, touch):
-        self.touch = touch
-
-    def poll(self, now):
-        return [TouchFrame(now, tuple(self.touch(now)))]
-
-    def close(self):
-        pass
 
 
 def command(*arguments: str, cwd: Path) -> subprocess.CompletedProcess:
