@@ -10,15 +10,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from encoders.bone_fit import tip_targets
 from encoders.conversion import ConversionReport, ConversionRules, TouchLog
 from encoders.store import load_capture
 from encoders.together.capture_from_hands import capture_from_hands, open_hand
 from encoders.together.clocks import host_clock
 from encoders.together.guide import SETS, Guide
 from encoders.together.registration import registered
+from encoders.together.seen_track import skeleton_of
 from encoders.together.simulated import FROZEN_TOGETHER, Together, simulate_together
 from models.errors import CaptureError, EncoderError, RecordingError
 from models.frames import Contact, TouchFrame
+from models.kinematics import Kinematics
 from models.pose import joint_vectors
 from models.rotations import exp, geodesic_angle
 from models.surface import Surface
@@ -79,7 +82,8 @@ def test_clocks_place_names_and_poses_are_found(dialect):
     assert len(mine) > 0.9 * len(s.truth)
     assert (capture.down[mine] == s.truth.down[true]).all(axis=1).mean() > 0.95
     q, wanted = capture.q[mine], s.truth.q[true]
-    assert np.linalg.norm((q - wanted)[:, :3], axis=1).mean() < 0.012
+    # This person's hand is 13 % smaller than an average one: 7 mm between wrist and palm's centre.
+    assert np.linalg.norm((q - wanted)[:, :3], axis=1).mean() < 0.006
     angle = geodesic_angle(joint_vectors(q), joint_vectors(wanted))
     assert np.rad2deg(angle).mean() < (4.0 if dialect == "v3" else 8.0)
     turn = np.array(notes["device_axes"]) @ s.rotation.T
@@ -94,7 +98,7 @@ def test_a_left_hand_is_captured_as_the_right_one_in_the_mirror():
     width = float(session().surface.size[0])
     moved = left.q[mine] + np.eye(48)[0] * width
     off = np.linalg.norm((moved - session().truth.q[true])[:, :3], axis=1)
-    assert off.mean() < 0.012
+    assert off.mean() < 0.006
     assert abs(len(left) - len(right)) < 0.05 * len(right)
 
 
@@ -107,7 +111,12 @@ def test_the_offset_follows_the_clock_that_is_set_ahead():
 def test_only_poses_change_when_fingertips_are_brought_to_touches():
     capture, _ = converted(session(), correct="all")
     plain, _ = plainly("v3", "right")
-    assert not np.array_equal(capture.q, plain.q)
+    skeleton, _ = skeleton_of(open_hand(session().leap.frames, "right"))
+    off = [
+        np.linalg.norm(Kinematics(skeleton).tips(c.q) - tip_targets(c.xy), axis=2)[c.down]
+        for c in (capture, plain)
+    ]
+    assert off[0].max() < 1e-3 < off[1].max()
     assert np.array_equal(capture.xy, plain.xy, equal_nan=True)
 
 
@@ -256,7 +265,7 @@ def test_a_full_disk_is_told_at_once_and_what_was_recorded_before_is_kept(tmp_pa
     with TogetherWriter(tmp_path, Surface(), {"side": "right"}) as writer:
         writer.touch(frame_of(0.0, 2), 0.0)
         # /dev/full exists already, and a session makes new files only: hand it the open file.
-        kept, writer._touches = writer._touches, device.open("w")
+        kept, writer._touches._file = writer._touches._file, device.open("w")
         with pytest.raises(RecordingError, match=r"cannot go on.*No space left.*Make room"):
             writer.touch(frame_of(0.1, 2), 0.1)
         kept.close()
@@ -265,11 +274,13 @@ def test_a_full_disk_is_told_at_once_and_what_was_recorded_before_is_kept(tmp_pa
 
 
 def test_a_session_is_not_written_over(folder, capsys):
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
     status, _, err = said(
         capsys, "record", "--touches", folder / TOUCHES, "--hands", folder / HANDS, "--out", folder,
         "--seconds", "1",
     )  # fmt: skip
     assert status == 2 and "not written over" in err
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
 
 
 def test_recording_files_as_devices_keeps_them_together(folder, tmp_path, capsys):

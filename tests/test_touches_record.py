@@ -5,16 +5,19 @@ from __future__ import annotations
 import json
 import signal
 import socket
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 from models.surface import Surface
 from sandbox.cli.touch_devices import open_file
+from sandbox.devices.frame_file import read_frame_file
 from sandbox.devices.touch_capture import read_capture
 from sandbox.devices.tuio import TuioDevice
 from tests.page_client import Page
-from tests.processes import ROOT, Sender, program, run, until
+from tests.processes import PATIENCE, ROOT, Sender, program, run, until
 from tests.test_tuio_streams import framed
 from tests.tuio_packets import MALFORMED, alv, bnd, bundle, frame, frame20, frm, ptr
 
@@ -49,6 +52,21 @@ def test_packets_are_recorded_as_they_came_and_play_as_the_device(tmp_path: Path
     played = list(open_file(file, None).device.poll(1e6))
     assert [len(f.contacts) for f in played] == [1, 2, 1, 0]
     assert [len(f.cancelled) for f in played] == [0, 0, 1, 0]
+
+
+def test_who_only_looks_at_the_first_lines_is_no_fault_of_the_file(tmp_path: Path) -> None:
+    file = tmp_path / "frames.jsonl"
+    line = [sys.executable, "-m", "sandbox.cli.main", "touches", "record", str(file)]
+    with subprocess.Popen(
+        [*line, "--device", CIRCLING, "--frames", "400"], stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE, text=True, cwd=ROOT,
+    ) as recorder:  # fmt: skip
+        assert recorder.stdout is not None and recorder.stderr is not None
+        assert recorder.stdout.readline()
+        recorder.stdout.close()
+        assert recorder.wait(PATIENCE) == 0
+        assert "written" not in recorder.stderr.read()
+    assert len(read_frame_file(file).frames) >= 1
 
 
 def test_frames_of_any_device_are_recorded_with_their_surface(tmp_path: Path) -> None:

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import contextlib
-import json
 import math
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, TextIO
+from typing import Annotated, Any
 
 import tyro
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from models.errors import InputError, RecordingError
+from models.errors import InputError
 from models.frames import TouchFrame
 from sandbox.cli.parse import in_one_line
 from sandbox.cli.touch_devices import Opened, TouchOptions
@@ -25,6 +23,7 @@ from sandbox.cli.touch_send import Send, send
 from sandbox.cli.touch_views import JsonView, TextView, View, what_to_check
 from sandbox.devices.discovery import offered_devices
 from sandbox.devices.frame_file import frame_record, header_record
+from sandbox.devices.line_file import LineFile
 from sandbox.devices.touch_capture import CapturedPacket, packet_record
 
 PATIENCE = 5.0
@@ -118,18 +117,17 @@ def show(options: Show) -> int:
 def record(options: Record) -> int:
     """Writes packets or frames."""
     _check_end(options.seconds, options.frames)
-    with _new_file(options.file) as file:
+    with LineFile(options.file) as file:
 
         def tap(now: float, peer: str, data: bytes | None) -> None:
-            print(json.dumps(packet_record(CapturedPacket(now, data, peer))), file=file, flush=True)
+            file.write(packet_record(CapturedPacket(now, data, peer)))
 
         packets = options.device == "tuio"
         opened = open_any(options, options.seconds, tap if packets else None)
         if opened is None:
             return 0
         if not packets:
-            header = header_record(opened.surface, opened.device.name)
-            print(json.dumps(header), file=file, flush=True)
+            file.write(header_record(opened.surface, opened.device.name))
         view = _Recorder(TextView(opened.device, opened.surface), None if packets else file)
         status = _shown(opened, view, options.seconds, options.frames)
     Console(stderr=True).print(Text(f"written to {options.file}"), soft_wrap=True)
@@ -171,7 +169,7 @@ def formats() -> int:
 class _Recorder:
     """A view that also writes every frame."""
 
-    def __init__(self, shown: TextView, file: TextIO | None) -> None:
+    def __init__(self, shown: TextView, file: LineFile | None) -> None:
         self._shown, self._file = shown, file
 
     def __enter__(self) -> _Recorder:
@@ -184,7 +182,7 @@ class _Recorder:
     def frame(self, frame: TouchFrame) -> None:
         self._shown.frame(frame)
         if self._file is not None:
-            print(json.dumps(frame_record(frame)), file=self._file, flush=True)
+            self._file.write(frame_record(frame))
 
     def hint(self, text: str) -> None:
         self._shown.hint(text)
@@ -233,16 +231,3 @@ def _follow(opened: Opened, view: View, seconds: float, wanted: int | None) -> N
             view.hint(what_to_check(seen))
         if over:
             return
-
-
-@contextlib.contextmanager
-def _new_file(path: Path) -> Iterator[TextIO]:
-    try:
-        with path.open("x", encoding="utf-8") as file:
-            yield file
-    except FileExistsError:
-        raise RecordingError(
-            "this file is there already, and is not written over", where=str(path)
-        ) from None
-    except OSError as error:
-        raise RecordingError("cannot be written", where=str(path), got=error.strerror) from None

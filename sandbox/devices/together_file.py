@@ -12,10 +12,9 @@ from __future__ import annotations
 
 import json
 import math
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +27,7 @@ from sandbox.devices.frame_file import frame_record, header_record
 from sandbox.devices.leap_file import read_leap
 from sandbox.devices.leap_json import LeapDecoder
 from sandbox.devices.leap_write import leap_message
+from sandbox.devices.line_file import LineFile
 
 Array = NDArray[np.float64]
 
@@ -48,20 +48,17 @@ class TogetherWriter(Closing):
 
     def __init__(self, folder: Path, surface: Surface, about: dict[str, Any]) -> None:
         self.touches = self.hands = 0
-        self._folder = folder
+        if any((folder / name).exists() for name in (TOUCHES, HANDS, ABOUT)):
+            raise RecordingError(
+                "there is a session already, and it is not written over", where=str(folder)
+            )
         try:
             folder.mkdir(parents=True, exist_ok=True)
             (folder / ABOUT).write_text(json.dumps(about, indent=1) + "\n", encoding="utf-8")
-            self._touches: TextIO = (folder / TOUCHES).open("x", encoding="utf-8")
-            self._hands: TextIO = (folder / HANDS).open("x", encoding="utf-8")
-        except FileExistsError:
-            raise RecordingError(
-                "there is a session already, and it is not written over", where=str(folder)
-            ) from None
         except OSError as error:
             raise RecordingError("cannot be written", where=str(folder), got=str(error)) from None
-        device = str(about.get("touches", "touches"))
-        self._write(self._touches, json.dumps(header_record(surface, device)))
+        self._touches, self._hands = LineFile(folder / TOUCHES), LineFile(folder / HANDS)
+        self._touches.write(header_record(surface, str(about.get("touches", "touches"))))
 
     def touch(self, frame: TouchFrame, host: float) -> None:
         """A frame of the touch device that arrived at `host`, s.
@@ -69,7 +66,7 @@ class TogetherWriter(Closing):
         Raises:
             RecordingError: It cannot be written; what came before it is.
         """
-        self._write(self._touches, json.dumps(frame_record(frame) | {"host": host}))
+        self._touches.write(frame_record(frame) | {"host": host})
         self.touches += 1
 
     def hand(self, frame: HandFrame, host: float) -> None:
@@ -78,25 +75,13 @@ class TogetherWriter(Closing):
         Raises:
             RecordingError: It cannot be written; what came before it is.
         """
-        line = leap_message(frame, self.hands + 1) | {"host": host}
-        self._write(self._hands, json.dumps(line, separators=(",", ":")))
+        self._hands.write(leap_message(frame, self.hands + 1) | {"host": host})
         self.hands += 1
 
     def close(self) -> None:
         """Closes both files; may be called twice."""
-        for file in (self._touches, self._hands):
-            # What could not be written was told then.
-            with suppress(OSError):
-                file.close()
-
-    def _write(self, file: TextIO, line: str) -> None:
-        try:
-            print(line, file=file, flush=True)
-        except OSError as error:
-            raise RecordingError(
-                "the recording cannot go on", where=str(self._folder), got=error.strerror,
-                remedy="Make room on the disk; what was recorded before is kept",
-            ) from None  # fmt: skip
+        self._touches.close()
+        self._hands.close()
 
 
 @dataclass(frozen=True)
