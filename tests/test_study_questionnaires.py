@@ -229,6 +229,7 @@ def test_a_questionnaire_of_ones_own_is_scored_by_its_rules_in_any_script(tmp_pa
         ('name = "calm"', 'name = "tired"', "there twice"),
         ("[[scales]]", "[[scale]]", "Did you mean scales"),
         ("low = 1\nhigh = 7", "low = 8\nhigh = 7", "not below"),
+        ("high = 7", "high = 7\nstep = 4", "do not end at 7"),
         ("title.ja", "title.en", "no text in ja"),
     ],
 )

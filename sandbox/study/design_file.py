@@ -66,7 +66,15 @@ def parse_design(text: str, path: Path, try_out: bool = True) -> Design:
         at = re.search(r"line (\d+)", str(error))
         line = int(at[1]) if at else text.count("\n") + 1
         raise DesignError(
-            path.name, [Mistake(line, "", str(error), "TOML is described at toml.io")]
+            path.name,
+            [
+                Mistake(
+                    line,
+                    "",
+                    str(error),
+                    "Is a quote, a bracket or a = missing? TOML is described at toml.io",
+                )
+            ],  # fmt: skip
         ) from None
     reader = Reader(text)
     design = _design(Table(reader, values), text, path)

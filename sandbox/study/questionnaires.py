@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from dataclasses import replace
+from fractions import Fraction
 from importlib.resources import files
 from pathlib import Path
 
@@ -77,6 +78,9 @@ def read_item(table: Table) -> Item:
         table.wrong("choices", "a choice needs two or more", 'Write choices = ["yes", "no"]')
     if kind in ("scale", "number") and not low < high:
         table.wrong("low", f"{low:g} is not below {high:g}", "Swap low and high")
+    elif kind == "scale" and (Fraction(repr(high)) - Fraction(repr(low))) % Fraction(repr(step)):
+        table.wrong("step", f"from {low:g}, steps of {step:g} do not end at {high:g}",
+                    "Change step or high: the last answer has to be one")  # fmt: skip
     ends = (table.text("low_means"), table.text("high_means")) if table.has("low_means") else None
     means = _means(table, choices)
     optional, shuffle = table.flag("optional"), table.flag("shuffle")
