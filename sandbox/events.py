@@ -14,6 +14,8 @@ from sandbox.messages import Snapshot
 class EventLog:
     """Writes one line per event, at once; without a path it writes nothing.
 
+    A session does not end because nobody hears it any more: that is told when the log is closed.
+
     Args:
         path: Of the file, appended to; a named pipe works too.
 
@@ -22,6 +24,7 @@ class EventLog:
     """
 
     def __init__(self, path: Path | None) -> None:
+        self._path, self._error = path, ""
         try:
             self._file = path.open("ab", buffering=0) if path else None
         except OSError as error:
@@ -31,13 +34,29 @@ class EventLog:
 
     def tell(self, kind: str, **data: Any) -> None:
         """Writes an event: `listening`, `trial_start`, `trial_end` or `warning`."""
-        if self._file:
-            self._file.write(json.dumps({"event": kind, **data}).encode() + b"\n")
+        if self._file is None or self._error:
+            return
+        line = json.dumps({"event": kind, **data}).encode() + b"\n"
+        try:
+            while line:
+                line = line[self._file.write(line) :]
+        except OSError as error:
+            self._error = error.strerror or str(error)
 
     def close(self) -> None:
-        """Closes the file."""
-        if self._file:
+        """Closes the file; may be called twice.
+
+        Raises:
+            InputError: An event could not be written, and none after it was.
+        """
+        if self._file is not None:
             self._file.close()
+            self._file = None
+        error, self._error = self._error, ""
+        if error:
+            raise InputError("events were lost", where=f"--events {self._path}", got=error,
+                             remedy="Nothing else was; make room, or read the pipe to its end"
+                             )  # fmt: skip
 
 
 class NoticeEvents:

@@ -221,9 +221,9 @@ def play_on_page(
         console.print("stopped")
     finally:
         server.close()
-        events.close()
         say_latency(server.latency, console)
         say_refusals(server, console)
+        events.close()
     return judge_latency(server.latency, limit, console)
 
 

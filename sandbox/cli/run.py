@@ -66,13 +66,13 @@ def perform(options: RunOptions) -> int:
     try:
         with streaming(options.lsl, console):
             result = _run(options, chosen, events, console)
+        _report(result, console)
+        for what, path in (("recording", options.record), ("film", options.film)):
+            if path is not None:
+                console.print(f"[dim]{what}: {escape(str(path))}[/]", soft_wrap=True)
+        write_json(options.json, result)
     finally:
         events.close()
-    _report(result, console)
-    for what, path in (("recording", options.record), ("film", options.film)):
-        if path is not None:
-            console.print(f"[dim]{what}: {escape(str(path))}[/]", soft_wrap=True)
-    write_json(options.json, result)
     return 0
 
 
