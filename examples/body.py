@@ -2,7 +2,8 @@
 
 The paper of 2015 ends with this suggestion. Here the same quadratic encoder learns from where hands
 and feet are, and from which of them touch the floor, how the whole body is posed. The motion is one
-backflip of the CMU motion capture database (../shared/data, or HAND_SANDBOX_DATA, or --data).
+backflip of the CMU motion capture database, which is not part of this repository: backflip.amc and
+.asf in formats/ of ../shared/data, of the folder that HAND_SANDBOX_DATA names, or of --data.
 
     python examples/body.py --out body.png
 
@@ -152,14 +153,18 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--data", type=Path, default=os.environ.get("HAND_SANDBOX_DATA", beside))
+    data = os.environ.get("HAND_SANDBOX_DATA", beside)
+    parser.add_argument(
+        "--data", type=Path, default=data, metavar="DIR", help="holds formats/ (now: %(default)s)"
+    )
     parser.add_argument("--out", type=Path, help="a picture of a few frames")
     options = parser.parse_args(argv)
     folder = Path(options.data) / "formats"
     try:
         motion = read_amc(folder / "backflip.amc", read_asf(folder / "backflip.asf"))
     except InputError as error:
-        print(f"body: {error}. The recording is looked for in {folder}", file=sys.stderr)
+        print(f"body: {error}. --data DIR says where formats/backflip.amc and .asf are",
+              file=sys.stderr)  # fmt: skip
         return 2
     body = body_of(motion)
     held = np.arange(len(motion)) // BLOCK % 4 == 2
