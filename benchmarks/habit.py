@@ -22,6 +22,7 @@ from encoders.belief import BeliefLabels, builtin_belief
 from encoders.evaluation.subjects import subject
 from encoders.label_evidence import THUMB_AND_NEXT, LabelEvidence, natural_prior
 from models.errors import HandSandboxError
+from models.frames import TouchFrame
 from sandbox.cli.scene_options import SceneOptions, plan
 from sandbox.devices.simulated import SimulatedDevice
 from sandbox.session import Session
@@ -43,7 +44,7 @@ def leaning(habit: float) -> BeliefLabels:
 
 def of_subject(day: int, looks: int, count: int) -> Iterator[Touches]:
     """Looks at so many fingers of a subject's day."""
-    capture = subject("first").day(day)
+    capture = subject("first").day(day, None)
     frames = np.random.default_rng(day).permutation(len(capture.down))
     found = [f for f in frames if capture.down[f].sum() == count]
     for frame in found[:looks]:
@@ -68,7 +69,9 @@ def first_grasp(task: str, seed: int, fingers: int) -> Touches:
     try:
         while not session.over:
             device.show(session.advance())
-            touches = session.heard(0).contacts
+            frame = session.heard(0)
+            assert isinstance(frame, TouchFrame)
+            touches = frame.contacts
             if len(touches) == fingers:
                 ids = [c.id for c in touches]
                 places = [(c.x, c.y) for c in touches]
