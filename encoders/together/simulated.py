@@ -144,7 +144,7 @@ def simulate_together(
     """
     c = configuration
     rng = np.random.default_rng([seed, day, 0x70C3])
-    truth, joints_of = _person(seed, day, who, c, progress)
+    truth, joints_of, centre = _person(seed, day, who, c, progress)
     time, q, starts = _motion(rng, truth, c)
     surface = Surface()
     width = float(surface.size[0])
@@ -160,7 +160,7 @@ def simulate_together(
     shift = np.array(c.at)
     leap_time = np.arange(0.0, time[-1], 1.0 / c.leap_rate)
     pose = _at(leap_time, time, q)
-    take = _air(leap_time, pose, joints_of, rotation, shift, c.open_seconds, side)
+    take = _air(leap_time, pose, joints_of, centre, rotation, shift, c.open_seconds, side)
     what = seen(take, seed + 1000 * day, dialect)
     drifted = 17.0 + leap_time * (1.0 - c.drift)
     frames = tuple(replace(f, time=t) for f, t in zip(what.frames, drifted.tolist(), strict=True))
@@ -190,8 +190,13 @@ def _person(
     who: str,
     c: TogetherConfiguration,
     progress: Callable[[float], None] | None,
-) -> tuple[Capture, JointsOf]:
-    """The subject's day without errors of measurement, and its joints (n, 5, 4, 3) by pose."""
+) -> tuple[Capture, JointsOf, Array]:
+    """The subject's day without errors of measurement, and of its hand what a device sees.
+
+    Returns:
+        The day; joints (n, 5, 4, 3) by pose; the palm's centre (3,) m in the hand's frame, as far
+        along the person's palm as along an average one.
+    """
     if who == "second":
         plain2 = second_subject.FROZEN
         clean2 = replace(
@@ -207,7 +212,9 @@ def _person(
             places, _, tips = hand.chain(q)
             return _by_finger(places, tips)
 
-        return capture, slender
+        middle = FINGERS.index("middle")
+        longer = hand.knuckle[middle, 1] / ADULT.bones[ADULT.first_bone[middle]].anchor[1]
+        return capture, slender, longer * np.array(PALM_CENTRE)
     plain = subject.FROZEN
     clean = replace(
         plain, day_joint=0.0, day_root=(0.0, 0.0), soft_tissue=0.0, joint_noise=0.0,
@@ -225,7 +232,7 @@ def _person(
         found = kinematics.place(q)
         return _by_finger(found.joints, found.tips)
 
-    return capture, placed
+    return capture, placed, size * np.array(PALM_CENTRE)
 
 
 def _frames(paper: tuple[int, ...], total: float) -> tuple[int, int, int, int]:
@@ -374,6 +381,7 @@ def _air(
     time: Array,
     q: Array,
     joints_of: JointsOf,
+    centre: Array,
     rotation: Array,
     shift: Array,
     open_seconds: float,
@@ -381,7 +389,7 @@ def _air(
 ) -> AirTake:
     """The hand over the device; `rotation` and `shift` are the device's in the surface's frame."""
     palm = exp(q[:, ROOT_ROTATION])
-    origin = q[:, ROOT_POSITION] + palm @ np.array(PALM_CENTRE)
+    origin = q[:, ROOT_POSITION] + palm @ centre
     world = joints_of(q)
     joints = np.einsum("tji,tfkj->tfki", palm, world - origin[:, None, None])
     origin, palm = (origin - shift) @ rotation, rotation.T @ palm
