@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable
 from dataclasses import replace
 
-from models.errors import DivergenceError, HandSandboxError
+from models.errors import DivergenceError
 from models.scene import CONTROL_PERIOD
 from sandbox.messages import Snapshot
 from sandbox.pacing import RealTime
@@ -22,6 +22,10 @@ class LiveSession:
         speed: Simulated seconds per second.
         news: Set by a device when something has come in: the step that takes it in is made at once,
             up to one control period ahead of the clock, instead of at the next tick.
+
+    Attributes:
+        lost: s of real time given up so far because the machine was too slow.
+        failure: What ended the session's thread before its time; None while nothing has.
     """
 
     def __init__(
@@ -41,7 +45,7 @@ class LiveSession:
         self._running.set()
         self._thread = threading.Thread(target=self._run, name="session", daemon=True)
         self.lost = 0.0
-        self.failure: HandSandboxError | None = None
+        self.failure: Exception | None = None
 
     @property
     def over(self) -> bool:
@@ -96,6 +100,7 @@ class LiveSession:
             # was simulated last is nothing to look at.
             if self._newest is not None:
                 self._newest = replace(self._newest, score=self.session.scorer.score)
-        except HandSandboxError as error:
-            # A device broke. Whoever waits for this thread passes it on.
+        except Exception as error:
+            # A device broke, or its code did. Whoever waits for this thread passes it on: a trial
+            # that ended so must not be taken for one that was played.
             self.failure = error
