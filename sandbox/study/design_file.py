@@ -74,7 +74,7 @@ def parse_design(text: str, path: Path, try_out: bool = True) -> Design:
                     str(error),
                     "Is a quote, a bracket or a = missing? TOML is described at toml.io",
                 )
-            ],  # fmt: skip
+            ],
         ) from None
     reader = Reader(text)
     design = _design(Table(reader, values), text, path)
