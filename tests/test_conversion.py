@@ -7,10 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from encoders.conversion import (
-    JointTrack,
-    TouchLog,
-)
+from encoders.conversion import ConversionReport, JointTrack, TouchLog
+from encoders.conversion.touch_log import sound_contacts
 from encoders.store import load_capture, save_capture
 from models.errors import CaptureError
 from tests.hand_recording import (
@@ -196,6 +194,24 @@ def test_an_id_that_jumps_to_another_finger_is_cut_in_two(truth, joints):
     rows = rows_of(truth, capture)
     assert not capture.down[np.isin(rows, run)].any()  # one finger at a time: dropped
     assert report.frames["with one finger"] >= len(run)
+
+
+def test_frames_that_arrive_in_bunches_cut_no_contact_and_hide_no_jump():
+    """Packets without times of their own, of a network that sleeps: five at once, 80 ms apart."""
+    count = 200
+    even = np.arange(count) / 60.0
+    arrived = even[np.minimum(np.arange(count) // 5 * 5 + 4, count - 1)] + 1e-4 * (
+        np.arange(count) % 5
+    )
+    frame, ids = np.arange(count), np.zeros(count, int)
+    xy = np.stack([0.5 * even, np.zeros(count)], axis=1)  # m at half a metre a second
+    report = ConversionReport()
+    (whole,) = sound_contacts(TouchLog(arrived, frame, ids, xy), RULES, report)
+    assert len(whole.time) == count and not report.parts and not report.contacts
+    # Another finger, 10 cm away, in the middle of a bunch.
+    jumped = np.where(frame[:, None] >= 102, xy + np.array([0.0, 0.1]), xy)
+    parts = sound_contacts(TouchLog(arrived, frame, ids, jumped), RULES, report)
+    assert [len(part.time) for part in parts] == [102, count - 102]
 
 
 def test_a_touch_that_never_ends_is_cut_where_it_came_to_rest(truth, joints):

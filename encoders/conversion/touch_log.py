@@ -103,14 +103,26 @@ def sound_contacts(
     good[1:] &= log.time[1:] > np.maximum.accumulate(log.time)[:-1]
     report.drop_parts("touch frames whose time ran backwards or stood still", int((~good).sum()))
     tracks: list[ContactTrack] = []
+    period = _period(log.time[good], rules)
     for track, ended in _lives(log, good):
-        for part in _without_jumps(track, rules, report):
+        for part in _without_jumps(track, period, rules, report):
             whole = part if ended or part.end < track.end else _without_rest(part, rules, report)
             if whole.end - whole.start < rules.shortest:
                 report.drop_contacts(f"shorter than {1000 * rules.shortest:g} ms")
             else:
                 tracks.append(whole)
     return sorted(tracks, key=lambda track: track.start)
+
+
+def _period(time: Array, rules: ConversionRules) -> float:
+    """s between frames while there are any.
+
+    Frames of a sender that stamps nothing have the times of their arrival, and arrive bunched: what
+    moved within a period must not look as if it had moved within no time.
+    """
+    steps = np.diff(time)
+    steps = steps[steps < rules.gap]
+    return float(steps.mean()) if len(steps) else 0.0
 
 
 def _lives(log: TouchLog, good: NDArray[np.bool_]) -> list[tuple[ContactTrack, bool]]:
@@ -135,29 +147,29 @@ def _lives(log: TouchLog, good: NDArray[np.bool_]) -> list[tuple[ContactTrack, b
 
 
 def _without_jumps(
-    track: ContactTrack, rules: ConversionRules, report: ConversionReport
+    track: ContactTrack, period: float, rules: ConversionRules, report: ConversionReport
 ) -> list[ContactTrack]:
     """A contact without samples that leap out and back, cut where it leaps and stays."""
     time, xy = track.time, track.xy
+
+    def leaps(a: int, b: int) -> bool:
+        far = float(np.linalg.norm(xy[b] - xy[a]))
+        return far > rules.fastest * max(float(time[b] - time[a]), period)
+
     keep = np.ones(len(time), bool)
     for i in range(1, len(time) - 1):
-        out_and_back = _leaps(time, xy, i - 1, i, rules) and _leaps(time, xy, i, i + 1, rules)
-        if keep[i - 1] and out_and_back and not _leaps(time, xy, i - 1, i + 1, rules):
+        out_and_back = leaps(i - 1, i) and leaps(i, i + 1)
+        if keep[i - 1] and out_and_back and not leaps(i - 1, i + 1):
             keep[i] = False
     report.drop_parts(f"places that jumped faster than {rules.fastest:g} m/s", int((~keep).sum()))
     time, xy = time[keep], xy[keep]
-    speed = np.linalg.norm(np.diff(xy, axis=0), axis=1) > rules.fastest * np.diff(time)
-    cuts = np.flatnonzero(speed) + 1
+    cuts = np.array([i for i in range(1, len(time)) if leaps(i - 1, i)], int)
     report.drop_parts("contacts cut in two at a jump", len(cuts))
     edges = [0, *cuts.tolist(), len(time)]
     return [
         ContactTrack(track.id, time[a:b], xy[a:b], float(time[b]) if b < len(time) else track.end)
         for a, b in pairwise(edges)
     ]
-
-
-def _leaps(time: Array, xy: Array, a: int, b: int, rules: ConversionRules) -> bool:
-    return bool(np.linalg.norm(xy[b] - xy[a]) > rules.fastest * (time[b] - time[a]))
 
 
 def _without_rest(
