@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -21,7 +21,6 @@ from encoders.yaw_range import YawRange, YawWatch
 from models.errors import CaptureError, InputError
 from models.hand import IMPULSE_PROFILES, Hand
 from models.limits import GENTLE, RateLimit
-from models.person import Person
 from models.skeleton import ADULT
 from models.surface import Surface
 from sandbox.lsl_listening import Told
@@ -156,7 +155,7 @@ def build(
         )
     makers = checked(makers_of(make_device), len(persons), settings.task)
     model = load_encoder(settings.encoder)
-    hands = _hands(persons, settings, task_type)
+    hands = _hands(settings, task_type)
     made: list[Any] = []
     for person, surface, in_air in zip(persons, surfaces, settings.in_airs, strict=True):
         if in_air is not None:
@@ -192,11 +191,8 @@ def build(
     return session
 
 
-def _hands(persons: Sequence[Person], settings: RunSettings, task_type: type[Task]) -> list[Hand]:
-    """The simulated hands of some persons, each with a name of its own."""
-    names: list[str] = []
-    for person in persons:
-        names.append(person.hand if person.hand not in names else f"{person.hand}_too")
+def _hands(settings: RunSettings, task_type: type[Task]) -> list[Hand]:
+    """The simulated hands."""
     return [
         Hand(
             name,
@@ -205,7 +201,7 @@ def _hands(persons: Sequence[Person], settings: RunSettings, task_type: type[Tas
             impulse=settings.impulse,
             solid_end=UPRIGHT_END if task_type.plane == "front" else None,
         )
-        for name, person in zip(names, persons, strict=True)
+        for name, person in zip(settings.hand_names, settings.persons, strict=True)
     ]
 
 

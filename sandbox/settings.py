@@ -133,6 +133,12 @@ class RunSettings:
         return (self.person, self.second.person) if self.second else (self.person,)
 
     @property
+    def hand_names(self) -> tuple[str, ...]:
+        """A name of its own for every hand: its side, and `right_too` for a second right one."""
+        sides = [person.hand for person in self.persons]
+        return tuple(s if s not in sides[:i] else f"{s}_too" for i, s in enumerate(sides))
+
+    @property
     def in_airs(self) -> tuple[HandInput | None, ...]:
         """How 3-D devices drive the hands, hand by hand."""
         return (self.in_air, self.second.in_air) if self.second else (self.in_air,)

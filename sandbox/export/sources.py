@@ -106,10 +106,7 @@ def poses_of_qpos(time: Array, qpos: Array, hands: int) -> Poses:
 
 def hands_of(settings: RunSettings) -> tuple[tuple[Armature, ...], tuple[str, ...]]:
     """Armatures and names of a session's hands."""
-    names: list[str] = []
-    for person in settings.persons:
-        names.append(person.hand if person.hand not in names else f"{person.hand}_too")
-    return tuple(Armature(p.skeleton(ADULT)) for p in settings.persons), tuple(names)
+    return tuple(Armature(p.skeleton(ADULT)) for p in settings.persons), settings.hand_names
 
 
 def _simulated(path: Path) -> Source:
