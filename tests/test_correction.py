@@ -68,6 +68,18 @@ def test_guesses_as_poor_as_they_are_expected_to_be_still_bring_every_fingertip_
     assert worst < 0.001
 
 
+@given(rng=generators, count=counts, finger=st.integers(0, 4))
+@settings(max_examples=50)
+def test_a_guess_that_meets_its_touches_by_illegal_joints_is_not_taken_as_it_is(rng, count, finger):
+    case = Case(rng, count)
+    last = max(i for i, bone in enumerate(ADULT.bones) if bone.finger == finger)
+    case.q[6 + 3 * last] = ADULT.lower[3 * last] - 0.5
+    targets = KINEMATICS.tips(case.q)[case.labels]
+    result = CORRECTION.correct(case.q, case.labels, targets)
+    assert violations(result.q, ADULT) == 0
+    assert result.error == pytest.approx(missed(result.q, case.labels, targets), abs=1e-12)
+
+
 @given(rng=generators, count=counts, poor=st.floats(0.0, 6.0))
 @settings(max_examples=100)
 def test_no_guess_however_wild_makes_an_illegal_hand_or_a_false_error(rng, count, poor):
