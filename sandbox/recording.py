@@ -173,7 +173,7 @@ class RecordingWriter(RecordingLines):
         # A deque takes a line without waking anybody, which costs more than all else here.
         self._waiting: deque[Line | LaterLine] = deque()
         self._ending = threading.Event()
-        self._error: OSError | None = None
+        self._error: Exception | None = None
         self._thread = threading.Thread(target=self._write, name="recording", daemon=True)
         self._thread.start()
 
@@ -187,13 +187,18 @@ class RecordingWriter(RecordingLines):
             self._ending.set()
             self._thread.join()
             self._file.close()
-        if self._error is not None:
+        if isinstance(self._error, OSError):
             raise RecordingError(
                 "the recording is incomplete",
                 where=str(self.path),
                 got=self._error.strerror,
                 remedy="Make room on the disk; the lines before this are sound",
             )
+        if self._error is not None:
+            raise RecordingError(
+                "the recording is incomplete", where=str(self.path), got=str(self._error),
+                expected="events and results that JSON knows, such as float(x) of NumPy's numbers",
+            )  # fmt: skip
 
     def _put(self, line: Line | LaterLine) -> None:
         self._waiting.append(line)
@@ -209,12 +214,13 @@ class RecordingWriter(RecordingLines):
     def _write_line(self, line: Line | LaterLine) -> None:
         if self._error is not None:
             return
-        told = line.line() if isinstance(line, LaterLine) else line
-        data = json.dumps(told, separators=(",", ":")).encode() + b"\n"
         try:
+            told = line.line() if isinstance(line, LaterLine) else line
+            data = json.dumps(told, separators=(",", ":")).encode() + b"\n"
             while data:
                 data = data[self._file.write(data) :]
-        except OSError as error:
+        except (OSError, TypeError, ValueError) as error:
+            # Of a device without room, or of a value that is none of JSON's.
             self._error = error
 
 
@@ -287,6 +293,21 @@ def is_recording(path: Path) -> bool:
     return isinstance(head, dict) and head.get("kind") == "header" and "settings" in head
 
 
+def check_schema(header: dict[str, Any], path: Path) -> None:
+    """Refuses the header of a recording of another version.
+
+    Raises:
+        RecordingError: It is one.
+    """
+    if header.get("schema") != SCHEMA:
+        raise RecordingError(
+            "another version's recording",
+            where=str(path),
+            got=header.get("schema"),
+            expected=f"schema {SCHEMA}",
+        )
+
+
 def load_recording(path: Path) -> Recording:
     """Reads a recording, compressed or not; a damaged one up to the damage, which is named.
 
@@ -304,13 +325,7 @@ def load_recording(path: Path) -> Recording:
         header = json.loads(lines[0])
     except ValueError:
         raise RecordingError("its first line is damaged", where=str(path)) from None
-    if header.get("schema") != SCHEMA:
-        raise RecordingError(
-            "another version's recording",
-            where=str(path),
-            got=header.get("schema"),
-            expected=f"schema {SCHEMA}",
-        )
+    check_schema(header, path)
     found = Recording(path, header)
     end: Line | None = None
     damage = ""

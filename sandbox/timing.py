@@ -6,7 +6,6 @@ screen. What the touch screen needs before, and the display after, is in none of
 
 from __future__ import annotations
 
-import dataclasses
 import threading
 import time
 from collections import deque
@@ -18,6 +17,7 @@ from sandbox.devices.around import Around
 from sandbox.devices.device import Device
 from sandbox.messages import Snapshot
 from sandbox.server.latency import LatencyLog
+from sandbox.two_hands import with_each
 
 WAITING = 4096
 """Touches that may wait for a picture that shows them; of more, the oldest go."""
@@ -88,7 +88,8 @@ class TimedDevice(Around):
 
 def timed(make_device: DeviceMaker, timing: Timing) -> DeviceMaker:
     """Opens the same device, or that of every hand, with its touches followed."""
-    if dataclasses.is_dataclass(make_device) and hasattr(make_device, "makers"):
-        each = tuple(timed(make, timing) for make in make_device.makers)
-        return dataclasses.replace(make_device, makers=each)
-    return lambda task, surface: TimedDevice(make_device(task, surface), timing)
+
+    def around(maker: DeviceMaker) -> DeviceMaker:
+        return lambda task, surface: TimedDevice(maker(task, surface), timing)
+
+    return with_each(make_device, around)

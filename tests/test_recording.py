@@ -144,6 +144,18 @@ def test_a_full_disk_is_told_at_the_end_and_stalls_nobody():
         writer.close()
 
 
+def test_what_json_does_not_know_is_told_at_the_end_and_what_was_written_before_is_sound(tmp_path):
+    path = tmp_path / "a.jsonl"
+    writer = RecordingWriter(path, {"settings": {}})
+    writer.input(0, 0, TouchFrame(0.0), "")
+    writer.event(8, "measured", good=np.bool_(True))
+    writer.input(16, 0, TouchFrame(0.1), "")
+    with pytest.raises(RecordingError, match=r"incomplete.*not JSON serializable"):
+        writer.close()
+    found = load_recording(path)
+    assert [entry.step for entry in found.inputs[0]] == [0] and "breaks off" in found.damage
+
+
 def test_a_recorded_device_gives_each_frame_at_its_step(tmp_path):
     path = tmp_path / "a.jsonl"
     written = [TouchFrame(0.016 * i, (Contact(1, 0.01 * i, 0.02),)) for i in range(4)]

@@ -11,7 +11,7 @@ import zlib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,7 @@ from models.motion.sampling import Poses
 from models.pose import ROOT_POSITION, ROOT_ROTATION, joint_vectors
 from models.rotations import quaternion_exp
 from models.skeleton import ADULT
-from sandbox.recording import SCHEMA, is_recording, load_recording
+from sandbox.recording import check_schema, is_recording, load_recording
 from sandbox.recording_file import GZIP, first_line, stored
 from sandbox.settings import RunSettings
 from sandbox.track import Track, read_line
@@ -110,7 +110,8 @@ def hands_of(settings: RunSettings) -> tuple[tuple[Armature, ...], tuple[str, ..
 
 
 def _simulated(path: Path) -> Source:
-    header = _header(path)
+    header = json.loads(first_line(path))
+    check_schema(header, path)
     settings = RunSettings.from_json(header["settings"])
     armatures, names = hands_of(settings)
     timestep = settings.timestep
@@ -194,16 +195,6 @@ def _capture(capture: Capture, where: str, take: int) -> Source:
 
     what = f"take {take} of {len(trials)}, in the frame of the surface"
     return Source((Armature(ADULT),), ("right",), float(time[-1]), what, run)
-
-
-def _header(path: Path) -> dict[str, Any]:
-    header: dict[str, Any] = json.loads(first_line(path))
-    if header.get("schema") != SCHEMA:
-        raise RecordingError(
-            "another version's recording", where=str(path), got=header.get("schema"),
-            expected=f"schema {SCHEMA}",
-        )  # fmt: skip
-    return header
 
 
 def _tracks(path: Path) -> Iterator[tuple[Array, Array, str]]:
