@@ -20,6 +20,7 @@ from sandbox.cli.parse import parse
 from sandbox.cli.touch_devices import Opened, TouchOptions
 from sandbox.cli.touch_opening import open_any
 from sandbox.devices.leap import DEFAULT_ADDRESS, LeapFileDevice
+from sandbox.devices.leap_fake import FAKE
 from sandbox.devices.leap_file import read_leap
 from sandbox.devices.together_file import ABOUT, TogetherWriter, first_line_with_host, read_about
 from sandbox.devices.tuio import DEFAULT_PORT, LOOPBACK
@@ -115,7 +116,8 @@ def _record(options: RecordOptions, opened: Opened, hands: Any) -> int:
     about = {
         "side": options.side,
         "subject": options.subject,
-        "simulated": any(_simulated(Path(name)) for name in (options.touches, options.hands)),
+        "simulated": getattr(hands, "version", None) == FAKE
+        or any(_simulated(Path(name)) for name in (options.touches, options.hands)),
         "touches": opened.device.name,
         "hands": hands.name,
     }

@@ -17,6 +17,8 @@ from models.errors import DeviceError
 
 PATH = "/v6.json"
 DEFAULT_PORT = 6437
+FAKE = "0 (fake leapd)"
+"""What it says its version is: whoever records it knows that no hand was there."""
 
 
 class FakeLeapd:
@@ -69,7 +71,7 @@ class FakeLeapd:
     def _play(self, channel: ServerConnection) -> None:
         self.counts["clients"] += 1
         try:
-            channel.send(json.dumps({"serviceVersion": "0 (fake leapd)", "version": 6}))
+            channel.send(json.dumps({"serviceVersion": FAKE, "version": 6}))
             self._frames(channel)
         except ConnectionClosed:
             self.counts["clients that left"] += 1
