@@ -18,7 +18,6 @@ from models.surface import Surface
 
 Array = NDArray[np.float64]
 
-_ENDS = np.array([1, 3, 4, 6, 7, 9, 10, 12, 13])
 _LAST = np.array([1, 4, 7, 10, 13])
 _FIRST = np.array([0, 2, 5, 8, 11])
 
