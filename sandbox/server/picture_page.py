@@ -51,7 +51,6 @@ class PicturePage(Closing):
         self._thread = threading.Thread(target=self._server.serve_forever, daemon=True)
         self._thread.start()
         self.url = f"http://{_HOSTS[0]}:{self._server.server_address[1]}/"
-        self.readers = 0
 
     def show(self, picture: Image.Image) -> None:
         """The picture from now on."""
@@ -107,7 +106,6 @@ def _handler(page: PicturePage, title: str) -> Callable[..., BaseHTTPRequestHand
             self.send_header("Cache-Control", "no-store")
             self.end_headers()
             seen = 0
-            page.readers += 1
             try:
                 while (found := page.next(seen)) is not None:
                     seen, jpeg = found
@@ -116,7 +114,5 @@ def _handler(page: PicturePage, title: str) -> Callable[..., BaseHTTPRequestHand
                     self.wfile.write(head.encode() + jpeg + b"\r\n")
             except OSError:
                 return  # the browser left
-            finally:
-                page.readers -= 1
 
     return Handler

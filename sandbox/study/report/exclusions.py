@@ -10,9 +10,6 @@ from sandbox.study.report.data import StudyData, to_numbers
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-PARTICIPANT = "participant: "
-"""What the reason begins with where all of somebody's trials are left out."""
-
 
 @dataclass(frozen=True)
 class Step:
