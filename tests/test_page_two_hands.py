@@ -13,9 +13,9 @@ import pytest
 
 from models.surface import METRES_PER_INCH
 from sandbox.assembly import build
-from sandbox.cli.play_page import _touched, rectangle
+from sandbox.cli.play_page import rectangle
 from sandbox.cli.scene_options import SceneOptions, plan
-from sandbox.cli.second_view import publish, show_session
+from sandbox.cli.second_view import publish, show_session, touched_pages
 from sandbox.messages import Snapshot
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol import Screen
@@ -64,8 +64,8 @@ def carried(
     chosen = plan(SceneOptions(task=TASK, seed=SEED, device="web", one_surface=True))
     settings = replace(chosen.settings, **rectangle(SCREEN, 2))
     session = build(settings, chosen.make_device)
-    device = _touched(chosen)
-    assert device is not None
+    ((whose, device),) = touched_pages(session)
+    assert whose is None
     show_session(server, session, "right", "", device)
     touch = come()
     assert server.wait_for_player(PATIENCE)

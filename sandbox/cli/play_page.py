@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -16,8 +17,7 @@ from sandbox.cli.page_options import PageOptions, open_page
 from sandbox.cli.room import in_plain_words
 from sandbox.cli.run import report_dump
 from sandbox.cli.scene_options import Plan, SceneOptions, plan
-from sandbox.cli.second_view import invite, publish, show_session
-from sandbox.devices.web import WebDevice
+from sandbox.cli.second_view import invite, publish, show_session, touched_pages
 from sandbox.events import EventLog, NoticeEvents
 from sandbox.headless import looking_beside, trial_header
 from sandbox.keeping import Keeping
@@ -35,6 +35,9 @@ from tasks.score import result_line
 TICK = 0.02
 """s between two looks at what the person wants."""
 
+WAITED = 2.0
+"""s that one of two pages is open before it is told that the other one is not."""
+
 LARGEST = (10.32, 7.74)
 """in, of the touch rectangle: that of the largest tablets. On a larger screen it lies in the
 middle, since a hand reaches no further."""
@@ -51,23 +54,28 @@ class Wishes:
         again: A new trial is wanted.
         paused: Time is to stand still.
         seated: How often another page had become the player's when this trial was laid out.
+        second: `right` or `left`, where a second hand has a page of its own; else None.
     """
 
     task: str
     hand: str
+    second: str | None = None
     trial: int = 0
     again: bool = False
     paused: bool = False
     seated: int = 0
 
-    def hear(self, asks: list[Ask]) -> None:
-        """Takes in what was asked; what makes no sense is passed over."""
+    def hear(self, asks: list[Ask], second: bool = False) -> None:
+        """Takes in what was asked, perhaps on the second hand's page; what makes no sense is passed
+        over."""
         for ask in asks:
             match ask.what:
                 case "retry":
                     self.again = True
                 case "task" if ask.value in TASKS:
                     self.task, self.again = ask.value, True
+                case "hand" if ask.value in ("right", "left") and second:
+                    self.second, self.again = ask.value, True
                 case "hand" if ask.value in ("right", "left"):
                     self.hand, self.again = ask.value, True
                 case "pause" | "resume":
@@ -76,20 +84,35 @@ class Wishes:
 
 @dataclass(frozen=True)
 class PagePlay:
-    """A server and what its trials are made from."""
+    """A server and what its trials are made from.
+
+    Attributes:
+        options: Of the scene.
+        server: Of the page, or of the first hand's.
+        events: Are told of trials.
+        console: For words.
+        second: Of the second hand's page, where it has one of its own.
+        latest: Result of the last trial.
+    """
 
     options: SceneOptions
     server: PageServer
     events: EventLog
     console: Console
+    second: PageServer | None = None
     latest: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def servers(self) -> tuple[PageServer, ...]:
+        """Of all pages."""
+        return (self.server, self.second) if self.second else (self.server,)
 
     def run(self) -> None:
         """Trials until the program is interrupted."""
         first = plan(self.options).settings
-        wishes = Wishes(first.task, first.hand)
-        while not self.server.wait_for_player(TICK * 10):
-            pass
+        other = first.second.hand if first.second and self.second else None
+        wishes = Wishes(first.task, first.hand, other)
+        self._wait_for_players()
         while True:
             self._trial(wishes)
             wishes.trial += 1
@@ -98,14 +121,31 @@ class PagePlay:
                 time.sleep(TICK)
             wishes.again = wishes.paused = False
 
+    def _wait_for_players(self) -> None:
+        """Until every page is open; who is there is told what is missing."""
+        start, told = time.monotonic(), False
+        while missing := [s for s in self.servers if not s.wait_for_player(0.0)]:
+            time.sleep(TICK)
+            if len(missing) < len(self.servers) and not told and time.monotonic() - start > WAITED:
+                told = True
+                for server in set(self.servers) - set(missing):
+                    server.tell("The page of the other hand is not open yet.")
+            elif len(missing) == len(self.servers):
+                start = time.monotonic()
+
     def _hear(self, wishes: Wishes) -> None:
         """What the page wants; on the screen of somebody else, a trial is laid out anew."""
-        wishes.hear(self.server.asked())
-        if self.server.seated != wishes.seated:
+        for server in self.servers:
+            wishes.hear(server.asked(), server is self.second)
+        if self._seated != wishes.seated:
             wishes.again, wishes.paused = True, False
 
+    @property
+    def _seated(self) -> int:
+        return sum(server.seated for server in self.servers)
+
     def _trial(self, wishes: Wishes) -> None:
-        wishes.seated = self.server.seated
+        wishes.seated = self._seated
         chosen = self._chosen(wishes)
         record = self.options.record
         keeping = Keeping(
@@ -123,22 +163,26 @@ class PagePlay:
             keeping.close()
             self._refuse(error, chosen.settings)
             return
-        touched = _touched(chosen)
+        touched = [device for _, device in touched_pages(session)]
+        for device in touched:
+            # Whichever page is touched, its step is made at once.
+            device.news = touched[0].news
         live = LiveSession(
-            session, self._on_step(session, timing), news=getattr(touched, "news", None)
+            session, self._on_step(session, timing), news=touched[0].news if touched else None
         )
         self._show(session, chosen)
         # A person's time begins with their first touch: before, they look at the scene.
-        waiting = touched is not None
+        waiting = bool(touched)
         live.pause(waiting)
         live.start()
         try:
             while not live.over and not wishes.again:
                 self._hear(wishes)
-                waiting = waiting and touched is not None and not touched.touched
+                waiting = waiting and not any(device.touched for device in touched)
                 live.pause(waiting or wishes.paused)
                 if waiting or wishes.paused:
-                    self.server.publish(session.snapshot(), True)
+                    for server in self.servers:
+                        server.publish(session.snapshot(), True)
                 time.sleep(TICK)
         finally:
             live.stop()
@@ -148,7 +192,8 @@ class PagePlay:
             # Told here, since most sessions on the page end by being interrupted.
             self.latest.update(result)
             self.events.tell("trial_end", **result)
-        self.server.publish(session.snapshot())
+        for server in self.servers:
+            server.publish(session.snapshot())
         if live.failure:
             raise live.failure
         report_dump(result, self.console)
@@ -170,14 +215,22 @@ class PagePlay:
             hand=wishes.hand,
             seed=chosen.settings.seed + wishes.trial,
         )
-        if self.options.device == "web" and self.server.screen:
-            shared = settings.second is not None and settings.second.shared
-            settings = replace(settings, **rectangle(self.server.screen, 2 if shared else 1))
+        second = settings.second
+        if second and wishes.second:
+            second = replace(second, hand=wishes.second)
+            settings = replace(settings, second=second)
+        screens = [server.screen for server in self.servers if server.screen]
+        if "web" in (self.options.device, self.options.second_device) and screens:
+            hands = 2 if second and second.shared else 1
+            settings = replace(settings, **common([rectangle(s, hands) for s in screens]))
         return replace(chosen, settings=settings)
 
     def _show(self, session: Session, chosen: Plan) -> None:
         caption = "simulated user" if chosen.about.get("user") else ""
-        show_session(self.server, session, chosen.settings.hand, caption, _touched(chosen))
+        persons, touched = chosen.settings.persons, touched_pages(session)
+        for k, server in enumerate(self.servers):
+            own, device = touched[k] if k < len(touched) else (None, None)
+            show_session(server, session, persons[own or 0].hand, caption, device, own)
         self.events.tell("trial_start", task=session.task.name, seed=session.task.seed)
 
     def _on_step(self, session: Session, timing: Timing) -> Any:
@@ -194,13 +247,15 @@ class PagePlay:
                 looking(snapshot)
             for look in others:
                 look(snapshot)
-            publish(self.server, session, snapshot)
+            for server in self.servers:
+                publish(server, session, snapshot)
 
         return on_step
 
     def _refuse(self, error: InputError, settings: RunSettings) -> None:
         """A task that this screen has no room for: said on the page; another can be chosen."""
-        self.server.tell(in_plain_words(error, settings))
+        for server in self.servers:
+            server.tell(in_plain_words(error, settings))
         self.events.tell("warning", what=str(error))
         self.console.print(f"[yellow]{error}[/]")
 
@@ -212,19 +267,28 @@ def play_on_page(
 
     Returns 1 where that was longer than `limit`, ms (see `judge_latency`); None sets none.
     """
-    events = EventLog(options.events)
-    server = open_page(page, touch=options.device == "web")
+    hands = [options.device, options.second_device].count("web")
+    events, servers = EventLog(options.events), [open_page(page, touch=hands > 0)]
     try:
-        invite(server, page, events, console)
-        PagePlay(options, server, events, console).run()
+        if hands == 2:
+            # Each hand's page is at an address of its own, so that a link says whose page it is.
+            beside = replace(page, page_port=page.page_port and page.page_port + 1)
+            servers.append(open_page(beside))
+        for server, whose in zip(servers, ("first", "second"), strict=False):
+            if hands == 2:
+                console.print(f"for the {whose} hand:")
+            invite(server, page, events, console)
+        second = servers[1] if hands == 2 else None
+        PagePlay(options, servers[0], events, console, second).run()
     except KeyboardInterrupt:
         console.print("stopped")
     finally:
-        server.close()
-        say_latency(server.latency, console)
-        say_refusals(server, console)
+        for server in servers:
+            server.close()
+            say_latency(server.latency, console)
+            say_refusals(server, console)
         events.close()
-    return judge_latency(server.latency, limit, console)
+    return max(judge_latency(server.latency, limit, console) for server in servers)
 
 
 def rectangle(screen: Screen, hands: int = 1) -> dict[str, Any]:
@@ -238,9 +302,13 @@ def rectangle(screen: Screen, hands: int = 1) -> dict[str, Any]:
     return {"surface_in": size, "surface_calibrated": screen.calibrated}
 
 
-def _touched(chosen: Plan) -> WebDevice | None:
-    """What takes the page's touches, also where two hands share it."""
-    return next((d for d in reversed(chosen.opened) if isinstance(d, WebDevice)), None)
+def common(rectangles: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """The touch rectangle that all of some screens have room for, as settings."""
+    sizes = [r["surface_in"] for r in rectangles]
+    return {
+        "surface_in": tuple(min(sides) for sides in zip(*sizes, strict=True)),
+        "surface_calibrated": all(r["surface_calibrated"] for r in rectangles),
+    }
 
 
 def numbered(path: Path, trial: int) -> Path:

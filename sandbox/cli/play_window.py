@@ -17,7 +17,14 @@ from sandbox.cli.page_options import PageOptions
 from sandbox.cli.play_page import Wishes, numbered, say_refusals
 from sandbox.cli.run import report_dump
 from sandbox.cli.scene_options import Plan, SceneOptions, plan
-from sandbox.cli.second_view import in_air, open_second_view, publish, short_address, show_session
+from sandbox.cli.second_view import (
+    in_air,
+    open_second_view,
+    publish,
+    short_address,
+    show_session,
+    touched_pages,
+)
 from sandbox.devices.device import Device
 from sandbox.devices.first_touch import FirstTouch
 from sandbox.devices.lift_keys import with_lift
@@ -274,8 +281,10 @@ class WindowPlay:
     def _show_on_page(self, session: Session, chosen: Plan) -> None:
         if self.server:
             caption = "simulated user" if chosen.about.get("user") is not None else ""
-            web = _web(session.rigs[0].device)
-            show_session(self.server, session, chosen.settings.hand, caption, web)
+            # A page that is the second hand's, or one that plays along with the mouse.
+            own, web = next(iter(touched_pages(session)), (0, _web(session.rigs[0].device)))
+            person = chosen.settings.persons[own or 0]
+            show_session(self.server, session, person.hand, caption, web, own)
 
     def _on_step(self, session: Session, chosen: Plan, timing: Timing) -> Any:
         notices = NoticeEvents(
@@ -310,18 +319,18 @@ def play_in_window(
     """Plays until the window is closed; 1 where touches took longer than the limit allows.
 
     Args:
-        options: Of the scene. Of the mouse, the page's fingers play along; beside any other device,
-            it only looks.
+        options: Of the scene. The page is the second hand's if that is its device; else its fingers
+            play along with the mouse, and beside any other device it only looks.
         page: Where the page is.
         limit: ms, see `judge_latency`; None sets none.
         console: Is told.
     """
     events = EventLog(options.events)
     try:
-        touch = options.device == "mouse"
-        server = open_second_view(page, touch, events, console)
+        mouse, second = options.device == "mouse", options.second_device == "web"
+        server = open_second_view(page, mouse or second, events, console)
         latency = server.latency if server else LatencyLog()
-        share = server is not None and touch
+        share = server is not None and mouse and not second
         lan = page.tablet or page.lan is not None
         play = WindowPlay(options, server, share, lan, events, console, latency)
         try:

@@ -25,6 +25,7 @@ def show_session(
     hand: str,
     caption: str = "",
     device: WebDevice | None = None,
+    own: int | None = None,
 ) -> None:
     """Shows a session that is about to begin on the page.
 
@@ -34,18 +35,31 @@ def show_session(
         hand: `right` or `left`.
         caption: Who plays, where it is no person.
         device: Takes the page's touches; None lets the page only look.
+        own: The hand that touches this page, where others touch elsewhere.
     """
     message = describe_scene(
         server.next_scene(),
         session.scene,
         session.task,
-        session.rigs[0].reconstructor.surface,
+        session.rigs[own or 0].reconstructor.surface,
         hand,
         caption,
         in_air(session),
     )
     skins = [pack_skin(hand) for hand in session.scene.spec.hands]
-    server.show_scene(message, session.scene, device, skins)
+    server.show_scene(message, session.scene, device, skins, own)
+
+
+def touched_pages(session: Session) -> list[tuple[int | None, WebDevice]]:
+    """What takes the touches of each page, and whose hand they are; None: of both hands."""
+    found: dict[int, tuple[int | None, WebDevice]] = {}
+    for hand, rig in enumerate(session.rigs):
+        device: object = rig.device
+        while not isinstance(device, WebDevice) and hasattr(device, "device"):
+            device = device.device
+        if isinstance(device, WebDevice):
+            found[id(device)] = (None if id(device) in found else hand, device)
+    return list(found.values())
 
 
 def in_air(session: Session) -> bool:

@@ -101,8 +101,18 @@ def summary(task: type[Task]) -> str:
     return (task.__doc__ or task.name).strip().splitlines()[0]
 
 
-def state_of(snapshot: Snapshot, paused: bool, senses: Sequence[HandSense] = ()) -> State:
-    """What a moment says besides poses; without senses, hands press nothing and are sure."""
+def state_of(
+    snapshot: Snapshot, paused: bool, senses: Sequence[HandSense] = (), own: int | None = None
+) -> State:
+    """What a moment says besides poses; without senses, hands press nothing and are sure.
+
+    Args:
+        snapshot: The moment.
+        paused: Whether time stands still.
+        senses: Of every hand.
+        own: The hand whose contacts come from the page; those of others get ids that no finger of
+            the page has. None: all contacts come from one place.
+    """
     score = snapshot.score
     senses = senses or [HandSense()] * len(snapshot.hands)
     return State(
@@ -112,7 +122,10 @@ def state_of(snapshot: Snapshot, paused: bool, senses: Sequence[HandSense] = ())
         score.reason,
         score.final,
         score.held,
-        [_hand(hand, sense) for hand, sense in zip(snapshot.hands, senses, strict=True)],
+        [
+            _hand(hand, sense, own in (None, i))
+            for i, (hand, sense) in enumerate(zip(snapshot.hands, senses, strict=True))
+        ],
         [GoalState(g.object, _floats(g.position), float(g.yaw)) for g in snapshot.goals],
         snapshot.notice,
         paused,
@@ -135,9 +148,15 @@ class BodyPoses:
         return self._out
 
 
-def _hand(hand: HandView, sense: HandSense) -> HandState:
+def _hand(hand: HandView, sense: HandSense, own: bool) -> HandState:
     contacts = [
-        ContactState(int(c.id), _label(c), _state(c), _force(sense, c.label), _floats(c.position))
+        ContactState(
+            int(c.id) if own else -1 - int(c.id),
+            _label(c),
+            _state(c),
+            _force(sense, c.label),
+            _floats(c.position),
+        )
         for c in hand.contacts
     ]
     solid = sorted(int(f) for f in hand.solid)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import errno
 import logging
+import os
 import queue
 import ssl
 import threading
@@ -56,6 +58,7 @@ class _Shown:
     device: WebDevice | None
     poses: BodyPoses
     skins: Sequence[bytes] = ()
+    own: int | None = None
 
 
 class PageServer:
@@ -115,8 +118,10 @@ class PageServer:
             raise DeviceError(
                 "the page cannot be served here",
                 where=f"{host}:{port}",
-                got=ready.strerror or str(ready),
-                remedy="Choose another --page-port, or an address of this machine",
+                got=os.strerror(ready.errno) if ready.errno else str(ready),
+                remedy="Perhaps another `sandbox play` has the port: choose another --page-port"
+                if ready.errno == errno.EADDRINUSE
+                else "Choose another --page-port, or an address of this machine",
             )
         self.access = ready
 
@@ -180,6 +185,7 @@ class PageServer:
         scene: SimulatedScene,
         device: WebDevice | None = None,
         skins: Sequence[bytes] = (),
+        own: int | None = None,
     ) -> None:
         """A new trial begins; its touches go to the device.
 
@@ -188,9 +194,10 @@ class PageServer:
             scene: Compiled; is read only.
             device: Takes the player's touches; None lets the page only look.
             skins: Of its hands, as `sandbox.server.skins` makes them; without them, one sees bones.
+            own: The hand that touches this page, where others touch elsewhere.
         """
         self._scenes = message.scene
-        shown = _Shown(message, device, BodyPoses(scene), skins)
+        shown = _Shown(message, device, BodyPoses(scene), skins, own)
         self._loop.call_soon_threadsafe(self._open_scene, shown)
 
     def tell(self, text: str) -> None:
@@ -294,7 +301,7 @@ class PageServer:
         if self._moment is None or self._moment[0] is not self._shown or not len(self._audience):
             return
         shown, touch, snapshot, paused, felt = self._moment
-        poses, state = shown.poses(snapshot.qpos), state_of(snapshot, paused, felt)
+        poses, state = shown.poses(snapshot.qpos), state_of(snapshot, paused, felt, shown.own)
         self._audience.show(pack(shown.message.scene, touch, snapshot.time, poses, state))
 
 
