@@ -313,6 +313,7 @@ def test_a_report_compares_sessions_where_people_did_the_same_in_both(made: Path
     assert [f.name for f in data.factors] == ["session", "contact"]
     assert data.factor("session").levels == ("session 1", "session 2")
     assert data.factor("session").within and len(data.conditions) == 4
+    assert data.codebook["factor_session"][1]
     # Nobody's first trial of a second session is their first one.
     assert list(data.used.groupby("ppid")["position"].max()) == [4, 4]
 

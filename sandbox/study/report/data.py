@@ -121,6 +121,7 @@ def load_study(folder: Path) -> StudyData:
     if _did_the_same_again(trials):
         for table in (trials, answers, scores):
             _name_sessions(table)
+        meanings[FACTOR + SESSION] = ("", "the how manyeth time that the participant came")
     factors = _factors(trials, meanings)
     used, conditions = _used(trials, factors)
     people = _optional(folder / "participants.csv")
