@@ -95,6 +95,26 @@ def test_where_a_finger_is_in_the_way_the_nearest_free_place_is_taken():
     assert box.clearance(tip[None], at, session.scene.object_pose(session.data, "box")[1])[0] > 0.01
 
 
+@pytest.mark.parametrize("both", [False, True])
+def test_an_object_comes_back_beside_what_stands_in_its_place(both):
+    """The first one's place is taken by the second, which is away itself where both are."""
+    session = idle("stack")
+    first, second = session.task.objects[:2]
+    (a, _), (b, _) = joint(session, first.name), joint(session, second.name)
+    session.data.qpos[a : a + 3] = (0.8, 0.8, 0.025)
+    session.data.qpos[b : b + 3] = (0.8, -0.8, 0.025) if both else first.position
+    run(session, AWAY + 0.1)
+    assert session.respawned == 1 + both
+    run(session, 0.5)
+    at, other = place(session, first.name), place(session, second.name)
+    np.testing.assert_allclose(other, second.position if both else first.position, atol=1e-3)
+    assert np.linalg.norm(at[:2] - first.position[:2]) < (1e-3 if both else 0.12)
+    assert at[2] == pytest.approx(first.position[2], abs=1e-3), "it stands on the table"
+    # Whatever way they are turned, they do not touch.
+    reach = np.linalg.norm(first.half_size) + np.linalg.norm(second.half_size)
+    assert both or np.linalg.norm(at - other) > reach
+
+
 def test_an_object_hinged_to_the_table_never_moves():
     session = idle("wrench-turn")
     run(session, 1.0)

@@ -2,10 +2,19 @@
 
 from __future__ import annotations
 
+import mujoco
+import numpy as np
 import pytest
 
+from encoders.arrival import Phase
+from encoders.touch_reconstructor import Reconstruction
+from models.hand import Hand
+from models.kinematics import Kinematics
+from models.objects import Box
+from models.scene import Scene, SceneSpec
+from models.skeleton import ADULT
 from sandbox.session import Session
-from sandbox.solidity import STUCK, STUCK_TIME
+from sandbox.solidity import GHOST, STUCK, STUCK_TIME, Solidity, SolidityRules
 from tests.scripted import box_xy, pinch, run, scripted
 
 INTO_THE_BOX, BESIDE_IT = 0.03, 0.09
@@ -48,3 +57,28 @@ def test_a_hand_beside_things_or_one_that_wants_to_pass_through_is_told_nothing(
     for _ in range(5):
         run(session, 0.5)
         assert not session.snapshot().notice
+
+
+@pytest.mark.parametrize("together", [True, False])
+def test_one_finger_inside_a_thing_holds_up_the_others_where_a_hand_becomes_solid_as_a_whole(
+    together: bool,
+) -> None:
+    q = np.zeros(48)
+    q[2] = 0.3
+    x, y, z = Kinematics(ADULT).tips(q)[1].tolist()
+    scene = Scene(SceneSpec((Hand(),), (Box("bead", (0.003,) * 3, 0.01, (x, y, z)),)))
+    data = mujoco.MjData(scene.model)
+    data.qpos[scene.qpos_slice(0)] = scene.pose_to_qpos(0, q)
+    mujoco.mj_forward(scene.model, data)
+    solidity = Solidity(scene, 0, SolidityRules(together=together))
+    every = frozenset(range(5))
+
+    def solid(fingers: frozenset[int]) -> frozenset[int]:
+        solidity.update(data, Reconstruction(q, Phase.DOWN, fingers, None, 1.0, 0.0, ()))
+        return solidity.fingers
+
+    assert solid(every) == (GHOST if together else every - {1})
+    # Without it they are all outside, and then it has to stay out alone.
+    assert solid(every - {1}) == every - {1}
+    assert solid(every) == every - {1}
+    assert solid(GHOST) == GHOST
