@@ -22,7 +22,13 @@ from sandbox.cli.touch_opening import open_any
 from sandbox.devices.leap import DEFAULT_ADDRESS, LeapFileDevice
 from sandbox.devices.leap_fake import FAKE
 from sandbox.devices.leap_file import read_leap
-from sandbox.devices.together_file import ABOUT, TogetherWriter, first_line_with_host, read_about
+from sandbox.devices.together_file import (
+    ABOUT,
+    TogetherWriter,
+    check_new,
+    first_line_with_host,
+    read_about,
+)
 from sandbox.devices.tuio import DEFAULT_PORT, LOOPBACK
 
 _REST = 0.002
@@ -99,6 +105,7 @@ def main(argv: list[str]) -> int:
     for name, value in (("--seconds", options.seconds), ("--each", options.each)):
         if not value > 0.0:
             raise InputError("there is nothing to record", where=name, got=value)
+    check_new(options.out)
     hands = _hands(options)
     try:
         opened = _touches(options)

@@ -16,7 +16,7 @@ from encoders.store import save_capture
 from encoders.together.simulated import Together, simulate_together
 from models.errors import InputError
 from sandbox.cli.parse import parse
-from sandbox.devices.together_file import TogetherWriter
+from sandbox.devices.together_file import TogetherWriter, check_new
 
 TRUTH, DEVICES = "truth.npz", "truth.json"
 
@@ -60,6 +60,7 @@ def main(argv: list[str]) -> int:
     options = parse(SimulateOptions, "sandbox capture simulate", argv)
     if options.seed < 0 or options.day < 0:
         raise InputError("out of range", where="--seed, --day", expected="0 or more")
+    check_new(options.out)
     bars = Console(stderr=True)
     with Progress(console=bars, transient=True, disable=not bars.is_terminal) as progress:
         bar = progress.add_task("simulating the person", total=1.0)

@@ -34,6 +34,18 @@ Array = NDArray[np.float64]
 TOUCHES, HANDS, ABOUT = "touches.jsonl", "hands.jsonl", "about.json"
 
 
+def check_new(folder: Path) -> None:
+    """Refuses a folder that holds a session, before one is made for it.
+
+    Raises:
+        RecordingError: It does.
+    """
+    if any((folder / name).exists() for name in (TOUCHES, HANDS, ABOUT)):
+        raise RecordingError(
+            "there is a session already, and it is not written over", where=str(folder)
+        )
+
+
 class TogetherWriter(Closing):
     """Writes a session as it comes; a program that dies loses at most two lines.
 
@@ -48,10 +60,7 @@ class TogetherWriter(Closing):
 
     def __init__(self, folder: Path, surface: Surface, about: dict[str, Any]) -> None:
         self.touches = self.hands = 0
-        if any((folder / name).exists() for name in (TOUCHES, HANDS, ABOUT)):
-            raise RecordingError(
-                "there is a session already, and it is not written over", where=str(folder)
-            )
+        check_new(folder)
         try:
             folder.mkdir(parents=True, exist_ok=True)
             (folder / ABOUT).write_text(json.dumps(about, indent=1) + "\n", encoding="utf-8")
