@@ -88,7 +88,7 @@ def _old_objects_left_alone() -> Iterator[None]:
 
 def play(session: Session, views: Sequence[View]) -> None:
     """Advances a session until it is over."""
-    watching = [*views, *_looking_devices(session)]
+    watching = [*views, *looking_devices(session)]
     while not session.over:
         try:
             snapshot = session.advance()
@@ -111,10 +111,6 @@ def trial_header(settings: RunSettings, about: dict[str, Any] | None = None) -> 
     }
 
 
-def looking_beside(session: Session) -> list[View]:
-    """`show` of all devices but the first one that look."""
-    return [rig.device.show for rig in session.rigs[1:] if hasattr(rig.device, "show")]
-
-
-def _looking_devices(session: Session) -> list[View]:
+def looking_devices(session: Session) -> list[View]:
+    """`show` of all devices that look."""
     return [rig.device.show for rig in session.rigs if hasattr(rig.device, "show")]

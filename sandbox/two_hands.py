@@ -122,19 +122,17 @@ def homes(settings: RunSettings, surface: Surface) -> Array:
     return np.array([surface.size * [0.5 + 0.25 * side, 0.5] for side in sides_of(settings)])
 
 
-def sharing(make_device: DeviceMaker, settings: RunSettings, opened: list[Device]) -> PerHand:
+def sharing(make_device: DeviceMaker, settings: RunSettings) -> PerHand:
     """Opens a device once, for two hands that share its surface.
 
     Args:
         make_device: Opens it.
         settings: Of the run.
-        opened: Gets the first hand's part when it is opened.
     """
     parts: list[Device] = []
 
     def first(task: Task, surface: Surface) -> Device:
         parts[:] = SharedSurface(make_device(task, surface), homes(settings, surface)).parts
-        opened.append(parts[0])
         return parts[0]
 
     def second(task: Task, surface: Surface) -> Device:

@@ -19,7 +19,7 @@ from sandbox.cli.run import report_dump
 from sandbox.cli.scene_options import Plan, SceneOptions, plan
 from sandbox.cli.second_view import invite, publish, show_session, touched_pages
 from sandbox.events import EventLog, NoticeEvents
-from sandbox.headless import looking_beside, trial_header
+from sandbox.headless import looking_devices, trial_header
 from sandbox.keeping import Keeping
 from sandbox.live import LiveSession
 from sandbox.messages import Snapshot
@@ -237,15 +237,12 @@ class PagePlay:
         notices = NoticeEvents(
             self.events, lambda notice: self.console.print(f"[yellow]{notice}[/]")
         )
-        looking = getattr(session.rigs[0].device, "show", None)
-        others = looking_beside(session)
+        looking = looking_devices(session)
 
         def on_step(snapshot: Snapshot) -> None:
             timing.stepped(snapshot)
             notices.show(snapshot)
-            if looking:
-                looking(snapshot)
-            for look in others:
+            for look in looking:
                 look(snapshot)
             for server in self.servers:
                 publish(server, session, snapshot)

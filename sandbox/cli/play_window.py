@@ -31,7 +31,7 @@ from sandbox.devices.lift_keys import with_lift
 from sandbox.devices.merged import MergedDevice
 from sandbox.devices.web import WebDevice
 from sandbox.events import EventLog, NoticeEvents
-from sandbox.headless import looking_beside, trial_header
+from sandbox.headless import looking_devices, trial_header
 from sandbox.keeping import Keeping
 from sandbox.live import LiveSession
 from sandbox.messages import Snapshot
@@ -159,7 +159,7 @@ class WindowPlay:
             window = self._open_window(session, chosen)
             live = LiveSession(
                 session,
-                self._on_step(session, chosen, timing),
+                self._on_step(session, timing),
                 window.speed,
                 getattr(session.rigs[0].device, "news", None),
             )
@@ -271,7 +271,7 @@ class WindowPlay:
         else:
             self.window.show_scene(session.scene, surface, title, caption, in_air(session))
         self.window.attach(session.rigs[0].device)
-        address = getattr(chosen.opened[-1], "address", None)
+        address = getattr(session.rigs[0].device, "address", None)
         if address:
             self.console.print(f"listening for TUIO on [bold]{address}[/]")
             self.events.tell("listening", address=address)
@@ -286,20 +286,17 @@ class WindowPlay:
             person = chosen.settings.persons[own or 0]
             show_session(self.server, session, person.hand, caption, web, own)
 
-    def _on_step(self, session: Session, chosen: Plan, timing: Timing) -> Any:
+    def _on_step(self, session: Session, timing: Timing) -> Any:
         notices = NoticeEvents(
             self.events, lambda notice: self.console.print(f"[yellow]{notice}[/]")
         )
-        looking = getattr(chosen.opened[-1], "show", None)
-        others = looking_beside(session)
+        looking = looking_devices(session)
         server = self.server
 
         def on_step(snapshot: Snapshot) -> None:
             timing.stepped(snapshot)
             notices.show(snapshot)
-            if looking:
-                looking(snapshot)
-            for look in others:
+            for look in looking:
                 look(snapshot)
             if server:
                 publish(server, session, snapshot)

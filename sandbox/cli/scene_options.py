@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -64,14 +64,12 @@ class Plan:
         about: For header and result: device and simulated user.
         live: A person or another program drives it, so that it runs at real time.
         make_device: Opens the device.
-        opened: The device, once opened.
     """
 
     settings: RunSettings
     about: dict[str, Any]
     live: bool
     make_device: DeviceMaker
-    opened: list[Device] = field(default_factory=list)
 
 
 def plan(options: SceneOptions) -> Plan:
@@ -99,14 +97,12 @@ def plan(options: SceneOptions) -> Plan:
         return replace(first, make_device=over_one(two, first.make_device, settings))
     alone = second.shared and recording is None and options.device != "simulated"
     if alone:
-        return replace(first, make_device=sharing(first.make_device, settings, first.opened))
+        return replace(first, make_device=sharing(first.make_device, settings))
     next_ = _plan(more, _recording(other), settings, 1)
     makers = PerHand((first.make_device, next_.make_device))
     about = first.about | {"second": next_.about}
     if second.shared and recording is None:
-        return replace(
-            first, about=about, make_device=sharing(merging(makers), settings, first.opened)
-        )
+        return replace(first, about=about, make_device=sharing(merging(makers), settings))
     return replace(first, about=about, live=first.live or next_.live, make_device=makers)
 
 
@@ -168,7 +164,6 @@ def _plan(
 def _keeping(
     settings: RunSettings, about: dict[str, Any], live: bool, make: DeviceMaker, hand: int = 0
 ) -> Plan:
-    opened: list[Device] = []
     variation = settings.variation
     if not variation.neutral:
         about["variation"] = variation.as_json()
@@ -177,14 +172,10 @@ def _keeping(
         device = make(task, surface)
         # What was recorded was spoiled then.
         if variation.spoils and not isinstance(device, RecordedDevice):
-            spoiled = SpoiledDevice(device, variation, surface, settings.seed + hand * NEXT_PERSON)
-            # Whoever shows snapshots has to do so through it; a window drives the device itself.
-            opened.append(spoiled if hasattr(device, "show") else device)
-            return spoiled
-        opened.append(device)
+            return SpoiledDevice(device, variation, surface, settings.seed + hand * NEXT_PERSON)
         return device
 
-    return Plan(settings, about, live, open_device, opened)
+    return Plan(settings, about, live, open_device)
 
 
 def _recording(device: str) -> Recording | None:

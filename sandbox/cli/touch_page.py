@@ -47,8 +47,9 @@ class PageTouches:
         if surface is not None:
             settings = replace(settings, surface_in=(surface.width_in, surface.height_in))
         self._session = build(settings, chosen.make_device)
-        self._session_device = chosen.opened[-1]
-        assert isinstance(self._session_device, WebDevice)
+        device = self._session.rigs[0].device
+        assert isinstance(device, WebDevice)
+        self._session_device = device
         self.surface = self._session.rigs[0].reconstructor.surface
         scene = self._session.scene
         message = describe_scene(
