@@ -6,11 +6,13 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
 
 from models.errors import InputError
 from models.objects import Box
+from models.rotations import exp, matrix_to_quaternion
 from models.surface import Surface, enclosing
 from models.tray import GRIP, HANDLE
 from sandbox.assembly import build
@@ -25,6 +27,7 @@ from sandbox.replay import replay
 from sandbox.settings import RunSettings, SecondHand
 from tasks.carry_together import BORDER, SEAM, SLOPE_TOLERANCE, CarryTogether
 from tasks.registry import draw_task
+from tasks.sensing import Sensing
 from tasks.simulated_user.carrier import Carrier
 from tasks.simulated_user.configuration import UserConfiguration
 from tasks.simulated_user.control_arms import IdleUser
@@ -116,6 +119,63 @@ def test_a_left_hand_first_and_a_right_one_second_carry_the_tray_too():
 def test_two_hands_on_one_large_surface_carry_the_tray():
     result = carry(3, one_surface=True, surface="15.5x5.8in")
     assert result["success"]
+
+
+@pytest.fixture(scope="module")
+def still():
+    """A session that nobody plays."""
+    chosen = plan(SceneOptions(task=TASK, seed=3, user="idle", second_user="idle"))
+    return build(chosen.settings, chosen.make_device)
+
+
+DEGREE = np.deg2rad(1.0)
+
+
+@pytest.mark.parametrize(
+    ("off", "turn", "slope", "roll", "speed", "reason"),
+    [
+        (0.0, 0.0, 0.0, 0.0, 0.0, ""),
+        (0.0149, 7.9, 5.9, 24.9, 0.049, ""),
+        (0.0151, 0.0, 0.0, 0.0, 0.0, "15 mm from the goal"),
+        (0.0, 8.1, 0.0, 0.0, 0.0, "turned by 8 degrees"),
+        (0.0, -8.1, 0.0, 0.0, 0.0, "turned by 8 degrees"),
+        (0.0, 180.0, 0.0, 0.0, 0.0, "turned by 180 degrees"),
+        (0.0, 0.0, 6.1, 0.0, 0.0, "slopes by 6 degrees"),
+        (0.0, 0.0, -6.1, 0.0, 0.0, "slopes by 6 degrees"),
+        (0.0, 0.0, 0.0, 25.1, 0.0, "rolled by 25 degrees"),
+        (0.0, 0.0, 0.0, -25.1, 0.0, "rolled by 25 degrees"),
+        (0.0, 0.0, 0.0, 180.0, 0.0, "rolled by 180 degrees"),
+        (0.0, 0.0, 0.0, 0.0, 0.051, "still moving"),
+    ],
+)
+def test_the_tray_is_in_its_place_within_what_the_task_says(
+    still, off, turn, slope, roll, speed, reason
+):
+    task, goal = still.task, still.task.goals[0]
+    model, data = still.scene.model, mujoco.MjData(still.scene.model)
+    joint = model.joint("tray")
+    (q,), (v,) = joint.qposadr, joint.dofadr
+    data.qpos[q : q + 3] = goal.position + np.array([0.6, 0.0, -0.8]) * off
+    # First about the line from handle to handle, then about the other axis, the vertical last.
+    turned = (
+        exp([0.0, 0.0, goal.yaw + turn * DEGREE])
+        @ exp([0.0, slope * DEGREE, 0.0])
+        @ exp([roll * DEGREE, 0.0, 0.0])
+    )
+    data.qpos[q + 3 : q + 7] = matrix_to_quaternion(turned)
+    data.qvel[v : v + 3] = [0.6 * speed, 0.0, 0.8 * speed]
+    mujoco.mj_forward(model, data)
+    found = task.measure(Sensing(still.scene, data))
+    assert reason in found.reason and found.reached == (not reason)
+    assert (found.progress == 1.0) == (not reason)
+
+
+def test_a_tray_that_stands_on_the_table_is_not_in_its_place(still):
+    data = mujoco.MjData(still.scene.model)
+    for _ in range(50):
+        mujoco.mj_step(still.scene.model, data)
+    found = still.task.measure(Sensing(still.scene, data))
+    assert found.reason == "the tray is on the table" and not found.reached
 
 
 def test_every_grip_is_on_its_hands_half_and_trials_follow_from_their_seeds():
