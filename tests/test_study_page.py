@@ -311,8 +311,10 @@ def test_a_screen_without_room_for_the_designs_rectangle_is_refused(
     study: StudyFolder, person: Participant
 ) -> None:
     with on_page(study, person) as running:
+        running.page.wanted = 9.0, 6.0  # as in the design
         small = {**SCREEN, "width_px": 800.0}
         with Page(running.server.url, screen=small) as page:
+            running.heard("too small for the trials: it has 8.00 x 7.00 in, and")
             leave(page, page.until("sheet", kind="consent"), "yes")
             page.until("sheet", kind="form")
             running.type("s")

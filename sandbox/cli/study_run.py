@@ -91,6 +91,7 @@ def _open_page(
     """The participant's page, and how it is opened."""
     if not options.has_page:
         return None
+    from models.surface import parse_surface
     from sandbox.cli.page_options import open_page
     from sandbox.cli.play_page import say_refusals
     from sandbox.cli.second_view import invite
@@ -103,6 +104,10 @@ def _open_page(
     closing.callback(lambda: say_refusals(server, console))
     closing.callback(server.close)
     page = StudyPage(server, language, sayer(console))
+    surface = session.study.design.settings.get("surface")
+    if surface is not None and options.touches == "web":
+        designed = parse_surface(surface)
+        page.wanted = designed.width_in, designed.height_in
     invite(server, where, EventLog(None), console)
     beside = options.touches != "web" and options.view == "window"
     if beside and has_display() and not options.no_browser:

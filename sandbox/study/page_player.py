@@ -24,14 +24,12 @@ from sandbox.session import Session
 from sandbox.settings import RunSettings
 from sandbox.study.players import Ask, Played, Trial, no_search_for_garbage
 from sandbox.study.showing import Showing
-from sandbox.study.study_page import TICK, StudyPage
+from sandbox.study.study_page import TICK, StudyPage, inches, lacks_room
 
 AFTER = 1.2
 """s for which the end of a trial is seen."""
 SILENCE = 1.0
 """s without a word that are written down; the page beats twice a second."""
-SLACK = 0.02
-"""Share by which a screen may be smaller than the touch rectangle: bank cards are held by hand."""
 
 
 class PagePlayer:
@@ -178,12 +176,11 @@ def page_settings(page: StudyPage, settings: RunSettings, designed: bool) -> Run
     if not designed:
         return replace(settings, **rectangle(screen))
     wanted = settings.surface_in
-    room = screen.width_px / screen.px_per_in, screen.height_px / screen.px_per_in
-    if any(r < w * (1.0 - SLACK) for r, w in zip(room, wanted, strict=True)):
+    if lacks_room(screen, wanted):
         raise StudyError(
             "the screen is too small for the design's touch rectangle",
             where="surface" if screen.calibrated else "surface; the screen was not measured",
-            got=f"{room[0]:.2f} x {room[1]:.2f} in of screen",
+            got=f"{inches(screen)} of screen",
             expected=f"{wanted[0]:g} x {wanted[1]:g} in",
             remedy="Turn it, use a larger one or a full screen, or leave `surface` out of the "
             "design; the session resumes at this trial",

@@ -9,10 +9,12 @@ import msgspec
 
 from sandbox.devices.web import WebDevice
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol import Answer, ItemView, Leave, Refusal, Sheet, StudyView
+from sandbox.server.protocol import Answer, ItemView, Leave, Refusal, Screen, Sheet, StudyView
 from sandbox.study.players import Ask, Played, Player
 from sandbox.study.words import words_in
 
+SLACK = 0.02
+"""Share by which a screen may be smaller than the touch rectangle: bank cards are held by hand."""
 TICK = 0.02
 """s between two looks at what the participant and the experimenter want."""
 GONE = 3.0
@@ -33,6 +35,7 @@ class StudyPage:
         server: As given.
         words: In the participant's language.
         device: Of the trial that runs; see `opened`.
+        wanted: Inches of the touch rectangle that trials want of the page's screen; None: any.
     """
 
     def __init__(
@@ -41,6 +44,8 @@ class StudyPage:
         self.server, self.say = server, say
         self.words = words_in(language)
         self.device: WebDevice | None = None
+        self.wanted: tuple[float, float] | None = None
+        self._screen: Screen | None = None
         self._sheet = Sheet(0, "wait", "", self.words["wait"], [], {}, 0.0)
         self._gone = False
         self._came = False
@@ -108,6 +113,21 @@ class StudyPage:
         if silent <= GONE and not self._came:
             self._came = True
             self.say("the participant's page is open")
+        self._look_at_screen()
+
+    def _look_at_screen(self) -> None:
+        """Tells early that trials will be refused, while nobody has done any."""
+        screen, wanted = self.server.screen, self.wanted
+        if wanted is None or screen is None or screen == self._screen:
+            return
+        self._screen = screen
+        if lacks_room(screen, wanted):
+            known = "" if screen.calibrated else ", by a guess, for it was not measured"
+            self.say(
+                f"this screen is too small for the trials: it has {inches(screen)}{known}, and the "
+                f"design's touch rectangle {wanted[0]:g} x {wanted[1]:g} in. "
+                "Turn it, or take a larger one"
+            )
 
     def await_somebody(self, ready: Callable[[], None]) -> None:
         """Waits until the page is open; `ready` is called meanwhile, and may raise."""
@@ -121,6 +141,18 @@ class StudyPage:
                 self.say("waiting for the participant's page")
                 told = True
             time.sleep(TICK)
+
+
+def lacks_room(screen: Screen, wanted: tuple[float, float]) -> bool:
+    """Whether a touch rectangle of so many inches does not go onto a screen."""
+    room = screen.width_px / screen.px_per_in, screen.height_px / screen.px_per_in
+    return any(r < w * (1.0 - SLACK) for r, w in zip(room, wanted, strict=True))
+
+
+def inches(screen: Screen) -> str:
+    """How large a screen is, for a person."""
+    width, height = screen.width_px / screen.px_per_in, screen.height_px / screen.px_per_in
+    return f"{width:.2f} x {height:.2f} in"
 
 
 class Beside:
