@@ -155,7 +155,7 @@ def test_the_tray_is_in_its_place_within_what_the_task_says(
     model, data = still.scene.model, mujoco.MjData(still.scene.model)
     joint = model.joint("tray")
     (q,), (v,) = joint.qposadr, joint.dofadr
-    data.qpos[q : q + 3] = goal.position + np.array([0.6, 0.0, -0.8]) * off
+    data.qpos[q : q + 3] = goal.position + np.array([0.6, 0.0, 0.8]) * off
     # First about the line from handle to handle, then about the other axis, the vertical last.
     turned = (
         exp([0.0, 0.0, goal.yaw + turn * DEGREE])
