@@ -231,7 +231,9 @@ def print_scan(name: str, play: Callable[[float], Row]) -> None:
 
 def main() -> None:
     """Prints the tables."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--seed", type=int, default=SEED, help="of the movements")
     args = parser.parse_args()
     commands = trajectory(args.seed, 1.0 / RATE)

@@ -99,7 +99,9 @@ def _pair(some: list[Difference]) -> Difference:
 
 def main() -> None:
     """Prints a table for each truth, or how long a report takes."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--studies", type=int, default=100)
     parser.add_argument("--people", type=int, default=24)
     parser.add_argument("--seconds", action="store_true", help="of a report, instead")

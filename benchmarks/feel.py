@@ -140,7 +140,9 @@ def boxes(count: int) -> list[Box]:
 
 def main() -> None:
     """Prints a table."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--boxes", type=int, default=10)
     args = parser.parse_args()
     print(describe_machine())

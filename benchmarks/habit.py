@@ -91,7 +91,9 @@ def right(belief: BeliefLabels, touches: Sequence[Touches]) -> str:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--day", type=int, default=301, help="of the subject; none that is judged")
     parser.add_argument("--looks", type=int, default=400, help="at the subject, for each count")
     parser.add_argument("--seeds", type=int, default=10, help="trials of each task")

@@ -103,7 +103,9 @@ def play(
 
 def main() -> None:
     """Prints a line for every task and dialect."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--tasks", nargs="+", default=TASKS)
     parser.add_argument("--dialects", nargs="+", default=("v3", "v1"))
     parser.add_argument("--seeds", type=int, default=20)

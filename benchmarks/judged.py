@@ -78,7 +78,9 @@ def freeze(path: Path, now: dict[str, Any]) -> None:
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--freeze", action="store_true", help="write frozen.json")
     if parser.parse_args().freeze:
         freeze(FROZEN, configuration())

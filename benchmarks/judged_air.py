@@ -53,7 +53,9 @@ def air_seeds(n: int, task: str) -> list[int]:
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--freeze", action="store_true", help="write frozen_air.json")
     if parser.parse_args().freeze:
         freeze(FROZEN, configuration())

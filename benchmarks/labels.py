@@ -177,7 +177,9 @@ def in_play(labeller: Labeller, days: list[Capture]) -> Tally:
 
 def main() -> None:
     """Prints the tables."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--days", type=int, default=3, help="how many test days")
     console = Console(width=110)
     numbers = test_days(parser.parse_args().days)

@@ -127,7 +127,9 @@ class Threads:
 
 def main() -> None:
     """Prints a table."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--servo", choices=SERVOS, default=SERVOS[0])
     parser.add_argument("--timestep", type=float, default=0.002, help="s")
     parser.add_argument("--rounds", type=int, default=30)

@@ -278,7 +278,9 @@ def _trial(
 
 def main() -> None:
     """Prints a table."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--minutes", type=float, default=30.0, help="simulated, of every row")
     parser.add_argument(
         "--tasks", nargs="+", default=[t for t in task_names() if hands_of(find_task(t)) == 1]

@@ -122,7 +122,9 @@ def blender(python: str) -> None:
 
 def main() -> None:
     """Prints the lines."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--bpy", metavar="PYTHON")
     asked = parser.parse_args()
     print(describe_machine())

@@ -56,7 +56,9 @@ clock, what goes on beside it on a busy machine counts too."""
 
 def main() -> None:
     """Prints all numbers."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--seconds", type=float, default=10.0, help="of touches, each time")
     seconds = parser.parse_args().seconds
     print(describe_machine())

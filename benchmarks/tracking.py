@@ -166,7 +166,9 @@ def _rms(values: Array) -> float:
 
 def main() -> None:
     """Prints a table."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--seed", type=int, default=SEED, help="of the movements")
     args = parser.parse_args()
     commands = trajectory(args.seed)

@@ -162,7 +162,9 @@ def parts_of_trial(seed: int, fingers: int) -> dict[str, float]:
 
 def main() -> None:
     """Prints the tables."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--fingers", type=int, nargs="+", default=[2, 3, 5])
     parser.add_argument("--seeds", type=int, default=8, help="trials of each")
     args = parser.parse_args()
