@@ -12,7 +12,7 @@ real time and says so, rather than hurrying after a moment that has passed."""
 ROOM = 0.004
 """s before expected news that are kept free of a step nobody asked for; one takes 1 to 2 ms."""
 JITTER = 0.001
-"""s by which news may come later than expected."""
+"""s by which news may come earlier or later than expected."""
 
 
 class RealTime:
@@ -46,8 +46,9 @@ class RealTime:
         due = self._origin + simulated / self.speed
         ahead = due - time.monotonic()
         if news is not None and ahead > 0:
-            if ahead > lead:
-                time.sleep(ahead - lead)
+            # News that comes earlier than the last finds somebody who listens.
+            if ahead > lead + JITTER:
+                time.sleep(ahead - lead - JITTER)
             if news.wait(max(clear_of(due, self._expected) - time.monotonic(), 0.0)):
                 now = time.monotonic()
                 # As long after this news as this came after the last.

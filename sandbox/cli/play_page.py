@@ -280,8 +280,10 @@ def play_on_page(
     except KeyboardInterrupt:
         console.print("stopped")
     finally:
-        for server in servers:
+        for server, whose in zip(servers, ("first", "second"), strict=False):
             server.close()
+            if len(servers) > 1:
+                console.print(f"the {whose} hand's page:")
             say_latency(server.latency, console)
             say_refusals(server, console)
         events.close()

@@ -2,7 +2,7 @@
 
 `recv` and `send` of `websockets` are coroutines: a message waits for one more round of the event
 loop before it is heard, and a frame for another one before it is sent. Beside a session that
-takes the processor's caches for itself each costs a tenth of a millisecond.
+takes the processor's caches for itself, both cost a tenth of a millisecond together.
 """
 
 from __future__ import annotations
