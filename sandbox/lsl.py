@@ -81,6 +81,7 @@ class LslOutlets:
             self._open(name)
         self._queue: SimpleQueue[tuple[str, Any, float] | None] = SimpleQueue()
         self._offset = self._measure()
+        self._lost, self._why = 0, ""
         self._thread = threading.Thread(target=self._send, name="lsl", daemon=True)
         self._thread.start()
 
@@ -89,11 +90,19 @@ class LslOutlets:
         return bool(self._streams[NAMES[-1]].wait_for_consumers(seconds))
 
     def close(self) -> None:
-        """Sends what is left, and ends the streams."""
+        """Sends what is left, and ends the streams.
+
+        Raises:
+            DeviceError: Something could not be sent; everything else was.
+        """
         self._queue.put(None)
         self._thread.join()
         # An outlet ends with its object.
         self._streams.clear()
+        if self._lost:
+            raise DeviceError("Lab Streaming Layer did not take everything", where="--lsl",
+                              got=f"{self._lost} samples or markers lost: {self._why}",
+                              remedy="Recordings and journals have all of it")  # fmt: skip
 
     def begin(self, header: Mapping[str, Any]) -> None:
         """See `Listener`."""
@@ -124,16 +133,21 @@ class LslOutlets:
 
     def _send(self) -> None:
         while (waiting := self._queue.get()) is not None:
-            stream, what, stamp = waiting
-            if isinstance(what, tuple):
-                make, *values = what
-                sample = make(*values)
-            else:
-                sample = [json.dumps(what, ensure_ascii=False)]
-            if stream not in self._streams:
-                # A second hand is known of when it is there.
-                self._open(stream)
-            self._streams[stream].push_sample(sample, stamp + self._offset)
+            try:
+                self._push(*waiting)
+            except Exception as error:  # what cannot be sent must not end what can; `close` says so
+                self._lost, self._why = self._lost + 1, self._why or str(error)
+
+    def _push(self, stream: str, what: Any, stamp: float) -> None:
+        if isinstance(what, tuple):
+            make, *values = what
+            sample = make(*values)
+        else:
+            sample = [json.dumps(what, ensure_ascii=False)]
+        if stream not in self._streams:
+            # A second hand is known of when it is there.
+            self._open(stream)
+        self._streams[stream].push_sample(sample, stamp + self._offset)
 
     def _measure(self) -> float:
         """LSL's clock less ours, s: the quickest of some measurements."""

@@ -209,6 +209,15 @@ def test_other_instruments_hear_of_a_study_what_happens_and_nothing_that_was_sai
     assert all(set(d) <= known for what, d in heard if what.startswith("journal_"))
 
 
+def test_what_cannot_be_sent_ends_no_stream_and_is_told_at_the_end() -> None:
+    outlets = LslOutlets()
+    outlets.event("measured", {"good": np.bool_(True)})
+    for step in range(3):
+        outlets.event("measured", {"step": step})
+    with pytest.raises(DeviceError, match=r"--lsl.*1 samples or markers lost.*JSON"):
+        outlets.close()
+
+
 def test_without_pylsl_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pylsl", None)
     with pytest.raises(DeviceError, match=r"hand-sandbox\[lsl\]"):
