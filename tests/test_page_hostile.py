@@ -27,6 +27,7 @@ from sandbox.server.client import MOST_WORDS, Client
 from sandbox.server.counters import Counters
 from sandbox.server.door import MOST_GUESTS, MOST_STRANGERS, Door
 from sandbox.server.page_server import PageServer
+from sandbox.server.protocol import CREDIT
 from tests.page_client import Page
 from tests.processes import PATIENCE
 from tests.test_page_server import Stage, opened, wait_for
@@ -187,23 +188,46 @@ def test_pages_that_do_not_read_cost_the_others_nothing(stage, live):
     assert wait_for(lambda: stage.server.clients == 0)
 
 
+class Wire:
+    """As much of a connection as a client needs: it takes everything at once, or nothing."""
+
+    def __init__(self, free: bool = False) -> None:
+        self.free, self.aborted = free, 0
+        self.sent: list[bytes] = []
+        self.transport = self
+
+    def send_now(self, message: bytes, text: bool) -> None:
+        self.sent.append(bytes(message))
+
+    def abort(self) -> None:
+        self.aborted += 1
+
+
 def test_what_waits_for_a_page_that_does_not_read_is_bounded() -> None:
-    counters, aborted = Counters(), []
-
-    class Transport:
-        def abort(self) -> None:
-            aborted.append(True)
-
-    class Connection:
-        transport = Transport()
-        free = False
-
-    client = Client(Connection(), counters, time.monotonic)  # type: ignore[arg-type]
+    counters, wire = Counters(), Wire()
+    client = Client(wire, counters, time.monotonic)  # type: ignore[arg-type]
     for _ in range(3 * MOST_WORDS):
         client.say(b"echo")
     assert len(client._words) == MOST_WORDS
-    assert aborted == [True]
+    assert wire.aborted == 1
     assert counters.as_dict() == {"page that does not read": 1}
+
+
+def test_frames_that_were_never_sent_cannot_be_acknowledged() -> None:
+    wire = Wire(free=True)
+    client = Client(wire, Counters(), time.monotonic)  # type: ignore[arg-type]
+    for _ in range(3 * CREDIT):
+        client.offer(bytearray(64))
+        assert [client.got(number) for number in (-1, 0, CREDIT + 1, 10**9)] == [None] * 4
+    assert len(wire.sent) == client.stale == CREDIT
+
+
+def test_a_skin_that_a_page_has_is_not_sent_again() -> None:
+    wire = Wire(free=True)
+    client = Client(wire, Counters(), time.monotonic)  # type: ignore[arg-type]
+    for skins in ([b"right"], [b"right", b"left"], [b"right", b"left"], [b"", b"left"], [b"right"]):
+        client.dress(skins)
+    assert wire.sent == [b"right", b"left", b"right"]
 
 
 def test_files_that_are_fetched_and_not_read_take_no_more_than_their_place(stage, live):
