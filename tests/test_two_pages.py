@@ -19,7 +19,8 @@ from sandbox.cli.scene_options import SceneOptions, plan
 from sandbox.cli.second_view import publish, show_session, touched_pages
 from sandbox.events import EventLog
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol import Ask, Screen
+from sandbox.server.protocol import Ask, Screen, Touches
+from sandbox.two_hands import with_first
 from tests.page_client import SCREEN, Page
 from tests.test_page_server import wait_for
 
@@ -148,3 +149,15 @@ def test_two_tablets_carry_a_tray_together(servers: tuple[PageServer, PageServer
     for page in pages:
         page.close()
     assert session.scorer.score.success, session.scorer.score
+
+
+def test_time_begins_with_whichever_hand_touches_first() -> None:
+    from sandbox.cli.play_window import _from_first_touch, _waiting
+
+    chosen = plan(replace(OPTIONS, device="mouse"))
+    session = build(chosen.settings, with_first(chosen.make_device, _from_first_touch))
+    ((hand, page),) = touched_pages(session)
+    assert hand == 1
+    assert _waiting(session)
+    page.push(Touches(1, 0.0, [(1, 300.0, 300.0, 20.0)]), Screen(**SCREEN))
+    assert not _waiting(session)

@@ -349,7 +349,8 @@ def _from_first_touch(maker: DeviceMaker) -> DeviceMaker:
 def _waiting(session: Session) -> bool:
     """Whether a person has not yet touched anything."""
     device = session.rigs[0].device
-    return isinstance(device, FirstTouch) and not device.came()
+    begun = any(page.touched for _, page in touched_pages(session))
+    return isinstance(device, FirstTouch) and not device.came() and not begun
 
 
 def _web(device: object) -> WebDevice | None:
