@@ -12,6 +12,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from models.errors import StudyError
+from models.frames import FINGERS
+from models.scene import CONTROL_PERIOD, SceneSpec
 from models.skeleton import ADULT
 from sandbox.messages import Snapshot
 from sandbox.recording import load_recording
@@ -101,15 +103,25 @@ def test_motion_is_what_the_recording_replays(study: StudyFolder, bids: Path) ->
 
 def test_events_are_the_trial_and_every_touch(study: StudyFolder, bids: Path) -> None:
     recording = load_recording(next(study.path.glob("*/S001/trials/T002.jsonl.gz")))
-    ids = {c.id for i in recording.inputs[0] for c in i.frame.contacts}
+    down: dict[int, list[int]] = {}
+    for entry in recording.inputs[0]:
+        for contact in entry.frame.contacts:
+            down.setdefault(contact.id, []).append(entry.step)
+    assert len(down) > 1
     events = table(next(bids.rglob("*_run-1_events.tsv")))
     assert list(events[0])[:2] == ["onset", "duration"]
     trial, *touches = events
     assert trial["trial_type"] == "trial" and trial["factor_contact"] in ("hard", "soft")
     assert recording.end is not None
     assert float(trial["duration"]) == pytest.approx(recording.end["result"]["time_s"])
-    assert {int(e["contact"]) for e in touches} <= ids and touches
-    assert all(float(e["duration"]) >= 0 and float(e["onset"]) >= 0 for e in touches)
+    # Time 0 is that of the first row of the motion, a control period into the trial.
+    assert float(trial["onset"]) == pytest.approx(-CONTROL_PERIOD)
+    assert [int(e["contact"]) for e in touches] == sorted(down, key=lambda i: down[i][0])
+    for touch in touches:
+        first, *_, last = (SceneSpec.timestep * step for step in down[int(touch["contact"])])
+        assert float(touch["onset"]) == pytest.approx(first, abs=1e-6)
+        assert float(touch["duration"]) == pytest.approx(last - first, abs=1e-6)
+        assert touch["finger"] in FINGERS
 
 
 @pytest.mark.parametrize(

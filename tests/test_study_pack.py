@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from models.errors import StudyError
-from sandbox.recording_file import read_stored, stored
+from sandbox.recording_file import packed, read_stored, stored
 from sandbox.study.files import sweep
 from sandbox.study.kept_sessions import session_path
 from sandbox.study.pack import pack
@@ -67,11 +67,11 @@ def test_a_kill_while_recordings_are_compressed_loses_none(tmp_path: Path) -> No
                 say("packed")
                 path.write_bytes(data)
 
-    rng, packed = np.random.default_rng(9), 0
+    rng, told = np.random.default_rng(9), 0
     for _ in range(15):
         killed, said = killed_after(in_child(work), float(rng.uniform(0.01, 0.15)))
         assert killed
-        packed += said.count("packed")
+        told += said.count("packed")
         for path, data in made.items():
             whole = Path(f"{path}.gz")
             # The plain file is half there where the kill came while this test wrote it.
@@ -82,7 +82,7 @@ def test_a_kill_while_recordings_are_compressed_loses_none(tmp_path: Path) -> No
             assert stored(path) == whole and read_stored(path) == (data, True)
         sweep(tmp_path)
         assert len(list(tmp_path.iterdir())) == len(made)
-    assert packed > 15
+    assert told > 15
 
 
 def test_where_there_is_no_room_the_recording_stays_as_it_is(tmp_path: Path) -> None:
@@ -97,6 +97,18 @@ def test_where_there_is_no_room_the_recording_stays_as_it_is(tmp_path: Path) -> 
 
     killed, said = killed_after(in_child(work), 60.0)
     assert not killed and "refused" in said
+    assert path.read_bytes() == data and [path] == list(tmp_path.iterdir())
+
+
+def test_where_something_else_is_read_than_was_written_the_recording_stays_as_it_is(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ((path, data),) = recordings(tmp_path, 1).items()
+    monkeypatch.setattr(
+        "sandbox.study.pack.packed", lambda found: packed(found.replace(b"a", b"b"))
+    )
+    with pytest.raises(StudyError, match="not what was written"):
+        pack(path)
     assert path.read_bytes() == data and [path] == list(tmp_path.iterdir())
 
 
