@@ -383,6 +383,28 @@ def test_the_lift_control_lifts_and_is_no_finger(browser: Browser, server: PageS
     tab.close()
 
 
+def test_a_lift_control_and_a_finger_that_move_together_are_one_message(
+    browser: Browser, server: PageServer
+) -> None:
+    staged(server, task="stack")
+    tab = browser.open(server.url, width=WIDTH, height=HEIGHT, storage=KNOWN)
+    tab.wait(READY)
+    tab.wait("!document.querySelector('.lift').hidden")
+    box = "document.querySelector('.lift').getBoundingClientRect()"
+    x, top, height = (tab.evaluate(f"{box}.{what}") for what in ("left", "top", "height"))
+    tab.evaluate(WATCHED)
+    tab.touch([(1, 200.0, 300.0), (2, x + 20.0, top + 0.9 * height)])
+    places = [210.25, 220.5, 230.75]
+    for k, at in enumerate(places):
+        tab.touch([(1, at, 300.0), (2, x + 20.0, top + (0.8 - 0.1 * k) * height)])
+        tab.wait(f"told.some(([what, at]) => what === 'message' && at === {at})")
+    told = tab.evaluate("told.filter(([what]) => what === 'message')")
+    moved = [t for t in told if t[1] in places]
+    # A page that rests repeats itself, but never within a picture.
+    assert len({t[2] for t in moved}) == len(moved)
+    tab.close()
+
+
 def test_a_spectator_only_looks(browser: Browser, server: PageServer) -> None:
     stage = staged(server)
     tab = browser.open(server.url + "&role=spectator", width=WIDTH, height=HEIGHT, storage=KNOWN)

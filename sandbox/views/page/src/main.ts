@@ -307,6 +307,7 @@ class Page {
   private draw(now: number): void {
     requestAnimationFrame((next) => this.draw(next));
     this.glass?.settle();
+    this.sender.settle();
     if (!this.dirty) return;
     this.dirty = false;
     const { frame, scene } = this;

@@ -13,6 +13,8 @@ export class Sender {
   private fingers: Finger[] = [];
   private unsent: number[] = [];
   private lift: number | null = null;
+  /** When the lift control was moved and nobody has been told; null: never. */
+  private lifted: number | null = null;
   private readonly times = new Map<number, number>();
   /** Top left corner of the touch rectangle in CSS pixels. */
   corner = { x: 0, y: 0 };
@@ -35,7 +37,13 @@ export class Sender {
   /** The lift control, 0 to 1; null where the task has none. */
   setLift(lift: number | null): void {
     this.lift = lift;
-    if (lift !== null) this.send(performance.now());
+    if (lift !== null) this.lifted ??= performance.now();
+  }
+
+  /** Sends what has been moved besides fingers. Called before each picture, after theirs: control and
+   * fingers that move together are one message, of which a tablet of 120 Hz makes enough. */
+  settle(): void {
+    if (this.lifted !== null) this.send(this.lifted);
   }
 
   /** ms since the newest touch event happened that is in a message or in one before it; null if that
@@ -55,6 +63,7 @@ export class Sender {
   }
 
   private send(at: number | null): void {
+    this.lifted = null;
     if (!this.active) return;
     this.seq += 1;
     const sent = this.connection.say({
