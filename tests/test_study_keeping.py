@@ -257,6 +257,21 @@ def test_who_is_in_both_folders_is_taken_once_from_where_they_went_further(
         merge(*folders, tmp_path / "d")
 
 
+def test_who_withdraws_from_a_merged_study_is_gone_from_what_tells_of_the_sites(
+    study: StudyFolder, tmp_path: Path
+) -> None:
+    gone, stays = (p.ppid for p in study.participants())
+    shutil.copytree(study.path, tmp_path / "b/quick-simulated")
+    merge(study, StudyFolder.at(tmp_path / "b/quick-simulated"), tmp_path / "c/quick-simulated")
+    merged = StudyFolder.at(tmp_path / "c/quick-simulated")
+    journal = merged.path / "study.jsonl"
+    assert len(mentions(merged.path, gone)) > 10 and journal.read_text().count(gone) > 1
+    assert not withdraw(merged, gone, "").still
+    assert mentions(merged.path, gone) == [journal]
+    assert journal.read_text().count(gone) == 1
+    assert {r["ppid"] for r in rows_of(merged.path / "sites.csv")} == {stays}
+
+
 def test_who_withdrew_at_one_site_does_not_come_back_from_the_other(
     study: StudyFolder, two: Path, tmp_path: Path
 ) -> None:
