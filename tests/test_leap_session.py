@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from encoders.arrival import Phase
 from encoders.paalm.calibration_file import read_calibration, write_calibration
 from encoders.paalm.eye import LeapEye
+from encoders.paalm.forward import FROZEN_LEAP
 from encoders.paalm.hand_reconstructor import HandReconstructor, HandReconstructorSettings
 from encoders.paalm.paalm import Paalm
 from encoders.touch_reconstructor import Reconstruction
@@ -222,6 +223,10 @@ def test_a_hand_that_is_lost_stays_solid_for_a_moment_then_rises_as_a_ghost_and_
     assert all(r.down for r in kept)
     np.testing.assert_array_equal([r.q for r in kept], [last.q] * len(kept))
     assert found[-1].phase is Phase.AWAY and not found[-1].fingers
+    for i, r in enumerate(found, 1):
+        away = 0.016 * i - s.patience
+        if 0.0 < away < s.rise / s.rise_speed:
+            assert r.q[2] - last.q[2] == pytest.approx(s.rise_speed * away, abs=1e-6)
     risen = found[-1].q - last.q
     assert s.rise - 0.01 < risen[2] < s.rise + 0.01 and not risen[3:].any()
     # It is back far away, and no finger is solid before the drawn hand has got there.
@@ -282,6 +287,23 @@ def test_the_simulated_device_says_where_joints_are_and_of_which_side(side: str)
     for finger in hand.fingers:
         truth = np.array([0.1, 0.0, 0.2]) + joints[finger.finger] @ mirror.T
         np.testing.assert_allclose(finger.joints, truth, atol=0.004)
+
+
+@pytest.mark.parametrize("apart", [0.006, 0.020])
+def test_the_first_devices_see_two_fingertips_as_one_where_they_are_too_near(apart: float):
+    eye = LeapEye(3, dialect="v1", configuration=replace(FROZEN_LEAP, lost_rate=0.0))
+    joints = np.zeros((5, 4, 3))
+    joints[:, :, 1] = [0.03, 0.07, 0.10, 0.12]
+    joints[:, :, 0] = np.array([-0.06, -0.03, -0.03 + apart, 0.03, 0.06])[:, None]
+    # The middle finger is a little longer than the index.
+    joints[2, 3, 1] += 0.001
+    for i in range(10):
+        seen = eye.see(0.01 * i, np.zeros(3), np.eye(3), joints).hands[0].fingers
+    x = sorted(finger.tip[0] for finger in seen)
+    wanted = [-0.06, -0.03, -0.03 + apart, 0.03, 0.06]
+    if apart < FROZEN_LEAP.merged:
+        del wanted[1]
+    np.testing.assert_allclose(x, wanted, atol=0.003)
 
 
 @pytest.mark.parametrize("links", [1, 2])
