@@ -167,8 +167,10 @@ class PagePlay:
         for device in touched:
             # Whichever page is touched, its step is made at once.
             device.news = touched[0].news
+        # Fingers elsewhere, as over TUIO, are seen on the page, and are no later for that.
+        hears = touched[0] if touched else session.rigs[0].device
         live = LiveSession(
-            session, self._on_step(session, timing), news=touched[0].news if touched else None
+            session, self._on_step(session, timing), news=getattr(hears, "news", None)
         )
         self._show(session, chosen)
         # A person's time begins with their first touch: before, they look at the scene.
