@@ -18,9 +18,10 @@ from sandbox.cli.page_options import PageOptions
 from sandbox.cli.parse import parse
 from sandbox.cli.play_page import play_on_page
 from sandbox.cli.run import RunOptions, perform
-from sandbox.cli.scene_options import SceneOptions
+from sandbox.cli.scene_options import SceneOptions, plan
 from sandbox.profiles import DEFAULT, default_path, find_profile
 from sandbox.views.display import has_display
+from tasks.registry import find_task
 
 
 @dataclass(frozen=True)
@@ -72,11 +73,12 @@ def main(argv: list[str]) -> int:
         options = replace(options, device="web")
     console = Console()
     options = with_own_hand(options.with_own_profile(), console)
+    if options.view in ("film", "none"):
+        return _without_window(options)
+    _check(options)
     if options.view == "web":
         with streaming(options.lsl, console):
             return play_on_page(options, options, console, limit)
-    if options.view in ("film", "none"):
-        return _without_window(options)
     if not has_display():
         raise InputError(
             "there is no display to open a window on",
@@ -89,6 +91,16 @@ def main(argv: list[str]) -> int:
 
     with streaming(options.lsl, console):
         return play_in_window(options, options, limit, console)
+
+
+def _check(options: PlayOptions) -> None:
+    """Says what cannot be played before anybody is asked to open a page or look at a window."""
+    find_task(plan(replace(options, record=None)).settings.task)
+    if options.record is not None and not options.record.absolute().parent.is_dir():
+        raise InputError(
+            "there is no such folder", where="--record", got=str(options.record.parent),
+            remedy="Make it, or record somewhere else",
+        )  # fmt: skip
 
 
 def _without_window(options: PlayOptions) -> int:
