@@ -16,15 +16,13 @@ from scipy.ndimage import gaussian_filter1d
 
 from encoders.capture import Capture
 from encoders.paalm.angles import angles_of_joints, joints_of_angles
+from encoders.paalm.hand_pose import PALM_CENTRE
 from models.kinematics import Kinematics
 from models.pose import ROOT_POSITION, ROOT_ROTATION
 from models.rotations import exp
 from models.skeleton import ADULT, Skeleton
 
 Array = NDArray[np.float64]
-
-PALM_CENTRE = (0.0, 0.055, -0.005)
-"""m, of the average hand in its own frame: between wrist and knuckles, on the palm's side."""
 
 _OVER_DEVICE = np.array([0.0, 0.0, 0.20])
 """m, where hands are held."""
