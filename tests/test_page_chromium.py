@@ -307,7 +307,7 @@ def test_a_page_does_not_wait_for_a_computer_that_never_answers(browser: Browser
     with socket.create_server((server.access.host, server.access.port)):
         # Connections are made here, and nobody ever says a word.
         for condition in ("connecting", "lost", "connecting", "lost"):
-            tab.wait(f"!!document.querySelector('.dot[data-condition={condition}]')")
+            assert tab.wait(f"!!document.querySelector('.dot[data-condition={condition}]')")
     tab.close()
 
 
