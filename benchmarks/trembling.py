@@ -1,8 +1,8 @@
 """What smoothing costs and gains as a simulated Leap grows noisier: PAALM's, which follows the
 device's trembling, against fixed constants.
 
-    python -m benchmarks.trembling             # angles and jitter of simulated persons
-    python -m benchmarks.trembling --noise 3 --trials 12 --first 8 # also boxes brought to their goals
+    python -m benchmarks.trembling                                  # angles and jitter
+    python -m benchmarks.trembling --noise 3 --trials 12 --first 8  # and boxes at their goals
 
 Development persons and seeds; nobody is real.
 """
