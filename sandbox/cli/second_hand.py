@@ -26,8 +26,9 @@ class SecondOptions:
 
     second_device: Annotated[str | None, tyro.conf.arg(metavar="DEVICE")] = None
     """A device for a second hand; a second --device is the same, and so are a second --hand,
-    --hand-size, --turn and --user. The first hand is the one to the right, unless it is a left one
-    and the second a right one. Tasks for two hands have a second one in any case."""
+    --hand-size, --turn and --user; web gives it a page of its own. The first hand is the one to
+    the right, unless it is a left one and the second a right one. Tasks for two hands have a second
+    one in any case."""
 
     second_hand: Literal["right", "left"] | None = None
     """Which hand the second one is: the other one of the first, unless said otherwise."""
