@@ -120,6 +120,28 @@ def test_only_poses_change_when_fingertips_are_brought_to_touches():
     assert np.array_equal(capture.xy, plain.xy, equal_nan=True)
 
 
+def test_with_one_clock_taps_that_fit_seconds_later_are_none():
+    with pytest.raises(CaptureError, match=r"taps do not tell|no tap"):
+        converted(session(), shift=2.0)
+
+
+def test_frames_with_a_touch_that_no_fingertip_makes_are_left_out():
+    s = session()
+    begin, end = s.touches[0].time + 12.0, s.touches[0].time + 14.0
+    stray = Contact(4_000_000, 0.19, 0.005)
+    touches = tuple(
+        replace(f, contacts=(*f.contacts, stray)) if begin <= f.time < end else f for f in s.touches
+    )
+    capture, notes = converted(replace(s, touches=touches))
+    plain, _ = plainly("v3", "right")
+    moments = log_of(s).time[[begin <= f.time < end for f in s.touches]]
+    inside = [
+        (c.time > moments[0] + 0.05) & (c.time < moments[-1] - 0.05) for c in (capture, plain)
+    ]
+    assert inside[1].sum() > 20 and not inside[0].any()
+    assert notes["kept_frames"] == len(capture)
+
+
 def test_recordings_that_never_overlap_are_refused():
     with pytest.raises(CaptureError, match="do not overlap"):
         converted(session(), shift=500.0)
@@ -144,6 +166,18 @@ def test_a_drifting_clock_is_told_through_jitter():
     clock = host_clock(device, 5.0 + 1.0001 * device + rng.exponential(0.004, len(device)), "x")
     assert clock.drift == pytest.approx(1e-4, abs=2e-6)
     assert np.ptp(clock.host(device) - (5.0 + 1.0001 * device)) < 1e-3
+
+
+def test_a_machine_that_was_busy_for_a_while_does_not_set_the_clock():
+    rng = np.random.default_rng(0)
+    device = np.arange(0.0, 300.0, 0.01)
+    arrived = 5.0 + 1.0001 * device + rng.exponential(0.004, len(device))
+    plain = host_clock(device, arrived, "x")
+    # In the last half minute, every third frame waits for a third of a second.
+    late = (device > 270.0) & (np.arange(len(device)) % 3 == 0)
+    busy = host_clock(device, arrived + 0.3 * late, "x")
+    assert busy.drift == pytest.approx(plain.drift, abs=1e-6)
+    assert np.abs(busy.host(device) - plain.host(device)).max() < 2e-4
 
 
 def test_a_clock_that_was_set_is_refused():

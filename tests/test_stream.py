@@ -24,6 +24,7 @@ from sandbox.stream.guest_math import (
     angles_of,
     between,
     inverse,
+    palm_frame,
     product,
     quaternion_of,
     rotated,
@@ -127,6 +128,24 @@ def test_the_turn_between_two_directions_brings_one_to_the_other(a, b):
     for other in (b, -a, a):
         found = np.array(rotated(between(a, other), a)) / np.linalg.norm(a)
         assert np.allclose(found, other / np.linalg.norm(other), atol=2e-3)
+
+
+@given(unit_vectors, st.tuples(*[st.floats(-1, 1)] * 3))
+def test_the_palm_of_a_left_rig_is_that_of_the_right_one_in_the_mirror(q, at):
+    skeleton = ADULT
+    joints, tips = Armature(skeleton).place(Armature(skeleton).keys(moving(skeleton, 1, 5)))
+    turn = np.array(rows_of(tuple((np.array(q) / np.linalg.norm(q)).tolist())))
+    mirror = np.diag([-1.0, 1.0, 1.0])
+    names = Armature(skeleton).names
+    rows = [[names.index(b.name) for b in skeleton.bones if b.finger == f] for f in range(5)]
+    right = [[*joints[0, row], tips[0, f]] for f, row in enumerate(rows)]
+    right = [[turn @ place + at for place in chain] for chain in right]
+    left = [[mirror @ place for place in chain] for chain in right]
+    up = (0.0, 0.0, 1.0)
+    one = np.array(palm_frame(right, range(5), "right", up))
+    other = np.array(palm_frame(left, range(5), "left", up))
+    assert np.allclose(one.T @ one, np.eye(3), atol=1e-9) and np.linalg.det(one) > 0
+    assert np.allclose(other, mirror @ one @ mirror, atol=1e-9)
 
 
 # The sender, and ports that behave badly.
