@@ -4,6 +4,7 @@
 import { make, write } from "./dom";
 import { recall, remember } from "./memory";
 import type { State } from "./protocol";
+import { touchable } from "./screen";
 
 /** CSS pixels that a finger has to slide. */
 const FAR = 60;
@@ -16,6 +17,7 @@ export class Hint {
   private readonly picture = make("div", "hint-picture");
   private start: { x: number; y: number } | null = null;
   private goal = "";
+  private mouse = !touchable || matchMedia("(pointer: fine)").matches;
 
   constructor() {
     for (let i = 0; i < 3; i++) this.picture.append(make("i", ""));
@@ -44,6 +46,7 @@ export class Hint {
       return;
     }
     this.start ??= { x: first.x, y: first.y };
+    this.mouse ||= first.mouse;
     if (this.step === 0 && (fingers.length > 1 || first.mouse)) this.go(1);
     const far = Math.hypot(first.x - this.start.x, first.y - this.start.y);
     if (this.step === 1 && far > FAR) this.go(2);
@@ -51,14 +54,17 @@ export class Hint {
 
   private go(step: number): void {
     this.step = step;
-    const mouse = matchMedia("(pointer: fine)").matches;
-    const words = [
-      mouse
-        ? "Press the left button beside the box: that is one finger."
-        : "Put two or three fingertips on the glass, beside the box. A hand comes.",
-      "Slide them. The hand goes along, and what stands in its way is pushed.",
-      this.goal + " Then lift your fingers.",
-    ];
+    const words = this.mouse
+      ? [
+          "Press the left button beside the box: that is one finger.",
+          "Drag it. The hand goes along, and what stands in its way is pushed.",
+          this.goal + " Then let go.",
+        ]
+      : [
+          "Put two or three fingertips on the glass, beside the box. A hand comes.",
+          "Slide them. The hand goes along, and what stands in its way is pushed.",
+          this.goal + " Then lift your fingers.",
+        ];
     write(this.words, words[step] ?? "");
     this.picture.dataset["step"] = String(step);
     this.dots.forEach((dot, i) => dot.classList.toggle("on", i <= step));

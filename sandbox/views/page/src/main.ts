@@ -15,7 +15,7 @@ import { measureScreen } from "./measure";
 import { taskMenu } from "./menu";
 import type { Ask, Scene, StudyView, TaskName } from "./protocol";
 import { type Ring, Rings } from "./rings";
-import { calibrated, currentScreen, pxPerInch } from "./screen";
+import { calibrated, currentScreen, pxPerInch, touchable } from "./screen";
 import { Sender } from "./sender";
 import { Sheets } from "./sheet";
 import { Sound } from "./sound";
@@ -236,7 +236,8 @@ class Page {
   private firstTime(): void {
     if (this.sheets.isOpen) return;
     const then = (): void => advise(this.sheets, () => undefined);
-    if (calibrated() || this.asked) then();
+    // Under a mouse, things need no true size.
+    if (calibrated() || this.asked || (!touchable && !this.inStudy)) then();
     else
       measureScreen(this.sheets, () => {
         this.resized(true);
