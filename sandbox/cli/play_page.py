@@ -267,13 +267,15 @@ def play_on_page(
     Returns 1 where that was longer than `limit`, ms (see `judge_latency`); None sets none.
     """
     hands = [options.device, options.second_device].count("web")
+    sides = [person.hand for person in plan(options).settings.persons]
+    names = sides if len(set(sides)) == len(sides) else ["first", "second"]
     events, servers = EventLog(options.events), [open_page(page, touch=hands > 0)]
     try:
         if hands == 2:
             # Each hand's page is at an address of its own, so that a link says whose page it is.
             beside = replace(page, page_port=page.page_port and page.page_port + 1)
             servers.append(open_page(beside))
-        for server, whose in zip(servers, ("first", "second"), strict=False):
+        for server, whose in zip(servers, names, strict=False):
             if hands == 2:
                 console.print(f"for the {whose} hand:")
             invite(server, page, events, console)
@@ -282,9 +284,9 @@ def play_on_page(
     except KeyboardInterrupt:
         console.print("stopped")
     finally:
-        for server, whose in zip(servers, ("first", "second"), strict=False):
+        for server, whose in zip(servers, names, strict=False):
             server.close()
-            if len(servers) > 1:
+            if len(servers) > 1 and server.latency.percentiles():
                 console.print(f"the {whose} hand's page:")
             say_latency(server.latency, console)
             say_refusals(server, console)
