@@ -17,7 +17,7 @@ from encoders.together.capture_from_hands import capture_from_hands, open_hand
 from encoders.together.clocks import host_clock
 from encoders.together.guide import SETS, Guide
 from encoders.together.registration import registered
-from encoders.together.seen_track import skeleton_of
+from encoders.together.seen_track import _smooth, skeleton_of
 from encoders.together.simulated import FROZEN_TOGETHER, Together, simulate_together
 from models.errors import CaptureError, EncoderError, RecordingError
 from models.frames import Contact, TouchFrame
@@ -140,6 +140,18 @@ def test_frames_with_a_touch_that_no_fingertip_makes_are_left_out():
     ]
     assert inside[1].sum() > 20 and not inside[0].any()
     assert notes["kept_frames"] == len(capture)
+
+
+def test_poses_lose_their_trembling_and_keep_their_way_on_either_side_of_a_gap():
+    rng = np.random.default_rng(2)
+    time = np.r_[np.arange(0.0, 1.0, 0.01), np.arange(5.0, 6.0, 0.01)]
+    way = np.outer(0.1 * time + (time > 3.0), np.ones(48))
+    off = _smooth(time, way + 0.001 * rng.standard_normal(way.shape)) - way
+    assert off.std() < 0.0006
+    # The filter looks both ways: what moves evenly is neither late nor early, but at the ends.
+    inside = np.abs((time % 5.0) - 0.5) < 0.4
+    assert np.abs(_smooth(time, way) - way)[inside].max() < 1e-9
+    assert np.abs(_smooth(time, way) - way).max() < 0.0025
 
 
 def test_recordings_that_never_overlap_are_refused():
