@@ -74,3 +74,20 @@ def test_every_command_has_help(command, capsys):
     assert "usage: sandbox " + " ".join(command) in " ".join(help_text.split())
     # What may be left out is not offered as a value, and not said to be one.
     assert not re.search(r"\bNone\b", help_text)
+
+
+@pytest.mark.parametrize("command", EVERY, ids=" ".join)
+def test_prose_of_help_is_no_wider_than_the_terminal(command, capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "72")
+    with pytest.raises(SystemExit):
+        main([*command, "--help"])
+    prose = [line for line in capsys.readouterr().out.splitlines() if line[:1].isalpha()]
+    assert prose and max(map(len, prose)) <= 72
+
+
+def test_what_an_option_does_is_told_without_the_line_breaks_of_the_source(capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "4000")
+    with pytest.raises(SystemExit):
+        main(["run", "--help"])
+    said = capsys.readouterr().out
+    assert "the mouse in the window, a touch screen of this Linux machine" in said
