@@ -43,8 +43,7 @@ class CalibrateOptions:
     """Measures a hand from five fingers put down three times: relaxed, close together, wide apart.
 
     What is stored is the hand's length against that of the trained hand, so that touches can be
-    scaled to it. `sandbox play` with a touch device then uses it, everything else only with
-    --profile.
+    scaled to it. `sandbox play` with a touch device then uses it; everything else needs --profile.
 
     Try: sandbox calibrate --device simulated --hand-size 0.9 --out profile.json
     """

@@ -33,7 +33,7 @@ class PlayOptions(LslOptions, PageOptions, SceneOptions):
     fingers, and h shows all keys. r starts again, p pauses, s slows time down, q closes.
     """
 
-    device: str = "mouse"
+    device: Annotated[str, tyro.conf.arg(metavar="DEVICE|FILE")] = "mouse"
     """mouse, web (a page in a browser), tuio, evdev (a touch screen of this machine), simulated,
     leap (a hand in the air, measured the first time), leap-simulated, or a file: a recording of
     ours or of a Leap, or a capture of TUIO packets."""
