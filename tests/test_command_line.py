@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
 
 import pytest
 
 from sandbox.cli.main import COMMANDS, main
 from sandbox.cli.study import ACTIONS
 
+SCRIPT = "sandbox.cli.main"
 WITH_PARTS = {"touches": ("show", "record", "send"), "leap": ("fake", "simulate"),
               "paalm": ("show", "calibrate"), "study": tuple(ACTIONS)}  # fmt: skip
 EVERY = [[name, *part] for name in COMMANDS
@@ -23,6 +26,15 @@ def refused(capsys: pytest.CaptureFixture[str], *argv: str) -> str:
     (line,) = said.err.splitlines()
     assert line.startswith("sandbox: ")
     return line
+
+
+def test_the_program_is_a_module_too_and_tells_its_version():
+    found = [
+        subprocess.run([*program, "--version"], capture_output=True, text=True, check=True).stdout
+        for program in ([sys.executable, "-m", "sandbox"], [sys.executable, "-m", SCRIPT])
+    ]
+    assert found[0] == found[1]
+    assert re.fullmatch(r"hand-sandbox \S+, mujoco \S+, python \S+\n", found[0])
 
 
 @pytest.mark.parametrize("command", EVERY, ids=" ".join)

@@ -45,6 +45,12 @@ def main(argv: list[str] | None = None) -> int:
 
             print(overview(COMMANDS), flush=True)
             return EXIT_DONE
+        if name == "--version":
+            from sandbox.versions import versions
+
+            found = versions()
+            print(", ".join(f"{of} {found[of]}" for of in ("hand-sandbox", "mujoco", "python")))
+            return EXIT_DONE
         if name not in COMMANDS:
             raise InputError(
                 "there is no such command",

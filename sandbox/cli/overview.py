@@ -33,7 +33,7 @@ def overview(commands: Mapping[str, str]) -> str:
 
     tasks = {name: _first_sentence(task.__doc__ or "") for name, task in TASKS.items()}
     tasks["FILE.py"] = "one of your own"
-    lines = ["usage: sandbox COMMAND [--help]"]
+    lines = ["usage: sandbox COMMAND [--help], sandbox --version"]
     lines += ["", "commands", *_columns(commands)]
     lines += ["", "tasks", *_columns(tasks), *_own_tasks()]
     lines += ["", "devices", *_columns(devices()), *_own_devices()]
