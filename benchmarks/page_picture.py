@@ -28,7 +28,7 @@ from tests.chromium import Browser, Tab
 
 OUT = Path("docs/pictures/page.webp")
 WIDTH, HEIGHT, PPI = 1024, 768, 132.0
-SEED, FINGERS = 3, 3
+SEED, FINGERS = 3, 5
 NEARLY = 0.7
 """Of the way, at which the picture is taken."""
 
