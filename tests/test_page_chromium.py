@@ -5,48 +5,41 @@ from __future__ import annotations
 import os
 import socket
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
-from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
 
-from models.frames import Contact, TouchFrame
+from models.frames import Contact
 from models.surface import METRES_PER_INCH
-from sandbox.assembly import build
 from sandbox.cli.play_page import rectangle
 from sandbox.devices.simulated import SimulatedDevice
-from sandbox.devices.web import WebDevice
 from sandbox.server import audience
 from sandbox.server.audience import SILENCE
 from sandbox.server.describe import describe_scene
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol import TaskName
 from sandbox.server.senses import senses
-from sandbox.server.skins import pack_skin
-from sandbox.settings import RunSettings
 from tasks.simulated_user.configuration import UserConfiguration
 from tests.chromium import BINARY, Browser, Tab
 from tests.processes import PATIENCE
 from tests.scripted import scripted
+from tests.staged_page import (
+    HEIGHT,
+    KNOWN,
+    PPI,
+    READY,
+    TASKS,
+    WATCHED,
+    WIDTH,
+    frames,
+    nobody_else_was_asked,
+    px,
+    staged,
+)
 from tests.test_page_server import Stage, wait_for
 
 pytestmark = pytest.mark.skipif(not os.path.exists(BINARY), reason="Debian's chromium is missing")
-
-PPI = 64.0
-WIDTH, HEIGHT = 640, 480
-KEY = f"hand-sandbox:px-per-inch:{HEIGHT}x{WIDTH}@1"
-KNOWN = {
-    KEY: str(PPI),
-    "hand-sandbox:advised": "yes",
-    "hand-sandbox:quality": "3",
-    "hand-sandbox:hint": "done",
-}
-"""What a page remembers whose person has played before, on a slow device: a browser without a
-graphics card draws in software, with the same two cores that simulate."""
-READY = "!!document.querySelector('.dot[data-condition=open]')"
-TASKS = [TaskName("box-to-goal", "Bring a box to its goal.", False)]
 
 
 @pytest.fixture(scope="module")
@@ -69,23 +62,6 @@ def server() -> Iterator[PageServer]:
     server.close()
 
 
-def staged(server: PageServer, **settings: object) -> Stage:
-    values = {"surface_in": (WIDTH / PPI, HEIGHT / PPI), **settings}
-    session = build(
-        RunSettings(**values),  # type: ignore[arg-type]
-        lambda task, surface: WebDevice(surface, server.latency),
-    )
-    device = session.rigs[0].device
-    assert isinstance(device, WebDevice)
-    stage = Stage(server, session, device)
-    surface = session.rigs[0].reconstructor.surface
-    message = describe_scene(server.next_scene(), session.scene, session.task, surface, "right", "")
-    server.show_scene(
-        message, session.scene, device, [pack_skin(h) for h in session.scene.spec.hands]
-    )
-    return stage
-
-
 @pytest.fixture
 def stage(server: PageServer) -> Stage:
     return staged(server)
@@ -96,26 +72,6 @@ def tab(browser: Browser, server: PageServer) -> Iterator[Tab]:
     tab = browser.open(server.url, width=WIDTH, height=HEIGHT, storage=KNOWN)
     yield tab
     tab.close()
-
-
-def frames(stage: Stage, truth: Callable[[list[TouchFrame]], bool]) -> list[TouchFrame]:
-    """Touch frames that the page has sent since the last look, up to what is waited for."""
-    found: list[TouchFrame] = []
-
-    def enough() -> bool:
-        found.extend(stage.device.poll())
-        return truth(found)
-
-    assert wait_for(enough), found
-    return found
-
-
-def px(frame: TouchFrame, left: float = 0.0, top: float = 0.0) -> list[tuple[int, float, float]]:
-    """Contacts in CSS pixels of a page whose touch rectangle begins there."""
-    scale = PPI / METRES_PER_INCH
-    return [
-        (c.id, round(left + c.x * scale, 2), round(top + c.y * scale, 2)) for c in frame.contacts
-    ]
 
 
 @pytest.mark.parametrize(
@@ -156,36 +112,6 @@ def test_fingers_on_the_page_bring_the_box_to_its_goal(
     assert "drawn" in stage.server.latency.percentiles()
     assert nobody_else_was_asked(tab, stage.server)
     assert not tab.events("Runtime.exceptionThrown")
-
-
-def nobody_else_was_asked(tab: Tab, server: PageServer) -> bool:
-    asked = [e["request"]["url"] for e in tab.events("Network.requestWillBeSent")]
-    asked += [e["url"] for e in tab.events("Network.webSocketCreated")]
-    own = (f"{server.access.host}:{server.access.port}", "")
-    foreign = [u for u in asked if urlsplit(u).netloc not in own]
-    assert any("app.js" in u for u in asked)
-    assert not foreign
-    # Nor was anything asked for that is not there, or without the token.
-    assert not server.counters.as_dict()
-    return True
-
-
-WATCHED = """
-window.told = [];
-const say = WebSocket.prototype.send, arc = CanvasRenderingContext2D.prototype.arc;
-const note = (what, x) => told.push([what, x, document.timeline.currentTime]);
-WebSocket.prototype.send = function (text) {
-  const said = typeof text === "string" ? JSON.parse(text) : {};
-  if (said.type === "touches" && said.contacts[0]) note("message", said.contacts[0][1]);
-  return say.call(this, text);
-};
-CanvasRenderingContext2D.prototype.arc = function (x, ...rest) {
-  note("ring", Math.round(100 * x) / 100);
-  return arc.call(this, x, ...rest);
-};
-true
-"""
-"""Writes down which messages and rings have a finger where, and in which picture (ms)."""
 
 
 def test_a_moving_finger_is_sent_before_the_picture_that_has_its_ring(
