@@ -1,4 +1,6 @@
-"""The page as a person sees it, for the README: `python -m benchmarks.page_picture [FILE]`.
+"""The page as a person sees it, for the README.
+
+    python -m benchmarks.page_picture
 
 A simulated user's fingers touch the page in a real Chromium, which has to be installed; the picture
 is taken on the way, when the box is nearly at its goal. It also says how long a touch took to be
@@ -7,8 +9,8 @@ drawn, by the page's own clock.
 
 from __future__ import annotations
 
+import argparse
 import io
-import sys
 import tempfile
 from pathlib import Path
 
@@ -33,8 +35,13 @@ NEARLY = 0.7
 """Of the way, at which the picture is taken."""
 
 
-def main(out: Path = OUT) -> None:
+def main() -> None:
     """Plays, takes the picture and writes it."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--out", type=Path, default=OUT, help="picture")
+    out = parser.parse_args().out
     server = PageServer()
     with tempfile.TemporaryDirectory() as folder:
         browser = Browser(Path(folder))
@@ -83,4 +90,4 @@ def play(server: PageServer, tab: Tab) -> bytes:
 
 
 if __name__ == "__main__":
-    main(*map(Path, sys.argv[1:2]))
+    main()

@@ -41,14 +41,20 @@ export class Rings {
     if (this.empty && !rings.length) return;
     this.pen.clearRect(0, 0, window.innerWidth, window.innerHeight);
     this.empty = !rings.length;
-    for (const ring of rings) this.drawOne(ring, pxPerInch);
+    const radius = Math.max(RADIUS * pxPerInch, 22);
+    for (const ring of rings) this.drawRing(ring, radius);
+    if (this.plain) return;
+    // Names lie above all rings: those of fingers side by side would cover each other's.
+    const above = radius + NAME_ABOVE * Math.min(pxPerInch, 90);
+    for (const ring of rings) if (!ring.ignored) this.drawName(ring, ring.y - above);
   }
 
-  private drawOne(ring: Ring, pxPerInch: number): void {
+  private colour(ring: Ring): string {
+    return this.plain ? PLAIN : fingerColour(ring.ignored ? null : ring.label);
+  }
+
+  private drawRing(ring: Ring, radius: number): void {
     const pen = this.pen;
-    const radius = Math.max(RADIUS * pxPerInch, 22);
-    const known = !this.plain && !ring.ignored && ring.label !== null;
-    const colour = this.plain ? PLAIN : fingerColour(known ? ring.label : null);
     // From a thin line in the air to a thick one at 3 N.
     const thick = 3 + (this.plain ? 0 : 7 * Math.min(ring.force / 3, 1));
     pen.lineWidth = thick + 3;
@@ -57,11 +63,13 @@ export class Rings {
     pen.arc(ring.x, ring.y, radius, 0, 2 * Math.PI);
     pen.stroke();
     pen.lineWidth = thick;
-    pen.strokeStyle = colour;
+    pen.strokeStyle = this.colour(ring);
     pen.stroke();
-    if (ring.ignored || this.plain) return;
+  }
+
+  private drawName(ring: Ring, y: number): void {
+    const pen = this.pen;
     const name = fingerName(ring.label);
-    const y = ring.y - radius - NAME_ABOVE * Math.min(pxPerInch, 90);
     pen.font = "600 15px system-ui, sans-serif";
     pen.textAlign = "center";
     pen.textBaseline = "middle";
@@ -70,7 +78,7 @@ export class Rings {
     pen.beginPath();
     pen.roundRect?.(ring.x - half, y - 12, 2 * half, 24, 12);
     pen.fill();
-    pen.fillStyle = colour;
+    pen.fillStyle = this.colour(ring);
     pen.fillText(name, ring.x, y + 1);
   }
 }
