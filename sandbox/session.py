@@ -124,9 +124,14 @@ class Session:
         self.scene.model.geom_friction[:, 0] *= friction
         self.data = mujoco.MjData(self.scene.model)
         self._solidity = [Solidity(self.scene, i, r.rules or rules) for i, r in enumerate(rigs)]
+        surfaces = [rig.reconstructor.surface for rig in rigs]
+        self._hands = [(s.tips, on) for s, on in zip(self._solidity, surfaces, strict=True)]
+        # Hands in the air, and their devices, have something to say themselves.
+        parts = [part for rig in rigs for part in (rig.device, rig.reconstructor)]
+        self._telling = [part for part in parts if hasattr(part, "notice")]
         self._contact = ContactModes(self.scene, contact_mode(contact))
         self._asked: ContactMode | None = None
-        self._respawn = Respawn(self.scene, [rig.reconstructor.surface for rig in rigs])
+        self._respawn = Respawn(self.scene, surfaces)
         self._back: tuple[float, str] = (-np.inf, "")
         self.diverged = ""
         self._newest = [Newest(getattr(r.reconstructor, "empty", TouchFrame(0.0))) for r in rigs]
@@ -237,11 +242,8 @@ class Session:
         poses = StillPoses(self.data.xpos.copy(), self.data.xmat.copy())
         # Devices keep what they were shown: were the session in it, each would keep the other, and
         # with them MuJoCo's memory, after the trial.
-        scene, task = self.scene, self.task
-        hands = [
-            (found, s.fingers, s.tips, rig.reconstructor.surface)
-            for found, s, rig in zip(self.reconstructions, self._solidity, self.rigs, strict=True)
-        ]
+        scene, task, hands = self.scene, self.task, self._hands
+        found, solid = tuple(self.reconstructions), [s.fingers for s in self._solidity]
 
         def work_out() -> dict[str, Any]:
             objects = {
@@ -250,8 +252,10 @@ class Session:
             }
             return {
                 "hands": tuple(
-                    _hand_view(found, solid, tips(poses), surface)
-                    for found, solid, tips, surface in hands
+                    _hand_view(reconstruction, fingers, tips(poses), surface)
+                    for reconstruction, fingers, (tips, surface) in zip(
+                        found, solid, hands, strict=True
+                    )
                 ),
                 "objects": objects,
                 "goals": place(task.goals, objects),
@@ -275,9 +279,7 @@ class Session:
     def _notices(self) -> list[str]:
         found = [rig.yaw.notice for rig in self.rigs if rig.yaw and rig.yaw.notice]
         found += sorted({s.notice for s in self._solidity if s.notice})
-        # What a hand in the air, or its device, has to say.
-        parts = [part for rig in self.rigs for part in (rig.device, rig.reconstructor)]
-        found += dict.fromkeys(n for part in parts if (n := getattr(part, "notice", "")))
+        found += dict.fromkeys(part.notice for part in self._telling if part.notice)
         since, back = self._back
         return [*found, back] if self.time - since < NOTICE_TIME else found
 
