@@ -17,6 +17,7 @@ import os
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
+from statistics import median
 from typing import Any
 
 from rich.console import Console
@@ -104,10 +105,10 @@ def cell(found: list[dict[str, Any]]) -> str:
     """Successes of trials, their Wilson interval and the median time of those that succeeded."""
     if not found:
         return ""
-    won = sorted(r["time_s"] for r in found if r["success"])
+    won = [r["time_s"] for r in found if r["success"]]
     low, high = wilson(len(won), len(found))
     rate = f"{len(won)}/{len(found)} = {100 * len(won) / len(found):.1f} % [{low:.1f}, {high:.1f}]"
-    return f"{rate} {won[len(won) // 2]:.1f} s" if won else rate
+    return f"{rate} {median(won):.1f} s" if won else rate
 
 
 def table(
