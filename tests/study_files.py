@@ -79,12 +79,17 @@ def in_child(work: Callable[[Callable[[str], object]], object]) -> tuple[int, in
         os._exit(1)
 
 
-def killed_after(child: tuple[int, int], seconds: float) -> tuple[bool, str]:
-    """Whether a child was still alive after so long and had to be killed; and all it said."""
+def killed_after(
+    child: tuple[int, int], seconds: float, soon: Callable[[], bool] = lambda: False
+) -> tuple[bool, str]:
+    """Whether a child was still alive and had to be killed; and all it said.
+
+    It is killed after so long, or `soon` after something has become true.
+    """
     pid, reading = child
     end = time.monotonic() + seconds
     status = None
-    while status is None and time.monotonic() < end:
+    while status is None and time.monotonic() < end and not soon():
         done, found = os.waitpid(pid, os.WNOHANG)
         status = found if done else None
         time.sleep(0.001)

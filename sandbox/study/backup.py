@@ -92,6 +92,9 @@ def check_backup(path: Path) -> Checked:
                 size += len(data)
                 if inside.endswith("journal.jsonl"):
                     journals[inside] = data
+            # What comes after the last file is only read to be compared with gzip's own sum.
+            while archive.fileobj and archive.fileobj.read(1 << 20):
+                pass
     except (OSError, EOFError, tarfile.TarError, ValueError, zlib.error) as error:
         raise StudyError("the backup is damaged", where=str(path), got=str(error)[:120],
                          remedy="Make another one; the study itself is untouched"
