@@ -36,8 +36,8 @@ def _header(console: Console, report: Report) -> None:
     training, tests = report["training"], report["tests"]
     kind = "[bold yellow]SIMULATED[/] captures" if report["simulated"] else "captures"
     console.print(
-        f"{kind}. Trained on {training['frames']:,} frames of {_source(training)} in "
-        f"{training['takes']} takes.",
+        f"{kind}. Trained, but for what comes from files, on {training['frames']:,} frames of "
+        f"{_source(training)} in {training['takes']} takes.",
         soft_wrap=True,
     )
     for test in tests:

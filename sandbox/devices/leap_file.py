@@ -125,8 +125,9 @@ def _messages(
     if start not in (b"{", b"["):
         try:
             data = decompress_base64(data.decode("ascii")).encode()
-        except UnicodeDecodeError:
-            raise RecordingError("this is neither JSON nor LZString's base64") from None
+        except (UnicodeDecodeError, RecordingError) as error:
+            why = f": {error.what}" if isinstance(error, RecordingError) else ""
+            raise RecordingError(f"this is neither JSON nor LZString's base64{why}") from None
     if _is_lines(data):
         messages, damage = _lines(data, where)
         return messages, {}, damage
