@@ -22,12 +22,6 @@ class Status(StrEnum):
     INPUT_ENDED = "input_ended"
 
 
-def result_line(task: str, status: str, success: bool, time: float, reason: str) -> str:
-    """A trial's result in a line for people; `time` in s."""
-    line = f"{task}: {ending(status, success)} after {time:.1f} s"
-    return f"{line}: {reason}" if reason and not success else line
-
-
 def ending(status: str, success: bool) -> str:
     """How a trial ended, in a word or two for people."""
     if status == "running":

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import threading
 from collections.abc import Iterator
 
 import pytest
@@ -19,10 +17,10 @@ from sandbox.cli.scene_options import SceneOptions
 from sandbox.devices.web import WebDevice
 from sandbox.events import EventLog
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol import Ask
 from sandbox.settings import RunSettings
 from tasks.registry import TASKS, hands_of
 from tests.page_client import SCREEN, Page
+from tests.played_page import played
 
 PHONE = {"px_per_in": 155.0, "width_px": 844.0, "height_px": 390.0, "calibrated": True}
 
@@ -59,25 +57,9 @@ def test_a_screen_that_stands_is_told_to_be_turned_where_that_helps() -> None:
 @pytest.fixture
 def server() -> Iterator[PageServer]:
     server = open_page(PageOptions())
-    heard, over = server.asked, threading.Event()
-
-    def asked() -> list[Ask]:
-        if over.is_set():
-            raise KeyboardInterrupt  # as Ctrl-C would
-        return heard()
-
-    server.asked = asked  # type: ignore[method-assign]
     play = PagePlay(SceneOptions(device="web"), server, EventLog(None), Console(quiet=True))
-
-    def run() -> None:
-        with contextlib.suppress(KeyboardInterrupt):
-            play.run()
-
-    playing = threading.Thread(target=run)
-    playing.start()
-    yield server
-    over.set()
-    playing.join()
+    with played(play, server):
+        yield server
     server.close()
 
 

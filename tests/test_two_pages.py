@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import threading
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
@@ -19,9 +17,10 @@ from sandbox.cli.scene_options import SceneOptions, plan
 from sandbox.cli.second_view import publish, show_session, touched_pages
 from sandbox.events import EventLog
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol import Ask, Screen, Touches
+from sandbox.server.protocol import Screen, Touches
 from sandbox.two_hands import with_first
 from tests.page_client import SCREEN, Page
+from tests.played_page import played
 from tests.test_page_server import wait_for
 
 TASK, SEED = "carry-together", 3
@@ -40,25 +39,9 @@ def servers() -> Iterator[tuple[PageServer, PageServer]]:
 @pytest.fixture
 def playing(servers: tuple[PageServer, PageServer]) -> Iterator[tuple[PageServer, PageServer]]:
     """`sandbox play carry-together --device web --device web`, without its words."""
-    heard, over = servers[0].asked, threading.Event()
-
-    def asked() -> list[Ask]:
-        if over.is_set():
-            raise KeyboardInterrupt  # as Ctrl-C would
-        return heard()
-
-    servers[0].asked = asked  # type: ignore[method-assign]
     play = PagePlay(OPTIONS, servers[0], EventLog(None), Console(quiet=True), servers[1])
-
-    def run() -> None:
-        with contextlib.suppress(KeyboardInterrupt):
-            play.run()
-
-    thread = threading.Thread(target=run)
-    thread.start()
-    yield servers
-    over.set()
-    thread.join()
+    with played(play, servers[0]):
+        yield servers
 
 
 def contacts(page: Page, seq: int) -> list[list[dict[str, Any]]]:

@@ -15,7 +15,7 @@ from sandbox.assembly import build
 from sandbox.cli.latency import judge_latency, say_latency
 from sandbox.cli.page_options import PageOptions, open_page
 from sandbox.cli.room import in_plain_words
-from sandbox.cli.run import report_dump
+from sandbox.cli.run import report_end
 from sandbox.cli.scene_options import Plan, SceneOptions, plan
 from sandbox.cli.second_view import invite, publish, show_session, touched_pages
 from sandbox.events import EventLog, NoticeEvents
@@ -30,7 +30,6 @@ from sandbox.settings import RunSettings
 from sandbox.timing import Timing, timed
 from sandbox.two_hands import with_first
 from tasks.registry import TASKS
-from tasks.score import result_line
 
 TICK = 0.02
 """s between two looks at what the person wants."""
@@ -198,16 +197,7 @@ class PagePlay:
             server.publish(session.snapshot())
         if live.failure:
             raise live.failure
-        report_dump(result, self.console)
-        self.console.print(
-            result_line(
-                session.task.name,
-                result["status"],
-                result["success"],
-                result["time_s"],
-                result["reason"],
-            )
-        )
+        report_end(result, self.console)
 
     def _chosen(self, wishes: Wishes) -> Plan:
         chosen = plan(replace(self.options, record=None))

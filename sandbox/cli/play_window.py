@@ -15,7 +15,7 @@ from sandbox.assembly import DeviceMaker, build
 from sandbox.cli.latency import judge_latency, say_latency
 from sandbox.cli.page_options import PageOptions
 from sandbox.cli.play_page import Wishes, numbered, say_refusals
-from sandbox.cli.run import report_dump
+from sandbox.cli.run import report_end
 from sandbox.cli.scene_options import Plan, SceneOptions, plan
 from sandbox.cli.second_view import (
     in_air,
@@ -42,7 +42,7 @@ from sandbox.session import Session
 from sandbox.timing import Timing, timed
 from sandbox.two_hands import with_first
 from sandbox.views.window import SIZE, Window
-from tasks.score import Status, result_line
+from tasks.score import Status
 from tasks.task import Task
 
 WAITING = "time begins with your first touch"
@@ -177,16 +177,7 @@ class WindowPlay:
             raise live.failure
         self.results.append(result)
         self.events.tell("trial_end", **result)
-        report_dump(result, self.console)
-        self.console.print(
-            result_line(
-                session.task.name,
-                result["status"],
-                result["success"],
-                result["time_s"],
-                result["reason"],
-            )
-        )
+        report_end(result, self.console)
         return again
 
     def _watch(self, session: Session, live: LiveSession, wishes: Wishes, timing: Timing) -> bool:

@@ -133,8 +133,8 @@ def _run(options: RunOptions, chosen: Plan, events: EventLog, console: Console) 
     return result
 
 
-def report_dump(result: dict[str, Any], console: Console) -> None:
-    """Says where the last states of a simulation are that diverged."""
+def report_end(result: dict[str, Any], console: Console) -> None:
+    """Says how a trial ended, and where the last states of a simulation are that diverged."""
     if result["diverged"]:
         console.print(f"[red]the simulation diverged: {result['diverged']}[/]")
     if result.get("dump"):
@@ -142,16 +142,16 @@ def report_dump(result: dict[str, Any], console: Console) -> None:
         console.print(f"its last states: {escape(line)}", soft_wrap=True)
     elif result.get("dump_error"):
         console.print(f"[yellow]{escape(result['dump_error'])}[/]", soft_wrap=True)
-
-
-def _report(result: dict[str, Any], console: Console) -> None:
-    report_dump(result, console)
     colour = "green" if result["success"] else "red"
     what = ending(result["status"], result["success"])
     line = f"[bold {colour}]{result['task']}: {what}[/] after {result['time_s']:.1f} s"
     if result["reason"]:
-        line += f", {result['reason']}"
+        line += f", {escape(result['reason'])}"
     console.print(line)
+
+
+def _report(result: dict[str, Any], console: Console) -> None:
+    report_end(result, console)
     console.print(
         f"[dim]seed {result['seed']}, {result['encoder']}, state {result['state_hash']}[/]"
     )
