@@ -41,6 +41,7 @@ from numpy.typing import NDArray
 from encoders.touch_ik import TouchIkEncoder
 from encoders.touch_neighbour import Mask
 from models.errors import EncoderError
+from models.frames import FINGERS
 from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION
 from models.skeleton import ADULT, Skeleton
 
@@ -156,6 +157,12 @@ class PcaIkEncoder(TouchIkEncoder):
         self.components_ = np.zeros((POSE_SIZE, len(variance)))
         self.components_[part] = directions / self._scale[:, None]
         self.explained_ = np.cumsum(variance) / max(float(variance.sum()), 1e-300)
+        self._ways = [self._way(contacts) for contacts in range(len(FINGERS) + 1)]
+
+    def _way(self, contacts: int) -> tuple[Array, Array]:
+        """(48, m) directions of so many contacts, and (m, m) what it costs to go there."""
+        basis = self.basis(contacts)
+        return basis, basis.T @ (self._cost[:, None] * basis)
 
     def _start(self, fingers: Mask, places: Array) -> Array:
         if self.start == "mean":
@@ -169,15 +176,13 @@ class PcaIkEncoder(TouchIkEncoder):
         return pose
 
     def _step(self, q: Array, start: Array, off: Array, J: Array) -> Array:
-        basis = self.basis(off.shape[1] // 3)
+        basis, cost = self._ways[off.shape[1] // 3]
         if not basis.shape[1]:
             return np.zeros_like(q)
-        cost = basis.T @ (self._cost[:, None] * basis)
         JB = (J.reshape(-1, POSE_SIZE) @ basis).reshape(*off.shape, -1)
         normal = np.swapaxes(JB, 1, 2) @ JB + cost
-        size = normal.shape[1]
-        whisper = _WHISPER * np.trace(normal, axis1=1, axis2=2) / size
-        normal += whisper[:, None, None] * np.eye(size)
+        diagonal = normal.reshape(len(normal), -1)[:, :: len(cost) + 1]
+        diagonal += _WHISPER * diagonal.mean(axis=1, keepdims=True)
         right = np.swapaxes(JB, 1, 2) @ off[..., None]
         return np.linalg.solve(normal, right)[..., 0] @ basis.T
 
