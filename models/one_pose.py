@@ -77,20 +77,22 @@ class OnePose:
         self._rest = rest[:, None]
         self._padded = np.array([0.0] * (POSE_SIZE + 1) + [1.0, -1.0])
         # A turn and its left Jacobian are both x I + y skew(w) + z w w', with other x, y and z.
-        self._basis = np.zeros((1 + slots, 3, 9))
-        self._basis[:, 0] = np.eye(3).ravel()
-        self._vectors = self._basis[:, 1:]
         self._left, self._right = _factors(place)
         self._factor, self._other = np.empty(self._left.shape), np.empty(self._left.shape)
+        self._basis = np.empty(self._left.shape)
         self._squares = [self._basis[:, 2, i] for i in (0, 4, 8)]
-        # Half of every angle, and the angle.
-        self._angles = np.empty((2, 1 + slots))
-        # 1 - b t2, b, a and (1 - a) / t2 for every turn, and where they go: x, y, z of both.
-        self._numbers, self._shares = np.empty((4, 1 + slots)), np.empty((1 + slots, 2, 3))
-        each = np.array([[0, 2, 1], [2, 1, 3]])
+        # NumPy is quickest with whole arrays of one shape: constants are such arrays, too.
+        self._one, self._tiny = np.ones((2, 1 + slots)), np.full(1 + slots, _TINY)
+        self._twice = np.tile(np.arange(1 + slots), (2, 1))
+        self._parts = np.array([[0.5], [1.0]]) * self._one
+        # 1 - b t2, 1 - a, (1 - a) / t2, b, b t2 and a of every turn, and where they go: x, y and z
+        # of both.
+        self._numbers, self._shares = np.empty((6, 1 + slots)), np.empty((1 + slots, 2, 3))
+        each = np.array([[0, 5, 3], [5, 3, 2]])
         self._share_of = (1 + slots) * each + np.arange(1 + slots)[:, None, None]
         self._turns = np.empty((1 + slots, 2, 9))
-        self._both = self._turns.reshape(1 + slots, 2, 3, 3)
+        both = self._turns.reshape(1 + slots, 2, 3, 3)
+        self._root, self._root_left, self._bone_turns = both[0, 0], both[0, 1], both[1:]
         self._bones = np.empty((slots, 2, 3, 3))
         self._turn_of = self._bones[:, 0].reshape(_LEVELS, many, 3, 3)
         self._left_of = self._bones[:, 1].reshape(_LEVELS, many, 3, 3)
@@ -112,102 +114,96 @@ class OnePose:
         self._flat_arms = self._arms.reshape(-1, 3)
         self._crossed = np.empty((len(self._flat_arms), 9))
         self._crossed_arms = self._crossed.reshape(self._axes.shape)
-        self._blocks = np.empty(self._axes.shape)
-        self._flat_blocks = self._blocks.reshape(-1)
-        self._from, self._to = _scattering(place, many)
-        self._blank = np.zeros((many, 3, POSE_SIZE))
-        self._blank[..., ROOT_POSITION] = np.eye(3)
+        # All blocks of the Jacobian, and the numbers 0 and 1 that are the rest of it.
+        self._entries = np.array([0.0] * self._axes.size + [0.0, 1.0])
+        self._blocks = self._entries[:-2].reshape(self._axes.shape)
+        self._entry_of = _gathering(place, many)
 
     def tips(self, q: Array) -> Array:
         """(k, 3) m, centres of the fingertips of a pose (48,)."""
-        return self._walk(q)[0]
+        return self._walk(q)
 
     def tips_and_jacobian(self, q: Array) -> tuple[Array, Array]:
         """Fingertips (k, 3) and their derivative (k, 3, 48) by the pose (48,)."""
-        tips, root_left, left = self._walk(q)
+        tips = self._walk(q)
         # exp(w + d) = exp(J d) exp(w): the turn J d happens in the frame before the joint.
-        self._axes_root[:] = root_left
-        np.matmul(self._before, left, self._axes_bones)
+        self._axes_root[:] = self._root_left
+        np.matmul(self._before, self._left_of, self._axes_bones)
         # The root's own frame stands where the root is, a bone's where its joint is.
         np.subtract(tips, self._joints, self._arms)
         np.matmul(self._flat_arms, _CROSS, self._crossed)
         np.matmul(self._crossed_arms, self._axes, self._blocks)
-        jacobian = self._blank.copy()
-        jacobian.reshape(-1)[self._to] = self._flat_blocks.take(self._from)
-        return tips, jacobian
+        return tips, self._entries.take(self._entry_of)
 
-    def _walk(self, q: Array) -> tuple[Array, Array, Array]:
-        """Fingertips (k, 3), left Jacobians of the root (3, 3) and of the bones (3, k, 3, 3).
-
-        The latter after the bones' rest rotations. Frames stay in their buffer.
-        """
+    def _walk(self, q: Array) -> Array:
+        """Fingertips (k, 3) of a pose; turns, left Jacobians and frames stay in their buffers."""
         self._padded[:POSE_SIZE] = q
-        turned = self._turned()
-        np.matmul(self._rest, turned[1:], self._bones)
+        self._turn()
+        # Of the bones after their rest rotations.
+        np.matmul(self._rest, self._bone_turns, self._bones)
         self._local_turn[:] = self._turn_of
-        self._root_turn[:] = turned[0, 0]
+        self._root_turn[:] = self._root
         self._root_place[:] = q[ROOT_POSITION]
         for before, local, after in self._steps:
             np.matmul(before, local, after)
-        np.matmul(self._steps[-1][-1], self._reach, self._ends)
-        return self._tips.copy(), turned[0, 1], self._left_of
+        np.matmul(self._frames[-1], self._reach, self._ends)
+        return self._tips.copy()
 
-    def _turned(self) -> Array:
-        """(n, 2, 3, 3) exp(w) and left Jacobian of all turns w of the padded pose; Rodrigues."""
-        padded, angles, numbers = self._padded, self._angles, self._numbers
+    def _turn(self) -> None:
+        """exp(w) and left Jacobian (n, 2, 3, 3) of all turns w of the padded pose; Rodrigues."""
+        padded, numbers = self._padded, self._numbers
         # With a mode other than "raise", numbers go to their places without a copy between.
         padded.take(self._left, None, self._factor, "clip")
         padded.take(self._right, None, self._other, "clip")
-        np.multiply(self._factor, self._other, self._vectors)
+        np.multiply(self._factor, self._other, self._basis)
         # Recorded sessions were reconstructed with squares that were added in this order.
         x2, y2, z2 = self._squares
         t2 = x2 + z2
         t2 += y2
-        t2 += _TINY
-        half, t = angles
-        np.sqrt(t2, t)
-        np.multiply(0.5, t, half)
+        t2 += self._tiny
+        t = np.sqrt(t2.take(self._twice))
+        # sin(t/2) / t and sin(t) / t.
+        np.divide(np.sin(t * self._parts), t, numbers[4:])
+        _, _, c, b, half, _ = numbers
         # 1 - cos loses half the digits for small angles; 2 sin^2(t/2) does not.
-        sines = np.sin(angles)
-        ones, b, a, c = numbers
-        np.divide(sines, t, numbers[1:3])
-        np.multiply(2.0 * b, b, b)
-        np.subtract(1.0, b * t2, ones)
-        np.divide(1.0 - a, t2, c)
+        np.multiply(half, half, b)
+        b += b
+        np.multiply(b, t2, half)
+        np.subtract(self._one, numbers[4:], numbers[:2])
+        np.divide(numbers[1], t2, c)
         numbers.take(self._share_of, None, self._shares, "clip")
         np.matmul(self._shares, self._basis, self._turns)
-        return self._both
 
 
 def _factors(place: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Of which two numbers of the padded pose skew(w) and w w' (n, 2, 9) are products.
+    """Of which two numbers of the padded pose I, skew(w) and w w' (n, 3, 9) are products.
 
     Args:
         place: (n, 3) where the padded pose has the components of n turns w.
     """
-    left, right = np.empty((2, len(place), 2, 3, 3), np.int64)
+    left, right = np.empty((2, len(place), 3, 3, 3), np.int64)
     for i in range(3):
         for j in range(3):
             which = _SKEW[i][j]
-            left[:, 0, i, j] = _ZERO if which is None else place[:, which]
-            right[:, 0, i, j] = _SKEW_SIGN[i][j]
-            left[:, 1, i, j], right[:, 1, i, j] = place[:, i], place[:, j]
-    return left.reshape(-1, 2, 9), right.reshape(-1, 2, 9)
+            left[:, 0, i, j] = right[:, 0, i, j] = _ONE if i == j else _ZERO
+            left[:, 1, i, j] = _ZERO if which is None else place[:, which]
+            right[:, 1, i, j] = _SKEW_SIGN[i][j]
+            left[:, 2, i, j], right[:, 2, i, j] = place[:, i], place[:, j]
+    return left.reshape(-1, 3, 9), right.reshape(-1, 3, 9)
 
 
-def _scattering(place: NDArray[np.int64], many: int) -> tuple[NDArray[np.int64], ...]:
-    """Where the numbers of all blocks (4, k, 3, 3) are that belong into the Jacobian, and where.
+def _gathering(place: NDArray[np.int64], many: int) -> NDArray[np.int64]:
+    """(k, 3, 48) of which number among those of all blocks (4, k, 3, 3), 0 and 1 the Jacobian is.
 
     Block [0, f] is the f-th finger's by the root's turn, block [1 + l, f] by its bone of level l.
     """
-    source, target = [], []
+    blocks = np.arange((1 + _LEVELS) * many * 9).reshape(1 + _LEVELS, many, 3, 3)
+    zero, one = blocks.size, blocks.size + 1
+    found = np.full((many, 3, POSE_SIZE), zero)
+    found[..., ROOT_POSITION] = np.where(np.eye(3), one, zero)
     for level in range(1 + _LEVELS):
         for finger in range(many):
             columns = place[0] if level == 0 else place[1 + many * (level - 1) + finger]
-            if columns[0] == _ZERO:
-                continue
-            for row in range(3):
-                for column in range(3):
-                    source.append(((level * many + finger) * 3 + row) * 3 + column)
-                    target.append((finger * 3 + row) * POSE_SIZE + columns[column])
-    return np.array(source), np.array(target)
+            if columns[0] != _ZERO:
+                found[finger][:, columns] = blocks[level, finger]
+    return found
