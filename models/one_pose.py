@@ -131,7 +131,7 @@ class OnePose:
         np.matmul(self._before, self._left_of, self._axes_bones)
         # The root's own frame stands where the root is, a bone's where its joint is.
         np.subtract(tips, self._joints, self._arms)
-        np.matmul(self._flat_arms, _CROSS, self._crossed)
+        np.dot(self._flat_arms, _CROSS, self._crossed)
         np.matmul(self._crossed_arms, self._axes, self._blocks)
         return tips, self._entries.take(self._entry_of)
 
