@@ -24,6 +24,11 @@ IMPULSE_PERIOD = 1.0 / 60.0
 IMPULSE_PROFILES: dict[str, float] = {"paper": 100.0, "safe": 0.5}
 """N s (N m s for turns). `paper` is 6000 N, which never binds; `safe` is 30 N."""
 
+CALM_DAMPING = 3.0
+"""Damping ratio of the finger joints' servos of a hand no stronger than `safe`. At 1 a fingertip that
+loses for a moment what it pushed against is at 2.4 m/s after two physics steps, and goes 4 mm into
+what it meets next (benchmarks.soak)."""
+
 SERVOS = ("orientation", "position")
 """`orientation`: one servo on the rotation of each ball joint, its torque limited in norm, as
 Bullet's. `position`: three servos on the components of its rotation vector, each limited."""
@@ -54,6 +59,7 @@ class Hand:
         servo: One of `SERVOS`.
         impulse: Impulse limit of every servo, N s (or N m s) per 1/60 s.
         stiffness: Factor on the servo stiffnesses of the skeleton and the root.
+        finger_damping: Damping ratio of the finger joints' servos; `CALM_DAMPING` for a calm hand.
         solid_end: m of a last link, from the middle of its fingertip, that are solid where not the
             whole hand is; None is all of it.
     """
@@ -63,6 +69,7 @@ class Hand:
     servo: str = "orientation"
     impulse: float = IMPULSE_PROFILES["paper"]
     stiffness: float = 2.0
+    finger_damping: float = 1.0
     solid_end: float | None = None
 
     def __post_init__(self) -> None:
@@ -160,25 +167,26 @@ def hand_actuators(hand: Hand) -> list[Element]:
         for axis in "xyz"
     ]  # fmt: skip
     # The root turns further than three position servos hold (they fail beyond about 120 degrees).
-    servos.append(_orientation(hand, "root", ROOT_TURN_STIFFNESS))
+    servos.append(_orientation(hand, "root", ROOT_TURN_STIFFNESS, 1.0))
     for bone in hand.skeleton.bones:
         if hand.servo == "orientation":
-            servos.append(_orientation(hand, bone.name, bone.stiffness))
+            servos.append(_orientation(hand, bone.name, bone.stiffness, hand.finger_damping))
             continue
         for axis, direction in zip("xyz", np.eye(3), strict=True):
             servos.append(Element("position", {
                 "name": hand.element_name(f"{bone.name}_{axis}"),
                 "joint": hand.element_name(bone.name), "gear": _text(*direction, 0, 0, 0),
-                "kp": _text(bone.stiffness * hand.stiffness), "dampratio": "1",
+                "kp": _text(bone.stiffness * hand.stiffness),
+                "dampratio": _text(hand.finger_damping),
                 "forcerange": _text(-hand.force_limit, hand.force_limit),
             }))  # fmt: skip
     return servos
 
 
-def _orientation(hand: Hand, joint: str, stiffness: float) -> Element:
+def _orientation(hand: Hand, joint: str, stiffness: float, damping: float) -> Element:
     return Element("orientation", {
         "name": hand.element_name(joint), "joint": hand.element_name(joint),
-        "kp": _text(stiffness * hand.stiffness), "dampratio": "1",
+        "kp": _text(stiffness * hand.stiffness), "dampratio": _text(damping),
         "forcerange": _text(0.0, hand.force_limit),
     })  # fmt: skip
 

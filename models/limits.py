@@ -64,6 +64,5 @@ class RateLimit:
 
 
 GENTLE = RateLimit(0.6, 7.0)
-"""Of hands no stronger than the profile `safe`. How deep a fingertip goes into what it runs into is
-decided by its speed, not by its force: at 1 m/s and 12 rad/s, 30 N or 6000 N, a tip may meet an
-object at 1.6 m/s, which is 3 mm in one physics step (benchmarks.soak)."""
+"""Of hands no stronger than the profile `safe`. At 1 m/s and 12 rad/s, 30 N or 6000 N, a tip may
+meet an object at 1.6 m/s, which is 3 mm in one physics step (benchmarks.soak)."""
