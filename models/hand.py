@@ -25,9 +25,9 @@ IMPULSE_PROFILES: dict[str, float] = {"paper": 100.0, "safe": 0.5}
 """N s (N m s for turns). `paper` is 6000 N, which never binds; `safe` is 30 N."""
 
 CALM_DAMPING = 3.0
-"""Damping ratio of the finger joints' servos of a hand no stronger than `safe`. At 1 a fingertip that
-loses for a moment what it pushed against is at 2.4 m/s after two physics steps, and goes 4 mm into
-what it meets next (benchmarks.soak)."""
+"""Damping ratio of the finger joints' servos of a hand no stronger than `safe`. At 1 a fingertip
+that loses for a moment what it pushed against is at 2.4 m/s after two physics steps, and goes 4 mm
+into what it meets next (benchmarks.soak)."""
 
 SERVOS = ("orientation", "position")
 """`orientation`: one servo on the rotation of each ball joint, its torque limited in norm, as
