@@ -23,8 +23,8 @@ from encoders.evaluation.subjects import subject
 from encoders.label_evidence import THUMB_AND_NEXT, LabelEvidence, natural_prior
 from models.errors import HandSandboxError
 from models.frames import TouchFrame
-from sandbox.cli.scene_options import SceneOptions, plan
 from sandbox.devices.simulated import SimulatedDevice
+from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.session import Session
 
 Touches = tuple[dict[int, tuple[float, float]], dict[int, int]]

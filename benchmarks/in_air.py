@@ -18,12 +18,12 @@ import numpy as np
 import sandbox.assembly as assembly
 from benchmarks.judged_air import air_seeds
 from models.surface import Surface
-from sandbox.cli.leap_devices import over_one
 from sandbox.devices.leap_trouble import LeapTrouble
 from sandbox.devices.leap_user import SimulatedLeap
 from sandbox.hand_input import UNDER, HandInput
 from sandbox.headless import View, run_trial
 from sandbox.messages import Snapshot
+from sandbox.options.leap_devices import over_one
 from sandbox.session import Session
 from sandbox.settings import RunSettings, SecondHand
 from sandbox.two_hands import DeviceMaker

@@ -30,12 +30,12 @@ import numpy as np
 from benchmarks.page_client import PX_PER_IN, measure
 from models.surface import Surface
 from sandbox.assembly import build
-from sandbox.cli.second_view import publish
 from sandbox.devices.web import WebDevice
 from sandbox.live import LiveSession
 from sandbox.messages import Snapshot
 from sandbox.server.describe import describe_scene
 from sandbox.server.page_server import PageServer
+from sandbox.server.publishing import publish
 from sandbox.settings import RunSettings
 from sandbox.timing import TimedDevice, Timing
 from tasks.task import Task

@@ -11,9 +11,9 @@ from queue import Empty, SimpleQueue
 from typing import Any
 
 from models.surface import METRES_PER_INCH
-from sandbox.cli.touch_devices import TouchOptions
 from sandbox.devices.simulated import SimulatedDevice
 from sandbox.messages import Snapshot
+from sandbox.options.touch_devices import TouchOptions
 from sandbox.server.page_server import PageServer
 from sandbox.session import Session
 from sandbox.study.controls import Controls

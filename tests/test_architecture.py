@@ -116,6 +116,15 @@ def arrows_point_down(path: str, source: str) -> Iterator[str]:
             yield f"{path}:{line} imports {module}, and only the program knows the program"
 
 
+def commands_are_on_top(path: str, source: str) -> Iterator[str]:
+    above = "sandbox/cli/", "sandbox/__main__.py"
+    if Path(path).parts[0] not in PACKAGES or path.startswith(above):
+        return
+    for line, module in imports(path, source):
+        if f"{module}.".startswith("sandbox.cli."):
+            yield f"{path}:{line} imports {module}, and only commands know commands"
+
+
 def only_the_program_shows_and_serves(path: str, source: str) -> Iterator[str]:
     room = Path(path).parts[0]
     if room not in PACKAGES or room == "sandbox":
@@ -172,6 +181,7 @@ def files_are_small(path: str, source: str) -> Iterator[str]:
 
 RULES: tuple[Rule, ...] = (
     arrows_point_down,
+    commands_are_on_top,
     only_the_program_shows_and_serves,
     nothing_is_swallowed,
     nothing_is_left_undone,
@@ -186,6 +196,8 @@ BROKEN = [
     (arrows_point_down, "tasks/a.py", "__import__(f'sandbox.{name}')"),
     (arrows_point_down, "encoders/a.py", "if TYPE_CHECKING:\n    import sandbox"),
     (arrows_point_down, "docs/make.py", "from sandbox import session"),
+    (commands_are_on_top, "sandbox/study/a.py", "from sandbox.cli.run import report_end"),
+    (commands_are_on_top, "sandbox/a.py", "def f():\n    import sandbox.cli"),
     (only_the_program_shows_and_serves, "models/a.py", "from OpenGL import GL"),
     (only_the_program_shows_and_serves, "tasks/a.py", "def f():\n    import matplotlib.pyplot"),
     (only_the_program_shows_and_serves, "tasks/a.py", "from mujoco import viewer"),
@@ -204,6 +216,8 @@ SOUND = [
     (arrows_point_down, "encoders/paalm/a.py", "from .. import polynomial\nfrom . import b"),
     (arrows_point_down, "sandbox/a.py", "import models, encoders, tasks"),
     (arrows_point_down, "tests/a.py", "import sandbox.session"),
+    (commands_are_on_top, "sandbox/cli/a.py", "from sandbox.cli.run import report_end"),
+    (commands_are_on_top, "sandbox/a.py", "from sandbox.client import cli"),
     (only_the_program_shows_and_serves, "models/a.py", "import mujoco\nimport glfwlike"),
     (only_the_program_shows_and_serves, "sandbox/views/a.py", "import glfw, OpenGL.GL"),
     (nothing_is_swallowed, "a.py", "try:\n    f()\nexcept Exception as error:\n    log(error)"),

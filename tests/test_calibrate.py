@@ -18,9 +18,9 @@ from models.frames import Contact, TouchFrame
 from models.person import HANDS, TURNS, Person
 from sandbox.cli import calibrate
 from sandbox.cli.play import PlayOptions
-from sandbox.cli.scene_options import SceneOptions, plan
 from sandbox.devices.simulated_spreads import SimulatedSpreads
 from sandbox.headless import run_trial
+from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.profiles import Profile, default_path, find_profile, load_profile, save_profile
 from sandbox.settings import RunSettings
 

@@ -17,10 +17,10 @@ from models.surface import Surface, enclosing
 from models.tray import GRIP, HANDLE
 from sandbox.assembly import build
 from sandbox.cli.main import main
-from sandbox.cli.scene_options import SceneOptions, plan
-from sandbox.cli.second_hand import named
 from sandbox.devices.simulated import SimulatedDevice
 from sandbox.headless import run_trial
+from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.second_hand import named
 from sandbox.recording import load_recording
 from sandbox.regress.plan import RegressionPlan
 from sandbox.replay import replay

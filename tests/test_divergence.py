@@ -12,9 +12,9 @@ import pytest
 from models.errors import DivergenceError
 from sandbox.cli import replay as replay_command
 from sandbox.cli import run as run_command
-from sandbox.cli.scene_options import SceneOptions, plan
 from sandbox.dump import LAST
 from sandbox.headless import run_trial
+from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording import load_recording
 from sandbox.regress.execute import run_job
 from sandbox.regress.plan import TrialJob

@@ -20,11 +20,11 @@ from models.rotations import quaternion_exp
 from models.skeleton import ADULT
 from sandbox.assembly import build
 from sandbox.cli.main import main
-from sandbox.cli.scene_options import SceneOptions, plan
 from sandbox.export.sources import HAND_JOINTS, open_source
 from sandbox.export.targets import FORMATS, Exporter, ExportSettings
 from sandbox.export.view import MotionView, commanded_poses, simulated_poses
 from sandbox.headless import run_trial
+from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording import RecordingWriter
 from tests.motion_poses import moving
 

@@ -7,7 +7,7 @@ import pytest
 
 from models.later import Later
 from sandbox.assembly import build
-from sandbox.cli.scene_options import SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, plan
 
 
 @dataclass(frozen=True)

@@ -7,10 +7,10 @@ from typing import Any
 
 import pytest
 
-from sandbox.cli.leap_devices import hand_input
 from sandbox.cli.main import main
-from sandbox.cli.scene_options import SceneOptions
 from sandbox.devices.leap_truth import write_take
+from sandbox.options.leap_devices import hand_input
+from sandbox.options.scene_options import SceneOptions
 from tests.leap_hands import take
 
 Frames = list[dict[str, Any]]

@@ -12,10 +12,8 @@ from encoders.paalm.forward import FROZEN_LEAP
 from encoders.paalm.pair import side_by_side
 from models.errors import InputError
 from sandbox.assembly import build
-from sandbox.cli.leap_devices import hand_input, is_leap
 from sandbox.cli.main import main as command
 from sandbox.cli.run import main
-from sandbox.cli.scene_options import SceneOptions, plan
 from sandbox.cli.second_view import show_session
 from sandbox.devices.leap_trouble import LeapTrouble, parse_simulated
 from sandbox.devices.leap_truth import write_take
@@ -23,6 +21,8 @@ from sandbox.devices.leap_user import SimulatedLeap
 from sandbox.devices.recorded import RecordedDevice
 from sandbox.devices.shared_leap import SharedLeap
 from sandbox.headless import run_trial
+from sandbox.options.leap_devices import hand_input, is_leap
+from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording import load_recording
 from sandbox.replay import replay
 from sandbox.server.page_server import PageServer

@@ -25,9 +25,9 @@ from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT
 from models.surface import Surface
 from sandbox.assembly import build
-from sandbox.cli.scene_options import SceneOptions, plan
 from sandbox.devices.mouse import MouseDevice
 from sandbox.headless import run_trial
+from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording import load_recording
 from sandbox.replay import replay
 from sandbox.settings import RunSettings

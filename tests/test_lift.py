@@ -15,9 +15,9 @@ from models.errors import InputError
 from models.frames import Contact, TouchFrame
 from models.kinematics import Kinematics
 from sandbox.assembly import build
-from sandbox.cli.scene_options import SceneOptions, plan
 from sandbox.devices.lift_keys import SPEED, LiftKeys, with_lift
 from sandbox.headless import run_trial
+from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording import RecordingWriter, load_recording
 from sandbox.replay import replay
 from sandbox.settings import RunSettings

@@ -19,7 +19,6 @@ from models.errors import DeviceError
 from models.frames import Contact, TouchFrame
 from sandbox import lsl
 from sandbox.cli.main import main
-from sandbox.cli.scene_options import SceneOptions, plan
 from sandbox.headless import run_trial
 from sandbox.lsl import (
     CONTACTS,
@@ -31,6 +30,7 @@ from sandbox.lsl import (
 )
 from sandbox.lsl_listening import listened_to, tell
 from sandbox.messages import Snapshot
+from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording import Recording, load_recording
 from sandbox.replay import replay
 from sandbox.study.simulate import run_simulated

@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from sandbox.cli.scene_options import SceneOptions, plan
 from sandbox.headless import View, run_trial
+from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.session import Session
 from tasks.registry import task_names
 

@@ -8,10 +8,10 @@ from rich.console import Console
 
 from encoders.paalm.calibration_file import read_calibration
 from models.errors import DeviceError
-from sandbox.cli.own_hand import is_calibration, measured, own_path, with_own_hand
 from sandbox.cli.play import PlayOptions
 from sandbox.devices.leap_fake import FakeLeapd
 from sandbox.devices.leap_write import leap_message
+from sandbox.options.own_hand import is_calibration, measured, own_path, with_own_hand
 from tests.leap_hands import take
 
 

@@ -13,12 +13,12 @@ import pytest
 
 from models.frames import Contact
 from models.surface import METRES_PER_INCH
-from sandbox.cli.play_page import rectangle
 from sandbox.devices.simulated import SimulatedDevice
 from sandbox.server import audience
 from sandbox.server.audience import SILENCE
 from sandbox.server.describe import describe_scene
 from sandbox.server.page_server import PageServer
+from sandbox.server.rectangle import rectangle
 from sandbox.server.senses import senses
 from tasks.simulated_user.configuration import UserConfiguration
 from tests.chromium import BINARY, Browser, Tab

@@ -13,9 +13,9 @@ from sandbox.assembly import build
 from sandbox.cli.page_options import PageOptions, open_page
 from sandbox.cli.play_page import PagePlay
 from sandbox.cli.room import fitting, in_plain_words
-from sandbox.cli.scene_options import SceneOptions
 from sandbox.devices.web import WebDevice
 from sandbox.events import EventLog
+from sandbox.options.scene_options import SceneOptions
 from sandbox.server.page_server import PageServer
 from sandbox.settings import RunSettings
 from tasks.registry import TASKS, hands_of

@@ -13,12 +13,13 @@ import pytest
 
 from models.surface import METRES_PER_INCH
 from sandbox.assembly import build
-from sandbox.cli.play_page import rectangle
-from sandbox.cli.scene_options import SceneOptions, plan
-from sandbox.cli.second_view import publish, show_session, touched_pages
+from sandbox.cli.second_view import show_session, touched_pages
 from sandbox.messages import Snapshot
+from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol import Screen
+from sandbox.server.publishing import publish
+from sandbox.server.rectangle import rectangle
 from tests.chromium import BINARY, Browser
 from tests.page_client import Page
 from tests.processes import PATIENCE

@@ -20,8 +20,8 @@ from models.errors import InputError
 from sandbox.cli.main import main
 from sandbox.cli.parse import parse
 from sandbox.cli.regress import parse_known
-from sandbox.cli.scene_options import SceneOptions, plan
 from sandbox.headless import run_trial
+from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording import load_recording
 from sandbox.regress.execute import CRASHED, Processes, Serial, run_job
 from sandbox.regress.plan import (

@@ -13,8 +13,8 @@ from hypothesis.extra import numpy as hnp
 
 from models.errors import RecordingError
 from sandbox.cli import replay as command
-from sandbox.cli.scene_options import SceneOptions, plan
 from sandbox.headless import run_trial
+from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording import load_recording
 from sandbox.replay import replay
 from sandbox.track import GRAIN, Track, TrackWriter, read_line

@@ -15,9 +15,9 @@ import pytest
 from models.frames import Contact, TouchFrame
 from models.kinematics import Kinematics
 from sandbox.assembly import build
-from sandbox.cli.scene_options import SceneOptions, plan
 from sandbox.devices.drop_outs import DropOuts
 from sandbox.headless import play, run_trial
+from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording import load_recording
 from sandbox.replay import replay
 from sandbox.session import STATE, Rig, Session

@@ -14,8 +14,8 @@ from models.rotations import exp, matrix_to_quaternion
 from models.scene import Scene, SceneSpec
 from models.surface import Surface
 from sandbox.assembly import build, place_surface
-from sandbox.cli.scene_options import SceneOptions, plan
 from sandbox.headless import run_trial
+from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording import load_recording
 from sandbox.replay import replay
 from sandbox.respawn import AWAY

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from models.objects import Box
 from models.surface import Surface
-from sandbox.cli.scene_options import SceneOptions, plan
 from sandbox.headless import run_trial
+from sandbox.options.scene_options import SceneOptions, plan
 from tasks.simulated_user.configuration import UserConfiguration
 from tasks.simulated_user.lift import IdleLiftUser, RandomLiftUser, Slider
 from tasks.simulated_user.room import Surroundings, roomiest_grasp

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from sandbox.cli.main import main
-from sandbox.cli.touch_devices import TouchOptions
+from sandbox.options.touch_devices import TouchOptions
 from sandbox.recording import load_recording
 from sandbox.replay import replay
 from sandbox.study.controls import Controls

@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 
 from models.errors import DeviceError
-from sandbox.cli.touch_devices import TouchOptions
 from sandbox.devices.leap_fake import FakeLeapd
 from sandbox.devices.leap_write import leap_message
+from sandbox.options.touch_devices import TouchOptions
 from sandbox.recording import load_recording
 from sandbox.replay import replay
 from sandbox.study.controls import Controls

@@ -12,10 +12,10 @@ from pathlib import Path
 import pytest
 
 from models.surface import Surface
-from sandbox.cli.touch_devices import open_file
 from sandbox.devices.frame_file import read_frame_file
 from sandbox.devices.touch_capture import read_capture
 from sandbox.devices.tuio import TuioDevice
+from sandbox.options.touch_devices import open_file
 from tests.page_client import Page
 from tests.processes import PATIENCE, ROOT, Sender, program, run, until
 from tests.test_tuio_streams import framed

@@ -12,12 +12,14 @@ from rich.console import Console
 from models.surface import METRES_PER_INCH
 from sandbox.assembly import build
 from sandbox.cli.page_options import PageOptions, open_page
-from sandbox.cli.play_page import PagePlay, common, rectangle
-from sandbox.cli.scene_options import SceneOptions, plan
-from sandbox.cli.second_view import publish, show_session, touched_pages
+from sandbox.cli.play_page import PagePlay
+from sandbox.cli.second_view import show_session, touched_pages
 from sandbox.events import EventLog
+from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol import Screen, Touches
+from sandbox.server.publishing import publish
+from sandbox.server.rectangle import common, rectangle
 from sandbox.two_hands import with_first
 from tests.page_client import SCREEN, Page
 from tests.played_page import played

@@ -16,10 +16,10 @@ from models.hand import Hand
 from models.scene import CONTROL_PERIOD, Scene, SceneSpec
 from models.surface import Surface
 from sandbox.assembly import build, place_surface
-from sandbox.cli.scene_options import SceneOptions, plan
 from sandbox.devices.drop_outs import LENGTH
 from sandbox.devices.spoiled import FIRST_GHOST, GHOST_LENGTH, SpoiledDevice
 from sandbox.headless import run_trial
+from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording import load_recording
 from sandbox.replay import replay
 from sandbox.settings import RunSettings

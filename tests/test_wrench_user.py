@@ -11,8 +11,8 @@ from models.objects import HANDLE, HANDLE_WIDTH, JAW, Wrench, bolt_place
 from models.person import Person
 from models.rotations import exp
 from models.surface import Surface
-from sandbox.cli.scene_options import SceneOptions, plan
 from sandbox.headless import run_trial
+from sandbox.options.scene_options import SceneOptions, plan
 from tasks import registry
 from tasks.simulated_user.configuration import UserConfiguration
 from tasks.simulated_user.grasp import within_comfort

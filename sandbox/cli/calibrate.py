@@ -20,10 +20,10 @@ from models.person import Person, PersonFrame
 from models.scene import CONTROL_PERIOD
 from models.surface import Surface
 from sandbox.cli.parse import parse
-from sandbox.cli.scene_options import Plan, SceneOptions, plan
 from sandbox.devices.device import Device
 from sandbox.devices.simulated_spreads import SimulatedSpreads
 from sandbox.devices.tuio import DEFAULT_PORT, LOOPBACK
+from sandbox.options.scene_options import Plan, SceneOptions, plan
 from sandbox.profiles import Profile, default_path, save_profile
 from sandbox.recording import is_recording
 from sandbox.settings import RunSettings

@@ -15,9 +15,7 @@ from rich.progress import BarColumn, Progress, TextColumn
 from encoders.together.guide import Guide
 from models.errors import InputError, RecordingError
 from models.frames import TouchFrame
-from sandbox.cli.leap_devices import LIVE, open_leap
 from sandbox.cli.parse import parse
-from sandbox.cli.touch_devices import Opened, TouchOptions
 from sandbox.cli.touch_opening import open_any
 from sandbox.devices.leap import DEFAULT_ADDRESS, LeapFileDevice
 from sandbox.devices.leap_fake import FAKE
@@ -30,6 +28,8 @@ from sandbox.devices.together_file import (
     read_about,
 )
 from sandbox.devices.tuio import DEFAULT_PORT, LOOPBACK
+from sandbox.options.leap_devices import LIVE, open_leap
+from sandbox.options.touch_devices import Opened, TouchOptions
 
 _REST = 0.002
 """s between two looks at the devices: by so much an arrival may be late."""

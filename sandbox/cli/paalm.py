@@ -20,12 +20,12 @@ from encoders.paalm.calibration import PAPER_FRAMES, HandCalibration
 from encoders.paalm.calibration_file import read_calibration, write_calibration
 from models.errors import EncoderError, InputError
 from models.frames import SIDES, HandFrame
-from sandbox.cli.own_hand import keep_hands, own_path
 from sandbox.cli.paalm_views import check_picture, show_pictures
 from sandbox.cli.parse import subcommand
 from sandbox.devices.leap import DEFAULT_ADDRESS, LeapDevice, LeapFileDevice
 from sandbox.devices.leap_file import read_leap
 from sandbox.devices.leap_truth import GENERATOR
+from sandbox.options.own_hand import keep_hands, own_path
 from sandbox.profiles import DEFAULT
 
 SCHEMA = 1

@@ -37,7 +37,7 @@ def parse(options: type[T], prog: str, argv: list[str], append: bool = True) -> 
     """
     if "second_device" in {f.name for f in _fields(options)}:
         # It knows scenes, which take long to load; commands without one need none.
-        from sandbox.cli.second_hand import named
+        from sandbox.options.second_hand import named
 
         argv = named(argv)
     config = (tyro.conf.OmitArgPrefixes, *((tyro.conf.UseAppendAction,) if append else ()))

@@ -11,14 +11,14 @@ from rich.console import Console
 
 from models.errors import InputError
 from sandbox.cli.latency import checked_limit
-from sandbox.cli.leap_devices import is_leap
 from sandbox.cli.lsl_options import LslOptions, streaming
-from sandbox.cli.own_hand import of_touches, with_own_hand
 from sandbox.cli.page_options import PageOptions
 from sandbox.cli.parse import parse
 from sandbox.cli.play_page import play_on_page
 from sandbox.cli.run import RunOptions, perform
-from sandbox.cli.scene_options import SceneOptions, plan
+from sandbox.options.leap_devices import is_leap
+from sandbox.options.own_hand import of_touches, with_own_hand
+from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.profiles import DEFAULT, default_path, find_profile
 from sandbox.views.display import has_display
 from tasks.registry import find_task

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -16,15 +15,17 @@ from sandbox.cli.latency import judge_latency, say_latency
 from sandbox.cli.page_options import PageOptions, open_page
 from sandbox.cli.room import in_plain_words
 from sandbox.cli.run import report_end
-from sandbox.cli.scene_options import Plan, SceneOptions, plan
-from sandbox.cli.second_view import invite, publish, show_session, touched_pages
+from sandbox.cli.second_view import invite, show_session, touched_pages
 from sandbox.events import EventLog, NoticeEvents
 from sandbox.headless import looking_devices, trial_header
 from sandbox.keeping import Keeping
 from sandbox.live import LiveSession
 from sandbox.messages import Snapshot
+from sandbox.options.scene_options import Plan, SceneOptions, plan
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol import Ask, Screen
+from sandbox.server.protocol import Ask
+from sandbox.server.publishing import publish
+from sandbox.server.rectangle import common, rectangle
 from sandbox.session import Session
 from sandbox.settings import RunSettings
 from sandbox.timing import Timing, timed
@@ -36,10 +37,6 @@ TICK = 0.02
 
 WAITED = 2.0
 """s that one of two pages is open before it is told that the other one is not."""
-
-LARGEST = (10.32, 7.74)
-"""in, of the touch rectangle: that of the largest tablets. On a larger screen it lies in the
-middle, since a hand reaches no further."""
 
 
 @dataclass
@@ -282,26 +279,6 @@ def play_on_page(
             say_refusals(server, console)
         events.close()
     return max(judge_latency(server.latency, limit, console) for server in servers)
-
-
-def rectangle(screen: Screen, hands: int = 1) -> dict[str, Any]:
-    """The touch rectangle of a screen, as settings: all of it, up to the largest tablet's.
-
-    Two hands on it have the width of two tablets.
-    """
-    inches = (screen.width_px / screen.px_per_in, screen.height_px / screen.px_per_in)
-    most = (hands * LARGEST[0], LARGEST[1])
-    size = tuple(round(min(side, end), 4) for side, end in zip(inches, most, strict=True))
-    return {"surface_in": size, "surface_calibrated": screen.calibrated}
-
-
-def common(rectangles: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """The touch rectangle that all of some screens have room for, as settings."""
-    sizes = [r["surface_in"] for r in rectangles]
-    return {
-        "surface_in": tuple(min(sides) for sides in zip(*sizes, strict=True)),
-        "surface_calibrated": all(r["surface_calibrated"] for r in rectangles),
-    }
 
 
 def numbered(path: Path, trial: int) -> Path:

@@ -16,11 +16,9 @@ from sandbox.cli.latency import judge_latency, say_latency
 from sandbox.cli.page_options import PageOptions
 from sandbox.cli.play_page import Wishes, numbered, say_refusals
 from sandbox.cli.run import report_end
-from sandbox.cli.scene_options import Plan, SceneOptions, plan
 from sandbox.cli.second_view import (
     in_air,
     open_second_view,
-    publish,
     short_address,
     show_session,
     touched_pages,
@@ -35,9 +33,11 @@ from sandbox.headless import looking_devices, trial_header
 from sandbox.keeping import Keeping
 from sandbox.live import LiveSession
 from sandbox.messages import Snapshot
+from sandbox.options.scene_options import Plan, SceneOptions, plan
 from sandbox.server.describe import summary
 from sandbox.server.latency import LatencyLog
 from sandbox.server.page_server import PageServer
+from sandbox.server.publishing import publish
 from sandbox.session import Session
 from sandbox.timing import Timing, timed
 from sandbox.two_hands import with_first

@@ -163,7 +163,7 @@ def parse_known(argv: list[str]) -> tuple[RegressOptions, list[str]]:
 
 
 def _scene(options: RegressOptions, more: Sequence[str]) -> dict[str, Any]:
-    from sandbox.cli.scene_options import SceneOptions
+    from sandbox.options.scene_options import SceneOptions
     from sandbox.regress.plan import differing
 
     for word in more:

@@ -17,12 +17,12 @@ from sandbox.cli.films import open_film
 from sandbox.cli.json_out import TERMINAL, check_output, write_json
 from sandbox.cli.lsl_options import LslOptions, streaming
 from sandbox.cli.parse import parse
-from sandbox.cli.scene_options import Plan, SceneOptions, plan
 from sandbox.devices.lift_keys import with_lift
 from sandbox.events import EventLog, NoticeEvents
 from sandbox.export.view import MotionView
 from sandbox.headless import View, run_trial
 from sandbox.messages import Snapshot
+from sandbox.options.scene_options import Plan, SceneOptions, plan
 from sandbox.pacing import RealTime
 from sandbox.session import Session
 from sandbox.two_hands import DeviceMaker, with_each

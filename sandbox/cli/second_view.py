@@ -9,12 +9,10 @@ from models.errors import DeviceError
 from sandbox.cli.page_options import PageOptions, open_page
 from sandbox.devices.web import WebDevice
 from sandbox.events import EventLog
-from sandbox.messages import Snapshot
 from sandbox.server.address import LOOPBACK
 from sandbox.server.describe import describe_scene
 from sandbox.server.invitation import code, hints
 from sandbox.server.page_server import PageServer
-from sandbox.server.senses import senses
 from sandbox.server.skins import pack_skin
 from sandbox.session import Session
 
@@ -65,11 +63,6 @@ def touched_pages(session: Session) -> list[tuple[int | None, WebDevice]]:
 def in_air(session: Session) -> bool:
     """Whether its first hand is in the air over a 3-D device, and nobody touches anything."""
     return isinstance(session.rigs[0].reconstructor, HandReconstructor)
-
-
-def publish(server: PageServer, session: Session, snapshot: Snapshot) -> None:
-    """The newest moment, from the session's own thread; forces only where somebody looks."""
-    server.publish(snapshot, senses=senses(session) if server.clients else ())
 
 
 def invite(server: PageServer, page: PageOptions, events: EventLog, console: Console) -> None:

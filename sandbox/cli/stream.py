@@ -15,12 +15,12 @@ from rich.console import Console
 
 from models.errors import InputError
 from sandbox.cli.json_out import check_output, write_json
-from sandbox.cli.leap_devices import LeapOptions, is_leap
 from sandbox.cli.page_options import PageOptions
 from sandbox.cli.parse import parse
-from sandbox.cli.scene_options import SceneOptions, plan
 from sandbox.devices.tuio import DEFAULT_PORT, LOOPBACK
 from sandbox.export.sources import Source, open_source
+from sandbox.options.leap_devices import LeapOptions, is_leap
+from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording import is_recording
 from sandbox.stream.lines import BLENDER, MAYA, MAYA_MEL, Target
 from sandbox.stream.player import Pace, Player
@@ -237,8 +237,8 @@ def _session(options: StreamOptions, console: Console) -> tuple[Any, Any]:
     chosen = plan(scene)
     if options.device != "web":
         return chosen.settings, chosen.make_device
-    from sandbox.cli.touch_devices import TouchOptions
     from sandbox.cli.touch_page import open_page_touches
+    from sandbox.options.touch_devices import TouchOptions
 
     asked = TouchOptions(
         device="web", surface=options.surface, tablet=options.tablet, lan=options.lan,

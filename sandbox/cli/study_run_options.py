@@ -14,7 +14,7 @@ from sandbox.views.display import has_display
 
 if TYPE_CHECKING:
     from sandbox.cli.page_options import PageOptions
-    from sandbox.cli.touch_devices import TouchOptions
+    from sandbox.options.touch_devices import TouchOptions
     from sandbox.study.design import Design
 
 SAID_ANEW = (
@@ -151,7 +151,7 @@ def again(options: RunOptions, ppid: str) -> str:
 
 def check_options(options: RunOptions) -> None:
     """What fits together, before anything is written."""
-    from sandbox.cli.touch_devices import guessed_surface, is_evdev, live_maker
+    from sandbox.options.touch_devices import guessed_surface, is_evdev, live_maker
 
     if options.device not in ("web", "mouse", "tuio", "simulated") and not is_evdev(options.device):
         raise InputError("there is no such device for a study", where="--device",
@@ -186,7 +186,7 @@ def check_options(options: RunOptions) -> None:
 
 def check_leap(options: RunOptions, design: Design) -> None:
     """What is wrong with the Leap is told now, too, where the design has trials over it."""
-    from sandbox.cli.leap_devices import open_leap
+    from sandbox.options.leap_devices import open_leap
     from sandbox.study.conditions import combinations, values_of
     from sandbox.study.plan import in_the_air
 
@@ -213,6 +213,6 @@ def where_served(options: RunOptions) -> PageOptions:
 
 def touch_options(options: RunOptions) -> TouchOptions:
     """Where touches come from."""
-    from sandbox.cli.touch_devices import TouchOptions
+    from sandbox.options.touch_devices import TouchOptions
 
     return TouchOptions(device=options.touches, bind=options.bind, port=options.port)

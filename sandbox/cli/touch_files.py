@@ -13,8 +13,8 @@ from encoders.conversion import TouchLog
 from models.errors import InputError, RecordingError
 from models.frames import TouchFrame
 from models.surface import METRES_PER_INCH, Surface
-from sandbox.cli.touch_devices import first_line
 from sandbox.devices.touch_capture import CaptureDevice, read_capture
+from sandbox.options.touch_devices import first_line
 from sandbox.recording import is_recording, load_recording
 
 

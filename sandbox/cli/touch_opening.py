@@ -7,7 +7,7 @@ from typing import Any
 
 from rich.console import Console
 
-from sandbox.cli.touch_devices import Opened, TouchOptions, open_touches
+from sandbox.options.touch_devices import Opened, TouchOptions, open_touches
 
 
 def open_any(options: TouchOptions, seconds: float, tap: Any = None) -> Opened | None:

@@ -12,14 +12,14 @@ from models.frames import TouchFrame
 from models.surface import Surface, parse_surface
 from sandbox.assembly import build
 from sandbox.cli.page_options import PageOptions, open_page
-from sandbox.cli.play_page import rectangle
-from sandbox.cli.scene_options import SceneOptions, plan
 from sandbox.cli.second_view import invite
-from sandbox.cli.touch_devices import TouchOptions
 from sandbox.devices.web import WebDevice
 from sandbox.events import EventLog
+from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.touch_devices import TouchOptions
 from sandbox.server.describe import describe_scene
 from sandbox.server.page_server import PageServer
+from sandbox.server.rectangle import rectangle
 
 _PERIOD = 1.0 / 30.0
 """s between two frames that tell the page that we live."""

@@ -16,10 +16,10 @@ from rich.progress import Progress
 from rich.text import Text
 
 from models.errors import InputError
-from sandbox.cli.touch_devices import TouchOptions
 from sandbox.cli.touch_opening import open_any, rest
 from sandbox.devices.touch_capture import read_capture
 from sandbox.devices.tuio_sender import TuioOutput, connected, send_packet
+from sandbox.options.touch_devices import TouchOptions
 
 
 @dataclass(frozen=True)

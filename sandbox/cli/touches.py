@@ -17,7 +17,6 @@ from rich.text import Text
 from models.errors import InputError
 from models.frames import TouchFrame
 from sandbox.cli.parse import in_one_line
-from sandbox.cli.touch_devices import Opened, TouchOptions
 from sandbox.cli.touch_opening import open_any, rest
 from sandbox.cli.touch_send import Send, send
 from sandbox.cli.touch_views import JsonView, TextView, View, what_to_check
@@ -25,6 +24,7 @@ from sandbox.devices.discovery import offered_devices
 from sandbox.devices.frame_file import frame_record, header_record
 from sandbox.devices.line_file import LineFile
 from sandbox.devices.touch_capture import CapturedPacket, packet_record
+from sandbox.options.touch_devices import Opened, TouchOptions
 
 PATIENCE = 5.0
 """Seconds without a single frame after which we say what to check."""

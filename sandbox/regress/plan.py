@@ -11,8 +11,8 @@ from typing import Any
 
 from models.errors import InputError
 from sandbox.assembly import digests
-from sandbox.cli.scene_options import Plan, SceneOptions, plan
-from sandbox.cli.second_hand import SecondOptions
+from sandbox.options.scene_options import Plan, SceneOptions, plan
+from sandbox.options.second_hand import SecondOptions
 from tasks.registry import TASKS, find_task, task_names
 from tasks.task import Task
 

@@ -52,7 +52,7 @@ def run_settings(
     Raises:
         InputError: A value is none of those there are.
     """
-    from sandbox.cli.scene_options import SceneOptions, plan
+    from sandbox.options.scene_options import SceneOptions, plan
 
     given = dict(values)
     if "impulse" in given:

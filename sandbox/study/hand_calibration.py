@@ -10,7 +10,7 @@ from encoders.paalm import Paalm
 from encoders.paalm.calibration import PAPER_FRAMES
 from encoders.paalm.calibration_file import calibration_to_json
 from models.errors import EncoderError
-from sandbox.cli.leap_devices import open_leap
+from sandbox.options.leap_devices import open_leap
 from sandbox.study.folder import Participant
 from sandbox.study.forms import Forms, Ready
 

@@ -11,14 +11,14 @@ import msgspec
 from models.errors import StudyError
 from models.surface import Surface
 from sandbox.assembly import build
-from sandbox.cli.play_page import rectangle
-from sandbox.cli.second_view import publish
 from sandbox.devices.web import WebDevice
 from sandbox.headless import trial_header
 from sandbox.keeping import Keeping
 from sandbox.live import LiveSession
 from sandbox.messages import Snapshot
 from sandbox.server.describe import describe_scene
+from sandbox.server.publishing import publish
+from sandbox.server.rectangle import rectangle
 from sandbox.server.skins import pack_skin
 from sandbox.session import Session
 from sandbox.settings import RunSettings

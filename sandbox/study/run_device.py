@@ -9,12 +9,12 @@ from typing import cast
 from models.errors import StudyError
 from models.surface import Surface
 from sandbox.assembly import DeviceMaker
-from sandbox.cli.leap_devices import open_leap
-from sandbox.cli.touch_devices import TouchOptions, is_evdev, live_maker, native_surface
 from sandbox.devices.device import Device
 from sandbox.devices.leap import DEFAULT_ADDRESS
 from sandbox.devices.lift_keys import with_lift
 from sandbox.devices.spoiled import SpoiledDevice
+from sandbox.options.leap_devices import open_leap
+from sandbox.options.touch_devices import TouchOptions, is_evdev, live_maker, native_surface
 from sandbox.settings import RunSettings
 from sandbox.study.folder import Participant
 from sandbox.study.page_player import page_device, page_settings

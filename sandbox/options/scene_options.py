@@ -9,8 +9,14 @@ from typing import Any
 from models.errors import InputError
 from models.surface import Surface, parse_surface
 from sandbox.assembly import DeviceMaker
-from sandbox.cli.impulse import impulse_limit
-from sandbox.cli.leap_devices import (
+from sandbox.devices.device import Device
+from sandbox.devices.discovery import find_device
+from sandbox.devices.recorded import RecordedDevice
+from sandbox.devices.simulated import NEXT_PERSON, SimulatedDevice
+from sandbox.devices.spoiled import SpoiledDevice
+from sandbox.devices.web import WebDevice
+from sandbox.options.impulse import impulse_limit
+from sandbox.options.leap_devices import (
     LeapOptions,
     from_one,
     is_leap,
@@ -18,16 +24,10 @@ from sandbox.cli.leap_devices import (
     over_one,
     with_leaps,
 )
-from sandbox.cli.one_hand_options import OneHandOptions
-from sandbox.cli.own_hand import of_touches
-from sandbox.cli.second_hand import SecondOptions, with_second
-from sandbox.cli.touch_devices import is_evdev, live_maker, native_surface, open_file
-from sandbox.devices.device import Device
-from sandbox.devices.discovery import find_device
-from sandbox.devices.recorded import RecordedDevice
-from sandbox.devices.simulated import NEXT_PERSON, SimulatedDevice
-from sandbox.devices.spoiled import SpoiledDevice
-from sandbox.devices.web import WebDevice
+from sandbox.options.one_hand_options import OneHandOptions
+from sandbox.options.own_hand import of_touches
+from sandbox.options.second_hand import SecondOptions, with_second
+from sandbox.options.touch_devices import is_evdev, live_maker, native_surface, open_file
 from sandbox.profiles import find_profile
 from sandbox.recorded_task import recorded_task
 from sandbox.recording import Recording, is_recording, load_recording

@@ -17,12 +17,12 @@ from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.calibration_file import read_hand
 from models.errors import EncoderError, InputError
 from models.surface import Surface
-from sandbox.cli.own_hand import chosen_file
 from sandbox.devices.device import Device
 from sandbox.devices.leap import DEFAULT_ADDRESS, LeapDevice, LeapFileDevice
 from sandbox.devices.leap_file import LeapRecording, check_side, read_leap
 from sandbox.devices.shared_leap import BothOver, SharedLeap
 from sandbox.hand_input import UNDER, HandInput
+from sandbox.options.own_hand import chosen_file
 from sandbox.recording import Recording
 from sandbox.settings import RunSettings
 from sandbox.two_hands import DeviceMaker, PerHand

@@ -1,0 +1,13 @@
+"""What a session's page sees of it, step by step."""
+
+from __future__ import annotations
+
+from sandbox.messages import Snapshot
+from sandbox.server.page_server import PageServer
+from sandbox.server.senses import senses
+from sandbox.session import Session
+
+
+def publish(server: PageServer, session: Session, snapshot: Snapshot) -> None:
+    """The newest moment, from the session's own thread; forces only where somebody looks."""
+    server.publish(snapshot, senses=senses(session) if server.clients else ())
