@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 from xml.etree.ElementTree import Element, SubElement
 
@@ -102,7 +102,7 @@ class _Piece:
 
 
 THICKNESS = 0.016
-"""m, of a wrench."""
+"""m, of a wrench of size 1, as all that follows."""
 HANDLE_WIDTH = 0.022
 """m, across the handle, which is what fingers close on."""
 HANDLE = (-0.032, 0.060)
@@ -142,6 +142,7 @@ class Wrench:
         yaw: rad about the vertical at the start.
         bolt: N m of dry friction about the bolt it sits on; None lies free.
         rgb: Colour, 0 to 1.
+        size: Factor on all its edges, and on the width of its bolt.
     """
 
     name: str
@@ -150,6 +151,43 @@ class Wrench:
     yaw: float = 0.0
     bolt: float | None = None
     rgb: tuple[float, float, float] = RED
+    size: float = 1.0
+
+    @property
+    def handle(self) -> tuple[float, float]:
+        """m along its x axis, where the handle begins and ends."""
+        return self.size * HANDLE[0], self.size * HANDLE[1]
+
+    @property
+    def handle_width(self) -> float:
+        """m across the handle."""
+        return self.size * HANDLE_WIDTH
+
+    @property
+    def thickness(self) -> float:
+        """m."""
+        return self.size * THICKNESS
+
+    @property
+    def jaw(self) -> float:
+        """m along its x axis, the middle of its jaws."""
+        return self.size * JAW
+
+    def bolt_place(self, middle: ArrayLike, yaw: float) -> tuple[float, float]:
+        """(2,) m, where its jaws are when its middle (2,) and yaw are these."""
+        return bolt_place(middle, yaw, self.jaw)
+
+    def scaled(self, size: float) -> Wrench:
+        """The same of another size and the same mass and friction, standing where it stood.
+
+        A free one keeps the place under its middle, one on a bolt its bolt's.
+        """
+        x, y, z = self.position
+        if self.bolt is not None:
+            out = (1.0 - size) * self.jaw
+            x, y = x + out * np.cos(self.yaw), y + out * np.sin(self.yaw)
+        raised = (size - 1.0) * self.thickness / 2
+        return replace(self, size=size * self.size, position=(float(x), float(y), z + raised))
 
     def body(self) -> Element:
         """MJCF of the wrench; on a bolt, of the bolt with the wrench in it."""
@@ -162,7 +200,8 @@ class Wrench:
             # The armature is that of the bolt's own thread; friction alone would make a joint of
             # so little inertia stiff to integrate.
             SubElement(body, "joint", {
-                "name": self.name, "type": "hinge", "axis": "0 0 1", "pos": _text((JAW, 0.0, 0.0)),
+                "name": self.name, "type": "hinge", "axis": "0 0 1",
+                "pos": _text((self.jaw, 0.0, 0.0)),
                 "armature": "2e-4", "damping": "1e-3", "frictionloss": f"{self.bolt:.9g}",
                 "solreffriction": ".004 1", "solimpfriction": ".9999 .9999 .001",
                 "limited": "false",
@@ -170,9 +209,10 @@ class Wrench:
         volume = [float(np.prod(piece.half_size)) for piece in _PIECES]
         for piece, share in zip(_PIECES, np.array(volume) / np.sum(volume), strict=True):
             turn = (np.cos(piece.turn / 2), 0.0, 0.0, np.sin(piece.turn / 2))
+            middle, half = self.size * np.array([piece.middle, piece.half_size])
             SubElement(body, "geom", {
-                "name": f"{self.name}_{piece.name}", "type": "box", "pos": _text(piece.middle),
-                "quat": _text(turn), "size": _text(piece.half_size),
+                "name": f"{self.name}_{piece.name}", "type": "box", "pos": _text(middle),
+                "quat": _text(turn), "size": _text(half),
                 **_solid(self.mass * share, self.rgb),
             })  # fmt: skip
         if self.bolt is None:
@@ -181,21 +221,22 @@ class Wrench:
 
     def _on_bolt(self, body: Element, quat: ArrayLike) -> Element:
         """What the bolt goes into, which stands still, with the wrench's body in it."""
-        x, y = bolt_place(self.position[:2], self.yaw)
+        x, y = self.bolt_place(self.position[:2], self.yaw)
         plate = Element("body", {"name": f"{self.name}_bolt",
                                  "pos": _text((x, y, 0.0)), "quat": _text(quat)})  # fmt: skip
-        _shown(plate, "cylinder", (0.012, BOLT_LIFT / 2), BOLT_LIFT / 2, DARK_STEEL)
+        _shown(plate, "cylinder", (self.size * 0.012, BOLT_LIFT / 2), BOLT_LIFT / 2, DARK_STEEL)
         # Within the plate's frame, which is turned as the wrench is at the start.
-        body.set("pos", _text((-JAW, 0.0, self.position[2])))
+        body.set("pos", _text((-self.jaw, 0.0, self.position[2])))
         body.set("quat", "1 0 0 0")
-        head = SubElement(body, "body", {"name": f"{self.name}_head", "pos": _text((JAW, 0, 0))})
+        jaw, flat = (self.jaw, 0.0, 0.0), self.size * BOLT_FLAT
+        head = SubElement(body, "body", {"name": f"{self.name}_head", "pos": _text(jaw)})
         for third in range(3):
             # Three boxes across each other make a hexagon; tops of one height would flicker.
-            half = THICKNESS / 2 + 0.0014 + 0.0001 * third
-            flats = (BOLT_FLAT / np.sqrt(3.0), BOLT_FLAT, half)
-            _shown(head, "box", flats, half - THICKNESS / 2, STEEL, third * np.pi / 3)
-        top = THICKNESS / 2 + 0.0036
-        _shown(head, "cylinder", (0.93 * BOLT_FLAT, 0.0004), top, BRIGHT_STEEL)
+            half = self.thickness / 2 + 0.0014 + 0.0001 * third
+            flats = (flat / np.sqrt(3.0), flat, half)
+            _shown(head, "box", flats, half - self.thickness / 2, STEEL, third * np.pi / 3)
+        top = self.thickness / 2 + 0.0036
+        _shown(head, "cylinder", (0.93 * flat, 0.0004), top, BRIGHT_STEEL)
         plate.append(body)
         return plate
 
@@ -207,19 +248,19 @@ class Wrench:
             position: (3,) m, where the wrench's middle is now.
             rotation: (3, 3) how it is turned now.
         """
-        local = (np.asarray(points, float) - position) @ rotation
+        local = (np.asarray(points, float) - position) @ rotation / self.size
         distances = []
         for piece in _PIECES:
             c, s = np.cos(piece.turn), np.sin(piece.turn)
             own = (local - piece.middle) @ np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
             distances.append(_box_clearance(own, piece.half_size))
-        return np.asarray(np.min(distances, axis=0))
+        return self.size * np.min(distances, axis=0)
 
 
-def bolt_place(middle: ArrayLike, yaw: float) -> tuple[float, float]:
+def bolt_place(middle: ArrayLike, yaw: float, jaw: float = JAW) -> tuple[float, float]:
     """(2,) m, where the jaws of a wrench are whose middle (2,) and yaw are these."""
     x, y = np.asarray(middle, float)
-    return float(x + JAW * np.cos(yaw)), float(y + JAW * np.sin(yaw))
+    return float(x + jaw * np.cos(yaw)), float(y + jaw * np.sin(yaw))
 
 
 def _shown(

@@ -28,7 +28,8 @@ class Variation:
     """How trials differ from those that a task draws; neutral by default, plain values.
 
     Attributes:
-        size: Factor on the objects' edges; what they weigh does not change by it.
+        size: Factor on the objects' edges; what they weigh, and what friction a bolt has, does not
+            change by it.
         mass: Factor on their masses.
         friction: Factor on every coefficient of sliding friction: of table, objects and hands.
         start: m by which every object starts elsewhere, in a direction that follows from the seed.
@@ -125,11 +126,10 @@ def vary(task: Task, variation: Variation, surface: Surface) -> Task:
     if not is_dataclass(task):
         raise InputError("only tasks that are dataclasses can be varied", where=task.name)
     things = tuple(_changed(thing, variation, task.name) for thing in task.objects)
+    steps = {t.name: _step(u, t) for t, u in zip(things, task.objects, strict=True)}
     if variation.start:
         things = _moved(things, variation.start, task, surface)
-    raised = {t.name: t.position[2] - u.position[2] for t, u in zip(things, task.objects,
-                                                                    strict=True)}  # fmt: skip
-    goals = tuple(_goal(goal, variation.size, raised[goal.object]) for goal in task.goals)
+    goals = tuple(_goal(goal, variation.size, steps[goal.object]) for goal in task.goals)
     changed: Task = replace(task, objects=things, goals=goals)
     return changed
 
@@ -162,13 +162,22 @@ def _sized(thing: Thing, size: float, where: str) -> Thing:
     return found
 
 
-def _goal(goal: Goal, size: float, raised: float) -> Goal:
-    """The goal of a thing whose middle starts higher than it did."""
+def _step(old: Thing, new: Thing) -> tuple[float, float, float]:
+    """(3,) m, from a thing's middle to what it is at another size, along the thing's own axes."""
+    x, y, z = (b - a for a, b in zip(old.position, new.position, strict=True))
+    c, s = np.cos(old.yaw), np.sin(old.yaw)
+    return float(c * x + s * y), float(c * y - s * x), z
+
+
+def _goal(goal: Goal, size: float, step: tuple[float, float, float]) -> Goal:
+    """The goal of a thing whose middle has made a step, (3,) m along its own axes."""
     x, y, z = goal.position
     if goal.on is not None:
         # A place on another thing grows with both.
         return replace(goal, position=(size * x, size * y, size * z))
-    return replace(goal, position=(x, y, z + raised))
+    c, s = np.cos(goal.yaw), np.sin(goal.yaw)
+    u, v, w = step
+    return replace(goal, position=(float(x + c * u - s * v), float(y + s * u + c * v), z + w))
 
 
 def _moved(

@@ -39,6 +39,8 @@ class WrenchSlide(WrenchTask):
     the handle; yaw uniform over the full circle, turn uniform over both ranges; redrawn until the
     distance is in range and both ends of the wrench are 4 mm away from the border, at the start and
     at the goal.
+    Size, where it is varied (no part of the version): all edges of the wrench, about the place
+    under its middle. Mass stays. The ends of a larger one may be beyond the border.
     History: version 1.
     """
 

@@ -46,6 +46,9 @@ class WrenchTurn(WrenchTask):
     Start: bolt uniform over the surface less a border of 18 mm, so that it can be seen; yaw uniform
     over the full circle, turn uniform over both ranges; redrawn until the place of the handle where
     fingers close stays 34 mm, and the handle's end 4 mm, away from the border all the way.
+    Size, where it is varied (no part of the version): all edges of the wrench and the width of its
+    bolt, about the bolt, which stays where it is. Mass and friction stay, so that a shorter handle
+    is harder to turn. A longer one ends beyond the border, and is gripped nearer to the bolt.
     History: version 3. Version 2, in no registry, held for 0.5 s within 30 s and let the nut be
     turned past the goal: random touches left the wrench at its goal in 4 of 38 trials, where fewer
     than 5 % may. Version 1, in none either: its bolt of 0.02 to 0.10 N m turned at every brush, and

@@ -1,6 +1,7 @@
 """Success against what gets worse: pairs of the same seeds, until it breaks."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import ClassVar
 from xml.etree import ElementTree
@@ -8,6 +9,7 @@ from xml.etree import ElementTree
 import pytest
 
 from models.errors import InputError
+from models.objects import Wrench
 from sandbox.cli.regress import main as regress_main
 from sandbox.figures.variation import draw, save_plot
 from sandbox.regress.baseline import Baseline, KeptTask
@@ -36,12 +38,23 @@ class Heavy(BoxToGoal):
         return Measure(light, float(light), "" if light else "it is too heavy")
 
 
+class OneSize(Wrench):
+    """A thing that nobody has said how to scale."""
+
+    scaled = None
+
+
 class LateWrench(WrenchSlide):
-    """Over in a blink."""
+    """Over in a blink, with a wrench of one size."""
 
     name: ClassVar[str] = "late-wrench"
     time_limit: ClassVar[float] = 0.15
     hold_time: ClassVar[float] = 0.05
+
+    @classmethod
+    def draw(cls, seed, surface):
+        task = super().draw(seed, surface)
+        return replace(task, objects=(OneSize(**vars(task.objects[0])),))
 
     def measure(self, sensing: Sensing) -> Measure:
         return Measure(True, 1.0, "")

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from models.errors import InputError
 from models.frames import Contact, TouchFrame
 from models.hand import Hand
+from models.objects import Wrench
 from models.scene import CONTROL_PERIOD, Scene, SceneSpec
 from models.surface import Surface
 from sandbox.assembly import build, place_surface
@@ -162,8 +163,15 @@ def test_objects_start_just_so_far_away_on_the_surface_and_none_nearer_to_anothe
     assert vary(task, Variation(start=way), surface) == moved
 
 
+class OneSize(Wrench):
+    """A thing that nobody has said how to scale."""
+
+    scaled = None
+
+
 def test_what_has_one_size_only_is_refused():
     task = WrenchSlide.draw(0, FLAT)
+    task = replace(task, objects=(OneSize(**vars(task.objects[0])),))
     with pytest.raises(InputError, match="one size only"):
         vary(task, Variation(size=0.9), FLAT)
     assert vary(task, Variation(mass=2.0), FLAT).objects[0].mass == 2.0 * task.objects[0].mass

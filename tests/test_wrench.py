@@ -18,6 +18,7 @@ from models.surface import PRESETS, Surface
 from tasks import wrench_base, wrench_slide, wrench_turn
 from tasks.sensing import Sensing
 from tasks.task import Measure
+from tasks.variation import Variation, vary
 from tasks.wrench_base import wrapped
 from tasks.wrench_slide import WrenchSlide
 from tasks.wrench_turn import WrenchTurn
@@ -38,8 +39,10 @@ def turned(degrees: float, axis: int = 2) -> np.ndarray:
 class Trial:
     """A trial in its real scene, with the wrench put where a test wants it."""
 
-    def __init__(self, kind: type[WrenchTurn] | type[WrenchSlide], seed: int = 4) -> None:
-        self.task = kind.draw(seed, TABLET)
+    def __init__(
+        self, kind: type[WrenchTurn] | type[WrenchSlide], seed: int = 4, size: float = 1.0
+    ) -> None:
+        self.task = vary(kind.draw(seed, TABLET), Variation(size=size), TABLET)
         self.scene = Scene(SceneSpec((Hand(),), self.task.objects, self.task.table_friction))
         self.data = mujoco.MjData(self.scene.model)
         put(self.scene, self.data, AWAY)
@@ -294,14 +297,18 @@ def test_a_wrench_weighs_what_it_says_and_balances_at_its_middle(bolt):
 
 
 @settings(max_examples=30)
-@given(shares=hnp.arrays(float, (40, 3), elements=st.floats(-1.0, 1.0)), yaw=st.floats(-3, 3))
-def test_clearance_is_the_distance_to_the_nearest_solid_part_of_the_model(shares, yaw):
-    wrench = Wrench("wrench", 0.1, (0.02, -0.03, 0.02), yaw)
+@given(
+    shares=hnp.arrays(float, (40, 3), elements=st.floats(-1.0, 1.0)),
+    yaw=st.floats(-3, 3),
+    size=st.sampled_from([1.0, 0.4, 2.5]),
+)
+def test_clearance_is_the_distance_to_the_nearest_solid_part_of_the_model(shares, yaw, size):
+    wrench = Wrench("wrench", 0.1, (0.02, -0.03, 0.02), yaw, size=size)
     scene = Scene(SceneSpec((Hand(),), (wrench,)))
     data = mujoco.MjData(scene.model)
     mujoco.mj_forward(scene.model, data)
     position, rotation = scene.object_pose(data, "wrench")
-    points = position + (shares * [0.09, 0.04, 0.03]) @ rotation.T
+    points = position + size * (shares * [0.09, 0.04, 0.03]) @ rotation.T
     nearest = np.full(len(points), np.inf)
     for g in np.flatnonzero(scene.model.geom_bodyid == scene.model.body("wrench").id):
         own = (points - data.geom_xpos[g]) @ data.geom_xmat[g].reshape(3, 3)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.errors import InputError
-from models.objects import HANDLE, HANDLE_WIDTH, THICKNESS, Box, Thing, Wrench, bolt_place
+from models.objects import Box, Thing, Wrench
 from models.tray import Tray
 from tasks.goals import flat_yaw
 from tasks.simulated_user.sight import SeenObject
@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 _STEP = float(np.deg2rad(25.0))
 """rad of one movement with a thing that turns about a bolt."""
 _GRIP = 0.040
-"""m along a wrench's handle, where it is held: far out, for a long lever."""
+"""m along the handle of a wrench of size 1, where it is held: far out, for a long lever."""
 
 
 @dataclass(frozen=True)
@@ -83,9 +83,10 @@ def hold_of(seen: SeenObject, near: Array) -> Hold:
         _, half_width, half_height = shape.handle
         return Hold(place, across, 2.0 * half_width, float(place[2]) + half_height, False)
     assert isinstance(shape, Wrench)
-    out = _GRIP if shape.bolt is not None else (HANDLE[0] + HANDLE[1]) / 2.0
+    out = shape.size * _GRIP if shape.bolt is not None else sum(shape.handle) / 2.0
     place = position + out * along
-    return Hold(place, across, HANDLE_WIDTH, float(place[2]) + THICKNESS / 2.0, False)
+    top = float(place[2]) + shape.thickness / 2.0
+    return Hold(place, across, shape.handle_width, top, False)
 
 
 def missing(seen: SeenObject, goal: Goal) -> tuple[Array, float]:
@@ -101,7 +102,7 @@ def carried(seen: SeenObject, goal: Goal, pinch: Array) -> tuple[Array, float]:
     off, turn = missing(seen, goal)
     pivot, shape = seen.position[:2], seen.shape
     if isinstance(shape, Wrench) and shape.bolt is not None:
-        pivot, off = np.array(bolt_place(pivot, seen.yaw)), np.zeros(2)
+        pivot, off = np.array(shape.bolt_place(pivot, seen.yaw)), np.zeros(2)
         turn = float(np.clip(turn, -_STEP, _STEP))
     arm, (c, s) = pinch - pivot, (np.cos(turn), np.sin(turn))
     return off + np.array([[c, -s], [s, c]]) @ arm - arm, turn

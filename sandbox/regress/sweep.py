@@ -184,7 +184,7 @@ class Sweep:
 def sweep(plan: RegressionPlan, wanted: Sequence[Wanted], run: Runner) -> Sweep:
     """Runs every task with nothing varied, and then with every value.
 
-    A value that a task cannot have (a wrench has one size) is noted, and ends its direction.
+    A value that a task cannot have (a bolt has one place) is noted, and ends its direction.
     """
     curves: list[Curve] = []
     for task, name in zip(plan.tasks, plan.names, strict=True):

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from models.objects import HANDLE, HANDLE_WIDTH, Box
+from models.objects import Box, Wrench
 from tasks.simulated_user.configuration import UserConfiguration
 from tasks.simulated_user.sight import SeenObject
 
@@ -97,22 +97,25 @@ def choose_grasp(box: SeenObject, turn: float, c: UserConfiguration) -> Grasp:
 
 
 def choose_handle_grasp(
-    yaw: float, turn: float, grip: float, c: UserConfiguration, failed: float | None = None
+    seen: SeenObject, turn: float, grip: float, c: UserConfiguration, failed: float | None = None
 ) -> Grasp:
     """The side of a handle for the thumb from which most of a turn can be made in comfort.
 
     Args:
-        yaw: rad, direction of the handle as it is seen.
+        seen: The wrench, as it is seen.
         turn: rad by which it is to be turned.
         grip: m along the handle from the object's middle, where to close.
         c: Whose comfort.
         failed: rad, the side of a grasp that has just come to nothing: the other one is taken if a
             wrist goes there at all.
     """
-    room = 2 * min(grip - HANDLE[0], HANDLE[1] - grip)
+    assert isinstance(seen.shape, Wrench)
+    near, far = seen.shape.handle
+    # What the fingers' middles may take up: the outermost is on the handle with its whole pad.
+    room = max(far - near - 0.011, 0.0)
     options = []
     for number, side in enumerate((np.pi / 2, -np.pi / 2)):
-        axis = yaw + side
+        axis = seen.yaw + side
         start = abs(_wrapped(axis - c.natural_axis))
         made = within_comfort(axis, turn, c)
         end = abs(_wrapped(axis + made - c.natural_axis))
@@ -126,10 +129,13 @@ def choose_handle_grasp(
         skew = float(np.copysign(_COUPLE, turn)) if c.fingers == 2 else 0.0
         if c.fingers > 2 and start > _OBLIQUE:
             skew = -float(np.copysign(_SIDESTEP, _wrapped(axis - c.natural_axis)))
-        # All of them stay on the handle, the outermost with their whole pads.
-        span = 0.5 * ((c.fingers - 2) * c.pitch + abs(skew))
-        at = float(np.clip(grip, HANDLE[0] + 0.008 + span, HANDLE[1] - 0.003 - span))
-        options.append((cost, number, Grasp(axis, HANDLE_WIDTH, room, at, side, skew)))
+        # All of them stay on the handle; on a short one the thumb comes nearer to the fingers.
+        others = min((c.fingers - 2) * c.pitch, room)
+        skew = float(np.clip(skew, others - room, room - others))
+        span = 0.5 * (others + abs(skew))
+        at = float(np.clip(grip, near + 0.008 + span, far - 0.003 - span))
+        face = 2 * min(at - near, far - at)
+        options.append((cost, number, Grasp(axis, seen.shape.handle_width, face, at, side, skew)))
     return min(options, key=lambda o: o[:2])[2]
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from models.errors import InputError
 from models.mjcf_thing import MjcfThing
-from models.objects import Box, Thing, Wrench, bolt_place
+from models.objects import JAW, Box, Thing, Wrench
 from tasks.simulated_user.configuration import UserConfiguration
 from tasks.simulated_user.grasp import Grasp, choose_grasp, choose_handle_grasp, within_comfort
 from tasks.simulated_user.own_handling import OwnHandling
@@ -22,8 +22,13 @@ from tasks.task import Goal
 Array = NDArray[np.float64]
 
 _TURN_GRIP, _SLIDE_GRIP = 0.032, 0.004
-"""m along a wrench, where fingers close: near the handle's end for the longest lever about a bolt,
-at the middle of a free one."""
+"""m along a wrench of size 1, where fingers close: near the handle's end for the longest lever
+about a bolt, at the middle of a free one."""
+_LEVER = _TURN_GRIP - JAW
+"""m from a bolt to where fingers close; on a longer handle no farther out, where the way is longer
+and soon off the screen."""
+_ROOM = 0.030
+"""m of a handle, at least, between its beginning and where fingers close."""
 
 
 class Handling(Protocol):
@@ -94,8 +99,11 @@ class WrenchHandling:
     """
 
     def __init__(self, wrench: Wrench) -> None:
+        self._wrench = wrench
         self._bolted = wrench.bolt is not None
-        self._grip = _TURN_GRIP if self._bolted else _SLIDE_GRIP
+        self._grip = wrench.size * (_TURN_GRIP if self._bolted else _SLIDE_GRIP)
+        if self._bolted and wrench.size > 1.0:
+            self._grip = max(wrench.jaw + _LEVER, wrench.handle[0] + _ROOM)
         self.patience = 8
         self.good = (0.003, float(np.deg2rad(2.0)))
         self.enough = (0.007, float(np.deg2rad(3.5 if self._bolted else 5.5)))
@@ -110,12 +118,12 @@ class WrenchHandling:
         self, seen: SeenObject, turn: float, c: UserConfiguration, failed: Grasp | None = None
     ) -> Grasp:
         """Thumb on one side of the handle, fingers on the other; round about if that failed."""
-        return choose_handle_grasp(seen.yaw, turn, self._grip, c, failed.side if failed else None)
+        return choose_handle_grasp(seen, turn, self._grip, c, failed.side if failed else None)
 
     def pivot(self, seen: SeenObject) -> Array:
         """The bolt, or a free wrench's middle."""
         if self._bolted:
-            return np.array(bolt_place(seen.position[:2], seen.yaw))
+            return np.array(self._wrench.bolt_place(seen.position[:2], seen.yaw))
         return np.array(seen.position[:2])
 
     def reach(self, seen: SeenObject, grasp: Grasp, turn: float, c: UserConfiguration) -> float:
