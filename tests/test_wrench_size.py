@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from models.objects import BOLT_LIFT, JAW, Wrench, bolt_place
 from models.rotations import exp
 from sandbox.air_user.holds import carried, hold_of
-from sandbox.cli.scene_options import SceneOptions, plan
 from sandbox.headless import run_trial
+from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording import load_recording
 from sandbox.replay import replay
 from tasks.simulated_user.configuration import UserConfiguration
