@@ -165,13 +165,14 @@ def main() -> None:
     missing = [] if args.table else [j for j in jobs if j not in done]
     # One thread a process: the machine's cores are the processes' already.
     os.environ["OMP_NUM_THREADS"] = "1"
-    with (
-        args.out.open("ab", buffering=0) as file,
-        Progress(console=Console(stderr=True)) as progress,
-        ProcessPoolExecutor(args.workers) as pool,
-    ):
-        for result in progress.track(pool.map(trial, missing), total=len(missing)):
-            file.write(json.dumps(result).encode() + b"\n")
+    if missing:
+        with (
+            args.out.open("ab", buffering=0) as file,
+            Progress(console=Console(stderr=True)) as progress,
+            ProcessPoolExecutor(args.workers) as pool,
+        ):
+            for result in progress.track(pool.map(trial, missing), total=len(missing)):
+                file.write(json.dumps(result).encode() + b"\n")
     print("\n".join(table(load(args.out), args.fingers, seeds)))
 
 
