@@ -54,10 +54,11 @@ def contact_vector(contacts: Mapping[int, tuple[float, float]]) -> Array:
     if labels[0] < 0 or labels[-1] >= len(FINGERS):
         raise EncoderError("no such finger", got=labels, expected="labels 0 to 4")
     places = [tuple(contacts[label]) for label in labels]
-    if not all(len(p) == 2 and isfinite(p[0]) and isfinite(p[1]) for p in places):
-        raise EncoderError(
-            "positions must be finite pairs", got=places, expected="(x, y) in inches"
-        )
+    for place in places:
+        if not (len(place) == 2 and isfinite(place[0]) and isfinite(place[1])):
+            raise EncoderError(
+                "positions must be finite pairs", got=places, expected="(x, y) in inches"
+            )
     u = list(_NOTHING)
     left, top = min(places)
     for label, (x, y) in zip(labels, places, strict=True):

@@ -25,12 +25,16 @@ _LEAST_TURN = 1e-12
 class Motion(NamedTuple):
     """What touches have done together since the frame before."""
 
-    carried: Array
-    """(2,) m, on the surface: the way of their middle (y down)."""
+    carried: tuple[float, float]
+    """m, on the surface: the way of their middle (y down)."""
     turn: float
     """rad, about their middle, counterclockwise as seen on the screen."""
-    about: Array
-    """(2,) m, where their middle was, on the surface."""
+    about: tuple[float, float]
+    """m, where their middle was, on the surface."""
+
+
+STILL = Motion((0.0, 0.0), 0.0, (0.0, 0.0))
+"""Of no touches."""
 
 
 def rigid_motion(before: ArrayLike, after: ArrayLike) -> Motion:
@@ -41,29 +45,31 @@ def rigid_motion(before: ArrayLike, after: ArrayLike) -> Motion:
     before, after = np.asarray(before, float), np.asarray(after, float)
     both = np.isfinite(before).all(axis=1) & np.isfinite(after).all(axis=1)
     if not both.any():
-        return Motion(np.zeros(2), 0.0, np.zeros(2))
+        return STILL
     a, b = before[both], after[both]
     middle, later = a.mean(axis=0), b.mean(axis=0)
     (ax, ay), (bx, by) = (a - middle).T, (b - later).T
     # The surface's y points down, so the turn on the screen has the other sign.
     turn = -np.arctan2(np.sum(ax * by - ay * bx), np.sum(ax * bx + ay * by))
-    return Motion(later - middle, float(turn), middle)
+    (x, y), (right, down) = middle.tolist(), (later - middle).tolist()
+    return Motion((right, down), float(turn), (x, y))
 
 
 def common_motion(before: Sequence[Sequence[float]], after: Sequence[Sequence[float]]) -> Motion:
     """`rigid_motion` of a few touches [(x, y), ..] that are all known, in plain floats."""
     if not before:
-        return Motion(np.zeros(2), 0.0, np.zeros(2))
+        return STILL
     n = len(before)
-    mx, my = sum(p[0] for p in before) / n, sum(p[1] for p in before) / n
-    lx, ly = sum(p[0] for p in after) / n, sum(p[1] for p in after) / n
-    across = along = 0.0
+    mx = my = lx = ly = across = along = 0.0
+    for (ax, ay), (bx, by) in zip(before, after, strict=True):
+        mx, my, lx, ly = mx + ax, my + ay, lx + bx, ly + by
+    mx, my, lx, ly = mx / n, my / n, lx / n, ly / n
     for (ax, ay), (bx, by) in zip(before, after, strict=True):
         ax, ay, bx, by = ax - mx, ay - my, bx - lx, by - ly
         across += ax * by - ay * bx
         along += ax * bx + ay * by
     # The surface's y points down, so the turn on the screen has the other sign.
-    return Motion(np.array([lx - mx, ly - my]), -atan2(across, along), np.array([mx, my]))
+    return Motion((lx - mx, ly - my), -atan2(across, along), (mx, my))
 
 
 class PoseFilter:
@@ -89,19 +95,19 @@ class PoseFilter:
     def step(
         self,
         q: ArrayLike,
-        carried: ArrayLike,
+        carried: Sequence[float],
         dt: float,
         turn: float = 0.0,
-        about: ArrayLike = (0.0, 0.0),
+        about: Sequence[float] = (0.0, 0.0),
     ) -> Array:
         """Smoothed pose (48,).
 
         Args:
             q: (48,) encoder's pose in the 3-D surface frame.
-            carried: (2,) m, motion of the touches since the last step, on the surface (y down).
+            carried: m, motion of the touches since the last step, on the surface (y down).
             dt: s since the last step.
             turn: rad, of the touches since the last step, counterclockwise on the screen.
-            about: (2,) m, middle of the touches before it, on the surface.
+            about: m, middle of the touches before it, on the surface.
         """
         q = np.array(q, float)
         if self._state is None or self.tau <= 0:
@@ -109,11 +115,10 @@ class PoseFilter:
             return q.copy()
         state = self._state
         x, y = state[:2].tolist()
-        along, down = np.asarray(carried, float).tolist()
+        along, down = carried
         if abs(turn) > _LEAST_TURN:
             c, s = cos(turn), sin(turn)
-            left, up = np.asarray(about, float).tolist()
-            up = -up
+            left, up = about[0], -about[1]
             x, y = left + c * (x - left) - s * (y - up), up + s * (x - left) + c * (y - up)
             state[ROOT_ROTATION] = turned_about_normal(state[ROOT_ROTATION], turn)
         state[0], state[1] = x + along, y - down

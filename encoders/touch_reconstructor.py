@@ -287,7 +287,7 @@ class TouchReconstructor:
         carried = motion.carried
         if len(ids) == 1:
             # No layout, no information: the posture stays, and the hand goes where the finger is.
-            guess = self._filter.step(self._held(carried), np.zeros(2), dt)
+            guess = self._filter.step(self._held(carried), (0.0, 0.0), dt)
             guess = self._shifted(guess, labels, targets)
         else:
             relative = self.model.encoder.predict(u) if self.settings.encode else self._mean
@@ -305,9 +305,9 @@ class TouchReconstructor:
         self._tip_error = corrected.error
         return corrected.q
 
-    def _held(self, carried: Array) -> Array:
+    def _held(self, carried: tuple[float, float]) -> Array:
         """The last pose, carried along with the touches."""
-        return _carried(self._place, *carried.tolist())
+        return _carried(self._place, *carried)
 
     def _shifted(self, q: Array, labels: list[int], targets: Array) -> Array:
         """The pose moved so that its tips lie on their targets on average."""

@@ -65,10 +65,11 @@ class TouchFrame:
     def __post_init__(self) -> None:
         if not math.isfinite(self.time):
             raise FrameError("a frame's time must be finite", got=self.time, expected="seconds")
-        ids = [c.id for c in self.contacts]
-        if len(set(ids)) != len(ids):
+        if len({c.id for c in self.contacts}) != len(self.contacts):
             raise FrameError(
-                "two contacts of one frame share an id", got=sorted(ids), expected="unique ids"
+                "two contacts of one frame share an id",
+                got=sorted(c.id for c in self.contacts),
+                expected="unique ids",
             )
         if self.lift is not None and not 0.0 <= self.lift <= 1.0:
             raise FrameError("the lift control is out of range", got=self.lift, expected="0 to 1")

@@ -147,16 +147,16 @@ class SimulatedDevice:
         if not isinstance(self.user, SkilledUser):
             return [self._screen.spoil(frame)]
         # The user puts down thumb, index, ... in this order.
-        order = {i: finger for finger, i in enumerate(self.user.finger_ids())}
+        ids = self.user.finger_ids
         if self._tell_labels:
-            contacts = tuple(replace(c, label=order[c.id]) for c in frame.contacts)
+            contacts = tuple(replace(c, label=ids().index(c.id)) for c in frame.contacts)
             frame = replace(frame, contacts=contacts)
         frame = self._screen.spoil(frame)
         for contact in frame.contacts:
             if contact.id not in self.truth:
-                finger = order.get(self._screen.own_id(contact.id))
-                if finger is not None:
-                    self.truth[contact.id] = finger
+                own = self._screen.own_id(contact.id)
+                if own in ids():
+                    self.truth[contact.id] = ids().index(own)
         return [frame]
 
     def close(self) -> None:

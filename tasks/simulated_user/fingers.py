@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import exp, sqrt
 
@@ -69,7 +70,8 @@ class Fingers:
         self._c, self._rng = configuration, rng
         n = configuration.fingers
         self._movement = _Movement(np.zeros((n, 2)), np.zeros((n, 2)), 0.0, 1e-9)
-        self._tremor = rng.normal(0.0, configuration.tremor, (n, 2))
+        # x and y of every finger in turn, plain floats: of a few they are quicker than arrays.
+        self._tremor: list[float] = rng.normal(0.0, configuration.tremor, 2 * n).tolist()
         self._down_at = np.full(n, np.inf)
         self._up_at = np.full(n, -np.inf)
         self._ids = np.full(n, -1)
@@ -124,8 +126,8 @@ class Fingers:
     def touches(self, now: float, surface: Surface) -> tuple[Contact, ...]:
         """What the screen feels now."""
         # What shakes the fingers, then what is only noise, in one draw.
-        shaken, noise = self._rng.standard_normal((2, *self._tremor.shape))
-        self._shake(now, shaken)
+        drawn, many = self._rng.standard_normal(4 * self._c.fingers).tolist(), 2 * self._c.fingers
+        self._shake(now, drawn[:many])
         touching = [
             (contact, finger)
             for contact, finger, down, up in self._spans
@@ -133,16 +135,15 @@ class Fingers:
         ]
         if not touching:
             return ()
-        places = self.places(now) + self._tremor + self._c.noise * noise
+        meant, size = self.places(now).ravel().tolist(), self._c.noise
+        felt = [a + b + size * c for a, b, c in zip(meant, self._tremor, drawn[many:], strict=True)]
+        left, top, height = surface.origin
+        places = zip(felt[::2], felt[1::2], strict=True)
         if surface.aligned:
             # As `to_surface`, which is made for any direction.
-            left, top, _ = surface.origin
-            xy = [[x - left, -(y - top)] for x, y in places.tolist()]
+            xy = [[x - left, top - y] for x, y in places]
         else:
-            world = np.empty((len(noise), 3))
-            world[:, :2] = places
-            world[:, 2] = surface.origin[2]
-            xy = surface.to_surface(world).tolist()
+            xy = surface.to_surface([(x, y, height) for x, y in places]).tolist()
         right = surface.width_in * METRES_PER_INCH - _MARGIN
         bottom = surface.height_in * METRES_PER_INCH - _MARGIN
         contacts = []
@@ -168,8 +169,10 @@ class Fingers:
         length = float(np.linalg.norm(end - start, axis=1).max())
         return end + self._rng.normal(0.0, self._c.end_noise * length, 2)
 
-    def _shake(self, now: float, drawn: Array) -> None:
+    def _shake(self, now: float, drawn: Sequence[float]) -> None:
         keep = exp(-(now - self._last) / self._c.tremor_time)
         self._last = now
-        fresh = self._c.tremor * drawn
-        self._tremor = keep * self._tremor + sqrt(1.0 - keep * keep) * fresh
+        size, share = self._c.tremor, sqrt(1.0 - keep * keep)
+        self._tremor = [
+            keep * a + share * (size * b) for a, b in zip(self._tremor, drawn, strict=True)
+        ]

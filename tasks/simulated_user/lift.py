@@ -53,7 +53,7 @@ class Slider:
         share = self._at(now)
         if share <= _STOP:
             return 0.0
-        return float(np.clip(share + self._rng.normal(0.0, NOISE), 0.0, 1.0))
+        return min(max(share + float(self._rng.normal(0.0, NOISE)), 0.0), 1.0)
 
     def _at(self, now: float) -> float:
         share = minimum_jerk((now - self._begin) / self._duration)

@@ -96,7 +96,8 @@ class Stacker(SkilledUser):
 
     def touch(self, now: float) -> TouchFrame:
         """What the fingers do on the screen, and where the slider is, now, s."""
-        return replace(super().touch(now), lift=self._slider.control(now))
+        frame = super().touch(now)
+        return TouchFrame(now, frame.contacts, self._slider.control(now), source=frame.source)
 
     def _act(self, sight: Sight, now: float) -> None:
         # A cube is a cube: whichever face is below, it is gripped and turned in the same way.
