@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tasks.sensing import length
 from tasks.task import Goal
 
 Array = NDArray[np.float64]
@@ -43,10 +43,10 @@ def place(goals: Sequence[Goal], poses: Mapping[str, Posed]) -> tuple[Goal, ...]
         below = poses[goal.on]
         base, yaw = np.asarray(below.position), flat_yaw(below.rotation)
         planned = placed.get(goal.on)
-        if planned and np.linalg.norm(base - planned.position) > _NEAR:
+        if planned and length(base - planned.position) > _NEAR:
             base, yaw = np.asarray(planned.position), planned.yaw
         x, y, z = (base + goal.position).tolist()
-        placed[goal.object] = replace(goal, position=(x, y, z), yaw=yaw + goal.yaw, on=None)
+        placed[goal.object] = Goal(goal.object, (x, y, z), yaw + goal.yaw)
     return tuple(placed[goal.object] for goal in goals)
 
 
@@ -55,6 +55,6 @@ def flat_yaw(rotation: Array) -> float:
 
     A box on another of its faces has its x axis upright, and still edges with a direction.
     """
-    steep = np.round(np.abs(rotation[2]), 1)
-    axis = rotation[:, int(np.argmin(steep))]
-    return float(np.arctan2(axis[1], axis[0]))
+    steep = [round(10.0 * abs(z)) for z in rotation[2].tolist()]
+    x, y, _ = rotation[:, steep.index(min(steep))].tolist()
+    return float(np.arctan2(y, x))

@@ -16,7 +16,7 @@ from models.objects import Box
 from models.scene import TABLE
 from models.surface import Surface
 from tasks.goals import Posed, place
-from tasks.sensing import ObjectState, Sensing
+from tasks.sensing import ObjectState, Sensing, length
 from tasks.task import Goal, Measure
 
 Array = NDArray[np.float64]
@@ -96,12 +96,14 @@ class Stacking:
     def measure(self, sensing: Sensing) -> Measure:
         """Whether the boxes are stacked now; what is missing is told from below."""
         states = {box.name: sensing.object(box.name) for box in self.objects}
-        reasons = [self._base_missing(states, sensing)]
-        reasons += [
-            self._missing(lower, upper, states, sensing) for lower, upper in pairwise(self.objects)
-        ]
-        reason = next((r for r in reasons if r), "")
-        progress = 1.0 if not reason else min(self._progress(states, reasons[1:]), 0.99)
+        done, missing = 0, ""
+        for lower, upper in pairwise(self.objects):
+            missing = self._missing(lower, upper, states, sensing)
+            if missing:
+                break
+            done += 1
+        reason = self._base_missing(states, sensing) or missing
+        progress = 1.0 if not reason else min(self._progress(states, done), 0.99)
         return Measure(not reason, progress, reason)
 
     def _base_missing(self, states: dict[str, ObjectState], sensing: Sensing) -> str:
@@ -117,28 +119,27 @@ class Stacking:
     ) -> str:
         """What is missing of a box's standing on the one that belongs below it; empty: nothing."""
         name, below = upper.name, lower.name
-        off = float(np.linalg.norm((states[name].position - states[below].position)[:2]))
         if sensing.touching(name, TABLE):
             return f"the {name} box stands on the table"
         others = (o.name for o in self.objects if o.name not in (name, below))
         if not sensing.rests_on(name, below) or any(sensing.rests_on(name, o) for o in others):
             return f"the {name} box does not stand on the {below} box"
+        off = length((states[name].position - states[below].position)[:2])
         if off > OFFSET_TOLERANCE * 2 * min(lower.half_size[0], upper.half_size[0]):
             return f"the {name} box is {1000 * off:.0f} mm off the middle of the {below} box"
         return _restless(name, states[name])
 
-    def _progress(self, states: dict[str, ObjectState], missing: list[str]) -> float:
+    def _progress(self, states: dict[str, ObjectState], done: int) -> float:
         """Share of the upper boxes that are in place, and how far the next one has come."""
-        done = next((i for i, reason in enumerate(missing) if reason), len(missing))
-        if done == len(missing):
+        if done == len(self.goals):
             return 1.0
-        way = float(np.clip(1.0 - self._way(done, states) / self._ways[done], 0.0, 1.0))
-        return (done + 0.99 * way) / len(missing)
+        way = min(max(1.0 - self._way(done, states) / self._ways[done], 0.0), 1.0)
+        return (done + 0.99 * way) / len(self.goals)
 
     def _way(self, i: int, poses: Mapping[str, Posed]) -> float:
         """m, from a goal's box to where it belongs as things stand."""
-        goal = place(self.goals, poses)[i]
-        return float(np.linalg.norm(poses[goal.object].position - goal.position))
+        goal = place(self.goals[: i + 1], poses)[i]
+        return length(poses[goal.object].position - goal.position)
 
     @cached_property
     def _ways(self) -> tuple[float, ...]:

@@ -134,7 +134,7 @@ class WrenchTask(ABC):
 
 def share(left: float, whole: float, tolerance: float) -> float:
     """0 to 1, how much of a way is made that counts as made up to a tolerance."""
-    return float(np.clip(1.0 - max(left - tolerance, 0.0) / (whole - tolerance), 0.0, 1.0))
+    return min(max(1.0 - max(left - tolerance, 0.0) / (whole - tolerance), 0.0), 1.0)
 
 
 def _restless(wrench: ObjectState) -> str:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from models.objects import HANDLE, JAW, THICKNESS
 from models.surface import Surface
-from tasks.sensing import ObjectState
+from tasks.sensing import ObjectState, length
 from tasks.wrench_base import END_BORDER, Place, WrenchTask, share
 
 Array = NDArray[np.float64]
@@ -76,12 +76,12 @@ class WrenchSlide(WrenchTask):
     def _progress(self, wrench: ObjectState) -> float:
         """Half for the slide, half for the turn."""
         way = np.subtract(self.goals[0].position, self.objects[0].position)
-        slid = share(self._off(wrench), float(np.linalg.norm(way)), POSITION_TOLERANCE)
+        slid = share(self._off(wrench), length(way), POSITION_TOLERANCE)
         return 0.5 * (slid + self._turned(wrench, YAW_TOLERANCE))
 
     def _off(self, wrench: ObjectState) -> float:
         """m from the wrench's middle to the goal."""
-        return float(np.linalg.norm(wrench.position - np.asarray(self.goals[0].position)))
+        return length(wrench.position - self.goals[0].position)
 
 
 def _on_surface(middle: Array, yaw: float, size: Array) -> bool:
