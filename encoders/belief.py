@@ -92,8 +92,7 @@ class BeliefLabels:
         if self._answered and fixed == self._answered[0] and self._nothing_new(contacts):
             # Nearly every frame: the answer is the last one's.
             self._moved = dict(contacts)
-            labelling = self._answered[1]
-            return Labelling(dict(labelling.labels), labelling.probability)
+            return self._answered[1]
         ids, xy = arranged(contacts, fixed)
         self._take_in(ids, dict(zip(ids, xy, strict=True)))
         candidates = self._belief
@@ -105,7 +104,7 @@ class BeliefLabels:
             dict(zip(ids, labels, strict=True)), float(np.exp(self._belief[best]))
         )
         self._answered = dict(fixed), labelling
-        return Labelling(dict(labelling.labels), labelling.probability)
+        return labelling
 
     def _nothing_new(self, contacts: Mapping[int, tuple[float, float]]) -> bool:
         """Whether the same contacts are in the same order and a look at them would add nothing."""

@@ -93,7 +93,7 @@ class Best:
         for t in range(len(q)):
             if t == 0 or trial[t] != trial[t - 1]:
                 posture.reset()
-                out[t] = posture.step(q[t], np.zeros(2), 0.0)
+                out[t] = posture.step(q[t], (0.0, 0.0), 0.0)
                 continue
             motion = rigid_motion(xy[t - 1], xy[t])
             out[t] = posture.step(

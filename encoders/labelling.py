@@ -44,7 +44,8 @@ class Labelling:
     """Fingers of contacts.
 
     Attributes:
-        labels: contact id -> finger (thumb 0 .. little 4); no finger occurs twice.
+        labels: contact id -> finger (thumb 0 .. little 4); no finger occurs twice. It is not to be
+            changed: labellers may give the same answer again.
         probability: How sure the labeller is of all labels together, 0 to 1.
     """
 

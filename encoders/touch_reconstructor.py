@@ -165,6 +165,7 @@ class TouchReconstructor:
         self._lift.reset()
         self._filter.reset()
         self.labeller.reset()
+        # Never changed, only replaced.
         self._labels: dict[int, int] = {}
         self._previous_labels: dict[int, int] = {}
         self._same_grasp = False
@@ -194,7 +195,7 @@ class TouchReconstructor:
 
         motion, speed = self._motion(dt)
         self._same_grasp = self._labels == self._previous_labels
-        self._previous_labels = dict(self._labels)
+        self._previous_labels = self._labels
         named = {i: tracks[i].place for i in self._labels}
         u = None
         if named:
@@ -248,14 +249,13 @@ class TouchReconstructor:
         named = len(self._labels) == len(tracks)
         if not tracks or (named and not again) or time - self._changed_at < settle - 1e-9:
             return
-        fixed = dict(self._labels) if low and settle > 0 else {}
-        if self.settings.device_labels and all(t.device_label is not None for t in tracks.values()):
-            given = {i: int(t.device_label or 0) for i, t in tracks.items()}
-            if len(set(given.values())) == len(given):
-                self._labels, self._probability = given, 1.0
-                return
+        fixed = self._labels if low and settle > 0 else {}
+        given = {i: t.device_label for i, t in tracks.items() if t.device_label is not None}
+        if self.settings.device_labels and len(set(given.values())) == len(tracks):
+            self._labels, self._probability = given, 1.0
+            return
         labelling = self.labeller.assign({i: t.place for i, t in tracks.items()}, fixed)
-        self._labels, self._probability = dict(labelling.labels), labelling.probability
+        self._labels, self._probability = labelling.labels, labelling.probability
 
     def _motion(self, dt: float) -> tuple[Motion, float]:
         """Common motion of the touches since the last step, and the fastest one's speed."""

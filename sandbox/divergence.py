@@ -27,19 +27,25 @@ _WARNINGS = {
 """What MuJoCo notices by itself; it also calls numbers beyond 1e10 not finite."""
 
 
+def nonsense_commanded(data: mujoco.MjData) -> str:
+    """What is wrong with the pose that hands are to go to, in words; empty where nothing is."""
+    ctrl = data.ctrl
+    if isfinite(ctrl.dot(ctrl)) or np.all(np.isfinite(ctrl)):
+        return ""
+    return "the commanded pose is not finite"
+
+
 def nonsense(scene: Scene, data: mujoco.MjData) -> str:
     """What is wrong with a simulation, in words; empty where nothing is."""
     # Nearly always nothing is, which a few sums tell: whatever is not finite makes one of them so,
     # and nothing is fast where no joint is.
-    ctrl, qpos, qvel = data.ctrl, data.qpos, data.qvel
-    squares = ctrl.dot(ctrl) + qpos.dot(qpos)
-    if isfinite(squares) and qvel.dot(qvel) < _SLOW**2 and not any(data.warning.number.tolist()):
+    qpos, qvel = data.qpos, data.qvel
+    slow = isfinite(qpos.dot(qpos)) and qvel.dot(qvel) < _SLOW**2
+    if slow and not any(data.warning.number.tolist()):
         return ""
     for kind, words in _WARNINGS.items():
         if data.warning[kind].number:
             return words
-    if not np.all(np.isfinite(data.ctrl)):
-        return "the commanded pose is not finite"
     if not (np.all(np.isfinite(data.qpos)) and np.all(np.isfinite(data.qvel))):
         return "the state is not finite"
     for name, body in scene.object_bodies.items():

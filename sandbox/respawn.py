@@ -86,7 +86,7 @@ class Respawn:
         position = data.xpos[place.body]
         reach = place.radius + FINGERTIP
         away = position - surface.corner
-        x, up, off = (away if surface.aligned else away @ surface.rotation).tolist()
+        x, up, off = (away if surface.aligned else away.dot(surface.rotation)).tolist()
         width, height = METRES_PER_INCH * surface.width_in, METRES_PER_INCH * surface.height_in
         flat = _flat(surface)
         near = bool(
