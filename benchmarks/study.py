@@ -20,7 +20,7 @@ from benchmarks.machine import describe_machine
 from sandbox.assembly import build
 from sandbox.devices.recorded import RecordedDevice
 from sandbox.devices.simulated import SimulatedDevice
-from sandbox.headless import trial_header
+from sandbox.headless import no_search_for_garbage, trial_header
 from sandbox.keeping import Keeping
 from sandbox.pacing import RealTime
 from sandbox.recording import load_recording
@@ -37,7 +37,6 @@ from sandbox.study.journal import Journal, Syncing
 from sandbox.study.measures import MEASURES
 from sandbox.study.measures_trial import VERSION
 from sandbox.study.plan import TrialStep
-from sandbox.study.players import no_search_for_garbage
 from sandbox.study.session_folder import SessionFolder
 from sandbox.study.simulate import simulated_person
 from sandbox.study.tables import rebuild_session, rebuild_study

@@ -56,34 +56,33 @@ def run_trial(
     header = trial_header(settings, about)
     keeping = Keeping(header, record, dump)
     try:
-        session = build(settings, make_device, keeping.recorder)
-        try:
-            # More threads gain nothing on such small matrices, and would wait for each other.
-            with threadpool_limits(1), _old_objects_left_alone():
+        # More threads gain nothing on such small matrices, and would wait for each other.
+        with threadpool_limits(1), no_search_for_garbage():
+            session = build(settings, make_device, keeping.recorder)
+            try:
                 play(session, make_views(session))
-            return keeping.end(session)
-        finally:
-            session.close()
+                return keeping.end(session)
+            finally:
+                session.close()
     finally:
         keeping.close()
 
 
 @contextmanager
-def _old_objects_left_alone() -> Iterator[None]:
-    """Keeps the search for garbage from looking through all that was there before a trial.
+def no_search_for_garbage() -> Iterator[None]:
+    """Lets Python look for garbage between trials instead of in the middle of one.
 
-    A trial makes many short-lived objects, and every so often Python then looks through everything
-    that was ever imported: a tenth of a trial's time.
+    A trial leaves none, but makes thousands of objects, and every so often Python would look
+    through them and everything that was ever imported: milliseconds, for which a person's touch
+    would have to wait.
     """
-    if gc.get_freeze_count():
-        # Somebody else has frozen what they want frozen.
-        yield
-        return
-    gc.freeze()
+    was = gc.isenabled()
+    gc.disable()
     try:
         yield
     finally:
-        gc.unfreeze()
+        if was:
+            gc.enable()
 
 
 def play(session: Session, views: Sequence[View]) -> None:

@@ -17,13 +17,12 @@ from models.errors import InputError
 from sandbox.cli.films import open_film
 from sandbox.cli.page_options import PageOptions
 from sandbox.cli.parse import parse
-from sandbox.headless import View
+from sandbox.headless import View, no_search_for_garbage
 from sandbox.messages import Snapshot
 from sandbox.recorded_poses import recorded_score
 from sandbox.recording import Recording, load_recording
 from sandbox.replay import Verification, replay
 from sandbox.session import Session
-from sandbox.study.players import no_search_for_garbage
 from sandbox.study.trial_files import find_recordings
 from tasks.score import ending
 

@@ -18,8 +18,6 @@ from pathlib import Path
 from tempfile import gettempdir
 from typing import Any, Protocol
 
-from threadpoolctl import threadpool_limits
-
 from models.errors import HandSandboxError, InputError
 from sandbox.headless import run_trial
 from sandbox.regress.plan import TrialJob, registered
@@ -80,7 +78,7 @@ class Executor(Protocol):
 def run_job(job: TrialJob) -> Trial:
     """One trial, from its settings to its result."""
     recording = job.recording
-    with threadpool_limits(1), registered(job.own_task):
+    with registered(job.own_task):
         planned = job.planned()
         result = run_trial(
             planned.settings,

@@ -12,7 +12,7 @@ from models.errors import StudyError
 from models.surface import Surface
 from sandbox.assembly import build
 from sandbox.devices.web import WebDevice
-from sandbox.headless import trial_header
+from sandbox.headless import no_search_for_garbage, trial_header
 from sandbox.keeping import Keeping
 from sandbox.live import LiveSession
 from sandbox.messages import Snapshot
@@ -22,7 +22,7 @@ from sandbox.server.rectangle import rectangle
 from sandbox.server.skins import pack_skin
 from sandbox.session import Session
 from sandbox.settings import RunSettings
-from sandbox.study.players import Ask, Played, Trial, no_search_for_garbage
+from sandbox.study.players import Ask, Played, Trial
 from sandbox.study.showing import Showing
 from sandbox.study.study_page import TICK, StudyPage, inches, lacks_room
 

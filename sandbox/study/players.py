@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import gc
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
@@ -14,7 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from models.errors import DivergenceError
 from sandbox.assembly import DeviceMaker, build
-from sandbox.headless import trial_header
+from sandbox.headless import no_search_for_garbage, trial_header
 from sandbox.keeping import Keeping
 from sandbox.live import LiveSession
 from sandbox.messages import Snapshot
@@ -169,22 +167,6 @@ class WindowPlayer:
         if self._window is not None:
             self._window.close()
             self._window = None
-
-
-@contextmanager
-def no_search_for_garbage() -> Iterator[None]:
-    """Lets Python look for garbage between trials instead of in the middle of one.
-
-    A trial keeps thousands of objects for its tables, and looking through all of them takes
-    milliseconds that a person's touch would wait for.
-    """
-    was = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if was:
-            gc.enable()
 
 
 class Trial:
