@@ -205,7 +205,7 @@ class FingertipCorrection:
                 rows = held + _JOINT_OFFSET
                 bound = np.where(side[held] > 0, upper[held], lower[held])
                 # Exact measurements of held joints beside the measurements of the tips.
-                A = np.concatenate([JC, C[rows]])
+                A = np.concatenate([JC, C.take(rows, 0)])
                 S = np.empty((len(A), len(A)))
                 S[:k, :k] = free
                 S[k:] = A[:, rows].T
@@ -223,7 +223,7 @@ class FingertipCorrection:
                     break
             else:
                 wrong = np.sign(weights[k:]) == side[held]
-                if inside and not wrong.any():
+                if inside and True not in wrong.tolist():
                     break
                 side[held[wrong]] = 0
             side += (beyond > _SLACK).astype(np.int64) - (beyond < -_SLACK)

@@ -167,9 +167,9 @@ def turned_about_normal(w: ArrayLike, turn: float) -> tuple[float, float, float]
     return scale * x, scale * y, scale * z
 
 
-def turn_about_normal(w: ArrayLike) -> float:
+def turn_about_normal(w: Array | Vector) -> float:
     """rad, of the rotation about (0, 0, 1) that is nearest to exp(w), for a single w (3,)."""
-    x, y, z = np.asarray(w, float).tolist()
+    x, y, z = w.tolist() if isinstance(w, np.ndarray) else w
     t2 = x * x + y * y + z * z
     t = sqrt(t2)
     a = sin(t) / t if t > _SMALL else 1.0 - t2 / 6.0
