@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from benchmarks.machine import describe_machine
 from benchmarks.pinch import COMFORTABLE_AXIS, GUESS_COVARIANCE
 from encoders.correction import FingertipCorrection
-from models.hand import IMPULSE_PROFILES, SERVOS, Hand
+from models.hand import IMPULSE_PROFILES, SERVOS, Hand, finger_damping
 from models.kinematics import Kinematics
 from models.objects import Box
 from models.scene import CONTROL_PERIOD, Scene, SceneSpec
@@ -95,7 +95,8 @@ def hold(
     hold: float = HOLD,
 ) -> Stillness:
     """Grasps, lifts and holds a box."""
-    scene = Scene(SceneSpec((Hand(servo=servo, impulse=impulse),), (box,)))
+    hand = Hand(servo=servo, impulse=impulse, finger_damping=finger_damping(impulse))
+    scene = Scene(SceneSpec((hand,), (box,)))
     ContactModes(scene, mode)
     model, data = scene.model, mujoco.MjData(scene.model)
     opened, closed = (grasp(box, fingers, gap) for gap in (OPENING, -SQUEEZE))

@@ -59,7 +59,7 @@ class Hand:
         servo: One of `SERVOS`.
         impulse: Impulse limit of every servo, N s (or N m s) per 1/60 s.
         stiffness: Factor on the servo stiffnesses of the skeleton and the root.
-        finger_damping: Damping ratio of the finger joints' servos; `CALM_DAMPING` for a calm hand.
+        finger_damping: Damping ratio of the finger joints' servos; see the function of this name.
         solid_end: m of a last link, from the middle of its fingertip, that are solid where not the
             whole hand is; None is all of it.
     """
@@ -94,6 +94,16 @@ class Hand:
     def solid_name(self, bone: Bone) -> str:
         """Name of the geom of a last link that meets objects."""
         return self.element_name(bone.name) + ("" if self.solid_end is None else "_end")
+
+
+def is_calm(impulse: float) -> bool:
+    """Whether a hand is no stronger than `safe`, and is to be slow and damped as well."""
+    return impulse <= IMPULSE_PROFILES["safe"]
+
+
+def finger_damping(impulse: float) -> float:
+    """Damping ratio that goes with an impulse limit, for `Hand.finger_damping`."""
+    return CALM_DAMPING if is_calm(impulse) else 1.0
 
 
 def hand_default() -> Element:

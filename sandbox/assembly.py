@@ -19,7 +19,7 @@ from encoders.touch_reconstructor import ReconstructorSettings, TouchReconstruct
 from encoders.trained import BUILTIN, TrainedModel, builtin, load_model
 from encoders.yaw_range import YawRange, YawWatch
 from models.errors import CaptureError, InputError
-from models.hand import CALM_DAMPING, IMPULSE_PROFILES, Hand
+from models.hand import Hand, finger_damping, is_calm
 from models.limits import GENTLE, RateLimit
 from models.skeleton import ADULT
 from models.surface import Surface
@@ -106,7 +106,7 @@ def reconstructor_settings(settings: RunSettings, lift_range: float = 0.0) -> Re
         lift=LiftSettings(reach=lift_range / settings.hand_size),
         correction=CorrectionSettings() if settings.correction else None,
         encode=settings.encode,
-        rate=GENTLE if _calm(settings) else RateLimit(),
+        rate=GENTLE if is_calm(settings.impulse) else RateLimit(),
     )
     return chosen if settings.smoothing else replace(chosen, posture_tau=0.0)
 
@@ -191,11 +191,6 @@ def build(
     return session
 
 
-def _calm(settings: RunSettings) -> bool:
-    """Whether the hands are no stronger than `safe`, and therefore slow and damped as well."""
-    return settings.impulse <= IMPULSE_PROFILES["safe"]
-
-
 def _hands(settings: RunSettings, task_type: type[Task]) -> list[Hand]:
     """The simulated hands."""
     return [
@@ -204,7 +199,7 @@ def _hands(settings: RunSettings, task_type: type[Task]) -> list[Hand]:
             person.skeleton(ADULT),
             servo=settings.servo,
             impulse=settings.impulse,
-            finger_damping=CALM_DAMPING if _calm(settings) else 1.0,
+            finger_damping=finger_damping(settings.impulse),
             solid_end=UPRIGHT_END if task_type.plane == "front" else None,
         )
         for name, person in zip(settings.hand_names, settings.persons, strict=True)
