@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import struct
+import time
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from typing import Any
@@ -13,6 +14,8 @@ from websockets.sync.client import ClientConnection, connect
 
 from tests.processes import PATIENCE
 
+BEAT = 0.5
+"""s, after which a page that has nothing to say says that it is there."""
 SCREEN = {"px_per_in": 132.0, "width_px": 1024.0, "height_px": 768.0, "calibrated": True}
 
 
@@ -29,13 +32,17 @@ def open_socket(url: str, origin: str | None = "", **more: Any) -> Any:
 
 @dataclass
 class Page:
-    """A page that says hello, sends touches, and takes frames apart by its own reading of them."""
+    """A page that says hello, sends touches, and takes frames apart by its own reading of them.
+
+    One that beats says that it is there while it waits, as ours does in a browser.
+    """
 
     url: str
     name: str = "test"
     role: str = "player"
     screen: dict[str, Any] = field(default_factory=lambda: dict(SCREEN))
     protocol: int = 2
+    beats: bool = False
 
     def __post_init__(self) -> None:
         self._stack = ExitStack()
@@ -59,9 +66,14 @@ class Page:
 
     def next(self, timeout: float = PATIENCE) -> dict[str, Any]:
         """The next message; a frame's parts, or a text's JSON."""
-        message = self.socket.recv(timeout=timeout)
-        if isinstance(message, str):
+        end = time.monotonic() + timeout
+        while True:
+            message = self._received(end)
+            if not isinstance(message, str):
+                break
             told: dict[str, Any] = json.loads(message)
+            if told == {"type": "echo", "t": BEAT}:
+                continue
             self.told.append(told)
             return told
         if message[1] == 2:
@@ -69,12 +81,21 @@ class Page:
             return self.skins[-1]
         bodies = struct.unpack_from("<H", message, 2)[0]
         scene, number, touch = struct.unpack_from("<III", message, 4)
-        time, length = struct.unpack_from("<dI", message, 16)
+        at, length = struct.unpack_from("<dI", message, 16)
         assert len(message) == 32 + 28 * bodies + length
         poses = [struct.unpack_from("<7f", message, 32 + 28 * i) for i in range(bodies)]
         state = json.loads(message[32 + 28 * bodies :])
-        return {"type": "frame", "scene": scene, "number": number, "touch": touch, "time": time,
+        return {"type": "frame", "scene": scene, "number": number, "touch": touch, "time": at,
                 "poses": poses, "state": state}  # fmt: skip
+
+    def _received(self, end: float) -> str | bytes:
+        """What comes before this time of the clock."""
+        while self.beats and end - time.monotonic() > BEAT:
+            try:
+                return self.socket.recv(timeout=BEAT)
+            except TimeoutError:
+                self.say(type="beat", t=BEAT)
+        return self.socket.recv(timeout=max(end - time.monotonic(), 0.0))
 
     def until(self, kind: str, /, **wanted: Any) -> dict[str, Any]:
         """The next message of a kind with these values; frames are acknowledged on the way."""

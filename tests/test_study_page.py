@@ -58,7 +58,7 @@ def running(study: StudyFolder, person: Participant) -> Iterator[OnPage]:
 
 
 def opened(running: OnPage, name: str = "tablet", role: str = "player") -> Page:
-    return Page(running.server.url, name=name, role=role, screen=dict(SCREEN))
+    return Page(running.server.url, name=name, role=role, screen=dict(SCREEN), beats=True)
 
 
 def answer(page: Page, sheet: dict[str, Any], item: str, value: object) -> None:
