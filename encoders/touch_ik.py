@@ -7,6 +7,7 @@ A concrete encoder says where to start and what one step is.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -144,16 +145,15 @@ class TouchIkEncoder(ABC):
 
     def _iterate(self, start: Array, fingers: Mask, targets: Array) -> IkSolution:
         """Steps from poses (n, 48) until fingertips are at their targets (n, k, 3)."""
-        if len(start) == 1:
-            return self._iterate_one(start, fingers, targets)
+        tips_and_jacobian = self._walker(fingers, len(start))
         q = start.copy()
         taken = np.zeros(len(q), np.int64)
         moving = np.arange(len(q))
         pace, length = np.ones(len(q)), np.full(len(q), np.inf)
         for i in range(self.iterations):
-            tips, jacobian = self._kinematics.tips_and_jacobian(q[moving])
-            off = (targets[moving] - tips[:, fingers]).reshape(len(moving), -1)
-            J = jacobian[:, fingers].reshape(len(moving), -1, POSE_SIZE)
+            tips, jacobian = tips_and_jacobian(q[moving])
+            off = (targets[moving] - tips).reshape(len(moving), -1)
+            J = jacobian.reshape(len(moving), -1, POSE_SIZE)
             step = self._step(q[moving], start[moving], off, J)
             turn = np.abs(step[:, 3:]).max(axis=1, keepdims=True)
             step *= np.minimum(1.0, _LARGEST_TURN / np.maximum(turn, _LARGEST_TURN))
@@ -169,28 +169,25 @@ class TouchIkEncoder(ABC):
         off = targets - self._kinematics.tips(q)[:, fingers]
         return IkSolution(q, np.sqrt(np.sum(off**2, axis=2).max(axis=1)), taken)
 
-    def _iterate_one(self, start: Array, fingers: Mask, targets: Array) -> IkSolution:
-        """The same for one pose, as sessions ask for it: alike to rounding, five times as fast."""
-        hand = OnePose(self.skeleton, np.flatnonzero(fingers).tolist())
-        q, shape = start.copy(), (1, targets[0].size, POSE_SIZE)
-        taken, pace, length = 0, 1.0, np.inf
-        while taken < self.iterations:
-            tips, jacobian = hand.tips_and_jacobian(q[0])
-            step = self._step(q, start, (targets - tips).reshape(1, -1), jacobian.reshape(shape))
-            turn = np.abs(step[0, 3:]).max()
-            if turn > _LARGEST_TURN:
-                step *= _LARGEST_TURN / turn
-            if self.paced and taken >= _FREE_STEPS:
-                now = float(np.linalg.norm(step))
-                pace *= 0.5 if now > _SHRINKS * length else 1.0
-                length = now
-            q += pace * step
-            taken += 1
-            if not np.abs(step).max() > self.settled:
-                break
-        off = targets[0] - hand.tips(q[0])
-        residual = np.sqrt(np.sum(off**2, axis=1).max())
-        return IkSolution(q, np.array([residual]), np.array([taken]))
+    def _walker(self, fingers: Mask, many: int) -> Callable[[Array], tuple[Array, Array]]:
+        """From so many poses (n, 48) to tips (n, k, 3) and Jacobians (n, k, 3, 48) of fingers.
+
+        A single pose, as sessions ask for it, has a way of its own: alike to rounding, and quicker.
+        """
+        if many == 1:
+            hand = OnePose(self.skeleton, np.flatnonzero(fingers).tolist())
+
+            def one(q: Array) -> tuple[Array, Array]:
+                tips, jacobian = hand.tips_and_jacobian(q[0])
+                return tips[None], jacobian[None]
+
+            return one
+
+        def all_of_them(q: Array) -> tuple[Array, Array]:
+            tips, jacobian = self._kinematics.tips_and_jacobian(q)
+            return tips[:, fingers], jacobian[:, fingers]
+
+        return all_of_them
 
     @abstractmethod
     def _learn(self, Q: Array) -> None:
