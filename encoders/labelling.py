@@ -44,12 +44,12 @@ class Labelling:
     """Fingers of contacts.
 
     Attributes:
-        labels: contact id -> finger (thumb 0 .. little 4); no finger occurs twice. It is not to be
-            changed: labellers may give the same answer again.
+        labels: contact id -> finger (thumb 0 .. little 4); no finger occurs twice. Not to be
+            changed, as labellers may give the same answer again.
         probability: How sure the labeller is of all labels together, 0 to 1.
     """
 
-    labels: dict[int, int]
+    labels: Mapping[int, int]
     probability: float
 
 

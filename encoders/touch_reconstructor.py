@@ -6,7 +6,7 @@ arrival -> rate limit -> commanded pose. Session, evaluation and replay all use 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from math import dist, hypot
 from typing import Any
@@ -166,8 +166,8 @@ class TouchReconstructor:
         self._filter.reset()
         self.labeller.reset()
         # Never changed, only replaced.
-        self._labels: dict[int, int] = {}
-        self._previous_labels: dict[int, int] = {}
+        self._labels: Mapping[int, int] = {}
+        self._previous_labels: Mapping[int, int] = {}
         self._same_grasp = False
         self._probability = 1.0
         self._known: frozenset[int] = frozenset()

@@ -15,7 +15,7 @@ A lone contact, which the captures of the simulated subjects and of the paper do
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -88,7 +88,7 @@ def own_labels(
         labeller.reset()
         ids = _drawn_ids(rng, capture.ids[frames])
         truth: dict[int, int] = {}
-        labels: dict[int, int] = {}
+        labels: Mapping[int, int] = {}
         places: Contacts = {}
         for row, frame in enumerate(frames):
             fingers = np.flatnonzero(capture.down[frame])
@@ -125,7 +125,7 @@ def takes(capture: Capture) -> Iterator[tuple[int, NDArray[np.intp]]]:
 
 
 def _left_alone(
-    labeller: Labeller, truth: dict[int, int], places: Contacts, known: dict[int, int] | None
+    labeller: Labeller, truth: dict[int, int], places: Contacts, known: Mapping[int, int] | None
 ) -> Iterator[bool]:
     """Whether each contact, if all others left, has its own label: a known one, or asked anew."""
     if len(truth) < 2:
@@ -135,7 +135,7 @@ def _left_alone(
         yield found[contact] == finger
 
 
-def _ask(labeller: Labeller, contacts: Contacts) -> dict[int, int]:
+def _ask(labeller: Labeller, contacts: Contacts) -> Mapping[int, int]:
     labeller.reset()
     return labeller.assign(contacts, {}).labels
 
