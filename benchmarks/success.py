@@ -150,10 +150,13 @@ def main() -> None:
     parser.add_argument("--table", action="store_true", help="only print what is there")
     args = parser.parse_args()
     tasks = list(TASKS) if args.tasks == ["all"] else args.tasks
+    rows = chosen_rows(args.rows)
+    for given, known in ((tasks, TASKS), (rows, ROWS)):
+        if unknown := [name for name in given if name not in known]:
+            parser.error(f"there is no {', '.join(unknown)}; there are {', '.join(known)}")
     seeds = {task: judged_seeds(args.seeds, task) for task in tasks}
     args.out.parent.mkdir(parents=True, exist_ok=True)
     done = load(args.out)
-    rows = chosen_rows(args.rows)
     # Seed by seed, so that what is cut short has all tasks and rows to the same extent.
     jobs = [
         (t, r, f, seeds[t][i])
