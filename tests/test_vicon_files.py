@@ -185,7 +185,9 @@ def test_a_motion_that_was_cut_short_is_refused(tmp_path, share):
 
 
 @pytest.mark.parametrize(
-    "frames", ([[float("nan")] * 9], [[float("inf")] * 9], []), ids=["nan", "inf", "none"]
+    "frames",
+    ([[float("nan")] * 9], [[float("inf")] * 9], [[1e200] * 9], []),
+    ids=["nan", "inf", "huge", "none"],
 )
 def test_a_motion_without_finite_numbers_is_refused(tmp_path, frames):
     path = tmp_path / "file.v"

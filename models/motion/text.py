@@ -12,6 +12,8 @@ from models.errors import MotionError
 
 LARGEST = 512 * 2**20
 """Bytes of text that are read at most: a day of motion capture is smaller, a bomb is not."""
+MOST = 1e15
+"""Greatest length or angle in any unit; of more, squares and sines are no numbers any longer."""
 
 
 def read_lines(path: Path, what: str) -> list[str]:
@@ -67,6 +69,13 @@ def numbers(tokens: Sequence[str], count: int, where: str) -> list[float]:
         if not math.isfinite(value):
             raise MotionError(
                 "this is no finite number", where=where, got=token[:40], expected="a number"
+            )
+        if abs(value) > MOST:
+            raise MotionError(
+                "this is too large a number",
+                where=where,
+                got=token[:40],
+                expected=f"up to {MOST:g}",
             )
         values.append(value)
     return values

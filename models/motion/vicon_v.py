@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from models.errors import MotionError
 from models.motion.motion import Motion
-from models.motion.text import LARGEST
+from models.motion.text import LARGEST, MOST
 from models.motion.vsk import MILLIMETRE, ViconSkeleton
 from models.rotations import exp
 
@@ -205,4 +205,8 @@ def _values(path: Path, data: bytes, group: _Group, at: int) -> ViconMotion:
     values = np.array(rows, float)
     if not np.isfinite(values).all():
         raise MotionError("it holds what is no finite number", where=str(path))
+    if np.abs(values).max() > MOST:
+        raise MotionError(
+            "it holds too large a number", where=str(path), expected=f"up to {MOST:g}"
+        )
     return ViconMotion(group.labels, group.rate, values)
