@@ -171,20 +171,21 @@ class PcaIkEncoder(TouchIkEncoder):
         if self.start == "projected":
             _, part = FREE[self.free]
             used = self.components_[part, : self.n_components(int(fingers.sum()))]
-            away = (pose - self.mean_)[:, part] * self._scale**2
-            pose[:, part] = self.mean_[part] + away @ used @ used.T
+            away = (pose - self.mean_)[:, None, part] * self._scale**2
+            pose[:, part] = self.mean_[part] + (away @ used @ used.T)[:, 0]
         return pose
 
     def _step(self, q: Array, start: Array, off: Array, J: Array) -> Array:
         basis, cost = self._ways[off.shape[1] // 3]
         if not basis.shape[1]:
             return np.zeros_like(q)
-        JB = (J.reshape(-1, POSE_SIZE) @ basis).reshape(*off.shape, -1)
+        JB = J @ basis
         normal = np.swapaxes(JB, 1, 2) @ JB + cost
         diagonal = normal.reshape(len(normal), -1)[:, :: len(cost) + 1]
         diagonal += _WHISPER * diagonal.mean(axis=1, keepdims=True)
         right = np.swapaxes(JB, 1, 2) @ off[..., None]
-        return np.linalg.solve(normal, right)[..., 0] @ basis.T
+        # A product for each row: one for all of them would add up in another order.
+        return (np.swapaxes(np.linalg.solve(normal, right), 1, 2) @ basis.T)[:, 0]
 
     def _check_options(self) -> None:
         super()._check_options()

@@ -15,7 +15,6 @@ from encoders.pca_ik import COMPLIANCE_ROTATION, COMPLIANCE_TRANSLATION, step_co
 from encoders.touch_ik import TouchIkEncoder
 from encoders.touch_neighbour import Mask
 from models.errors import EncoderError
-from models.pose import POSE_SIZE
 from models.skeleton import ADULT, Skeleton
 
 Array = NDArray[np.float64]
@@ -148,8 +147,7 @@ class MapIkEncoder(TouchIkEncoder):
         return np.tile(self.mean_, (len(places), 1))
 
     def _step(self, q: Array, start: Array, off: Array, J: Array) -> Array:
-        flat = J.reshape(-1, POSE_SIZE)
-        JC = (flat @ self.covariance_).reshape(J.shape)
+        JC = J @ self.covariance_
         S = JC @ np.swapaxes(J, 1, 2) + self._sigma**2 * np.eye(J.shape[1])
         innovation = off + (J @ (q - start)[..., None])[..., 0]
         weights = np.linalg.solve(S, innovation[..., None])

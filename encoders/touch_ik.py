@@ -19,6 +19,7 @@ from models.errors import EncoderError
 from models.kinematics import Kinematics
 from models.one_pose import OnePose
 from models.pose import POSE_SIZE
+from models.several_poses import SeveralPoses
 from models.skeleton import Skeleton
 
 Array = NDArray[np.float64]
@@ -138,7 +139,7 @@ class TouchIkEncoder(ABC):
             for first in range(0, len(rows), _CHUNK):
                 some = rows[first : first + _CHUNK]
                 start = self._start(fingers, places[some])
-                found = self._iterate(start, fingers, targets[some][:, fingers])
+                found = self._iterate(start, fingers, targets[some].compress(fingers, 1))
                 for whole, part in zip(solution, found, strict=True):
                     whole[some] = part
         return solution
@@ -172,22 +173,18 @@ class TouchIkEncoder(ABC):
     def _walker(self, fingers: Mask, many: int) -> Callable[[Array], tuple[Array, Array]]:
         """From so many poses (n, 48) to tips (n, k, 3) and Jacobians (n, k, 3, 48) of fingers.
 
-        A single pose, as sessions ask for it, has a way of its own: alike to rounding, and quicker.
+        A single pose, as sessions ask for it, has a quicker way to the same bits.
         """
-        if many == 1:
-            hand = OnePose(self.skeleton, np.flatnonzero(fingers).tolist())
+        which = np.flatnonzero(fingers).tolist()
+        if many > 1:
+            return SeveralPoses(self.skeleton, which).tips_and_jacobian
+        hand = OnePose(self.skeleton, which)
 
-            def one(q: Array) -> tuple[Array, Array]:
-                tips, jacobian = hand.tips_and_jacobian(q[0])
-                return tips[None], jacobian[None]
+        def one(q: Array) -> tuple[Array, Array]:
+            tips, jacobian = hand.tips_and_jacobian(q[0])
+            return tips[None], jacobian[None]
 
-            return one
-
-        def all_of_them(q: Array) -> tuple[Array, Array]:
-            tips, jacobian = self._kinematics.tips_and_jacobian(q)
-            return tips[:, fingers], jacobian[:, fingers]
-
-        return all_of_them
+        return one
 
     @abstractmethod
     def _learn(self, Q: Array) -> None:

@@ -13,36 +13,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from models.chains import CROSS, LEVELS, PADDING, TINY, Chains
 from models.frames import FINGERS
 from models.pose import POSE_SIZE, ROOT_POSITION
 from models.skeleton import Skeleton
 
 Array = NDArray[np.float64]
-
-_LEVELS = 3
-"""Most bones in one finger; the thumb's chain is padded with a bone of no length."""
-
-_TINY = 1e-24
-"""rad2, added to squared angles. It keeps 0/0 out of the closed forms and changes nothing: what
-cancellation spoils there is multiplied by the square of the same small vector."""
-
-
-def _cross_table() -> Array:
-    """(3, 9) T with (v @ T).reshape(3, 3) @ a == cross(a, v)."""
-    table = np.zeros((3, 9))
-    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        table[i, 3 * k + j], table[i, 3 * j + k] = -1.0, 1.0
-    return table
-
-
-_CROSS = _cross_table()
-
-_ZERO, _ONE, _MINUS = POSE_SIZE, POSE_SIZE + 1, POSE_SIZE + 2
-"""Where a padded pose has the numbers 0, 1 and -1."""
-
-_SKEW = ((None, 2, 1), (2, None, 0), (1, 0, None))
-_SKEW_SIGN = ((_ZERO, _MINUS, _ONE), (_ONE, _ZERO, _MINUS), (_MINUS, _ONE, _ZERO))
-"""Skew matrices: which component of the vector is where, and its sign."""
 
 
 class OnePose:
@@ -58,66 +34,49 @@ class OnePose:
     """
 
     def __init__(self, skeleton: Skeleton, fingers: Sequence[int] = range(len(FINGERS))) -> None:
+        chains = Chains.of(skeleton, fingers)
         many = len(fingers)
-        slots = _LEVELS * many
-        # Row 0 is the root; then come the fingers' first bones, their second and their third ones.
-        # The thumb's padding is a turn that stays 0.
-        place = np.full((1 + slots, 3), _ZERO)
-        place[0] = 3, 4, 5
-        rest, anchor = np.tile(np.eye(3), (slots, 1, 1)), np.zeros((slots, 3))
-        self._reach = np.zeros((many, 4, 1))
-        self._reach[:, 3] = 1.0
-        for at, finger in enumerate(fingers):
-            chain = [(i, b) for i, b in enumerate(skeleton.bones) if b.finger == finger]
-            for level, (i, bone) in enumerate(chain):
-                slot = many * level + at
-                place[1 + slot] = 6 + 3 * i + np.arange(3)
-                rest[slot], anchor[slot] = bone.rest, bone.anchor
-            self._reach[at, 1] = chain[-1][1].length
-        self._rest = rest[:, None]
-        self._padded = np.array([0.0] * (POSE_SIZE + 1) + [1.0, -1.0])
-        # A turn and its left Jacobian are both x I + y skew(w) + z w w', with other x, y and z.
-        self._left, self._right = _factors(place)
+        slots = LEVELS * many
+        self._rest, self._reach = chains.rest, chains.reach
+        self._left, self._right = chains.left, chains.right
+        self._padded = np.append(np.zeros(POSE_SIZE), PADDING)
         self._factor, self._other = np.empty(self._left.shape), np.empty(self._left.shape)
         self._basis = np.empty(self._left.shape)
         self._squares = [self._basis[:, 2, i] for i in (0, 4, 8)]
         # NumPy is quickest with whole arrays of one shape: constants are such arrays, too.
-        self._one, self._tiny = np.ones((2, 1 + slots)), np.full(1 + slots, _TINY)
+        self._one, self._tiny = np.ones((2, 1 + slots)), np.full(1 + slots, TINY)
         self._twice = np.tile(np.arange(1 + slots), (2, 1))
         self._parts = np.array([[0.5], [1.0]]) * self._one
-        # 1 - b t2, 1 - a, (1 - a) / t2, b, b t2 and a of every turn, and where they go: x, y and z
-        # of both.
         self._numbers, self._shares = np.empty((6, 1 + slots)), np.empty((1 + slots, 2, 3))
-        each = np.array([[0, 5, 3], [5, 3, 2]])
-        self._share_of = (1 + slots) * each + np.arange(1 + slots)[:, None, None]
+        self._share_of = chains.share_of
         self._turns = np.empty((1 + slots, 2, 9))
         both = self._turns.reshape(1 + slots, 2, 3, 3)
         self._root, self._root_left, self._bone_turns = both[0, 0], both[0, 1], both[1:]
         self._bones = np.empty((slots, 2, 3, 3))
-        self._turn_of = self._bones[:, 0].reshape(_LEVELS, many, 3, 3)
-        self._left_of = self._bones[:, 1].reshape(_LEVELS, many, 3, 3)
+        self._turn_of = self._bones[:, 0].reshape(LEVELS, many, 3, 3)
+        self._left_of = self._bones[:, 1].reshape(LEVELS, many, 3, 3)
         # From a bone's frame to its parent's, and from the frames of all levels to the world's.
-        self._local = np.tile(np.eye(4), (_LEVELS, many, 1, 1))
-        self._local[..., :3, 3] = anchor.reshape(_LEVELS, many, 3)
+        self._local = np.tile(np.eye(4), (LEVELS, many, 1, 1))
+        self._local[..., :3, 3] = chains.anchor.reshape(LEVELS, many, 3)
         self._local_turn = self._local[..., :3, :3]
-        self._frames = np.tile(np.eye(4), (1 + _LEVELS, many, 1, 1))
+        self._frames = np.tile(np.eye(4), (1 + LEVELS, many, 1, 1))
         self._root_turn, self._root_place = self._frames[0, :, :3, :3], self._frames[0, :, :3, 3]
         self._steps = [
-            (self._frames[i], self._local[i], self._frames[i + 1]) for i in range(_LEVELS)
+            (self._frames[i], self._local[i], self._frames[i + 1]) for i in range(LEVELS)
         ]
         self._before, self._joints = self._frames[:-1, :, :3, :3], self._frames[:, :, :3, 3]
         self._ends = np.empty((many, 4, 1))
         self._tips = self._ends[:, :3, 0]
-        self._axes = np.empty((1 + _LEVELS, many, 3, 3))
+        self._axes = np.empty((1 + LEVELS, many, 3, 3))
         self._axes_root, self._axes_bones = self._axes[0], self._axes[1:]
-        self._arms = np.empty((1 + _LEVELS, many, 3))
+        self._arms = np.empty((1 + LEVELS, many, 3))
         self._flat_arms = self._arms.reshape(-1, 3)
         self._crossed = np.empty((len(self._flat_arms), 9))
         self._crossed_arms = self._crossed.reshape(self._axes.shape)
         # All blocks of the Jacobian, and the numbers 0 and 1 that are the rest of it.
         self._entries = np.array([0.0] * self._axes.size + [0.0, 1.0])
         self._blocks = self._entries[:-2].reshape(self._axes.shape)
-        self._entry_of = _gathering(place, many)
+        self._entry_of = chains.entry_of
 
     def tips(self, q: Array) -> Array:
         """(k, 3) m, centres of the fingertips of a pose (48,)."""
@@ -131,7 +90,7 @@ class OnePose:
         np.matmul(self._before, self._left_of, self._axes_bones)
         # The root's own frame stands where the root is, a bone's where its joint is.
         np.subtract(tips, self._joints, self._arms)
-        np.dot(self._flat_arms, _CROSS, self._crossed)
+        np.dot(self._flat_arms, CROSS, self._crossed)
         np.matmul(self._crossed_arms, self._axes, self._blocks)
         return tips, self._entries.take(self._entry_of)
 
@@ -173,37 +132,3 @@ class OnePose:
         np.divide(numbers[1], t2, c)
         numbers.take(self._share_of, None, self._shares, "clip")
         np.matmul(self._shares, self._basis, self._turns)
-
-
-def _factors(place: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Of which two numbers of the padded pose I, skew(w) and w w' (n, 3, 9) are products.
-
-    Args:
-        place: (n, 3) where the padded pose has the components of n turns w.
-    """
-    left, right = np.empty((2, len(place), 3, 3, 3), np.int64)
-    for i in range(3):
-        for j in range(3):
-            which = _SKEW[i][j]
-            left[:, 0, i, j] = right[:, 0, i, j] = _ONE if i == j else _ZERO
-            left[:, 1, i, j] = _ZERO if which is None else place[:, which]
-            right[:, 1, i, j] = _SKEW_SIGN[i][j]
-            left[:, 2, i, j], right[:, 2, i, j] = place[:, i], place[:, j]
-    return left.reshape(-1, 3, 9), right.reshape(-1, 3, 9)
-
-
-def _gathering(place: NDArray[np.int64], many: int) -> NDArray[np.int64]:
-    """(k, 3, 48) of which number among those of all blocks (4, k, 3, 3), 0 and 1 the Jacobian is.
-
-    Block [0, f] is the f-th finger's by the root's turn, block [1 + l, f] by its bone of level l.
-    """
-    blocks = np.arange((1 + _LEVELS) * many * 9).reshape(1 + _LEVELS, many, 3, 3)
-    zero, one = blocks.size, blocks.size + 1
-    found = np.full((many, 3, POSE_SIZE), zero)
-    found[..., ROOT_POSITION] = np.where(np.eye(3), one, zero)
-    for level in range(1 + _LEVELS):
-        for finger in range(many):
-            columns = place[0] if level == 0 else place[1 + many * (level - 1) + finger]
-            if columns[0] != _ZERO:
-                found[finger][:, columns] = blocks[level, finger]
-    return found

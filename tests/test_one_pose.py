@@ -22,6 +22,7 @@ from models.rotations import (
     unwrap_near,
     unwrapped,
 )
+from models.several_poses import SeveralPoses
 from models.skeleton import ADULT
 from tests.simulation import random_pose
 
@@ -54,6 +55,21 @@ def test_a_finger_is_where_it_is_whoever_else_is_asked_for(rng, fingers):
         strict=True,
     ):
         np.testing.assert_array_equal(part, found[fingers])
+
+
+@given(
+    rng=generators,
+    size=st.sampled_from([0.0, 1e-12, 1e-3, 0.3, 2.0]),
+    count=st.integers(1, 40),
+    fingers=st.lists(st.integers(0, 4), min_size=1, unique=True),
+)
+@settings(deadline=None)
+def test_several_poses_are_found_to_the_bit_as_each_alone(rng, size, count, fingers):
+    q = size * rng.normal(size=(count, 48))
+    one, together = OnePose(ADULT, fingers), SeveralPoses(ADULT, fingers).tips_and_jacobian(q)
+    for i in range(count):
+        for alone, all_of_them in zip(one.tips_and_jacobian(q[i]), together, strict=True):
+            np.testing.assert_array_equal(alone, all_of_them[i])
 
 
 def test_what_one_pose_gave_stays_when_it_is_asked_again():
