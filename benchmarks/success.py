@@ -1,7 +1,7 @@
 """How often the simulated user succeeds, and what each encoder and each part is worth.
 
 Every row is the same judged seeds with one thing changed. Resumable: finished trials are kept in a
-file of JSON lines and not run again.
+file of JSON lines and not run again. Trials with PCA-IK run last, side by side in one process.
 
     python -m benchmarks.success --tasks all --seeds 600 --rows best
     python -m benchmarks.success --tasks all --seeds 100 --rows encoders
@@ -16,6 +16,7 @@ import json
 import os
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
+from itertools import chain
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -25,6 +26,7 @@ from rich.progress import Progress
 from scipy.stats import binomtest
 
 from benchmarks.judged import judged_seeds
+from benchmarks.side_by_side import side_by_side
 from tasks.registry import TASKS
 
 ENCODERS: dict[str, dict[str, Any]] = {
@@ -174,7 +176,11 @@ def main() -> None:
             Progress(console=Console(stderr=True)) as progress,
             ProcessPoolExecutor(args.workers) as pool,
         ):
-            for result in progress.track(pool.map(trial, missing), total=len(missing)):
+            results = chain(
+                pool.map(trial, [j for j in missing if j[1] != "pca-ik"]),
+                side_by_side(trial, [j for j in missing if j[1] == "pca-ik"]),
+            )
+            for result in progress.track(results, total=len(missing)):
                 file.write(json.dumps(result).encode() + b"\n")
     print("\n".join(table(load(args.out), args.fingers, seeds)))
 
