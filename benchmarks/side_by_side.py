@@ -4,8 +4,8 @@
 trial. For many poses they cost little more, and every pose is the one that it would be alone, to
 the bit (`tests/test_touch_ik.py`). So each trial has a thread, one of them runs at a time, and a
 trial that asks for a pose waits until all of them do. Only touches of the same fingers are solved
-together, so the largest such group goes on and the others wait for company. Trials end in the state
-in which they would have ended alone.
+together, so the largest such group goes on and the others wait for company, for a while. Trials end
+in the state in which they would have ended alone.
 """
 
 from __future__ import annotations
@@ -28,6 +28,8 @@ Result = TypeVar("Result")
 AT_ONCE = 120
 """Trials side by side, about 7 MB each; with more, the fingers that few of them touch with still
 have company."""
+LONGEST_WAIT = 30
+"""Rounds; without it, a trial with rare fingers would keep its thread to the very end."""
 
 
 class _Lane(Thread):
@@ -36,6 +38,7 @@ class _Lane(Thread):
     def __init__(self, work: Callable[[], object]) -> None:
         super().__init__(daemon=True)
         self._work, self._mine, self._theirs = work, Semaphore(0), Semaphore(0)
+        self.waited = 0
         self.question: Array | None = None
         self.answer: Array | None = None
         self.result: object = None
@@ -59,7 +62,7 @@ class _Lane(Thread):
 
     def ask(self, u: Array) -> Array:
         """The answer to a question; others run meanwhile."""
-        self.question = u.copy()
+        self.question, self.waited = u.copy(), 0
         self._theirs.release()
         self._mine.acquire()
         assert self.answer is not None
@@ -83,9 +86,11 @@ def side_by_side(trial: Callable[[Job], Result], jobs: Iterable[Job]) -> Iterato
     encoder.predict = predict  # type: ignore[method-assign, assignment]
     try:
         while waiting or running:
-            moving = _largest_group(running)
+            moving = _next_group(running)
+            for lane in running:
+                lane.waited += 1
             if moving:
-                answers = alone(np.stack([lane.question for lane in moving]))
+                answers = alone(np.array([lane.question for lane in moving]))
                 for lane, answer in zip(moving, answers, strict=True):
                     lane.answer = answer
             while waiting and len(running) < AT_ONCE:
@@ -103,10 +108,14 @@ def side_by_side(trial: Callable[[Job], Result], jobs: Iterable[Job]) -> Iterato
         del encoder.predict
 
 
-def _largest_group(running: list[_Lane]) -> list[_Lane]:
-    """Those of most that ask about the same fingers."""
+def _next_group(running: list[_Lane]) -> list[_Lane]:
+    """Those of most that ask about the same fingers; or that of one who has waited for too long."""
     groups: dict[bytes, list[_Lane]] = {}
     for lane in running:
         assert lane.question is not None
         groups.setdefault(lane.question[FLAGS:].tobytes(), []).append(lane)
-    return max(groups.values(), key=len, default=[])
+
+    def urgency(group: list[_Lane]) -> tuple[bool, int]:
+        return any(lane.waited > LONGEST_WAIT for lane in group), len(group)
+
+    return max(groups.values(), key=urgency, default=[])

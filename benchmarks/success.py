@@ -1,7 +1,8 @@
 """How often the simulated user succeeds, and what each encoder and each part is worth.
 
 Every row is the same judged seeds with one thing changed. Resumable: finished trials are kept in a
-file of JSON lines and not run again. Trials with PCA-IK run last, side by side in one process.
+file of JSON lines and not run again; what was broken off counts up to the first seed that is
+missing. Trials with PCA-IK run last, side by side in one process.
 
     python -m benchmarks.success --tasks all --seeds 600 --rows best
     python -m benchmarks.success --tasks all --seeds 100 --rows encoders
@@ -16,7 +17,7 @@ import json
 import os
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
-from itertools import chain
+from itertools import chain, takewhile
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -122,8 +123,12 @@ def table(
     yield "| | " + " | ".join(names) + " |"
     yield "| --- |" + " --- |" * len(columns)
     for row in ROWS:
+        # Up to the first that is missing: side by side, quick trials end before slow ones.
         found = [
-            [done[j] for s in seeds[task] if (j := (task, row, f, s)) in done]
+            [
+                done[j]
+                for j in takewhile(done.__contains__, [(task, row, f, s) for s in seeds[task]])
+            ]
             for task, f in columns
         ]
         if any(found):

@@ -57,6 +57,8 @@ class Respawn:
         self._things = [_Place(scene, t) for t in scene.spec.objects]
         self._things = [place for place in self._things if place.can_leave]
         self._away = {place.name: 0 for place in self._things}
+        # While there is no room, they are looked through at every step.
+        self._shifts = {place.name: self._reachable(place) for place in self._things}
         self.counts: dict[str, int] = {}
 
     def step(self, data: mujoco.MjData, tips: Callable[[], Array]) -> list[str]:
@@ -111,21 +113,25 @@ class Respawn:
     def _put(self, data: mujoco.MjData, place: _Place, tips: Array) -> bool:
         """Puts an object at the free place nearest to its start; False where there is none now."""
         others = [p for p in self._things if p is not place]
-        # Before an upright surface, as on rails, what is put down elsewhere keeps its depth.
-        anywhere = place.free and any(_flat(s) for s in self._surfaces)
-        for shift in _SHIFTS if anywhere else _SHIFTS[_SHIFTS[:, 1] == 0.0]:
-            where = place.home + shift
-            beside = [float(np.linalg.norm(where - data.xpos[p.body])) for p in others]
-            if (
-                (not shift.any() or any(_inside(s, where) for s in self._surfaces))
-                and all(
-                    d > place.radius + p.radius + ROOM for d, p in zip(beside, others, strict=True)
-                )
-                and np.all(place.thing.clearance(tips, where, place.turn) > FINGERTIP + ROOM)
-            ):
+        shifts = self._shifts[place.name]
+        free = np.ones(len(shifts), bool)
+        for other in others:
+            beside = np.linalg.norm(place.home + shifts - data.xpos[other.body], axis=1)
+            free &= beside > place.radius + other.radius + ROOM
+        for shift in shifts[free]:
+            clear = place.thing.clearance(tips, place.home + shift, place.turn)
+            if np.all(clear > FINGERTIP + ROOM):
                 place.put(data, shift)
                 return True
         return False
+
+    def _reachable(self, place: _Place) -> Array:
+        """(n, 3) m, from its start to where an object may be put down; its start comes first."""
+        # Before an upright surface, as on rails, what is put down elsewhere keeps its depth.
+        anywhere = place.free and any(_flat(s) for s in self._surfaces)
+        shifts = _SHIFTS if anywhere else _SHIFTS[_SHIFTS[:, 1] == 0.0]
+        there = np.any([_inside(s, place.home + shifts) for s in self._surfaces], axis=0)
+        return np.asarray(shifts[there | ~shifts.any(axis=1)])
 
 
 class _Place:
@@ -178,13 +184,13 @@ def _flat(surface: Surface) -> bool:
     return bool(surface.rotation[2, 2] > 0.7)
 
 
-def _inside(surface: Surface, position: Array) -> bool:
-    """Whether an object put down at a world position is well within reach."""
-    xy, size = surface.to_surface(position), surface.size
+def _inside(surface: Surface, positions: Array) -> NDArray[np.bool_]:
+    """(n,) whether an object put down at a world position (n, 3) is well within reach."""
+    xy, size = surface.to_surface(positions), surface.size
     if not _flat(surface):
         # What stands on the table is at the lower edge of an upright surface.
-        xy, size = xy[:1], size[:1]
-    return bool(np.all(xy > BORDER) and np.all(xy < size - BORDER))
+        xy, size = xy[:, :1], size[:1]
+    return np.asarray(np.all((xy > BORDER) & (xy < size - BORDER), axis=1))
 
 
 def _border(width: float, height: float) -> Array:
