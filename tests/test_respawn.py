@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import json
 
+import mujoco
 import numpy as np
 import pytest
 
 from models.frames import Contact
+from models.scene import CONTROL_PERIOD
+from models.surface import Surface
 from sandbox.headless import run_trial
 from sandbox.recording import load_recording
 from sandbox.replay import replay
-from sandbox.respawn import AWAY
+from sandbox.respawn import AWAY, Respawn
 from sandbox.session import describe
 from sandbox.settings import RunSettings
 from tests.scripted import Script, run, scripted
@@ -157,3 +160,24 @@ def test_a_trial_in_which_things_come_back_replays_to_the_bit(tmp_path):
     assert found.exact and found.complete
     assert session.respawned == 1 and session.state_hash == result["state_hash"]
     assert json.dumps(result)
+
+
+def test_an_object_for_which_there_is_no_room_holds_nobody_up(monkeypatch):
+    """Thousands of places were looked at in every step, a tenth of a second each time."""
+    session = idle()
+    thing, surface = session.task.objects[0], session.rigs[0].reconstructor.surface
+    at, _ = joint(session, thing.name)
+    session.data.qpos[at : at + 3] = 0.6, 0.0, 0.03
+    mujoco.mj_forward(session.scene.model, session.data)
+    x, y = np.meshgrid(np.linspace(-0.2, 0.2, 41), np.linspace(-0.2, 0.2, 41))
+    everywhere = np.column_stack([x.ravel(), y.ravel(), np.full(x.size, thing.position[2])])
+    respawn = Respawn(session.scene, [surface])
+    for _ in range(round(AWAY / CONTROL_PERIOD) + 2):
+        assert respawn.step(session.data, lambda: everywhere) == []
+    looked, to_surface = [], Surface.to_surface
+    monkeypatch.setattr(
+        Surface, "to_surface", lambda self, p: looked.append(p) or to_surface(self, p)
+    )
+    assert respawn.step(session.data, lambda: everywhere) == []
+    assert len(looked) < 100
+    assert respawn.step(session.data, lambda: np.full((1, 3), 9.0)) == [thing.name]
