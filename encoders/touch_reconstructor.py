@@ -54,7 +54,9 @@ class ReconstructorSettings:
         correction: How fingertips meet touches; None switches the correction off.
         posture_tau: s, time constant of the posture filter; 0 switches it off.
         encode: False takes the mean training pose instead of the encoder's (an ablation).
-        rate: Bounds on the commanded pose's speed.
+        rate: Bounds on the commanded pose's speed, of a hand that comes down or is down.
+        rate_above: Likewise, of one that is up, where nothing is in its way. A person who has put
+            their fingers down waits for it, and not for long.
         device_labels: Believe the device where it names fingers.
     """
 
@@ -65,6 +67,7 @@ class ReconstructorSettings:
     posture_tau: float = 0.10
     encode: bool = True
     rate: RateLimit = field(default_factory=RateLimit)
+    rate_above: RateLimit = field(default_factory=RateLimit)
     device_labels: bool = True
 
 
@@ -203,7 +206,8 @@ class TouchReconstructor:
             self._place = self._reconstruct(named, u, motion, dt)
         self._lift.step(frame.lift, dt)
         goal = self._raised(self._place)
-        self._commanded = self.settings.rate(self._commanded, goal, dt)
+        rate = self.settings.rate if self._low else self.settings.rate_above
+        self._commanded = rate(self._commanded, goal, dt)
         self._arrival.step(
             dt,
             touched=bool(named) if self._arrival.phase is Phase.DOWN else bool(tracks),
