@@ -54,7 +54,9 @@ class ReconstructorSettings:
         correction: How fingertips meet touches; None switches the correction off.
         posture_tau: s, time constant of the posture filter; 0 switches it off.
         encode: False takes the mean training pose instead of the encoder's (an ablation).
-        rate: Bounds on the commanded pose's speed.
+        rate: Bounds on the commanded pose's speed, of a hand that comes down or is down. One that
+            is up, where nothing is in its way, is no slower than `RateLimit()`: a person who has
+            put their fingers down waits for it, and not for long.
         device_labels: Believe the device where it names fingers.
     """
 
@@ -134,6 +136,7 @@ class TouchReconstructor:
     ) -> None:
         self.model, self.labeller, self.surface = model, labeller, surface
         self.settings = settings or ReconstructorSettings()
+        self._rate_above = self.settings.rate.or_quicker(RateLimit())
         self._kinematics = Kinematics(skeleton)
         s = self.settings
         self._correction = (
@@ -203,7 +206,8 @@ class TouchReconstructor:
             self._place = self._reconstruct(named, u, motion, dt)
         self._lift.step(frame.lift, dt)
         goal = self._raised(self._place)
-        self._commanded = self.settings.rate(self._commanded, goal, dt)
+        rate = self.settings.rate if self._low else self._rate_above
+        self._commanded = rate(self._commanded, goal, dt)
         self._arrival.step(
             dt,
             touched=bool(named) if self._arrival.phase is Phase.DOWN else bool(tracks),

@@ -46,6 +46,10 @@ class RateLimit:
     linear: float = 1.0
     angular: float = 12.0
 
+    def or_quicker(self, other: RateLimit) -> RateLimit:
+        """The higher bound of both, of each speed."""
+        return RateLimit(max(self.linear, other.linear), max(self.angular, other.angular))
+
     def __call__(self, previous: Array, target: Array, dt: float) -> Array:
         """Pose (48,) as far from previous towards target as dt seconds allow.
 
