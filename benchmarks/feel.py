@@ -35,6 +35,7 @@ LIFT, HOLD, SETTLE = 0.05, 5.0, 1.0
 """m, s and s."""
 APART = 0.011
 """m from the middle of a face to each of two fingertips on it."""
+SEED = 4_002
 OPENING, SQUEEZE = 0.006, 0.0035
 """m outside and inside a face; the simulated user squeezes as much."""
 
@@ -128,9 +129,9 @@ def hold(
     )
 
 
-def boxes(count: int) -> list[Box]:
+def boxes(count: int, seed: int = SEED) -> list[Box]:
     """Boxes of 40 to 60 mm and 50 to 250 g, turned by up to 17 degrees; the same every time."""
-    rng = np.random.default_rng(4_002)
+    rng = np.random.default_rng(seed)
     found = []
     for _ in range(count):
         half = float(rng.uniform(0.020, 0.030))
@@ -145,6 +146,7 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--boxes", type=int, default=10)
+    parser.add_argument("--seed", type=int, default=SEED, help="of the boxes")
     args = parser.parse_args()
     print(describe_machine())
     print(f"{args.boxes} boxes a row, held for {HOLD:g} s; median, largest")
@@ -154,7 +156,8 @@ def main() -> None:
     rows += [(ContactMode.SOFT, "safe", SERVOS[0], f) for f in (2, 3)]
     for mode, profile, servo, fingers in rows:
         found = [
-            hold(box, fingers, servo, IMPULSE_PROFILES[profile], mode) for box in boxes(args.boxes)
+            hold(box, fingers, servo, IMPULSE_PROFILES[profile], mode)
+            for box in boxes(args.boxes, args.seed)
         ]
         cells = [
             f"{np.median(values):.3f}, {np.max(values):.3f}"

@@ -27,8 +27,12 @@ def test_a_lifted_box_neither_creeps_nor_trembles_while_the_pose_stays(servo, pr
     assert found.jitter < JITTER == 0.1e-3
 
 
-def test_a_soft_grasp_holds_a_box_just_as_still():
-    assert hold(boxes(1)[0], 2, SERVOS[0], IMPULSE_PROFILES["safe"], ContactMode.SOFT).good
+@pytest.mark.parametrize("box", [0, 2, 5])
+@pytest.mark.parametrize("fingers", [2, 3])
+def test_a_soft_grasp_holds_a_box_just_as_still(box, fingers):
+    """Two of these boxes rocked in a pinch, because the solver stopped too early."""
+    found = hold(boxes(6)[box], fingers, SERVOS[0], IMPULSE_PROFILES["safe"], ContactMode.SOFT)
+    assert found.good
 
 
 def box_speed(session) -> float:
