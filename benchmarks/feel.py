@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from benchmarks.machine import describe_machine
 from benchmarks.pinch import COMFORTABLE_AXIS, GUESS_COVARIANCE
 from encoders.correction import FingertipCorrection
-from models.hand import IMPULSE_PROFILES, SERVOS, Hand, finger_damping
+from models.hand import IMPULSE_PROFILES, SERVOS, Hand, finger_armature
 from models.kinematics import Kinematics
 from models.objects import Box
 from models.scene import CONTROL_PERIOD, Scene, SceneSpec
@@ -96,7 +96,7 @@ def hold(
     hold: float = HOLD,
 ) -> Stillness:
     """Grasps, lifts and holds a box."""
-    hand = Hand(servo=servo, impulse=impulse, finger_damping=finger_damping(impulse))
+    hand = Hand(servo=servo, impulse=impulse, finger_armature=finger_armature(impulse))
     scene = Scene(SceneSpec((hand,), (box,)))
     ContactModes(scene, mode)
     model, data = scene.model, mujoco.MjData(scene.model)

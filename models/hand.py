@@ -24,10 +24,10 @@ IMPULSE_PERIOD = 1.0 / 60.0
 IMPULSE_PROFILES: dict[str, float] = {"paper": 100.0, "safe": 0.5}
 """N s (N m s for turns). `paper` is 6000 N, which never binds; `safe` is 30 N."""
 
-CALM_DAMPING = 3.0
-"""Damping ratio of the finger joints' servos of a hand no stronger than `safe`. At 1 a fingertip
-that loses for a moment what it pushed against is at 2.4 m/s after two physics steps, and goes 4 mm
-into what it meets next (benchmarks.soak)."""
+CALM_ARMATURE = 3.0
+"""Factor on the armature of the finger joints of a hand no stronger than `safe`. A fingertip that
+pushes with 100 N, and bounces off for a single physics step, is back at 1.6 m/s and goes 4 mm into
+what it pushes; a heavier one does not (benchmarks.soak)."""
 
 SERVOS = ("orientation", "position")
 """`orientation`: one servo on the rotation of each ball joint, its torque limited in norm, as
@@ -59,7 +59,7 @@ class Hand:
         servo: One of `SERVOS`.
         impulse: Impulse limit of every servo, N s (or N m s) per 1/60 s.
         stiffness: Factor on the servo stiffnesses of the skeleton and the root.
-        finger_damping: Damping ratio of the finger joints' servos; see the function of this name.
+        finger_armature: Factor on the armature of the finger joints; see the function of this name.
         solid_end: m of a last link, from the middle of its fingertip, that are solid where not the
             whole hand is; None is all of it.
     """
@@ -69,7 +69,7 @@ class Hand:
     servo: str = "orientation"
     impulse: float = IMPULSE_PROFILES["paper"]
     stiffness: float = 2.0
-    finger_damping: float = 1.0
+    finger_armature: float = 1.0
     solid_end: float | None = None
 
     def __post_init__(self) -> None:
@@ -97,13 +97,13 @@ class Hand:
 
 
 def is_calm(impulse: float) -> bool:
-    """Whether a hand is no stronger than `safe`, and is to be slow and damped as well."""
+    """Whether a hand is no stronger than `safe`, and is to be slow and heavy as well."""
     return impulse <= IMPULSE_PROFILES["safe"]
 
 
-def finger_damping(impulse: float) -> float:
-    """Damping ratio that goes with an impulse limit, for `Hand.finger_damping`."""
-    return CALM_DAMPING if is_calm(impulse) else 1.0
+def finger_armature(impulse: float) -> float:
+    """Factor on the armature that goes with an impulse limit, for `Hand.finger_armature`."""
+    return CALM_ARMATURE if is_calm(impulse) else 1.0
 
 
 def hand_default() -> Element:
@@ -148,8 +148,8 @@ def hand_body(hand: Hand) -> Element:
         reach = float(np.linalg.norm(np.maximum(-bone.lower, bone.upper))) + np.deg2rad(10.0)
         SubElement(body, "joint", {
             "name": hand.element_name(bone.name), "type": "ball",
-            "armature": _text(bone.armature), "limited": "true", "range": _text(0.0, _deg(reach)),
-            "solreflimit": ".01 1",
+            "armature": _text(bone.armature * hand.finger_armature),
+            "limited": "true", "range": _text(0.0, _deg(reach)), "solreflimit": ".01 1",
         })  # fmt: skip
         SubElement(body, "geom", {
             "name": hand.element_name(bone.name), "fromto": _text(0, 0, 0, 0, bone.length, 0),
@@ -177,26 +177,25 @@ def hand_actuators(hand: Hand) -> list[Element]:
         for axis in "xyz"
     ]  # fmt: skip
     # The root turns further than three position servos hold (they fail beyond about 120 degrees).
-    servos.append(_orientation(hand, "root", ROOT_TURN_STIFFNESS, 1.0))
+    servos.append(_orientation(hand, "root", ROOT_TURN_STIFFNESS))
     for bone in hand.skeleton.bones:
         if hand.servo == "orientation":
-            servos.append(_orientation(hand, bone.name, bone.stiffness, hand.finger_damping))
+            servos.append(_orientation(hand, bone.name, bone.stiffness))
             continue
         for axis, direction in zip("xyz", np.eye(3), strict=True):
             servos.append(Element("position", {
                 "name": hand.element_name(f"{bone.name}_{axis}"),
                 "joint": hand.element_name(bone.name), "gear": _text(*direction, 0, 0, 0),
-                "kp": _text(bone.stiffness * hand.stiffness),
-                "dampratio": _text(hand.finger_damping),
+                "kp": _text(bone.stiffness * hand.stiffness), "dampratio": "1",
                 "forcerange": _text(-hand.force_limit, hand.force_limit),
             }))  # fmt: skip
     return servos
 
 
-def _orientation(hand: Hand, joint: str, stiffness: float, damping: float) -> Element:
+def _orientation(hand: Hand, joint: str, stiffness: float) -> Element:
     return Element("orientation", {
         "name": hand.element_name(joint), "joint": hand.element_name(joint),
-        "kp": _text(stiffness * hand.stiffness), "dampratio": _text(damping),
+        "kp": _text(stiffness * hand.stiffness), "dampratio": "1",
         "forcerange": _text(0.0, hand.force_limit),
     })  # fmt: skip
 

@@ -19,7 +19,7 @@ from encoders.touch_reconstructor import ReconstructorSettings, TouchReconstruct
 from encoders.trained import BUILTIN, TrainedModel, builtin, load_model
 from encoders.yaw_range import YawRange, YawWatch
 from models.errors import CaptureError, InputError
-from models.hand import Hand, finger_damping, is_calm
+from models.hand import Hand, finger_armature, is_calm
 from models.limits import GENTLE, RateLimit
 from models.skeleton import ADULT
 from models.surface import Surface
@@ -199,7 +199,7 @@ def _hands(settings: RunSettings, task_type: type[Task]) -> list[Hand]:
             person.skeleton(ADULT),
             servo=settings.servo,
             impulse=settings.impulse,
-            finger_damping=finger_damping(settings.impulse),
+            finger_armature=finger_armature(settings.impulse),
             solid_end=UPRIGHT_END if task_type.plane == "front" else None,
         )
         for name, person in zip(settings.hand_names, settings.persons, strict=True)
