@@ -90,7 +90,7 @@ def hand_urdf(hand: Hand, loaded: bool = False) -> str:
         mass = ROOT_MASS if name == SLIDES[-1] else LIGHT_MASS
         _link(robot, name, mass, np.zeros(3), np.eye(3), np.full(3, LIGHT_INERTIA))
         joint = _joint(robot, name, "prismatic", parent, name, np.zeros(3), np.eye(3))
-        joint.find("axis").set("xyz", _text(axis))
+        next(joint.iter("axis")).set("xyz", _text(axis))
         SubElement(joint, "limit", {
             "lower": "-10", "upper": "10", "effort": "1e6", "velocity": "1e3",
         })  # fmt: skip

@@ -19,7 +19,7 @@ import os
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from copy import copy
 from itertools import combinations_with_replacement
 from time import perf_counter
@@ -84,9 +84,16 @@ def plain_pose(u: Array, coef: Array) -> Array:
     return np.array(terms) @ coef
 
 
+def the_papers_encoder() -> PolynomialEncoder:
+    """The built-in quadratic one."""
+    encoder = builtin("paper").encoder
+    assert isinstance(encoder, PolynomialEncoder)
+    return encoder
+
+
 def pose_rows(console: Console) -> None:
     """One pose, and 120 at once."""
-    encoder = builtin("paper").encoder
+    encoder = the_papers_encoder()
     prepared, compiled = encoder.for_contacts(), encoder.for_contacts(fast=True)
     table = Comparison(console, "A quadratic pose of 48 numbers")
     for fingers in (2, 3, 4, 5):
@@ -153,7 +160,7 @@ def rule_rows(console: Console) -> None:
 def search_rows(console: Console, subjects: int) -> None:
     """The same among the poses of many subjects: contact vectors, poses, exact nearest pose."""
     degrees = joint_poses(subjects, console)
-    encoder = builtin("paper").encoder
+    encoder = the_papers_encoder()
     ways: list[tuple[str, Callable[[Array], Array], Search]] = []
     for name, fast in (("`fast=True`", True), ("without numba", False)):
         start = perf_counter()
@@ -216,7 +223,7 @@ def belief_rows(console: Console) -> None:
     table.show()
 
 
-def labels_of(labels: dict[int, int], contacts: Contacts) -> tuple[int, ...]:
+def labels_of(labels: Mapping[int, int], contacts: Contacts) -> tuple[int, ...]:
     return tuple(labels[i] for i in contacts)
 
 
@@ -226,7 +233,7 @@ def kinematics_rows(console: Console, mink: bool) -> None:
     five = model.training_u[model.training_u[:, 10:].sum(axis=1) == 5]
     asked = list(five[np.random.default_rng(0).choice(len(five), QUESTIONS)])
     pca = PcaIkEncoder(settled=0.0).fit(model.training_u, model.training_pose)
-    pose, mean, height = model.encoder.for_contacts(), pca.mean_, pca.pad_height_
+    pose, mean, height = the_papers_encoder().for_contacts(), pca.mean_, pca.pad_height_
     calls = [
         Call("encoder, `for_contacts()`", pose, asked),
         Call("PCA-IK, 100 iterations", pca.predict, asked[:FEW]),

@@ -14,6 +14,7 @@ import json
 import tempfile
 import warnings
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -93,7 +94,7 @@ def check(folder: Path) -> None:
         found = motion.place().positions[:, [motion.index(n) for n in armature.names]]
         say(f"bvh {order}", "ours", np.abs(found - joints @ Y_UP.T).max())
         say(f"bvh {order}", "bvhio", _bvhio(path, armature, joints))
-        _node(say, f"bvh {order}", "three.js BVHLoader", lambda p=path: _three(p, armature, joints))
+        _node(say, f"bvh {order}", "three.js BVHLoader", partial(_three, path, armature, joints))
     write(AmcWriter(folder / "hand.amc", armature, RATE))
     motion = read_amc(folder / "hand.amc", read_asf(folder / "hand.asf"))
     found = motion.place().positions[:, [motion.index(n) for n in armature.names[1:]]]

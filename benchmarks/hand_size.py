@@ -59,6 +59,7 @@ class SizedLabels:
 
     labeller: Labeller
     size: float
+    remembers = True
 
     def assign(
         self, contacts: Mapping[int, tuple[float, float]], fixed: Mapping[int, int]
@@ -112,7 +113,7 @@ def row(method: Method, tests: list[Capture], size: float) -> list[str]:
     takes, chosen = np.concatenate(block), np.concatenate(several)
     columns = [np.concatenate(part[k]) for k in (True, False) for part in (wrist, angle)]
     cells = [_cell(column, takes, ".2f") for column in columns]
-    named = 100.0 * np.concatenate(right)[chosen]
+    named = np.asarray(100.0 * np.concatenate(right)[chosen], float)
     return [*cells, _cell(named, takes[chosen], ".1f")]
 
 

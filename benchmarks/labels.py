@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from hashlib import sha256
 
@@ -161,7 +161,7 @@ def in_play(labeller: Labeller, days: list[Capture]) -> Tally:
         for frames in takes(capture):
             tally.new_take()
             labeller.reset()
-            labels: dict[int, int] = {}
+            labels: Mapping[int, int] = {}
             truth: dict[int, int] = {}
             for frame in frames:
                 contacts, now = contacts_of(capture, frame)

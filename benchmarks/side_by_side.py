@@ -1,121 +1,89 @@
-"""Trials side by side, so that inverse kinematics is solved for many of them at once.
+"""Times of calls that answer the same questions, taken in turns in one thread.
 
-100 iterations for one pose are mostly calls of NumPy, and they take longer than all the rest of a
-trial. For many poses they cost little more, and every pose is the one that it would be alone, to
-the bit (`tests/test_touch_ik.py`). So each trial has a thread, one of them runs at a time, and a
-trial that asks for a pose waits until all of them do. Only touches of the same fingers are solved
-together, so the largest such group goes on and the others wait for company, for a while. Trials end
-in the state in which they would have ended alone.
+A block asks a call all its questions, one after another in a plain loop, and is timed as a whole:
+that is what a call costs from Python. Blocks of all calls of a row take turns, so that a busy
+moment meets all of them; the median block counts.
 """
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Callable, Iterable, Iterator
-from threading import Semaphore, Thread, current_thread
-from typing import TypeVar
+from collections.abc import Callable, Sequence
+from time import perf_counter
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from rich.box import MARKDOWN
+from rich.console import Console
+from rich.table import Table
 
-from encoders.collapsed import FLAGS
-from encoders.pca_ik_model import pca_ik_model
-
-Array = NDArray[np.float64]
-Job = TypeVar("Job")
-Result = TypeVar("Result")
-
-AT_ONCE = 120
-"""Trials side by side, about 7 MB each; with more, the fingers that few of them touch with still
-have company."""
-LONGEST_WAIT = 30
-"""Rounds; without it, a trial with rare fingers would keep its thread to the very end."""
+BUDGET = 1.0
+"""s, for every call."""
+LEAST_BLOCKS = 5
 
 
-class _Lane(Thread):
-    """A thread for one job. It runs from `resume` until it asks for a pose, or ends."""
+class Call(NamedTuple):
+    """What is timed.
 
-    def __init__(self, work: Callable[[], object]) -> None:
-        super().__init__(daemon=True)
-        self._work, self._mine, self._theirs = work, Semaphore(0), Semaphore(0)
-        self.waited = 0
-        self.question: Array | None = None
-        self.answer: Array | None = None
-        self.result: object = None
-        self.error: BaseException | None = None
-
-    def resume(self) -> None:
-        """Lets it run until it waits again."""
-        if self.ident is None:
-            self.start()
-        self._mine.release()
-        self._theirs.acquire()
-
-    def run(self) -> None:
-        self._mine.acquire()
-        try:
-            self.result = self._work()
-        except BaseException as error:  # for the thread that waits, which raises it
-            self.error = error
-        self.question = None
-        self._theirs.release()
-
-    def ask(self, u: Array) -> Array:
-        """The answer to a question; others run meanwhile."""
-        self.question, self.waited = u.copy(), 0
-        self._theirs.release()
-        self._mine.acquire()
-        assert self.answer is not None
-        return self.answer
-
-
-def side_by_side(trial: Callable[[Job], Result], jobs: Iterable[Job]) -> Iterator[Result]:
-    """Results of trials with PCA-IK, as they end.
-
-    Raises:
-        BaseException: What a trial raised.
+    Attributes:
+        name: In the table.
+        function: Called with one question.
+        questions: Asked in turn.
+        share: What a call's time is divided by, when one call answers many at once.
     """
-    encoder = pca_ik_model().encoder
-    alone = encoder.predict
 
-    def predict(u: Array) -> Array:
-        lane = current_thread()
-        return lane.ask(u) if isinstance(lane, _Lane) else alone(u)
-
-    waiting, running = deque(jobs), list[_Lane]()
-    encoder.predict = predict  # type: ignore[method-assign, assignment]
-    try:
-        while waiting or running:
-            moving = _next_group(running)
-            for lane in running:
-                lane.waited += 1
-            if moving:
-                answers = alone(np.array([lane.question for lane in moving]))
-                for lane, answer in zip(moving, answers, strict=True):
-                    lane.answer = answer
-            while waiting and len(running) < AT_ONCE:
-                job = waiting.popleft()
-                running.append(_Lane(lambda job=job: trial(job)))  # type: ignore[misc]
-                moving.append(running[-1])
-            for lane in moving:
-                lane.resume()
-                if lane.question is None:
-                    running.remove(lane)
-                    if lane.error is not None:
-                        raise lane.error
-                    yield lane.result  # type: ignore[misc]
-    finally:
-        del encoder.predict
+    name: str
+    function: Callable[[Any], object]
+    questions: Sequence[Any]
+    share: int = 1
 
 
-def _next_group(running: list[_Lane]) -> list[_Lane]:
-    """Those of most that ask about the same fingers; or that of one who has waited for too long."""
-    groups: dict[bytes, list[_Lane]] = {}
-    for lane in running:
-        assert lane.question is not None
-        groups.setdefault(lane.question[FLAGS:].tobytes(), []).append(lane)
+def microseconds(calls: Sequence[Call]) -> list[float]:
+    """Median time of every call."""
+    spent: list[list[float]] = [[] for _ in calls]
+    for call in calls:
+        _block(call)
+    start = perf_counter()
+    while len(spent[0]) < LEAST_BLOCKS or perf_counter() - start < BUDGET * len(calls):
+        for call, found in zip(calls, spent, strict=True):
+            found.append(_block(call) / len(call.questions) / call.share)
+    return [1e6 * float(np.median(found)) for found in spent]
 
-    def urgency(group: list[_Lane]) -> tuple[bool, int]:
-        return any(lane.waited > LONGEST_WAIT for lane in group), len(group)
 
-    return max(groups.values(), key=urgency, default=[])
+def _block(call: Call) -> float:
+    function, questions = call.function, call.questions
+    start = perf_counter()
+    for question in questions:
+        function(question)
+    return perf_counter() - start
+
+
+class Comparison:
+    """A table of ours against peers, printed as Markdown."""
+
+    def __init__(self, console: Console, title: str) -> None:
+        self._console, self._title = console, title
+        self._table = Table("", "us", "peer", "us", "ratio", box=MARKDOWN)
+
+    def row(self, *calls: Call) -> None:
+        """Ours first, then its peers."""
+        ours, *peers = microseconds(calls)
+        if not peers:
+            self._table.add_row(calls[0].name, _text(ours), "", "", "")
+        for i, (call, theirs) in enumerate(zip(calls[1:], peers, strict=True)):
+            name = ("" if i else calls[0].name, "" if i else _text(ours))
+            self._table.add_row(*name, call.name, _text(theirs), _text(theirs / ours))
+
+    def show(self) -> None:
+        self._console.print(f"\n## {self._title}\n")
+        self._console.print(self._table)
+
+
+def _text(number: float) -> str:
+    return f"{number:.3g}" if number < 1000 else f"{number:.0f}"
+
+
+def agree(name: str, ours: Sequence[object], theirs: Sequence[object]) -> None:
+    """A ratio of times is worth something only between equal answers."""
+    same = sum(a == b for a, b in zip(ours, theirs, strict=True))
+    if same < len(ours):
+        raise SystemExit(f"{name}: only {same} of {len(ours)} answers agree with the peer's")

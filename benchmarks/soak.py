@@ -127,7 +127,7 @@ class Violent:
         places = self._middle() + far[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
         palm = 0.05 if rng.random() < 0.1 else None
         self._contacts = [
-            Contact(self._new(), *np.clip(xy, 0.0, size).tolist(), size=palm) for xy in places
+            Contact(self._new(), x, y, size=palm) for x, y in np.clip(places, 0.0, size).tolist()
         ]
 
     def _middle(self) -> Array:
@@ -328,8 +328,8 @@ def _print_row(task: str, profile: str, found: Found) -> None:
         + f" | {found.fastest:.1f} | {found.hand_table} |",
         flush=True,
     )
-    for kind, (depth, seed, time) in found.worst.items():
-        print(f"<!-- deepest {kind}: {1000 * depth:.2f} mm, seed {seed}, {time:.2f} s -->")
+    for kind, (deepest, seed, time) in found.worst.items():
+        print(f"<!-- deepest {kind}: {1000 * deepest:.2f} mm, seed {seed}, {time:.2f} s -->")
     for line in (*found.diverged, *found.lost):
         print(f"<!-- {line} -->", flush=True)
 

@@ -27,7 +27,7 @@ from rich.progress import Progress
 from scipy.stats import binomtest
 
 from benchmarks.judged import judged_seeds
-from benchmarks.side_by_side import side_by_side
+from benchmarks.lanes import side_by_side
 from tasks.registry import TASKS
 
 ENCODERS: dict[str, dict[str, Any]] = {

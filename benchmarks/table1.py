@@ -41,7 +41,8 @@ def errors(predict: Predict, capture: Capture) -> tuple[float, float, float]:
     distance = np.linalg.norm((guess - truth)[:, ROOT_POSITION], axis=1)
     angle = geodesic_angle(joint_vectors(guess), joint_vectors(truth))
     component = np.abs(joint_vectors(guess) - joint_vectors(truth))
-    return 100 * float(distance.mean()), *(float(np.rad2deg(a.mean())) for a in (angle, component))
+    turned, bent = (float(np.rad2deg(a.mean())) for a in (angle, component))
+    return 100 * float(distance.mean()), turned, bent
 
 
 def methods(capture: Capture) -> dict[str, Predict]:

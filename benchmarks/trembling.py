@@ -57,7 +57,7 @@ def _boxes(way: PaalmOptions, noise: float, seeds: range) -> list[str]:
     """How often a box is brought to its goal over development seeds."""
     if not seeds:
         return []
-    hand_input.Paalm = partial(Paalm, way)  # type: ignore[assignment,misc]
+    hand_input.Paalm = partial(Paalm, way)  # type: ignore[assignment, attr-defined]
     trouble = LeapTrouble(noise)
     won = [
         play("box-to-goal", seed, "v1", "skilled", 1.0, Depth(), trouble)[0]["success"]

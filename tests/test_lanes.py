@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchmarks.side_by_side import side_by_side
+from benchmarks.lanes import side_by_side
 from encoders.pca_ik_model import pca_ik_model
 from encoders.trained import builtin_capture
 
