@@ -50,8 +50,8 @@ class OneHandOptions:
     """Start, goal and simulated user come from it; 0 unless a recording says otherwise."""
 
     impulse: Annotated[str, tyro.conf.arg(metavar="{paper,safe,N}")] = "paper"
-    """Limit of every servo in N s per 1/60 s: paper is 100, safe is 0.5. From safe down the hand is
-    slower and its fingers are damped as well."""
+    """Limit of every servo in N s per 1/60 s: paper is 100, safe is 0.5. From safe down a hand that
+    is down is slower, and its fingers are heavier."""
 
     contact: Literal["hard", "soft", "none"] = "hard"
     """How the hand touches things: soft gives way and pushes with 3 N at most, none passes through
