@@ -35,9 +35,10 @@ LIFT, HOLD, SETTLE = 0.05, 5.0, 1.0
 """m, s and s."""
 APART = 0.011
 """m from the middle of a face to each of two fingertips on it."""
-SEED = 4_002
 OPENING, SQUEEZE = 0.006, 0.0035
 """m outside and inside a face; the simulated user squeezes as much."""
+SEED = 4_002
+"""Of the boxes, unless another one is asked for."""
 
 
 @dataclass(frozen=True)
@@ -148,6 +149,8 @@ def main() -> None:
     parser.add_argument("--boxes", type=int, default=10)
     parser.add_argument("--seed", type=int, default=SEED, help="of the boxes")
     args = parser.parse_args()
+    if args.boxes < 1 or args.seed < 0:
+        parser.error("--boxes is at least 1, --seed at least 0")
     print(describe_machine())
     print(f"{args.boxes} boxes a row, held for {HOLD:g} s; median, largest")
     print("| contact | profile | servo | fingers | creep, mm | turn, deg | jitter, mm/s | still |")

@@ -59,7 +59,10 @@ class SizedLabels:
 
     labeller: Labeller
     size: float
-    remembers = True
+
+    @property
+    def remembers(self) -> bool:
+        return self.labeller.remembers
 
     def assign(
         self, contacts: Mapping[int, tuple[float, float]], fixed: Mapping[int, int]

@@ -69,7 +69,7 @@ class _Lane(Thread):
         return self.answer
 
 
-def side_by_side(trial: Callable[[Job], Result], jobs: Iterable[Job]) -> Iterator[Result]:
+def in_lanes(trial: Callable[[Job], Result], jobs: Iterable[Job]) -> Iterator[Result]:
     """Results of trials with PCA-IK, as they end.
 
     Raises:

@@ -27,7 +27,7 @@ from rich.progress import Progress
 from scipy.stats import binomtest
 
 from benchmarks.judged import judged_seeds
-from benchmarks.lanes import side_by_side
+from benchmarks.lanes import in_lanes
 from tasks.registry import TASKS
 
 ENCODERS: dict[str, dict[str, Any]] = {
@@ -183,7 +183,7 @@ def main() -> None:
         ):
             results = chain(
                 pool.map(trial, [j for j in missing if j[1] != "pca-ik"]),
-                side_by_side(trial, [j for j in missing if j[1] == "pca-ik"]),
+                in_lanes(trial, [j for j in missing if j[1] == "pca-ik"]),
             )
             for result in progress.track(results, total=len(missing)):
                 file.write(json.dumps(result).encode() + b"\n")

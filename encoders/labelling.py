@@ -61,7 +61,8 @@ class Labeller(Protocol):
             asked at every frame.
     """
 
-    remembers: bool
+    @property
+    def remembers(self) -> bool: ...
 
     def assign(
         self, contacts: Mapping[int, tuple[float, float]], fixed: Mapping[int, int]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchmarks.lanes import side_by_side
+from benchmarks.lanes import in_lanes
 from encoders.pca_ik_model import pca_ik_model
 from encoders.trained import builtin_capture
 
@@ -25,7 +25,7 @@ def walk(job: tuple[int, int]) -> tuple[int, list[bytes]]:
 
 def test_every_trial_sees_the_poses_that_it_sees_alone():
     jobs = [(start, 2 + start % 3) for start in range(10)] + [(99, 0)]
-    together = dict(side_by_side(walk, jobs))
+    together = dict(in_lanes(walk, jobs))
     assert together == dict(map(walk, jobs))
 
 
@@ -38,6 +38,6 @@ def test_what_a_trial_raises_is_raised_and_the_encoder_is_left_as_it_was():
         raise ValueError(f"trial {job}")
 
     with pytest.raises(ValueError, match="trial 3"):
-        list(side_by_side(breaks, [3]))
+        list(in_lanes(breaks, [3]))
     assert "predict" not in vars(encoder)
     np.testing.assert_array_equal(encoder.predict(TOUCHES[0]), before)
