@@ -12,6 +12,7 @@ four, a file in one of them; a file or a test that is named runs in the process 
 from __future__ import annotations
 
 import os
+import signal
 from collections.abc import Callable, Generator
 from pathlib import Path
 
@@ -22,6 +23,9 @@ ROOT = Path(__file__).resolve().parent.parent
 DATA_ABSENT = "shared data absent"
 NODE_ABSENT = "device node absent"
 MOST_PROCESSES = 4
+# A shell's background job ignores Ctrl-C, and so would every program that a test presses it in.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 IN_CI = os.environ.get("CI", "").lower() in ("true", "1")
 
 # A busy machine is no failure: no deadlines. CI searches from a fixed seed, people explore.
