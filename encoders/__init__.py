@@ -1,5 +1,6 @@
 """From touches to a pose: contact vector, encoders, labels, correction, reconstructor."""
 
+import models  # noqa: F401  (before NumPy: it pins the BLAS kernel)
 from encoders.contact_vector import contact_vector as contact_vector
 from encoders.paalm import Paalm as Paalm
 from encoders.pca_ik import PcaIkEncoder as PcaIkEncoder

@@ -95,3 +95,5 @@ except ShadowedPackageError as _error:
     # handler cannot do it, since its module is never reached.
     print(f"sandbox: {_error}", file=sys.stderr)
     sys.exit(_EXIT_BAD_INPUT)
+
+import models  # noqa: E402, F401  (before NumPy: it pins the BLAS kernel)

@@ -19,6 +19,8 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, settings
 
+import models  # noqa: F401  (before NumPy: it pins the BLAS kernel)
+
 ROOT = Path(__file__).resolve().parent.parent
 DATA_ABSENT = "shared data absent"
 NODE_ABSENT = "device node absent"
