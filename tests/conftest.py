@@ -20,6 +20,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 import models  # noqa: F401  (before NumPy: it pins the BLAS kernel)
+from tests.needs import require
 
 ROOT = Path(__file__).resolve().parent.parent
 DATA_ABSENT = "shared data absent"
@@ -76,6 +77,11 @@ def skip_is_honest(reason: str) -> bool:
         node = text.removeprefix(NODE_ABSENT).lstrip(": ").split(" ")[0]
         return node.startswith("/dev/") and not usable(node)
     return False
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    for mark in item.iter_markers("needs"):
+        require(*mark.args)
 
 
 @pytest.fixture(scope="session")

@@ -11,6 +11,7 @@ from contextlib import contextmanager
 import numpy as np
 from PIL import ImageGrab
 
+from tests.needs import require
 from tests.processes import PATIENCE
 
 WIDTH, HEIGHT = 1100, 760
@@ -48,6 +49,7 @@ class Screen:
 @contextmanager
 def screen() -> Iterator[Screen]:
     """Starts an X server on a display that is free, and makes it that of this process."""
+    require("screen")
     told, tell = os.pipe()
     server = subprocess.Popen(
         [

@@ -7,6 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
 from PIL import Image
 
 ROOT = Path(__file__).parents[1]
@@ -25,6 +26,7 @@ def demo(folder: Path, *options: str, **environment: str) -> subprocess.Complete
     )
 
 
+@pytest.mark.needs("opengl")
 def test_the_demo_succeeds_and_leaves_a_film_and_a_picture(tmp_path):
     done = demo(tmp_path)
     assert done.returncode == 0, done.stderr

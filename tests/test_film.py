@@ -54,6 +54,7 @@ def played(path: Path) -> tuple[int, int, tuple[int, int]]:
         return image.n_frames, total, image.size
 
 
+@pytest.mark.needs("opengl")
 @pytest.mark.parametrize("kind", ["webp", "gif"])
 def test_an_animation_lasts_as_long_as_its_trial(v: Viewed, tmp_path: Path, kind: str) -> None:
     path = tmp_path / f"film.{kind}"
@@ -68,6 +69,7 @@ def test_an_animation_lasts_as_long_as_its_trial(v: Viewed, tmp_path: Path, kind
     assert [p.name for p in tmp_path.iterdir()] == [path.name]
 
 
+@pytest.mark.needs("opengl")
 def test_a_video_has_all_frames_and_the_rate_that_was_asked_for(v: Viewed, tmp_path: Path) -> None:
     path = tmp_path / "film.mp4"
     picture = tmp_path / "picture.png"
@@ -85,6 +87,7 @@ def test_a_video_has_all_frames_and_the_rate_that_was_asked_for(v: Viewed, tmp_p
     assert np.abs(first - np.asarray(Image.open(picture), float)).mean() < 8.0
 
 
+@pytest.mark.needs("opengl")
 def test_a_second_trial_goes_on_where_the_first_one_s_film_ended(v: Viewed, tmp_path: Path) -> None:
     path = tmp_path / "film.webp"
     with FilmView(path, v.scene, v.surface, fps=10, size=(160, 90)) as view:
@@ -95,6 +98,7 @@ def test_a_second_trial_goes_on_where_the_first_one_s_film_ended(v: Viewed, tmp_
     assert played(path)[1] == 1300
 
 
+@pytest.mark.needs("opengl")
 def test_a_late_snapshot_stands_for_the_frames_that_were_missed(v: Viewed, tmp_path: Path) -> None:
     path = tmp_path / "film.webp"
     with FilmView(path, v.scene, v.surface, fps=10, size=(160, 90)) as view:
@@ -103,6 +107,7 @@ def test_a_late_snapshot_stands_for_the_frames_that_were_missed(v: Viewed, tmp_p
     assert view.frames == 11 and played(path)[1] == 1100
 
 
+@pytest.mark.needs("opengl")
 @pytest.mark.parametrize("kind", ["webp", "gif"])
 def test_frames_that_wait_on_the_disk_come_back_unchanged_and_leave_nothing_behind(
     v: Viewed, tmp_path: Path, kind: str, monkeypatch: pytest.MonkeyPatch
@@ -121,6 +126,7 @@ def test_frames_that_wait_on_the_disk_come_back_unchanged_and_leave_nothing_behi
     assert list(spool.iterdir()) == []
 
 
+@pytest.mark.needs("opengl")
 def test_a_picture_is_taken_while_filming_in_its_own_size(v: Viewed, tmp_path: Path) -> None:
     target = tmp_path / "picture.png"
     with FilmView(tmp_path / "film.webp", v.scene, v.surface, fps=10, size=(160, 90)) as view:
@@ -139,12 +145,14 @@ def test_a_picture_is_taken_while_filming_in_its_own_size(v: Viewed, tmp_path: P
         view.picture(v.solid, target)
 
 
+@pytest.mark.needs("opengl")
 def test_a_film_of_nothing_is_no_file(v: Viewed, tmp_path: Path) -> None:
     for kind in ("webp", "gif", "mp4"):
         FilmView(tmp_path / f"film.{kind}", v.scene, v.surface, size=(160, 90)).close()
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.needs("opengl")
 def test_what_cannot_be_filmed_is_refused_before_anything_is_drawn(
     v: Viewed, tmp_path: Path
 ) -> None:
@@ -161,6 +169,7 @@ def test_what_cannot_be_filmed_is_refused_before_anything_is_drawn(
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.needs("opengl")
 def test_a_film_that_cannot_be_finished_says_so_at_the_end_and_leaves_no_file(
     v: Viewed, tmp_path: Path
 ) -> None:
@@ -177,6 +186,7 @@ def test_a_film_that_cannot_be_finished_says_so_at_the_end_and_leaves_no_file(
     assert not path.exists()
 
 
+@pytest.mark.needs("opengl")
 def test_a_snapshot_that_cannot_be_drawn_ends_the_film_and_nothing_else(
     v: Viewed, tmp_path: Path
 ) -> None:
@@ -189,6 +199,7 @@ def test_a_snapshot_that_cannot_be_drawn_ends_the_film_and_nothing_else(
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.needs("opengl")
 def test_a_full_film_takes_no_more_frames_and_counts_them(
     v: Viewed, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -200,6 +211,7 @@ def test_a_full_film_takes_no_more_frames_and_counts_them(
     assert view.dropped == 4 and played(path)[1] == 500
 
 
+@pytest.mark.needs("opengl")
 def test_a_long_gif_is_thinned_out_but_lasts_as_long(
     v: Viewed, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

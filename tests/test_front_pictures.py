@@ -35,6 +35,7 @@ def scene() -> tuple[Session, Snapshot]:
     return session, session.advance()
 
 
+@pytest.mark.needs("opengl")
 @pytest.mark.parametrize("name", ["film", "window", "straight"])
 def test_the_whole_surface_is_in_the_picture_and_up_is_up(scene, name):
     session, snapshot = scene
@@ -54,6 +55,7 @@ def test_the_whole_surface_is_in_the_picture_and_up_is_up(scene, name):
     assert np.allclose(lens.pick(pixel, surface), middle, atol=1e-6)
 
 
+@pytest.mark.needs("opengl")
 def test_a_shelf_is_drawn_in_place_of_the_endless_table_which_stays_solid(scene):
     session, snapshot = scene
     model = session.scene.model

@@ -315,6 +315,7 @@ def test_a_lab_s_task_in_a_file_has_ids_and_plays():
     env.close()
 
 
+@pytest.mark.needs("opengl")
 def test_a_picture_is_drawn_only_when_it_is_asked_for():
     env = gymnasium.make(f"sandbox.gym:{TOUCH}", render_mode="rgb_array", size=(64, 48))
     env.reset(seed=0)

@@ -88,6 +88,7 @@ def test_the_ball_goes_through_palm_and_fingertips():
     assert ball_radius(palm, normal, [np.array([0.1, 0.0, 0.06])] * 5) is None
 
 
+@pytest.mark.needs("opengl")
 @pytest.mark.parametrize("side", ["right", "left"])
 def test_the_whole_picture_has_the_size_and_both_halves(side):
     frame, result = seen(side)
@@ -127,6 +128,7 @@ def file(tmp_path_factory) -> Path:
     return path
 
 
+@pytest.mark.needs("opengl")
 def test_the_command_writes_a_picture(file, tmp_path):
     out = tmp_path / "hand.png"
     assert main(["paalm", "show", str(file), "--picture", str(out), "--seconds", "0.3"]) == 0

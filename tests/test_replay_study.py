@@ -102,6 +102,7 @@ def test_one_trial_is_shown_and_not_many(study: StudyFolder) -> None:
     assert main(["replay", str(study.path), "--speed", "0"]) == 2
 
 
+@pytest.mark.needs("opengl")
 def test_a_film_of_a_trial_has_its_name(
     study: StudyFolder, session: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -76,6 +76,7 @@ def _target(v: Viewed) -> Array:
     return v.solid.hands[0].target
 
 
+@pytest.mark.needs("opengl")
 def test_where_a_hand_should_be_is_shown_while_it_is_held_back(v: Viewed) -> None:
     moved = _target(v).copy()
     moved[0] += 0.03

@@ -32,6 +32,7 @@ from sandbox.views.lens import Lens
 from sandbox.views.overlay import Words, stickers
 from sandbox.views.renderer import Renderer
 from tasks.score import Score, Status
+from tests.needs import require
 from tests.processes import ROOT
 from tests.viewed import Viewed, model_bytes, viewed, with_contacts
 
@@ -49,6 +50,7 @@ def v() -> Viewed:
 
 @pytest.fixture(scope="module")
 def renderer(v: Viewed) -> Iterator[Renderer]:
+    require("opengl")
     with Renderer(v.scene, v.surface, SIZE, camera=film_camera(v.solid, v.surface)) as r:
         yield r
 
@@ -170,6 +172,7 @@ def test_a_line_of_sight_that_misses_the_surface_touches_nothing(v: Viewed) -> N
     assert Lens.of(drawing.view, (640, 400)).pick((320.0, 0.0), v.surface) is None
 
 
+@pytest.mark.needs("opengl")
 @pytest.mark.parametrize("choose", ["film", "window", "above"])
 @pytest.mark.parametrize("share", [(0.5, 0.5), (0.1, 0.15), (0.9, 0.8)])
 def test_a_contact_is_drawn_where_the_lens_says(
@@ -322,6 +325,7 @@ def _draw_elsewhere(folder: Path, **environment: str) -> tuple[str, Picture | No
     return done.stdout.strip(), np.load(target).astype(float) if target.exists() else None
 
 
+@pytest.mark.needs("egl", "osmesa")
 @pytest.mark.skipif(sys.platform != "linux", reason="EGL and OSMesa are Linux's")
 def test_without_a_driver_for_egl_osmesa_draws_the_same_picture(tmp_path: Path) -> None:
     (tmp_path / "a").mkdir()
@@ -336,6 +340,7 @@ def test_without_a_driver_for_egl_osmesa_draws_the_same_picture(tmp_path: Path) 
     assert np.abs(one - other).mean() < 4.0
 
 
+@pytest.mark.needs("egl")
 @pytest.mark.skipif(sys.platform != "linux", reason="EGL and OSMesa are Linux's")
 def test_where_there_is_no_opengl_one_error_says_what_to_install(tmp_path: Path) -> None:
     told, picture = _draw_elsewhere(

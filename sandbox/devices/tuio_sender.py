@@ -143,7 +143,8 @@ def connected(to: str) -> socket.socket:
         # Connected, so that the system tells us where nobody listens.
         if not host:
             raise ValueError("there is no host in it")
-        channel.connect((host, int(port)))
+        # RFC 6761: this name is always the loopback address; a bare machine may not resolve it.
+        channel.connect(("127.0.0.1" if host == "localhost" else host, int(port)))
     except (OSError, ValueError, OverflowError) as error:
         channel.close()
         raise DeviceError(

@@ -1,0 +1,59 @@
+"""What a machine may lack that some tests need, and the skip that says so.
+
+`@pytest.mark.needs("opengl")` at a test, or `require("opengl")` inside a fixture. With `CI=true`
+such a skip fails the run: there, all of it is installed.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import shutil
+from collections.abc import Callable
+from functools import cache
+
+import pytest
+
+
+def _opengl() -> str:
+    from sandbox.views.errors import GraphicsError
+    from sandbox.views.graphics import choose_backend
+
+    try:
+        choose_backend()
+    except GraphicsError:
+        return "no OpenGL that draws without a screen (libegl1 and libgl1-mesa-dri, or libosmesa6)"
+    return ""
+
+
+def _library(name: str, package: str) -> str:
+    try:
+        ctypes.CDLL(name)
+    except OSError:
+        return f"no {name} (Debian's {package})"
+    return ""
+
+
+def _screen() -> str:
+    missing = [name for name in ("Xvfb", "xdotool") if shutil.which(name) is None]
+    return f"no {' and no '.join(missing)}" if missing else _library("libGL.so.1", "libgl1")
+
+
+_WHAT_LACKS: dict[str, Callable[[], str]] = {
+    "opengl": _opengl,
+    "egl": lambda: _library("libEGL.so.1", "libegl1"),
+    "osmesa": lambda: _library("libOSMesa.so.8", "libosmesa6"),
+    "screen": _screen,
+}
+"""Need -> what is missing for it on this machine; empty: nothing."""
+
+
+@cache
+def _lacks(need: str) -> str:
+    return _WHAT_LACKS[need]()
+
+
+def require(*needs: str) -> None:
+    """Skips the test that runs now if this machine lacks one of the needs."""
+    for need in needs:
+        if missing := _lacks(need):
+            pytest.skip(f"this machine has {missing}")
