@@ -19,18 +19,18 @@ import numpy as np
 
 from benchmarks.machine import describe_machine
 from encoders.paalm import Paalm
-from encoders.paalm.air import simulate_air
-from encoders.paalm.forward import LeapTake, seen
 from encoders.paalm.hand_reconstructor import HandReconstructor
+from encoders.paalm.simulated.air import simulate_air
+from encoders.paalm.simulated.forward import LeapTake, seen
 from models.surface import Surface
-from sandbox.devices.leap_user import SimulatedLeap
-from sandbox.hand_input import UNDER, HandInput
-from sandbox.headless import run_trial
-from sandbox.recording import load_recording
-from sandbox.replay import replay
-from sandbox.settings import RunSettings
-from tasks.simulated_user.configuration import UserConfiguration
+from sandbox.devices.simulated.leap_user import SimulatedLeap
+from sandbox.recording.recording import load_recording
+from sandbox.trial.hand_input import UNDER, HandInput
+from sandbox.trial.headless import run_trial
+from sandbox.trial.replay import replay
+from sandbox.trial.settings import RunSettings
 from tasks.task import Task
+from tasks.user import UserConfiguration
 
 SIDES = ("right", "left")
 TIMES = 5

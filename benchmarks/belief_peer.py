@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.belief import builtin_belief
-from encoders.finger_order import in_order
-from encoders.label_evidence import (
+from encoders.labels.belief import builtin_belief
+from encoders.labels.finger_order import in_order
+from encoders.labels.label_evidence import (
     STRANGER,
     STRANGER_SHARE,
     STRANGER_THUMB_AND_NEXT,
     natural_prior,
 )
-from encoders.labelling import hypotheses
-from encoders.layout_density import KernelShape, finger_sets
+from encoders.labels.labelling import hypotheses
+from encoders.labels.layout_density import KernelShape, finger_sets
 from models.surface import METRES_PER_INCH
 
 Contacts = dict[int, tuple[float, float]]

@@ -20,14 +20,14 @@ from rich.progress import track
 from rich.table import Table
 
 from benchmarks.machine import describe_machine
-from encoders.best import blocked_predictions
-from encoders.bone_fit import fitted_skeleton
 from encoders.capture import Capture
+from encoders.evaluation.best import blocked_predictions
 from encoders.evaluation.errors import pose_errors
 from encoders.evaluation.subjects import SUBJECTS, Subject, subject
-from encoders.person_correction import PersonCorrection, blocked_variance
-from encoders.polynomial import PolynomialEncoder
-from encoders.turned import TurnedEncoder
+from encoders.regression.bone_fit import fitted_skeleton
+from encoders.regression.person_correction import PersonCorrection, blocked_variance
+from encoders.regression.polynomial import PolynomialEncoder
+from encoders.regression.turned import TurnedEncoder
 from encoders.validation import robust_covariance
 from models.pose import absolute_pose
 from models.skeleton import ADULT

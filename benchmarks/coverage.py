@@ -21,14 +21,19 @@ import numpy as np
 import pandas as pd
 
 from benchmarks.machine import describe_machine
-from sandbox.study.measures import MEASURES
-from sandbox.study.report.censored import Censored, censored_differences, fit_censored, rows_of
-from sandbox.study.report.comparisons import Difference
-from sandbox.study.report.data import load_study
+from sandbox.study.measures.measures import MEASURES
 from sandbox.study.report.make import make_report
-from sandbox.study.report.mixed import Mixed, fit_mixed, mixed_differences
-from sandbox.study.report.planted import Truth, true_success, write_study
-from sandbox.study.report.success import odds, success_differences
+from sandbox.study.report.models.censored import (
+    Censored,
+    censored_differences,
+    fit_censored,
+    rows_of,
+)
+from sandbox.study.report.models.comparisons import Difference
+from sandbox.study.report.models.data import load_study
+from sandbox.study.report.models.mixed import Mixed, fit_mixed, mixed_differences
+from sandbox.study.report.models.success import odds, success_differences
+from tools.planted_study import Truth, true_success, write_study
 
 FIRST, SECOND = "a", "c"
 """The planted pair that is told."""

@@ -39,12 +39,17 @@ from benchmarks.ik_peers import Mink, farthest_tip
 from benchmarks.machine import describe_machine
 from benchmarks.many_poses import joint_poses
 from benchmarks.side_by_side import Call, Comparison, agree
-from encoders.belief import builtin_belief
-from encoders.labelling import PaperLabels, hypotheses, labelled_contact_vectors
-from encoders.nearest_neighbour import Search, nearest_neighbour
-from encoders.pca_ik import PcaIkEncoder
-from encoders.polynomial import PolynomialEncoder
-from encoders.trained import builtin
+from encoders.labels.belief import builtin_belief
+from encoders.labels.labelling import (
+    PaperLabels,
+    hypotheses,
+    labelled_contact_vectors,
+    nearest_neighbour,
+)
+from encoders.labels.nearest_neighbour import Search
+from encoders.regression.pca_ik import PcaIkEncoder
+from encoders.regression.polynomial import PolynomialEncoder
+from encoders.regression.trained import builtin
 from models.kinematics import Kinematics
 from models.pose import JOINTS
 from models.skeleton import ADULT

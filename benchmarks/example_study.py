@@ -17,20 +17,20 @@ from importlib.resources import files
 from pathlib import Path
 
 from sandbox.cli.main import main as sandbox
-from sandbox.study.design_file import load_design
-from sandbox.study.folder import StudyFolder
-from sandbox.study.report.analysis import Analysis, analyse
-from sandbox.study.report.data import load_study
+from sandbox.study.design.design_file import load_design
+from sandbox.study.record.folder import StudyFolder
 from sandbox.study.report.make import make_report
-from sandbox.study.report.page import head
-from sandbox.study.report.parts import Part, Picture, Section, Table
-from sandbox.study.report.section_checks import (
+from sandbox.study.report.models.analysis import Analysis, analyse
+from sandbox.study.report.models.data import load_study
+from sandbox.study.report.page.page import head
+from sandbox.study.report.page.parts import Part, Picture, Section, Table
+from sandbox.study.report.page.section_checks import (
     exclusions_section,
     people_section,
     questionnaire_section,
 )
-from sandbox.study.report.section_results import success_section, time_section
-from sandbox.study.tables import rebuild_study
+from sandbox.study.report.page.section_results import success_section, time_section
+from sandbox.study.tables.tables import rebuild_study
 
 DESIGN = "examples/study/design.toml"
 PAGE = Path("examples/study/report.html")
@@ -58,7 +58,7 @@ $ sandbox study report out/three-encoders-simulated
 
 Of the {planned} participants of the design, {people} were simulated. They differ in skill
 (reaction, speed, noise, aim), in the number of fingers, in the length of the hand, and in which
-hand is the better one: `sandbox/study/simulate.py`. **Their answers to questionnaires are by
+hand is the better one: `sandbox/study/run/simulate.py`. **Their answers to questionnaires are by
 chance**, and so are the differences between encoders in them. The encoders learned from a simulated
 subject, too.
 
@@ -165,7 +165,7 @@ def markdown(table: Table) -> str:
 
 def alone(svg: str) -> str:
     """A picture of the report that needs no page: in its light colours, on white."""
-    css = files("sandbox.study.report").joinpath("page.css").read_text(encoding="utf-8")
+    css = files("sandbox.study.report.page").joinpath("page.css").read_text(encoding="utf-8")
     light = dict(re.findall(r"(--\w+): (#\w+)", css.split("@media")[0]))
     svg = re.sub(r"var\((--\w+)\)", lambda m: light[m[1]], svg)
     size = re.search(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', svg)

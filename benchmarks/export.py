@@ -25,8 +25,8 @@ from benchmarks.machine import describe_machine
 from models.rotations import quaternion_exp
 from models.skeleton import ADULT
 from sandbox.export.targets import FORMATS
-from sandbox.recording import RecordingWriter
-from sandbox.settings import RunSettings
+from sandbox.recording.recording import RecordingWriter
+from sandbox.trial.settings import RunSettings
 
 CHILD = """
 import json, resource, sys, time

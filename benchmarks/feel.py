@@ -25,7 +25,7 @@ from models.kinematics import Kinematics
 from models.objects import Box
 from models.scene import CONTROL_PERIOD, Scene, SceneSpec
 from models.skeleton import ADULT
-from sandbox.contact_modes import ContactMode, ContactModes
+from sandbox.session.contact_modes import ContactMode, ContactModes
 
 Array = NDArray[np.float64]
 

@@ -24,9 +24,9 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
+from encoders.captures.subject.script import SETS
 from encoders.contact_vector import contact_vectors
-from encoders.polynomial import PolynomialEncoder
-from encoders.subject.script import SETS
+from encoders.regression.polynomial import PolynomialEncoder
 from models.pose import POSE_SIZE
 
 Array = NDArray[np.float64]

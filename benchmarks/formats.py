@@ -23,17 +23,17 @@ from numpy.typing import NDArray
 
 from benchmarks.machine import describe_machine
 from models.motion.armature import ORDERS, Y_UP, Z_UP, Armature, chunks
-from models.motion.asf import read_amc, read_asf
-from models.motion.asf_write import AmcWriter
-from models.motion.bvh import read_bvh
-from models.motion.bvh_write import BvhWriter
-from models.motion.c3d_write import C3dWriter
-from models.motion.gltf_write import GltfWriter
 from models.motion.output import MotionWriter
 from models.motion.points import HandPoints
-from models.motion.vicon_v import motion_of, read_v
-from models.motion.vicon_v_write import VWriter
-from models.motion.vsk import read_vsk
+from models.motion.read.asf import read_amc, read_asf
+from models.motion.read.bvh import read_bvh
+from models.motion.read.vicon_v import motion_of, read_v
+from models.motion.read.vsk import read_vsk
+from models.motion.write.asf import AmcWriter
+from models.motion.write.bvh import BvhWriter
+from models.motion.write.c3d import C3dWriter
+from models.motion.write.gltf import GltfWriter
+from models.motion.write.vicon_v import VWriter
 from models.skeleton import ADULT
 
 Array = NDArray[np.float64]
@@ -166,21 +166,21 @@ def _node(say: Callable[..., None], kind: str, reader: str, ask: Callable[[], ob
 
 
 def _three(path: Path, armature: Armature, joints: Array) -> float:
-    from tests.node_readers import ask
+    from tests.support.node_readers import ask
 
     said = ask("bvh", path, *FRAMES)["places"]
     return _worst(said, armature, joints, 100.0)
 
 
 def _three_glb(folder: Path, armature: Armature, joints: Array) -> float:
-    from tests.node_readers import ask
+    from tests.support.node_readers import ask
 
     said = ask("glb", folder / "hand.glb", *(f / RATE for f in FRAMES))["moments"]
     return _worst([moment["places"] for moment in said], armature, joints, 1.0)
 
 
 def _issues(path: Path) -> int:
-    from tests.node_readers import ask
+    from tests.support.node_readers import ask
 
     said = ask("validate", path)
     return said["errors"] + said["warnings"] + said["infos"]

@@ -18,14 +18,14 @@ from dataclasses import replace
 import numpy as np
 
 from benchmarks.labels import contacts_of
-from encoders.belief import BeliefLabels, builtin_belief
 from encoders.evaluation.subjects import subject
-from encoders.label_evidence import THUMB_AND_NEXT, LabelEvidence, natural_prior
+from encoders.labels.belief import BeliefLabels, builtin_belief
+from encoders.labels.label_evidence import THUMB_AND_NEXT, LabelEvidence, natural_prior
 from models.errors import HandSandboxError
 from models.frames import TouchFrame
-from sandbox.devices.simulated import SimulatedDevice
+from sandbox.devices.simulated.simulated import SimulatedDevice
 from sandbox.options.scene_options import SceneOptions, plan
-from sandbox.session import Session
+from sandbox.session.session import Session
 
 Touches = tuple[dict[int, tuple[float, float]], dict[int, int]]
 """Places in m on the surface and true fingers, by contact."""
@@ -60,7 +60,7 @@ def of_user(tasks: Sequence[str], seeds: range, fingers: int) -> Iterator[Touche
 
 def first_grasp(task: str, seed: int, fingers: int) -> Touches:
     """The first moment of a trial at which so many fingers are down."""
-    from sandbox.assembly import build
+    from sandbox.trial.assembly import build
 
     chosen = plan(SceneOptions(task=task, seed=seed, fingers=fingers))
     session: Session = build(chosen.settings, chosen.make_device)

@@ -5,7 +5,8 @@ fingertips, the screen and the noise stay as they are. `best`, trained on the ha
 reconstructs days that follow by SHA-256 from the subject's configuration:
 
 - without: touches as they are, as if the hand were the trained one;
-- calibrated: touches divided by the size that `encoders.hand_size` estimates from three spreads of
+- calibrated: touches divided by the size that `encoders.person.hand_size` estimates from three
+  spreads of
   five fingers, and the pose multiplied by it. The spreads are the subject's own, from a day that is
   not tested: the middle and both ends of its five-finger layouts stand for what it would do if
   asked. Drawn several times; the sizes found are printed, and the first one is used;
@@ -27,16 +28,16 @@ from rich.progress import track
 
 from benchmarks.machine import describe_machine
 from encoders.capture import Capture
+from encoders.captures.subject import FROZEN, SEED, simulate
 from encoders.evaluation import Method
 from encoders.evaluation.errors import pose_errors
 from encoders.evaluation.intervals import block_interval
 from encoders.evaluation.labels import SEVERAL, own_labels
 from encoders.evaluation.subjects import subject
 from encoders.evaluation.training import Training
-from encoders.hand_size import builtin_sizes
-from encoders.labelling import Labeller, Labelling
-from encoders.subject import FROZEN, SEED, simulate
-from encoders.trained import builtin_capture
+from encoders.labels.labelling import Labeller, Labelling
+from encoders.person.hand_size import builtin_sizes
+from encoders.regression.trained import builtin_capture
 from models.errors import InputError
 from models.pose import ROOT_POSITION
 from models.skeleton import ADULT

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.capture import Capture
-from encoders.hand_split import HandSplitter
-from encoders.trained import builtin_capture
+from encoders.labels.hand_split import HandSplitter
+from encoders.regression.trained import builtin_capture
 from models.frames import Contact, TouchFrame
 from models.scene import CONTROL_PERIOD
 from models.surface import METRES_PER_INCH

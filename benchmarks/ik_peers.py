@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 
 from models.errors import InputError
 from models.frames import FINGERS
-from models.hand_file import HAND_FILE
 from models.kinematics import Kinematics
 from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION
 from models.rotations import quaternion_exp, quaternion_log
 from models.skeleton import ADULT
 from models.surface import METRES_PER_INCH
+from tools.make_hand import HAND_FILE
 
 Array = NDArray[np.float64]
 

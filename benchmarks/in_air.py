@@ -4,7 +4,7 @@
     python -m benchmarks.in_air --tasks stack --links 2 # with other rules of what is solid
 
 Development seeds, or with `--judged` those of `benchmarks.judged_air`. Nobody is real: the user is
-`sandbox.air_user`, the device `encoders.paalm.eye`.
+`sandbox.devices.simulated.air_user`, the device `encoders.paalm.simulated.eye`.
 """
 
 from __future__ import annotations
@@ -15,21 +15,21 @@ from typing import Any
 
 import numpy as np
 
-import sandbox.assembly as assembly
+import sandbox.trial.assembly as assembly
 from benchmarks.judged_air import air_seeds
 from models.surface import Surface
-from sandbox.devices.leap_trouble import LeapTrouble
-from sandbox.devices.leap_user import SimulatedLeap
-from sandbox.hand_input import UNDER, HandInput
-from sandbox.headless import View, run_trial
-from sandbox.messages import Snapshot
+from sandbox.devices.simulated.leap_trouble import LeapTrouble
+from sandbox.devices.simulated.leap_user import SimulatedLeap
 from sandbox.options.leap_devices import over_one
-from sandbox.session import Session
-from sandbox.settings import RunSettings, SecondHand
-from sandbox.two_hands import DeviceMaker
+from sandbox.session.messages import Snapshot
+from sandbox.session.session import Session
+from sandbox.trial.hand_input import UNDER, HandInput
+from sandbox.trial.headless import View, run_trial
+from sandbox.trial.settings import RunSettings, SecondHand
+from sandbox.trial.two_hands import DeviceMaker
 from tasks.registry import find_task, hands_of
-from tasks.simulated_user.configuration import UserConfiguration
 from tasks.task import Task
+from tasks.user import UserConfiguration
 
 SHOWS = 0.002
 """m."""

@@ -15,10 +15,10 @@ from pathlib import Path
 from typing import Any
 
 from models.errors import InputError
-from sandbox.assembly import digests, reconstructor_settings
-from sandbox.settings import RunSettings
+from sandbox.trial.assembly import digests, reconstructor_settings
+from sandbox.trial.settings import RunSettings
 from tasks.registry import TASKS
-from tasks.simulated_user.configuration import UserConfiguration
+from tasks.user import UserConfiguration
 
 FROZEN = Path(__file__).with_name("frozen.json")
 

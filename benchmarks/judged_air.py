@@ -14,16 +14,16 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.judged import freeze, frozen_seeds
-from encoders.paalm.air import FROZEN_AIR
-from encoders.paalm.forward import FROZEN_LEAP
 from encoders.paalm.hand_reconstructor import HandReconstructorSettings
 from encoders.paalm.options import PaalmOptions
-from sandbox.air_user.person import AirHabits
-from sandbox.assembly import IN_AIR
-from sandbox.hand_input import HandInput
-from sandbox.settings import RunSettings
+from encoders.paalm.simulated.air import FROZEN_AIR
+from encoders.paalm.simulated.forward import FROZEN_LEAP
+from sandbox.devices.simulated.air_user.person import AirHabits
+from sandbox.trial.assembly import IN_AIR
+from sandbox.trial.hand_input import HandInput
+from sandbox.trial.settings import RunSettings
 from tasks.registry import TASKS
-from tasks.simulated_user.configuration import UserConfiguration
+from tasks.user import UserConfiguration
 
 FROZEN = Path(__file__).with_name("frozen_air.json")
 

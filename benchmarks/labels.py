@@ -30,14 +30,14 @@ from rich.progress import track
 from rich.table import Table
 
 from benchmarks.machine import describe_machine
-from encoders.assignment import AssignmentLabels
-from encoders.belief import BeliefLabels, builtin_belief
 from encoders.capture import Capture
-from encoders.label_evidence import LabelEvidence, even_prior
-from encoders.labelling import Labeller, PaperLabels
-from encoders.polynomial import PolynomialEncoder
-from encoders.subject import FROZEN, SEED, simulate
-from encoders.trained import TrainedModel, builtin_capture
+from encoders.captures.subject import FROZEN, SEED, simulate
+from encoders.labels.assignment import AssignmentLabels
+from encoders.labels.belief import BeliefLabels, builtin_belief
+from encoders.labels.label_evidence import LabelEvidence, even_prior
+from encoders.labels.labelling import Labeller, PaperLabels
+from encoders.regression.polynomial import PolynomialEncoder
+from encoders.regression.trained import TrainedModel, builtin_capture
 from models.pose import POSE_SIZE
 
 PAPER = {

@@ -2,10 +2,10 @@
 
 100 iterations for one pose are mostly calls of NumPy, and they take longer than all the rest of a
 trial. For many poses they cost little more, and every pose is the one that it would be alone, to
-the bit (`tests/test_touch_ik.py`). So each trial has a thread, one of them runs at a time, and a
-trial that asks for a pose waits until all of them do. Only touches of the same fingers are solved
-together, so the largest such group goes on and the others wait for company, for a while. Trials end
-in the state in which they would have ended alone.
+the bit (`tests/encoders/regression/test_touch_ik.py`). So each trial has a thread, one of them runs
+at a time, and a trial that asks for a pose waits until all of them do. Only touches of the same
+fingers are solved together, so the largest such group goes on and the others wait for company, for
+a while. Trials end in the state in which they would have ended alone.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.collapsed import FLAGS
-from encoders.pca_ik_model import pca_ik_model
+from encoders.regression.collapsed import FLAGS
+from encoders.regression.pca_ik import pca_ik_model
 
 Array = NDArray[np.float64]
 Job = TypeVar("Job")

@@ -13,7 +13,7 @@ import numpy as np
 from benchmarks.machine import describe_machine
 from models.frames import Contact, TouchFrame
 from models.scene import CONTROL_PERIOD
-from sandbox.lsl import LslOutlets
+from sandbox.lsl.lsl import LslOutlets
 
 
 def main(seconds: float) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import platform
 
-from sandbox.versions import versions
+from sandbox.recording.versions import versions
 
 
 def describe_machine() -> str:

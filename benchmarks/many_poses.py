@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.progress import Progress
 
-import encoders.subject
+import encoders.captures.subject
 import models
-from encoders.subject import FROZEN, simulate
+from encoders.captures.subject import FROZEN, simulate
 from models.pose import JOINTS
 
 Array = NDArray[np.float64]
@@ -34,7 +34,7 @@ _USED = ("kinematics", "pose", "rotations", "skeleton", "surface")
 def cache_folder() -> Path:
     """Where this configuration's poses are kept."""
     code = blake2b(json.dumps(FROZEN.as_json(), sort_keys=True).encode(), digest_size=8)
-    sources = sorted(Path(encoders.subject.__path__[0]).glob("*.py"))
+    sources = sorted(Path(encoders.captures.subject.__path__[0]).glob("*.py"))
     sources += [Path(models.__path__[0], f"{name}.py") for name in _USED]
     for source in sources:
         code.update(source.read_bytes())

@@ -3,7 +3,7 @@
     python -m benchmarks.one_moment
 
 Both take turns in the same run, every time is a median of processor time, and what they return
-agrees to rounding (`tests/test_one_pose.py`). Contacts and poses are simulated.
+agrees to rounding (`tests/models/test_one_pose.py`). Contacts and poses are simulated.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 import numpy as np
 
 from benchmarks.machine import describe_machine
+from encoders.regression.trained import builtin
 from encoders.smoothing import common_motion, rigid_motion
-from encoders.trained import builtin
 from models.kinematics import Kinematics
 from models.one_pose import OnePose
 from models.rotations import exp, log, turned_about_normal

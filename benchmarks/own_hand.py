@@ -19,15 +19,15 @@ from typing import Any
 import numpy as np
 
 from encoders.capture import Capture
-from encoders.conversion import ConversionReport, ConversionRules
+from encoders.captures.conversion import ConversionReport, ConversionRules
+from encoders.captures.together.capture_from_hands import Correct
+from encoders.captures.together.simulated import Together, simulate_together
 from encoders.store import save_capture
-from encoders.together.capture_from_hands import Correct
-from encoders.together.simulated import Together, simulate_together
 from models.pose import joint_vectors
 from models.rotations import geodesic_angle
-from sandbox.cli.capture import CaptureOptions
-from sandbox.cli.capture_hands import capture_of_hands
-from sandbox.cli.capture_simulate import write_simulated
+from sandbox.cli.capture.command import CaptureOptions
+from sandbox.cli.capture.hands import capture_of_hands
+from sandbox.cli.capture.simulate import write_simulated
 from sandbox.cli.main import main as sandbox
 
 SAME = 0.02

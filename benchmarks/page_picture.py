@@ -17,16 +17,16 @@ from pathlib import Path
 from PIL import Image
 
 from models.surface import METRES_PER_INCH
-from sandbox.assembly import build
-from sandbox.devices.simulated import SimulatedDevice
-from sandbox.devices.web import WebDevice
-from sandbox.server.describe import describe_scene
+from sandbox.devices.simulated.simulated import SimulatedDevice
 from sandbox.server.page_server import PageServer
-from sandbox.server.senses import senses
-from sandbox.server.skins import pack_skin
-from sandbox.settings import RunSettings
-from tasks.simulated_user.configuration import UserConfiguration
-from tests.chromium import Browser, Tab
+from sandbox.server.protocol.describe import describe_scene
+from sandbox.server.protocol.senses import senses
+from sandbox.server.protocol.skins import pack_skin
+from sandbox.server.web import WebDevice
+from sandbox.trial.assembly import build
+from sandbox.trial.settings import RunSettings
+from tasks.user import UserConfiguration
+from tests.support.chromium import Browser, Tab
 
 OUT = Path("docs/pictures/page.webp")
 WIDTH, HEIGHT, PPI = 1024, 768, 132.0

@@ -29,15 +29,15 @@ import numpy as np
 
 from benchmarks.page_client import PX_PER_IN, measure
 from models.surface import Surface
-from sandbox.assembly import build
-from sandbox.devices.web import WebDevice
-from sandbox.live import LiveSession
-from sandbox.messages import Snapshot
-from sandbox.server.describe import describe_scene
 from sandbox.server.page_server import PageServer
+from sandbox.server.protocol.describe import describe_scene
 from sandbox.server.publishing import publish
-from sandbox.settings import RunSettings
-from sandbox.timing import TimedDevice, Timing
+from sandbox.server.web import WebDevice
+from sandbox.session.messages import Snapshot
+from sandbox.trial.assembly import build
+from sandbox.trial.live import LiveSession
+from sandbox.trial.settings import RunSettings
+from sandbox.trial.timing import TimedDevice, Timing
 from tasks.task import Task
 
 

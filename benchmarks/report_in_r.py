@@ -18,7 +18,7 @@ import numpy as np
 import pandas as pd
 
 from sandbox.study.report.make import SCRIPT, make_report
-from sandbox.study.report.planted import Truth, write_study
+from tools.planted_study import Truth, write_study
 
 KEYS = ["measure", "model", "factor", "first", "second"]
 

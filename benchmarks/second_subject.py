@@ -20,10 +20,10 @@ from rich.table import Table
 from benchmarks.labels import EVERY, contacts_of
 from benchmarks.table1 import PAPER_VARIANCE, errors, variance_shares
 from encoders.capture import Capture
-from encoders.labelling import PaperLabels
-from encoders.polynomial import PolynomialEncoder
-from encoders.second_subject import FROZEN, SecondConfiguration, simulate
-from encoders.trained import TrainedModel
+from encoders.captures.second_subject import FROZEN, SecondConfiguration, simulate
+from encoders.labels.labelling import PaperLabels
+from encoders.regression.polynomial import PolynomialEncoder
+from encoders.regression.trained import TrainedModel
 from models.pose import POSE_SIZE
 
 Array = NDArray[np.float64]

@@ -26,11 +26,11 @@ from models.frames import Contact, TouchFrame
 from models.hand import IMPULSE_PROFILES
 from models.scene import CONTROL_PERIOD
 from models.surface import Surface
-from sandbox.assembly import build
-from sandbox.messages import Snapshot
-from sandbox.respawn import AWAY
-from sandbox.session import Session
-from sandbox.settings import RunSettings
+from sandbox.session.messages import Snapshot
+from sandbox.session.respawn import AWAY
+from sandbox.session.session import Session
+from sandbox.trial.assembly import build
+from sandbox.trial.settings import RunSettings
 from tasks.registry import find_task, hands_of, task_names
 
 Array = NDArray[np.float64]

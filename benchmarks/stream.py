@@ -17,14 +17,14 @@ import numpy as np
 
 from benchmarks.machine import describe_machine
 from models.motion.armature import Y_UP, Armature, Keys
-from models.motion.bvh import read_bvh
-from models.motion.bvh_write import BvhWriter
+from models.motion.read.bvh import read_bvh
+from models.motion.write.bvh import BvhWriter
 from models.skeleton import ADULT
 from sandbox.stream.lines import BLENDER, MAYA, HandLines, Target
 from sandbox.stream.script import script
 from sandbox.stream.sender import Sender
-from tests.command_port import CommandPort, Manners
-from tests.motion_poses import moving
+from tests.sandbox.stream.command_port import CommandPort, Manners
+from tests.support.motion_poses import moving
 
 MOMENTS = 240
 

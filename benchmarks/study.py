@@ -17,30 +17,30 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from benchmarks.machine import describe_machine
-from sandbox.assembly import build
-from sandbox.devices.recorded import RecordedDevice
-from sandbox.devices.simulated import SimulatedDevice
-from sandbox.headless import no_search_for_garbage, trial_header
-from sandbox.keeping import Keeping
-from sandbox.pacing import RealTime
-from sandbox.recording import load_recording
-from sandbox.recording_file import packed
-from sandbox.replay import replay, settings_of
-from sandbox.session import Session
-from sandbox.settings import RunSettings
-from sandbox.study.design import Design
-from sandbox.study.design_file import load_design
-from sandbox.study.files import sync_file
-from sandbox.study.folder import SIMULATED, StudyFolder
-from sandbox.study.frames import FrameTable
-from sandbox.study.journal import Journal, Syncing
-from sandbox.study.measures import MEASURES
-from sandbox.study.measures_trial import VERSION
-from sandbox.study.plan import TrialStep
-from sandbox.study.session_folder import SessionFolder
-from sandbox.study.simulate import simulated_person
-from sandbox.study.tables import rebuild_session, rebuild_study
-from tasks.simulated_user.configuration import UserConfiguration
+from sandbox.devices.simulated.simulated import SimulatedDevice
+from sandbox.recording.recorded_device import RecordedDevice
+from sandbox.recording.recording import load_recording
+from sandbox.recording.recording_file import packed
+from sandbox.session.session import Session
+from sandbox.study.design.design import Design
+from sandbox.study.design.design_file import load_design
+from sandbox.study.design.plan import TrialStep
+from sandbox.study.measures.measures import MEASURES
+from sandbox.study.measures.trial import VERSION
+from sandbox.study.record.files import sync_file
+from sandbox.study.record.folder import SIMULATED, StudyFolder
+from sandbox.study.record.journal import Journal, Syncing
+from sandbox.study.record.session_folder import SessionFolder
+from sandbox.study.run.simulate import simulated_person
+from sandbox.study.tables.frames import FrameTable
+from sandbox.study.tables.tables import rebuild_session, rebuild_study
+from sandbox.trial.assembly import build
+from sandbox.trial.headless import no_search_for_garbage, trial_header
+from sandbox.trial.keeping import Keeping
+from sandbox.trial.pacing import RealTime
+from sandbox.trial.replay import replay, settings_of
+from sandbox.trial.settings import RunSettings
+from tasks.user import UserConfiguration
 
 DESIGN = Path(__file__).resolve().parent.parent / "examples" / "study" / "design.toml"
 PEOPLE = 24

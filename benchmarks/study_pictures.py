@@ -14,10 +14,10 @@ from pathlib import Path
 
 from PIL import Image
 
-from sandbox.messages import Snapshot
-from tests import study_on_page
-from tests.chromium import Browser, Tab
-from tests.study_on_page import SMALL, OnPage, on_page, play, study_in
+from sandbox.session.messages import Snapshot
+from tests.sandbox.study import study_on_page
+from tests.sandbox.study.study_on_page import SMALL, OnPage, on_page, play, study_in
+from tests.support.chromium import Browser, Tab
 
 OUT = Path("docs/pictures/study.webp")
 WIDTH, HEIGHT, PPI = 1024, 768, 132.0

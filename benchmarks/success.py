@@ -77,8 +77,8 @@ Job = tuple[str, str, int, int]
 
 def trial(job: Job) -> dict[str, Any]:
     """Runs one trial: (task, row, fingers, seed)."""
-    from sandbox.headless import run_trial
     from sandbox.options.scene_options import SceneOptions, plan
+    from sandbox.trial.headless import run_trial
 
     task, row, fingers, seed = job
     chosen = plan(SceneOptions(task=task, seed=seed, fingers=fingers, **ROWS[row]))

@@ -19,9 +19,9 @@ from rich.progress import track
 from rich.table import Table
 
 from encoders.capture import Capture
-from encoders.polynomial import PolynomialEncoder
-from encoders.subject import FROZEN, simulate
-from encoders.trained import train
+from encoders.captures.subject import FROZEN, simulate
+from encoders.regression.polynomial import PolynomialEncoder
+from encoders.regression.trained import train
 from models.pose import ROOT_POSITION, joint_vectors
 from models.rotations import geodesic_angle
 

@@ -14,14 +14,14 @@ from functools import partial
 
 import numpy as np
 
-import sandbox.hand_input as hand_input
+import sandbox.trial.hand_input as hand_input
 from benchmarks.in_air import Depth, play
+from encoders.evaluation.paalm_judge import judged
 from encoders.paalm import Paalm, PaalmOptions
-from encoders.paalm.air import simulate_air
-from encoders.paalm.forward import FROZEN_LEAP, seen
-from encoders.paalm.judge import judged
-from sandbox.cli.paalm_readings import FIRST_PERSON
-from sandbox.devices.leap_trouble import LeapTrouble
+from encoders.paalm.simulated.air import simulate_air
+from encoders.paalm.simulated.forward import FROZEN_LEAP, seen
+from sandbox.cli.evaluate.paalm_readings import FIRST_PERSON
+from sandbox.devices.simulated.leap_trouble import LeapTrouble
 
 WAYS = {
     "as it trembles": PaalmOptions(),

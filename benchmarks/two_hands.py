@@ -11,10 +11,10 @@ from typing import Any
 
 from benchmarks.success import wilson
 from models.surface import Surface
-from sandbox.devices.device import Device
-from sandbox.headless import run_trial
 from sandbox.options.scene_options import SceneOptions, plan
-from sandbox.two_hands import DeviceMaker, with_first
+from sandbox.session.device import Device
+from sandbox.trial.headless import run_trial
+from sandbox.trial.two_hands import DeviceMaker, with_first
 from tasks.task import Task
 
 TASK = "carry-together"

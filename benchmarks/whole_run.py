@@ -101,9 +101,9 @@ def timed(clock: Clock, places: Sequence[tuple[Any, str, str]]) -> Iterator[None
 
 def whole_trial(seed: int, fingers: int) -> tuple[float, float, float]:
     """Simulated s, processor s and wall s of a trial, from settings to result."""
-    from sandbox.headless import run_trial
     from sandbox.options.scene_options import SceneOptions, plan
-    from sandbox.session import Session
+    from sandbox.session.session import Session
+    from sandbox.trial.headless import run_trial
 
     sessions: list[Session] = []
 
@@ -125,10 +125,10 @@ def whole_trial(seed: int, fingers: int) -> tuple[float, float, float]:
 
 def parts_of_trial(seed: int, fingers: int) -> dict[str, float]:
     """Processor s of every part in one control step, on average over a trial."""
-    from sandbox.assembly import build
-    from sandbox.dump import BlackBox
-    from sandbox.headless import play
     from sandbox.options.scene_options import SceneOptions, plan
+    from sandbox.recording.dump import BlackBox
+    from sandbox.trial.assembly import build
+    from sandbox.trial.headless import play
 
     chosen = plan(SceneOptions(seed=seed, fingers=fingers))
     box = BlackBox({})

@@ -16,18 +16,18 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
-from encoders.best import blocked_predictions
-from encoders.bone_fit import perturbed_skeleton
 from encoders.capture import Capture
+from encoders.evaluation.best import blocked_predictions
 from encoders.evaluation.errors import pose_errors
 from encoders.evaluation.subjects import SUBJECTS, subject
-from encoders.person_correction import (
+from encoders.regression.bone_fit import perturbed_skeleton
+from encoders.regression.person_correction import (
     WRONG_KNUCKLE,
     WRONG_LENGTH,
     PersonCorrection,
     train_correction,
 )
-from encoders.turned import TurnedEncoder
+from encoders.regression.turned import TurnedEncoder
 from encoders.validation import robust_covariance
 from models.pose import absolute_pose
 from models.skeleton import ADULT, Skeleton

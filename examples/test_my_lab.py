@@ -14,7 +14,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from encoders.trained import builtin_capture, train
+from encoders.regression.trained import builtin_capture, train
 from tasks.box_to_goal import BoxToGoal
 from tasks.sensing import Sensing
 from tasks.task import Measure

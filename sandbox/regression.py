@@ -15,7 +15,7 @@ from typing import Any
 
 import pytest
 
-from encoders.trained import TrainedModel, save_model
+from encoders.regression.trained import TrainedModel, save_model
 from models.errors import InputError
 from sandbox.regress import statistics
 from sandbox.regress.baseline import Baseline, load_baseline

@@ -32,9 +32,8 @@ from models.errors import InputError
 from models.objects import Thing
 from models.surface import Surface
 from tasks.sensing import Sensing
-from tasks.simulated_user.configuration import UserConfiguration
-from tasks.simulated_user.seated import User
 from tasks.task import Goal, Measure
+from tasks.user import User, UserConfiguration
 
 Array = NDArray[np.float64]
 

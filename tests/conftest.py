@@ -20,7 +20,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 import models  # noqa: F401  (before NumPy: it pins the BLAS kernel)
-from tests.needs import require
+from tests.support.needs import require
 
 ROOT = Path(__file__).resolve().parent.parent
 DATA_ABSENT = "shared data absent"

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.capture import Capture
-from encoders.labelling import Labeller
+from encoders.labels.labelling import Labeller
 
 Array = NDArray[np.float64]
 Contacts = dict[int, tuple[float, float]]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from encoders.contact_vector import contact_vectors
 from encoders.evaluation.copas import Encoder
-from encoders.labelling import Labeller
+from encoders.labels.labelling import Labeller
 from models.pose import absolute_pose
 
 Array = NDArray[np.float64]

@@ -20,8 +20,8 @@ from models.errors import EncoderError
 Progress = Callable[[float], None]
 
 SUBJECTS: dict[str, str] = {
-    "first": "encoders.subject",
-    "second": "encoders.second_subject",
+    "first": "encoders.captures.subject",
+    "second": "encoders.captures.second_subject",
 }
 """Name -> package with `simulate`, `FROZEN` and `SEED`; loaded only when asked for."""
 

@@ -12,15 +12,20 @@ from typing import Any
 
 import numpy as np
 
-from encoders.assignment import AssignmentLabels
-from encoders.belief import builtin_belief
-from encoders.best import CANDIDATES, Best, builtin_best, train_best
 from encoders.capture import Capture
+from encoders.evaluation.best import CANDIDATES, Best, builtin_best, train_best
 from encoders.evaluation.copas import Encoder
 from encoders.evaluation.methods import EncoderMethod, MeanEncoder, Method
-from encoders.labelling import Labeller, PaperLabels
-from encoders.polynomial import CubicEncoder, LinearEncoder, PolynomialEncoder, QuadraticEncoder
-from encoders.trained import TrainedModel, load_model
+from encoders.labels.assignment import AssignmentLabels
+from encoders.labels.belief import builtin_belief
+from encoders.labels.labelling import Labeller, PaperLabels
+from encoders.regression.polynomial import (
+    CubicEncoder,
+    LinearEncoder,
+    PolynomialEncoder,
+    QuadraticEncoder,
+)
+from encoders.regression.trained import TrainedModel, load_model
 from models.errors import EncoderError
 from models.pose import POSE_SIZE
 
@@ -35,9 +40,9 @@ LEAST_SQUARES: dict[str, Callable[[], PolynomialEncoder]] = {
 """The paper's encoders, by plain least squares as there. `paper` is its method: the quadratic."""
 
 INVERSE_KINEMATICS: dict[str, tuple[str, str]] = {
-    "pca-ik": ("encoders.pca_ik", "PcaIkEncoder"),
-    "pca-ik-null": ("encoders.regularised_ik", "NullSpaceIkEncoder"),
-    "map-ik": ("encoders.regularised_ik", "MapIkEncoder"),
+    "pca-ik": ("encoders.regression.pca_ik", "PcaIkEncoder"),
+    "pca-ik-null": ("encoders.regression.regularised_ik", "NullSpaceIkEncoder"),
+    "map-ik": ("encoders.regression.regularised_ik", "MapIkEncoder"),
 }
 """Name -> module and class: the paper's rival, that with the rest of the pose projected into the
 null space, and one with the training poses' mean and full covariance as its prior."""

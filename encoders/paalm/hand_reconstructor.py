@@ -1,7 +1,8 @@
 """From one hand frame after another to the pose of the whole hand: PAALM as a reconstructor.
 
-It has the interface of `encoders.touch_reconstructor`, so that whatever drives a hand by touches
-can drive one by a Leap: `step(frame)`, `reset()`, `commanded`, and a `Reconstruction`.
+It has the interface of `encoders.reconstruction.touch_reconstructor`, so that whatever drives a
+hand by touches can drive one by a Leap: `step(frame)`, `reset()`, `commanded`, and a
+`Reconstruction`.
 """
 
 from __future__ import annotations
@@ -12,12 +13,12 @@ from math import exp
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.arrival import Phase
 from encoders.paalm.average import average_calibration
 from encoders.paalm.hand_pose import hand_pose
 from encoders.paalm.paalm import Paalm, PaalmHand
 from encoders.paalm.palm import Palm
-from encoders.touch_reconstructor import Reconstruction
+from encoders.reconstruction.arrival import Phase
+from encoders.reconstruction.touch_reconstructor import Reconstruction
 from models.errors import EncoderError
 from models.frames import FINGERS, HandFrame, Vector
 from models.limits import RateLimit

@@ -13,20 +13,20 @@ import tyro
 from numpy.typing import NDArray
 from rich.console import Console
 
-from encoders.hand_size import SPREADS, HandSize, builtin_sizes
-from encoders.spreads import SpreadCollector
+from encoders.person.hand_size import SPREADS, HandSize, builtin_sizes
+from encoders.person.spreads import SpreadCollector
 from models.errors import InputError
 from models.person import Person, PersonFrame
 from models.scene import CONTROL_PERIOD
 from models.surface import Surface
-from sandbox.cli.parse import parse
-from sandbox.devices.device import Device
-from sandbox.devices.simulated_spreads import SimulatedSpreads
-from sandbox.devices.tuio import DEFAULT_PORT, LOOPBACK
+from sandbox.cli.common.parse import parse
+from sandbox.devices.simulated.spreads import SimulatedSpreads
+from sandbox.devices.tuio.tuio import DEFAULT_PORT, LOOPBACK
+from sandbox.options.profiles import Profile, default_path, save_profile
 from sandbox.options.scene_options import Plan, SceneOptions, plan
-from sandbox.profiles import Profile, default_path, save_profile
-from sandbox.recording import is_recording
-from sandbox.settings import RunSettings
+from sandbox.recording.recording import is_recording
+from sandbox.session.device import Device
+from sandbox.trial.settings import RunSettings
 from tasks.registry import find_task
 
 Array = NDArray[np.float64]

@@ -13,15 +13,15 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from models.errors import HandSandboxError
-from sandbox.assembly import build
-from sandbox.cli.parse import parse
-from sandbox.devices.recorded import RecordedDevice
-from sandbox.headless import play
-from sandbox.live import LiveSession
-from sandbox.messages import Snapshot
-from sandbox.recording import load_recording
-from sandbox.session import Session
-from sandbox.settings import RunSettings
+from sandbox.cli.common.parse import parse
+from sandbox.recording.recorded_device import RecordedDevice
+from sandbox.recording.recording import load_recording
+from sandbox.session.messages import Snapshot
+from sandbox.session.session import Session
+from sandbox.trial.assembly import build
+from sandbox.trial.headless import play
+from sandbox.trial.live import LiveSession
+from sandbox.trial.settings import RunSettings
 from sandbox.views.display import has_display
 from sandbox.views.errors import GraphicsError
 from tasks.score import ending
@@ -95,7 +95,7 @@ def _keep(kept: list[Snapshot], snapshot: Snapshot) -> None:
 
 def _live(session: Session, kept: list[Snapshot], console: Console) -> bool:
     """Plays in a window at real time; False when there can be none, and nothing has been played."""
-    from sandbox.views.window import Window
+    from sandbox.views.window.window import Window
 
     surface = session.rigs[0].reconstructor.surface
     try:

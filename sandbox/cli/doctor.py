@@ -11,14 +11,14 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from sandbox.cli.parse import parse
+from sandbox.cli.common.parse import parse
 from sandbox.doctor.check import Check
 from sandbox.doctor.devices import device_checks
 from sandbox.doctor.graphics import graphics_checks
 from sandbox.doctor.packages import package_checks
 from sandbox.doctor.speed import speed_check
 from sandbox.doctor.system import system_checks
-from sandbox.versions import versions
+from sandbox.recording.versions import versions
 
 SCHEMA = 1
 """Version of the JSON."""

@@ -13,12 +13,12 @@ from rich.progress import Progress
 
 from models.errors import InputError
 from models.frames import FINGERS
-from models.motion.bvh_write import BvhWriter
 from models.motion.sampling import Poses
-from sandbox.cli.parse import parse
+from models.motion.write.bvh import BvhWriter
+from sandbox.cli.common.parse import parse
 from sandbox.export.sources import open_source
 from sandbox.export.targets import Exporter, ExportSettings, format_of
-from sandbox.study.trial_files import find_recordings
+from sandbox.study.record.trial_files import find_recordings
 
 Finger = Literal["thumb", "index", "middle", "ring", "little"]
 Order = Literal["XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"]

@@ -14,14 +14,14 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from encoders.paalm.air import AirTake, simulate_air, takes_of_capture
-from encoders.paalm.forward import seen
+from encoders.paalm.simulated.air import AirTake, simulate_air, takes_of_capture
+from encoders.paalm.simulated.forward import seen
 from encoders.store import load_capture
 from models.errors import InputError
-from sandbox.cli.parse import subcommand
-from sandbox.devices.leap_fake import DEFAULT_PORT, FakeLeapd
-from sandbox.devices.leap_file import read_leap
-from sandbox.devices.leap_truth import write_take
+from sandbox.cli.common.parse import subcommand
+from sandbox.devices.leap.leap_fake import DEFAULT_PORT, FakeLeapd
+from sandbox.devices.leap.leap_file import read_leap
+from sandbox.devices.leap.leap_truth import write_take
 
 
 def main(argv: list[str]) -> int:

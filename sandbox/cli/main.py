@@ -27,7 +27,10 @@ COMMANDS: dict[str, str] = {
     "leap": "a Leap without one: simulated recordings, a fake service, what is understood",
     "touches": "show, send and describe touches: the first thing to try with a new tablet",
 }
-"""Command -> one line of help. Each lives in sandbox/cli/COMMAND.py as `main(argv) -> int`."""
+"""Command -> one line of help. Each is `main(argv) -> int` in sandbox/cli/COMMAND.py, or in
+sandbox/cli/COMMAND/command.py where it is in `IN_FOLDERS`."""
+
+IN_FOLDERS = {"capture", "evaluate", "paalm", "play", "replay", "study", "touches"}
 
 EXIT_DONE, EXIT_GATE_FAILED, EXIT_BAD_INPUT = 0, 1, 2
 
@@ -47,7 +50,7 @@ def main(argv: list[str] | None = None) -> int:
             print(overview(COMMANDS), flush=True)
             return EXIT_DONE
         if name == "--version":
-            from sandbox.versions import versions
+            from sandbox.recording.versions import versions
 
             found = versions()
             print(", ".join(f"{of} {found[of]}" for of in ("hand-sandbox", "mujoco", "python")))
@@ -59,7 +62,9 @@ def main(argv: list[str] | None = None) -> int:
                 expected=", ".join(COMMANDS),
                 remedy="`sandbox` alone lists what there is",
             )
-        module = importlib.import_module(f"sandbox.cli.{name}")
+        module = importlib.import_module(
+            f"sandbox.cli.{name}.command" if name in IN_FOLDERS else f"sandbox.cli.{name}"
+        )
         return int(module.main(rest) or EXIT_DONE)
     except InputError as error:
         print(f"sandbox: {error}", file=sys.stderr)

@@ -12,13 +12,13 @@ from sandbox.views.display import has_display
 
 DEVICES = {
     "mouse": ("sandbox.devices.mouse", "MouseDevice"),
-    "web": ("sandbox.devices.web", "WebDevice"),
-    "tuio": ("sandbox.devices.tuio", "TuioDevice"),
-    "evdev": ("sandbox.devices.evdev_device", "EvdevDevice"),
-    "leap": ("sandbox.devices.leap", "LeapDevice"),
-    "simulated": ("sandbox.devices.simulated", "SimulatedDevice"),
-    "leap-simulated": ("sandbox.devices.leap_user", "SimulatedLeap"),
-    "FILE": ("sandbox.devices.recorded", "RecordedDevice"),
+    "web": ("sandbox.server.web", "WebDevice"),
+    "tuio": ("sandbox.devices.tuio.tuio", "TuioDevice"),
+    "evdev": ("sandbox.devices.evdev.evdev_device", "EvdevDevice"),
+    "leap": ("sandbox.devices.leap.leap", "LeapDevice"),
+    "simulated": ("sandbox.devices.simulated.simulated", "SimulatedDevice"),
+    "leap-simulated": ("sandbox.devices.simulated.leap_user", "SimulatedLeap"),
+    "FILE": ("sandbox.recording.recorded_device", "RecordedDevice"),
 }
 """`--device` -> module and class; what is said of it is the class's own first sentence."""
 

@@ -6,7 +6,7 @@ import json
 import os
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -17,9 +17,8 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from models.errors import InputError
-from sandbox.cli.json_out import check_output
-from sandbox.cli.parse import in_one_line, parse
-from sandbox.cli.regress_vary import check_vary, run_vary
+from sandbox.cli.common.json_out import check_output
+from sandbox.cli.common.parse import in_one_line, parse
 from sandbox.regress.breaking_off import BreakOff
 
 if TYPE_CHECKING:
@@ -27,6 +26,7 @@ if TYPE_CHECKING:
     from sandbox.regress.execute import Executor, Trial
     from sandbox.regress.plan import RegressionPlan
     from sandbox.regress.report import Report
+    from sandbox.regress.sweep import Runner
 
 STOPPED = 130
 """Exit status of a run that somebody broke off, as shells have it."""
@@ -295,3 +295,72 @@ def _update(
     kept = [name for name in new.tasks if name not in plan.names]
     also = f", as they were: {', '.join(kept)}" if kept else ""
     console.print(f"baseline {options.baseline}: {len(report.trials)} trials{also}")
+
+
+WITHOUT = ("baseline", "junit", "record", "update_baseline", "exact", "across_encoders")
+"""Options that mean nothing where trials are varied."""
+
+
+def check_vary(options: RegressOptions) -> None:
+    """Refuses what would fail at the end.
+
+    Raises:
+        InputError: An option does not go with another.
+    """
+    if not options.vary:
+        if options.plot is not None:
+            raise InputError("there is nothing to plot", where="--plot", remedy="Add --vary NAME")
+        return
+    plain = {f.name: f.default for f in fields(options)}
+    for name in WITHOUT:
+        if getattr(options, name) != plain[name]:
+            raise InputError(
+                "varied trials are compared with those of the same run, and with nothing else",
+                where=f"--vary --{name.replace('_', '-')}",
+            )
+    from sandbox.regress.sweep import parse_wanted
+
+    parse_wanted(options.vary)
+    if options.plot is not None:
+        from sandbox.figures.variation import check_plot
+
+        check_plot(options.plot)
+
+
+def run_vary(
+    options: RegressOptions,
+    plan: RegressionPlan,
+    executor: Executor,
+    run: Runner,
+    console: Console,
+) -> bool:
+    """Runs, prints, draws and writes; whether nobody broke off.
+
+    Args:
+        options: Checked.
+        plan: Of the trials with nothing varied.
+        executor: Its name goes into the report.
+        run: Runs a plan's trials.
+        console: For people.
+    """
+    from sandbox.regress.baseline import write_whole
+    from sandbox.regress.show_sweep import show_sweep
+    from sandbox.regress.sweep import parse_wanted, sweep
+
+    began = perf_counter()
+    found = sweep(plan, parse_wanted(options.vary), run)
+    wall_s = perf_counter() - began
+    show_sweep(found, console)
+    if options.json is not None:
+        ran: dict[str, Any] = {"executor": executor.name, "workers": options.workers}
+        report = {**found.as_json(), **ran, "wall_s": round(wall_s, 3)}
+        text = json.dumps(report, indent=1, allow_nan=False)
+        if options.json == Path("-"):
+            print(text)
+        else:
+            write_whole(options.json, text + "\n", "--json")
+    if options.plot is not None:
+        from sandbox.figures.variation import draw, save_plot
+
+        save_plot(draw(found), options.plot)
+    return found.complete

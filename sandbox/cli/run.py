@@ -13,19 +13,19 @@ from rich.console import Console
 from rich.markup import escape
 
 from models.errors import InputError
-from sandbox.cli.films import open_film
-from sandbox.cli.json_out import TERMINAL, check_output, write_json
-from sandbox.cli.lsl_options import LslOptions, streaming
-from sandbox.cli.parse import parse
-from sandbox.devices.lift_keys import with_lift
-from sandbox.events import EventLog, NoticeEvents
+from sandbox.cli.common.films import open_film
+from sandbox.cli.common.json_out import TERMINAL, check_output, write_json
+from sandbox.cli.common.lsl_options import LslOptions, streaming
+from sandbox.cli.common.parse import parse
 from sandbox.export.view import MotionView
-from sandbox.headless import View, run_trial
-from sandbox.messages import Snapshot
 from sandbox.options.scene_options import Plan, SceneOptions, plan
-from sandbox.pacing import RealTime
-from sandbox.session import Session
-from sandbox.two_hands import DeviceMaker, with_each
+from sandbox.session.messages import Snapshot
+from sandbox.session.session import Session
+from sandbox.trial.events import EventLog, NoticeEvents
+from sandbox.trial.headless import View, run_trial
+from sandbox.trial.lift import with_lift
+from sandbox.trial.pacing import RealTime
+from sandbox.trial.two_hands import DeviceMaker, with_each
 from tasks.score import ending
 
 

@@ -14,19 +14,19 @@ import tyro
 from rich.console import Console
 
 from models.errors import InputError
-from sandbox.cli.json_out import check_output, write_json
-from sandbox.cli.page_options import PageOptions
-from sandbox.cli.parse import parse
-from sandbox.devices.tuio import DEFAULT_PORT, LOOPBACK
+from sandbox.cli.common.json_out import check_output, write_json
+from sandbox.cli.common.page_options import PageOptions
+from sandbox.cli.common.parse import parse
+from sandbox.devices.tuio.tuio import DEFAULT_PORT, LOOPBACK
 from sandbox.export.sources import Source, open_source
 from sandbox.options.leap_devices import LeapOptions, is_leap
 from sandbox.options.scene_options import SceneOptions, plan
-from sandbox.recording import is_recording
+from sandbox.recording.recording import is_recording
 from sandbox.stream.lines import BLENDER, MAYA, MAYA_MEL, Target
 from sandbox.stream.player import Pace, Player
 from sandbox.stream.script import script
 from sandbox.stream.sender import Moment, Sender, parse_address
-from sandbox.study.trial_files import find_recordings
+from sandbox.study.record.trial_files import find_recordings
 
 LIVE = ("leap", "leap-simulated", "simulated", "tuio", "web", "evdev")
 PAGE_PATIENCE = 600.0
@@ -212,8 +212,8 @@ def _open(
         yield open_source(files[0], options.of or "simulated", options.take), False
         return
     # Simulating loads far more than reading does.
-    from sandbox.assembly import build
     from sandbox.stream.motion import source_of_session
+    from sandbox.trial.assembly import build
 
     make: Callable[..., Any]
     settings, make = _session(options, console)
@@ -237,7 +237,7 @@ def _session(options: StreamOptions, console: Console) -> tuple[Any, Any]:
     chosen = plan(scene)
     if options.device != "web":
         return chosen.settings, chosen.make_device
-    from sandbox.cli.touch_page import open_page_touches
+    from sandbox.cli.common.touch_page import open_page_touches
     from sandbox.options.touch_devices import TouchOptions
 
     asked = TouchOptions(

@@ -11,10 +11,10 @@ import tyro
 from rich.console import Console
 from rich.progress import Progress
 
+from encoders.captures.subject import FROZEN, SEED, simulate
 from encoders.store import save_capture
-from encoders.subject import FROZEN, SEED, simulate
 from models.errors import InputError
-from sandbox.cli.parse import parse
+from sandbox.cli.common.parse import parse
 
 
 @dataclass(frozen=True)

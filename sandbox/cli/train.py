@@ -11,11 +11,10 @@ import tyro
 from rich.console import Console
 from rich.progress import Progress
 
-from encoders.best import train_best_model
 from encoders.capture import Capture
-from encoders.store import load_capture, save_capture
-from encoders.subject import FROZEN, SEED, simulate
-from encoders.trained import (
+from encoders.captures.subject import FROZEN, SEED, simulate
+from encoders.evaluation.best import train_best_model
+from encoders.regression.trained import (
     BUILTIN,
     POLYNOMIALS,
     TrainedModel,
@@ -25,8 +24,9 @@ from encoders.trained import (
     save_model,
     train,
 )
+from encoders.store import load_capture, save_capture
 from models.errors import InputError
-from sandbox.cli.parse import parse
+from sandbox.cli.common.parse import parse
 
 SAME_POSE = 1e-4
 """m and rad: two poses that differ by less are the same."""

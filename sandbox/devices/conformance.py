@@ -21,7 +21,7 @@ from typing import TypeVar
 
 from models.frames import TouchFrame
 from models.surface import Surface
-from sandbox.devices.device import Device
+from sandbox.session.device import Device
 
 T = TypeVar("T")
 

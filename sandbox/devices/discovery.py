@@ -7,7 +7,7 @@ A package offers its devices under a name:
 
 and `--device my-lab-pad` or `--device my-lab-pad:ARGUMENT` opens it. What is offered is called with
 the touch surface and the argument (an empty text without one), and gives a device (see
-`sandbox.devices.device`). What is wrong with one of them is said when it is asked for.
+`sandbox.session.device`). What is wrong with one of them is said when it is asked for.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from typing import Any
 from models.errors import DeviceError, HandSandboxError
 from models.outside import failure, load_file, offered, package
 from models.surface import Surface
-from sandbox.devices.device import Device
+from sandbox.session.device import Device
 
 GROUP = "hand_sandbox.devices"
 

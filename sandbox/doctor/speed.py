@@ -9,9 +9,9 @@ ENOUGH = 1.5
 
 _PROBE = """
 import time
-from sandbox.assembly import build
+from sandbox.trial.assembly import build
 from sandbox.devices.mouse import MouseDevice
-from sandbox.settings import RunSettings
+from sandbox.trial.settings import RunSettings
 session = build(RunSettings(), lambda task, surface: MouseDevice(surface))
 surface = session.rigs[0].reconstructor.surface
 session.rigs[0].device.hand(3, surface.to_surface(session.task.objects[0].position))

@@ -13,8 +13,8 @@ from pathlib import Path
 
 from models.errors import HandSandboxError
 from sandbox.doctor.check import Check
-from sandbox.profiles import default_path, find_profile
-from sandbox.versions import versions
+from sandbox.options.profiles import default_path, find_profile
+from sandbox.recording.versions import versions
 
 PYTHON = (3, 11)
 LATE = 0.005

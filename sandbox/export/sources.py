@@ -24,14 +24,14 @@ from models.motion.sampling import Poses
 from models.pose import ROOT_POSITION, ROOT_ROTATION, joint_vectors
 from models.rotations import quaternion_exp
 from models.skeleton import ADULT
-from sandbox.recording import check_schema, is_recording, load_recording
-from sandbox.recording_file import GZIP, first_line, stored
-from sandbox.settings import RunSettings
-from sandbox.track import Track, read_line
+from sandbox.recording.recording import check_schema, is_recording, load_recording
+from sandbox.recording.recording_file import GZIP, first_line, stored
+from sandbox.session.track import Track, read_line
+from sandbox.trial.settings import RunSettings
 
 if TYPE_CHECKING:
-    from sandbox.messages import Snapshot
-    from sandbox.session import Session
+    from sandbox.session.messages import Snapshot
+    from sandbox.session.session import Session
 
 Array = NDArray[np.float64]
 
@@ -142,7 +142,7 @@ def _simulated(path: Path) -> Source:
 
 def _commanded(path: Path) -> Source:
     # Simulating loads far more than reading does.
-    from sandbox.replay import replay
+    from sandbox.trial.replay import replay
 
     recording = load_recording(path)
     settings = RunSettings.from_json(recording.header["settings"])

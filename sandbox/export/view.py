@@ -12,8 +12,8 @@ from models.motion.armature import Armature
 from models.motion.sampling import Poses
 from sandbox.export.sources import commanded_poses, poses_of_qpos
 from sandbox.export.targets import Exporter, ExportSettings
-from sandbox.messages import Snapshot
-from sandbox.session import Session
+from sandbox.session.messages import Snapshot
+from sandbox.session.session import Session
 
 Of = Literal["simulated", "commanded"]
 

@@ -134,7 +134,7 @@ def _rendered(moments: Sequence[Moment], poses: Sequence[Array]) -> list[list[An
     from models.pose import surface_to_world
     from models.scene import Scene, SceneSpec
     from models.surface import Surface
-    from sandbox.messages import ContactView, HandView, Snapshot
+    from sandbox.session.messages import ContactView, HandView, Snapshot
     from sandbox.views.drawing import Drawing
     from sandbox.views.graphics import offscreen_context, render_context
     from sandbox.views.renderer import SAMPLES, SHADOW_SIZE, SLICES, STACKS

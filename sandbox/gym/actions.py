@@ -8,9 +8,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.arrival import Phase
-from encoders.personal import Reconstructor
-from encoders.touch_reconstructor import Reconstruction
+from encoders.reconstruction.arrival import Phase
+from encoders.reconstruction.personal import Reconstructor
+from encoders.reconstruction.touch_reconstructor import Reconstruction
 from models.frames import FINGERS, Contact, TouchFrame
 from models.limits import RateLimit, within_limits
 from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION

@@ -13,12 +13,12 @@ from numpy.typing import ArrayLike, NDArray
 from models.errors import DivergenceError, InputError
 from models.scene import CONTROL_PERIOD
 from models.skeleton import ADULT
-from sandbox.assembly import build, place_surface
 from sandbox.gym.actions import Hands, PoseHands, TouchHands
 from sandbox.gym.observation import observation_space, observe
-from sandbox.session import Session, describe
-from sandbox.settings import RunSettings, SecondHand
-from sandbox.two_hands import DeviceMaker, PerHand, place_all
+from sandbox.session.session import Session, describe
+from sandbox.trial.assembly import build, place_surface
+from sandbox.trial.settings import RunSettings, SecondHand
+from sandbox.trial.two_hands import DeviceMaker, PerHand, place_all
 from tasks.registry import draw_task, find_task, hands_of
 from tasks.score import Status
 from tasks.sensing import Sensing
@@ -76,7 +76,7 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
         reward: `progress` or `sparse`.
         render_mode: None, or `rgb_array`, for which this machine needs OpenGL.
         size: px, width and height of pictures.
-        settings: More of `sandbox.settings.RunSettings`, such as `encoder="cubic"`.
+        settings: More of `sandbox.trial.settings.RunSettings`, such as `encoder="cubic"`.
 
     Raises:
         InputError: There is no such task, setting, kind of action or reward.

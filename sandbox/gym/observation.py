@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from models.rotations import quaternion_log
 from sandbox.gym.actions import SLOTS
-from sandbox.messages import Snapshot
-from sandbox.session import Session
+from sandbox.session.messages import Snapshot
+from sandbox.session.session import Session
 from tasks.task import Task
 
 Array = NDArray[np.float64]

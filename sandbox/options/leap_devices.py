@@ -17,17 +17,17 @@ from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.calibration_file import read_hand
 from models.errors import EncoderError, InputError
 from models.surface import Surface
-from sandbox.devices.device import Device
-from sandbox.devices.leap import DEFAULT_ADDRESS, LeapDevice, LeapFileDevice
-from sandbox.devices.leap_file import LeapRecording, check_side, read_leap
-from sandbox.devices.shared_leap import BothOver, SharedLeap
-from sandbox.hand_input import UNDER, HandInput
+from sandbox.devices.leap.leap import DEFAULT_ADDRESS, LeapDevice, LeapFileDevice
+from sandbox.devices.leap.leap_file import LeapRecording, check_side, read_leap
+from sandbox.devices.leap.shared_leap import BothOver, SharedLeap
 from sandbox.options.own_hand import chosen_file
-from sandbox.recording import Recording
-from sandbox.settings import RunSettings
-from sandbox.two_hands import DeviceMaker, PerHand
-from tasks.simulated_user.configuration import UserConfiguration
+from sandbox.recording.recording import Recording
+from sandbox.session.device import Device
+from sandbox.trial.hand_input import UNDER, HandInput
+from sandbox.trial.settings import RunSettings
+from sandbox.trial.two_hands import DeviceMaker, PerHand
 from tasks.task import Task
+from tasks.user import UserConfiguration
 
 LIVE, SIMULATED = "leap", "leap-simulated"
 SUFFIXES = (".json", ".lz")
@@ -148,8 +148,8 @@ def leap_maker(options: Any, settings: RunSettings, user: UserConfiguration, han
         _tell_left_out(recording.counts)
         return lambda task, surface: LeapFileDevice(recording)
     # Bodies and devices are simulated with parts of SciPy that take long to load.
-    from sandbox.devices.leap_trouble import parse_simulated
-    from sandbox.devices.leap_user import SimulatedLeap
+    from sandbox.devices.simulated.leap_trouble import parse_simulated
+    from sandbox.devices.simulated.leap_user import SimulatedLeap
 
     dialect, trouble = parse_simulated(device.partition(":")[2])
     in_air = settings.in_airs[hand]

@@ -8,8 +8,8 @@ from typing import Annotated, Literal
 
 import tyro
 
-from sandbox.devices.tuio import DEFAULT_PORT, LOOPBACK, Transport
-from sandbox.devices.tuio_streams import DEFAULT_WEBSOCKET_PORT
+from sandbox.devices.tuio.tuio import DEFAULT_PORT, LOOPBACK, Transport
+from sandbox.devices.tuio.tuio_streams import DEFAULT_WEBSOCKET_PORT
 
 Part = Literal[
     "correction", "smoothing", "arrival", "ghost", "distal", "stitch", "encoder", "history"

@@ -17,8 +17,8 @@ from encoders.paalm import Paalm
 from encoders.paalm.calibration import PAPER_FRAMES, HandCalibration
 from encoders.paalm.calibration_file import read_calibration, write_calibration
 from models.errors import EncoderError, InputError
-from sandbox.devices.leap import LeapDevice
-from sandbox.profiles import DEFAULT, default_path
+from sandbox.devices.leap.leap import LeapDevice
+from sandbox.options.profiles import DEFAULT, default_path
 
 LIVE = "leap"
 TRIES = 3

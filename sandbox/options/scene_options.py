@@ -8,13 +8,9 @@ from typing import Any
 
 from models.errors import InputError
 from models.surface import Surface, parse_surface
-from sandbox.assembly import DeviceMaker
-from sandbox.devices.device import Device
 from sandbox.devices.discovery import find_device
-from sandbox.devices.recorded import RecordedDevice
-from sandbox.devices.simulated import NEXT_PERSON, SimulatedDevice
-from sandbox.devices.spoiled import SpoiledDevice
-from sandbox.devices.web import WebDevice
+from sandbox.devices.simulated.simulated import NEXT_PERSON, SimulatedDevice
+from sandbox.devices.wrappers.spoiled import SpoiledDevice
 from sandbox.options.impulse import impulse_limit
 from sandbox.options.leap_devices import (
     LeapOptions,
@@ -26,16 +22,20 @@ from sandbox.options.leap_devices import (
 )
 from sandbox.options.one_hand_options import OneHandOptions
 from sandbox.options.own_hand import of_touches
+from sandbox.options.profiles import find_profile
 from sandbox.options.second_hand import SecondOptions, with_second
 from sandbox.options.touch_devices import is_evdev, live_maker, native_surface, open_file
-from sandbox.profiles import find_profile
-from sandbox.recorded_task import recorded_task
-from sandbox.recording import Recording, is_recording, load_recording
-from sandbox.settings import RunSettings, bare
-from sandbox.two_hands import PerHand, home, merging, sharing
-from sandbox.variations import parse_variation
-from tasks.simulated_user.configuration import UserConfiguration
+from sandbox.options.variations import parse_variation
+from sandbox.recording.recorded_device import RecordedDevice
+from sandbox.recording.recorded_task import recorded_task
+from sandbox.recording.recording import Recording, is_recording, load_recording
+from sandbox.server.web import WebDevice
+from sandbox.session.device import Device
+from sandbox.trial.assembly import DeviceMaker
+from sandbox.trial.settings import RunSettings, bare
+from sandbox.trial.two_hands import PerHand, home, merging, sharing
 from tasks.task import Task
+from tasks.user import UserConfiguration
 
 _PARTS: dict[str, dict[str, Any]] = {
     "correction": {"correction": False},

@@ -9,8 +9,8 @@ from typing import Annotated, Any, Literal
 import tyro
 
 from models.errors import InputError
-from sandbox.recording import Recording
-from sandbox.settings import RunSettings, SecondHand
+from sandbox.recording.recording import Recording
+from sandbox.trial.settings import RunSettings, SecondHand
 from tasks.registry import find_task, hands_of
 
 TWICE = ("--device", "--hand", "--hand-size", "--turn", "--user")

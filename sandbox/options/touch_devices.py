@@ -12,13 +12,13 @@ import tyro
 
 from models.errors import DeviceError, InputError, RecordingError
 from models.surface import Surface, parse_surface
-from sandbox.devices.device import Device
 from sandbox.devices.discovery import find_device, offered_devices
-from sandbox.devices.evdev_device import EvdevDevice, evdev_surface, open_node
-from sandbox.devices.frame_file import FramesDevice, read_frame_file
-from sandbox.devices.touch_capture import CaptureDevice, read_capture
-from sandbox.devices.tuio import DEFAULT_PORT, LOOPBACK, Tap, Transport, TuioDevice
-from sandbox.devices.tuio_streams import DEFAULT_WEBSOCKET_PORT
+from sandbox.devices.evdev.evdev_device import EvdevDevice, evdev_surface, open_node
+from sandbox.devices.files.frame_file import FramesDevice, read_frame_file
+from sandbox.devices.tuio.touch_capture import CaptureDevice, read_capture
+from sandbox.devices.tuio.tuio import DEFAULT_PORT, LOOPBACK, Tap, Transport, TuioDevice
+from sandbox.devices.tuio.tuio_streams import DEFAULT_WEBSOCKET_PORT
+from sandbox.session.device import Device
 
 _LONGEST_LINE = 1_000_000
 
@@ -175,7 +175,7 @@ def open_file(path: Path, surface: Surface | None, stale_after: float = 2.0) -> 
 def _recording(path: Path, surface: Surface | None) -> Opened | None:
     """The touches of a recording of ours; None: it is none."""
     # It knows scenes, which take long to load; other touches need none.
-    from sandbox.recording import is_recording, load_recording
+    from sandbox.recording.recording import is_recording, load_recording
 
     if not is_recording(path):
         return None

@@ -6,7 +6,7 @@ import signal
 import threading
 from types import FrameType
 
-from sandbox.closing import Closing
+from sandbox.session.closing import Closing
 
 
 class BreakOff(Closing):

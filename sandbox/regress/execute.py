@@ -19,8 +19,8 @@ from tempfile import gettempdir
 from typing import Any, Protocol
 
 from models.errors import HandSandboxError, InputError
-from sandbox.headless import run_trial
 from sandbox.regress.plan import TrialJob, registered
+from sandbox.trial.headless import run_trial
 
 Trial = dict[str, Any]
 """A trial's JSON, shortened: see `KEPT`."""

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from models.errors import InputError
-from sandbox.assembly import digests
 from sandbox.options.scene_options import Plan, SceneOptions, plan
 from sandbox.options.second_hand import SecondOptions
+from sandbox.trial.assembly import digests
 from tasks.registry import TASKS, find_task, task_names
 from tasks.task import Task
 

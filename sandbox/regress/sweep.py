@@ -12,11 +12,11 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from models.errors import InputError
+from sandbox.options.variations import Kind, find_kind, parse_value
 from sandbox.regress import statistics
 from sandbox.regress.execute import Trial
 from sandbox.regress.plan import RegressionPlan
 from sandbox.regress.report import TaskResult
-from sandbox.variations import Kind, find_kind, parse_value
 
 SCHEMA = 1
 """Version of the report's JSON."""

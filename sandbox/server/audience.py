@@ -15,12 +15,10 @@ from collections.abc import Sequence
 from websockets.exceptions import ConnectionClosed
 
 from models.errors import InputError
-from sandbox.devices.web import WebDevice
-from sandbox.server.attentive import Attentive
-from sandbox.server.client import Client
-from sandbox.server.counters import Counters
-from sandbox.server.latency import LatencyLog
-from sandbox.server.protocol import (
+from sandbox.server.connections.attentive import Attentive
+from sandbox.server.connections.client import Client
+from sandbox.server.connections.counters import Counters
+from sandbox.server.protocol.protocol import (
     CREDIT,
     PROTOCOL,
     Answer,
@@ -42,6 +40,8 @@ from sandbox.server.protocol import (
     Welcome,
     encode,
 )
+from sandbox.server.web import WebDevice
+from sandbox.session.latency import LatencyLog
 
 MOST_CLIENTS = 8
 SILENCE = 1.0

@@ -21,16 +21,13 @@ from websockets.http11 import Request, Response
 
 from models.errors import DeviceError, InputError
 from models.scene import Scene as SimulatedScene
-from sandbox.devices.web import WebDevice
-from sandbox.messages import Snapshot
-from sandbox.server.access import Access
 from sandbox.server.audience import GREETING, MOST_CLIENTS, Audience
-from sandbox.server.counters import Counters
-from sandbox.server.describe import BodyPoses, state_of
-from sandbox.server.door import Door, watched
-from sandbox.server.frames import pack
-from sandbox.server.latency import LatencyLog
-from sandbox.server.protocol import (
+from sandbox.server.connections.access import Access
+from sandbox.server.connections.counters import Counters
+from sandbox.server.connections.door import Door, watched
+from sandbox.server.protocol.describe import BodyPoses, state_of
+from sandbox.server.protocol.frames import pack
+from sandbox.server.protocol.protocol import (
     LARGEST_MESSAGE,
     Answer,
     Ask,
@@ -44,8 +41,11 @@ from sandbox.server.protocol import (
     Trouble,
     encode,
 )
-from sandbox.server.senses import HandSense
+from sandbox.server.protocol.senses import HandSense
 from sandbox.server.static import StaticFiles, plain
+from sandbox.server.web import WebDevice
+from sandbox.session.latency import LatencyLog
+from sandbox.session.messages import Snapshot
 
 _T = TypeVar("_T")
 
@@ -193,7 +193,8 @@ class PageServer:
             message: What the page is told.
             scene: Compiled; is read only.
             device: Takes the player's touches; None lets the page only look.
-            skins: Of its hands, as `sandbox.server.skins` makes them; without them, one sees bones.
+            skins: Of its hands, as `sandbox.server.protocol.skins` makes them; without them, one
+                sees bones.
             own: The hand that touches this page, where others touch elsewhere.
         """
         self._scenes = message.scene

@@ -14,7 +14,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from PIL import Image
 
 from models.errors import DeviceError
-from sandbox.closing import Closing
+from sandbox.session.closing import Closing
 
 _BOUNDARY = "picture"
 _HOSTS = ("127.0.0.1", "localhost")

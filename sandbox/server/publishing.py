@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from sandbox.messages import Snapshot
 from sandbox.server.page_server import PageServer
-from sandbox.server.senses import senses
-from sandbox.session import Session
+from sandbox.server.protocol.senses import senses
+from sandbox.session.messages import Snapshot
+from sandbox.session.session import Session
 
 
 def publish(server: PageServer, session: Session, snapshot: Snapshot) -> None:

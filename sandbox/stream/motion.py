@@ -18,9 +18,9 @@ from models.motion.sampling import Poses
 from models.scene import CONTROL_PERIOD
 from sandbox.export.sources import Source, Take, commanded_poses, poses_of, together
 from sandbox.export.view import simulated_poses
-from sandbox.newest import Newest
-from sandbox.pacing import RealTime
-from sandbox.session import Session
+from sandbox.session.newest import Newest
+from sandbox.session.session import Session
+from sandbox.trial.pacing import RealTime
 
 
 def source_of_session(session: Session, stop: threading.Event, of: str = "commanded") -> Source:

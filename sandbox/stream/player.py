@@ -11,9 +11,9 @@ from typing import Protocol
 from models.motion.armature import Keys
 from models.motion.sampling import Poses, Sampler
 from sandbox.export.sources import Source
-from sandbox.pacing import RealTime
 from sandbox.stream.lines import HandLines, Target
 from sandbox.stream.sender import Moment
+from sandbox.trial.pacing import RealTime
 
 
 class Receiver(Protocol):

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 
 from models.surface import Surface
-from sandbox.messages import Snapshot
+from sandbox.session.messages import Snapshot
 
 FILM_AZIMUTH, FILM_ELEVATION, FILM_DISTANCE = 28.0, -31.0, 0.43
 """deg, deg, m. From the side of a right hand's thumb and from above, where the hand hides neither

@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.scene import Scene
-from models.skin_colours import PALE
+from models.skin.colours import PALE
 from models.surface import Surface
-from sandbox.messages import ContactView, HandView, Snapshot
+from sandbox.session.messages import ContactView, HandView, Snapshot
 from sandbox.views import palette
 from sandbox.views.hand_look import HIDDEN_GROUP, TARGET_GROUP, part_colour, skinned_model
 from sandbox.views.marks import Marks

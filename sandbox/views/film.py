@@ -12,8 +12,8 @@ from PIL import Image
 from models.errors import HandSandboxError, InputError
 from models.scene import Scene
 from models.surface import Surface
-from sandbox.closing import Closing
-from sandbox.messages import Snapshot
+from sandbox.session.closing import Closing
+from sandbox.session.messages import Snapshot
 from sandbox.views.errors import FilmError
 from sandbox.views.film_files import FilmFile, open_film
 from sandbox.views.graphics import GLContext, offscreen_context

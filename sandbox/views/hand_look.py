@@ -18,9 +18,9 @@ from models.kinematics import Kinematics
 from models.pose import POSE_SIZE
 from models.rotations import matrix_to_quaternion
 from models.scene import Scene
-from models.skin import Skin, frames
-from models.skin_colours import CUFF, NAIL, SLEEVE, tone_colours
-from sandbox.messages import HandView
+from models.skin.colours import CUFF, NAIL, SLEEVE, tone_colours
+from models.skin.skin import Skin, frames
+from sandbox.session.messages import HandView
 from sandbox.views import palette
 from sandbox.views.palette import Colour
 

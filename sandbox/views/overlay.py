@@ -13,7 +13,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from models.surface import Surface
-from sandbox.messages import Snapshot
+from sandbox.session.messages import Snapshot
 from sandbox.views import palette
 from sandbox.views.lens import Lens
 from sandbox.views.palette import Colour

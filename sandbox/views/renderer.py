@@ -11,8 +11,8 @@ from PIL import Image
 from models.errors import InputError
 from models.scene import Scene
 from models.surface import Surface
-from sandbox.closing import Closing
-from sandbox.messages import Snapshot
+from sandbox.session.closing import Closing
+from sandbox.session.messages import Snapshot
 from sandbox.views.cameras import film_camera
 from sandbox.views.drawing import Drawing, Hidden
 from sandbox.views.graphics import GLContext, offscreen_context, render_context

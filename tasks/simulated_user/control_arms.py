@@ -6,9 +6,8 @@ import numpy as np
 
 from models.frames import TouchFrame
 from models.surface import Surface
-from tasks.simulated_user.configuration import UserConfiguration
 from tasks.simulated_user.fingers import Fingers
-from tasks.simulated_user.sight import Sight
+from tasks.user import Sight, UserConfiguration
 
 
 class IdleUser:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from models.frames import Contact
 from models.surface import METRES_PER_INCH, Surface
-from tasks.simulated_user.configuration import UserConfiguration
+from tasks.user import UserConfiguration
 
 Array = NDArray[np.float64]
 

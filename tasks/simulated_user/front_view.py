@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 
 from models.frames import TouchFrame
 from models.surface import Surface
-from tasks.simulated_user.seated import User
-from tasks.simulated_user.sight import Sight
+from tasks.user import Sight, User
 
 Array = NDArray[np.float64]
 

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.objects import Box, Wrench
-from tasks.simulated_user.configuration import UserConfiguration
-from tasks.simulated_user.sight import SeenObject
+from tasks.user import SeenObject, UserConfiguration
 
 Array = NDArray[np.float64]
 

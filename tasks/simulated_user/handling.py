@@ -13,11 +13,10 @@ from numpy.typing import NDArray
 from models.errors import InputError
 from models.mjcf_thing import MjcfThing
 from models.objects import JAW, Box, Thing, Wrench
-from tasks.simulated_user.configuration import UserConfiguration
 from tasks.simulated_user.grasp import Grasp, choose_grasp, choose_handle_grasp, within_comfort
 from tasks.simulated_user.own_handling import OwnHandling
-from tasks.simulated_user.sight import SeenObject
 from tasks.task import Goal
+from tasks.user import SeenObject, UserConfiguration
 
 Array = NDArray[np.float64]
 

@@ -6,9 +6,9 @@ import numpy as np
 
 from models.frames import TouchFrame
 from models.surface import Surface
-from tasks.simulated_user.configuration import UserConfiguration
 from tasks.simulated_user.control_arms import IdleUser, RandomUser
 from tasks.simulated_user.fingers import minimum_jerk
+from tasks.user import UserConfiguration
 
 NOISE = 0.03
 """Of the slider's way: standard deviation of each reading, unless it rests at its lower end."""

@@ -9,10 +9,9 @@ from numpy.typing import NDArray
 
 from models.mjcf_thing import MjcfThing
 from models.objects import Box
-from tasks.simulated_user.configuration import UserConfiguration
 from tasks.simulated_user.grasp import Grasp, choose_grasp, within_comfort
-from tasks.simulated_user.sight import SeenObject
 from tasks.task import Goal
+from tasks.user import SeenObject, UserConfiguration
 
 Array = NDArray[np.float64]
 

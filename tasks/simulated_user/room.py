@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 
 from models.objects import Box
 from models.surface import Surface
-from tasks.simulated_user.configuration import UserConfiguration
 from tasks.simulated_user.grasp import Grasp
-from tasks.simulated_user.sight import SeenObject
+from tasks.user import SeenObject, UserConfiguration
 
 Array = NDArray[np.float64]
 

@@ -7,7 +7,6 @@ whose touches go the same way back. What is seen is the same, and no less late.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,20 +16,9 @@ from models.mjcf_thing import MjcfThing
 from models.objects import Wrench
 from models.person import Person, PersonFrame
 from models.surface import Surface
-from tasks.simulated_user.configuration import UserConfiguration
-from tasks.simulated_user.sight import Sight
+from tasks.user import Sight, User
 
 Array = NDArray[np.float64]
-
-
-class User(Protocol):
-    """A simulated person."""
-
-    configuration: UserConfiguration
-
-    def look(self, sight: Sight) -> None: ...
-
-    def touch(self, now: float) -> TouchFrame: ...
 
 
 class Seat:

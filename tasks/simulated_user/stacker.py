@@ -16,14 +16,13 @@ from models.frames import TouchFrame
 from models.objects import Box
 from models.surface import Surface
 from tasks.goals import flat_yaw
-from tasks.simulated_user.configuration import UserConfiguration
 from tasks.simulated_user.grasp import Grasp
 from tasks.simulated_user.handling import BoxHandling
 from tasks.simulated_user.lift import Slider
 from tasks.simulated_user.room import Surroundings, roomiest_grasp
-from tasks.simulated_user.sight import SeenObject, Sight
 from tasks.simulated_user.user import SkilledUser
 from tasks.task import Goal
+from tasks.user import SeenObject, Sight, UserConfiguration
 
 Array = NDArray[np.float64]
 

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from models.frames import TouchFrame
 from models.surface import Surface
-from tasks.simulated_user.configuration import UserConfiguration
+from tasks.simulated_user.eye import Eye
 from tasks.simulated_user.fingers import Fingers
 from tasks.simulated_user.grasp import Grasp
 from tasks.simulated_user.handling import Handling, handling_of
-from tasks.simulated_user.sight import Eye, SeenObject, Sight
+from tasks.user import SeenObject, Sight, UserConfiguration
 
 Array = NDArray[np.float64]
 

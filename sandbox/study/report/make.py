@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from models.errors import StudyError
-from sandbox.study.files import make_folder, write_atomically
+from sandbox.study.record.files import make_folder, write_atomically
 
 PAGE, SCRIPT = "report.html", "analysis.R"
 NEEDS = ("pandas", "statsmodels", "matplotlib", "jinja2")
@@ -32,10 +32,10 @@ def make_report(
             or it cannot be written.
     """
     check_libraries()
-    from sandbox.study.report.analysis import analyse
-    from sandbox.study.report.data import load_study
+    from sandbox.study.report.models.analysis import analyse
+    from sandbox.study.report.models.data import load_study
     from sandbox.study.report.out_tables import tables
-    from sandbox.study.report.page import page
+    from sandbox.study.report.page.page import page
     from sandbox.study.report.script import script
 
     say("reading the tables")

@@ -7,15 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from sandbox.study.report.analysis import Analysis, Described, Modelled, adjusted
-from sandbox.study.report.answers import adjusted as adjusted_scales
-from sandbox.study.report.censored import Censored
-from sandbox.study.report.comparisons import Difference, pairs_of
-from sandbox.study.report.exclusions import endings, flow
-from sandbox.study.report.mixed import Mixed
-from sandbox.study.report.quantities import LOG
-from sandbox.study.report.success import Successes
-from sandbox.study.report.summaries import person_means
+from sandbox.study.report.models.analysis import Analysis, Described, Modelled, adjusted
+from sandbox.study.report.models.answers import adjusted as adjusted_scales
+from sandbox.study.report.models.censored import Censored
+from sandbox.study.report.models.comparisons import Difference, pairs_of
+from sandbox.study.report.models.exclusions import endings, flow
+from sandbox.study.report.models.mixed import Mixed
+from sandbox.study.report.models.quantities import LOG
+from sandbox.study.report.models.success import Successes
+from sandbox.study.report.models.summaries import person_means
 
 Row = dict[str, Any]
 

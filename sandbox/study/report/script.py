@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from sandbox.study.report.analysis import Analysis, Modelled
-from sandbox.study.report.mixed import PRACTICE, Mixed
-from sandbox.study.report.quantities import LOG
+from sandbox.study.report.models.analysis import Analysis, Modelled
+from sandbox.study.report.models.mixed import PRACTICE, Mixed
+from sandbox.study.report.models.quantities import LOG
 
 HEAD = """\
 # The models of report.html, in R: Rscript analysis.R, in the folder of the CSVs.

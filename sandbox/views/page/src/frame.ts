@@ -1,4 +1,4 @@
-// Takes a binary frame apart; the layout is in sandbox/server/frames.py.
+// Takes a binary frame apart; the layout is in sandbox/server/protocol/frames.py.
 
 import { FRAME_KIND, POSE_BYTES, PROTOCOL, type State } from "./protocol";
 

@@ -1,0 +1,1 @@
+"""Captures: made by simulated subjects, or out of recordings of real hands."""

@@ -1,0 +1,92 @@
+"""Labelled contacts and poses on one grid of time: a capture."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.capture import Capture
+from encoders.captures.conversion.fingers import LabelledTrack, distances
+from encoders.captures.conversion.joint_track import JointTrack
+from encoders.captures.conversion.report import ConversionReport, ConversionRules
+from models.errors import CaptureError
+from models.frames import FINGERS
+
+Array = NDArray[np.float64]
+
+_ROUNDING = 1e-6
+"""s; clocks that are written down round."""
+
+
+def assemble(
+    tracks: list[LabelledTrack],
+    joints: JointTrack,
+    offset: float,
+    rules: ConversionRules,
+    report: ConversionReport,
+    meta: dict[str, Any],
+) -> Capture:
+    """Makes the capture.
+
+    Frames with one finger are dropped, as the paper did: one touch says nothing about the hand.
+    Frames without a pose, and touches whose finger has left them, are dropped as well.
+
+    Args:
+        tracks: Contacts with their fingers; no two of one finger at a time.
+        joints: Poses, on their own clock.
+        offset: s, the poses' clock less the touches'.
+        rules: `rate`, `gap`, `reach`, `pause`, `longest_take`.
+        report: Takes the counts.
+        meta: Of the capture; rate and report are added.
+
+    Raises:
+        CaptureError: Nothing is left.
+    """
+    if not tracks:
+        raise CaptureError(
+            "no contact is left", remedy=f"Dropped: {_spoken(report)}. Check clock and frame"
+        )
+    begin = min(one.track.start for one in tracks)
+    end = max(one.track.end for one in tracks)
+    time = begin + np.arange(int((end - begin) * rules.rate + 1 + _ROUNDING)) / rules.rate
+    ids = np.full((len(time), len(FINGERS)), -1, np.int64)
+    xy = np.full((len(time), len(FINGERS), 2), np.nan)
+    for number, one in enumerate(tracks):
+        track = one.track
+        inside = np.flatnonzero((time >= track.start - _ROUNDING) & (time < track.end - _ROUNDING))
+        apart, known = distances(track, time[inside], joints, offset, rules)
+        left = known & (apart[:, one.finger] > rules.reach)
+        report.drop_parts("touches on frames in which their finger was elsewhere", int(left.sum()))
+        inside = inside[~left]
+        ids[inside, one.finger] = number
+        xy[inside, one.finger] = track.at(time[inside], rules.gap)
+    fingers = (ids >= 0).sum(axis=1)
+    q, posed = joints.at(time + offset, rules.gap)
+    report.drop_frames("with one finger", int((fingers == 1).sum()))
+    report.drop_frames("without a pose", int(((fingers > 1) & ~posed).sum()))
+    keep = np.flatnonzero((fingers > 1) & posed)
+    if not len(keep):
+        raise CaptureError("no frame is left", remedy=f"Dropped: {_spoken(report)}")
+    report.notes["kept_frames"] = len(keep)
+    report.notes["kept_contacts"] = len(tracks)
+    meta = {**meta, "rate_hz": rules.rate, "conversion": report.as_json()}
+    return Capture(time[keep], _takes(time[keep], rules), ids[keep], xy[keep], q[keep], meta)
+
+
+def _takes(time: Array, rules: ConversionRules) -> NDArray[np.int64]:
+    """(T,) take of every frame: a new one after a pause, and before one grows too long."""
+    starts = np.flatnonzero(np.diff(time, prepend=-np.inf) > rules.pause + _ROUNDING)
+    take = np.zeros(len(time), np.int64)
+    number = 0
+    for a, b in zip(starts, [*starts[1:], len(time)], strict=True):
+        inner = ((time[a:b] - time[a]) // rules.longest_take).astype(np.int64)
+        take[a:b] = number + inner
+        number += int(inner[-1]) + 1
+    return take
+
+
+def _spoken(report: ConversionReport) -> str:
+    counts = {**report.contacts, **report.frames}
+    return "; ".join(f"{count} {reason}" for reason, count in counts.items()) or "nothing"

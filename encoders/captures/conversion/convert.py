@@ -1,0 +1,94 @@
+"""From a touch log and poses, or from poses alone, to a capture."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+import numpy as np
+
+from encoders.capture import Capture
+from encoders.captures.conversion.assemble import assemble
+from encoders.captures.conversion.fingers import label_contacts
+from encoders.captures.conversion.hand_points import touches_from_tips
+from encoders.captures.conversion.joint_track import JointTrack
+from encoders.captures.conversion.report import ConversionReport, ConversionRules
+from encoders.captures.conversion.synchronise import ClockOffset, offset_by_taps, refined_by_motion
+from encoders.captures.conversion.touch_log import TouchLog, sound_contacts
+from models.errors import CaptureError
+
+Sync = Literal["clock", "tap"]
+
+
+def capture_from_touches(
+    log: TouchLog,
+    joints: JointTrack,
+    sync: Sync,
+    offset: float,
+    rules: ConversionRules,
+    report: ConversionReport,
+    meta: dict[str, Any],
+) -> Capture:
+    """A capture of touches and poses that were recorded side by side.
+
+    Args:
+        log: The touches, x of a left hand's already mirrored.
+        joints: The poses.
+        sync: `clock`: both clocks differ by `offset`. `tap`: the offset is found from taps.
+        offset: s, the poses' clock less the touches'.
+        rules: What is dropped.
+        report: Takes what was.
+        meta: Of the capture.
+
+    Raises:
+        CaptureError: Nothing fits, or the taps are ambiguous.
+    """
+    tracks = sound_contacts(log, rules, report)
+    if sync == "tap":
+        found = offset_by_taps(tracks, joints)
+        trial = ConversionReport()  # what is refused at the first offset is not refused for good
+        labelled = label_contacts(tracks, joints, found.offset, rules, trial)
+        found = refined_by_motion(found, labelled, joints, rules)
+    else:
+        found = ClockOffset(offset, 0.0, 0, 0)
+    report.notes["sync"] = sync
+    report.notes["offset_s"] = round(found.offset, 6)
+    if sync == "tap":
+        report.notes["offset_precision_s"] = round(found.precision, 6)
+        report.notes["taps_agreeing"] = f"{found.agreeing} of {found.taps}"
+    labelled = label_contacts(tracks, joints, found.offset, rules, report)
+    if not labelled:
+        raise CaptureError(
+            "no touch is where a fingertip is",
+            got="; ".join(f"{n} contacts: {reason}" for reason, n in report.contacts.items()),
+            remedy="Check --offset, --side, --surface, and that the poses are in the frame of the "
+            "surface",
+        )
+    apart = float(np.median([one.distance for one in labelled]))
+    report.notes["touch_to_fingertip_mm"] = round(1000 * apart, 2)
+    return assemble(labelled, joints, found.offset, rules, report, meta)
+
+
+def capture_from_poses(
+    joints: JointTrack,
+    threshold: float,
+    rules: ConversionRules,
+    report: ConversionReport,
+    meta: dict[str, Any],
+) -> Capture:
+    """A capture whose touches are fingertips near the surface.
+
+    Args:
+        joints: Poses in the frame of the surface.
+        threshold: m above a touching fingertip's height at which a touch begins.
+        rules: What is dropped.
+        report: Takes what was.
+        meta: Of the capture.
+
+    Raises:
+        CaptureError: No finger comes near the surface, or never two at a time.
+    """
+    if not 0 < threshold < 0.05:
+        raise CaptureError("this is no height of a touch", got=threshold, expected="0 to 0.05 m")
+    labelled = touches_from_tips(joints, threshold, rules, report)
+    report.notes["touches"] = f"fingertips within {1000 * threshold:g} mm of the surface"
+    return assemble(labelled, joints, 0.0, rules, report, meta)

@@ -1,0 +1,109 @@
+"""Which finger each contact is: the one whose fingertip is there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.captures.conversion.joint_track import JointTrack
+from encoders.captures.conversion.report import ConversionReport, ConversionRules
+from encoders.captures.conversion.touch_log import ContactTrack
+from models.frames import FINGERS
+
+Array = NDArray[np.float64]
+
+RESTING = 0.012
+"""m, height of a fingertip's centre up to which it may touch: its radius and some error."""
+
+
+@dataclass(frozen=True)
+class LabelledTrack:
+    """A contact, its finger (thumb 0 .. little 4), and its median distance from the tip, m."""
+
+    track: ContactTrack
+    finger: int
+    distance: float
+
+
+def label_contacts(
+    tracks: list[ContactTrack],
+    joints: JointTrack,
+    offset: float,
+    rules: ConversionRules,
+    report: ConversionReport,
+) -> list[LabelledTrack]:
+    """Labels contacts by the nearest fingertip at the same time.
+
+    A contact is refused, and counted, where no fingertip is near it, where it is nearer to another
+    finger for more than the share `doubt` of its life, and where its finger has a nearer contact at
+    the same time.
+
+    Args:
+        tracks: Contacts.
+        joints: Poses, on their own clock.
+        offset: s, the poses' clock less the touches'.
+        rules: `reach`, `doubt`, `gap`, `rate`.
+        report: Takes the counts.
+    """
+    found = []
+    for track in tracks:
+        times = sample_times(track, rules.rate)
+        distance, known = distances(track, times, joints, offset, rules)
+        if not known.any():
+            report.drop_contacts("no pose at their time")
+            continue
+        nearest = distance[known].argmin(axis=1)
+        votes = np.bincount(nearest, minlength=len(FINGERS)) / len(nearest)
+        finger = int(votes.argmax())
+        typical = float(np.median(distance[known][:, finger]))
+        if typical > rules.reach:
+            report.drop_contacts(f"no fingertip within {1000 * rules.reach:g} mm")
+        elif votes[finger] < 1 - rules.doubt:
+            report.drop_contacts(
+                f"nearer to another finger for more than {100 * rules.doubt:g} % of their time"
+            )
+        else:
+            found.append(LabelledTrack(track, finger, typical))
+    return _one_each(found, report)
+
+
+def sample_times(track: ContactTrack, rate: float) -> Array:
+    """(m,) s, moments of a contact's life, its first among them."""
+    return track.start + np.arange(max(1, int((track.end - track.start) * rate))) / rate
+
+
+def distances(
+    track: ContactTrack,
+    times: Array,
+    joints: JointTrack,
+    offset: float,
+    rules: ConversionRules,
+) -> tuple[Array, NDArray[np.bool_]]:
+    """(m, 5) m from a contact to every fingertip, and when it is known.
+
+    A fingertip in the air counts as farther away than one that rests beside it.
+    """
+    tips, known = joints.tips_at(times + offset, rules.gap)
+    xy = track.at(times, rules.gap)
+    off = tips[..., :2] - (xy * [1.0, -1.0])[:, None, :]
+    above = np.maximum(tips[..., 2] - RESTING, 0.0)
+    return np.sqrt((off**2).sum(axis=2) + above**2), known
+
+
+def _one_each(found: list[LabelledTrack], report: ConversionReport) -> list[LabelledTrack]:
+    """At most one contact a finger at a time; of two that overlap, the nearer stays."""
+    kept: list[LabelledTrack] = []
+    for one in sorted(found, key=lambda labelled: labelled.distance):
+        rival = any(
+            other.finger == one.finger
+            and one.track.start < other.track.end
+            and other.track.start < one.track.end
+            for other in kept
+        )
+        if rival:
+            report.drop_contacts("their finger had a nearer contact")
+        else:
+            kept.append(one)
+    return sorted(kept, key=lambda labelled: labelled.track.start)

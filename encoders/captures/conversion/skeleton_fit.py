@@ -1,0 +1,276 @@
+"""Our skeleton fitted to points on a hand: its size, where the points are on it, and every pose.
+
+    sum over points |seen - placed|^2 / accuracy^2 + a weak pull of the joints to mid-range
+
+is least in all poses at once. Size and places on the bones are found on frames spread over the
+recording, in turn with those frames' poses; then every frame starts from the nearest of them and
+needs a few Gauss-Newton steps more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.captures.conversion.sites import PALM, Site
+from models.errors import CaptureError
+from models.kinematics import Kinematics
+from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION, joint_vectors
+from models.rotations import exp, exp_and_left_jacobian, log, skew
+from models.skeleton import Skeleton
+
+Array = NDArray[np.float64]
+
+ACCURACY = 0.0015
+"""m, to which a point is seen; what the pull to mid-range is weighed against."""
+
+_ROUNDS, _STEPS = 25, 2
+"""Of size and places in turn with poses; Gauss-Newton steps within one."""
+
+_FINAL_STEPS = 8
+"""Gauss-Newton steps from the nearest key frame."""
+
+_KEYS = 150
+"""Frames on which size and places are found."""
+
+_CHUNK = 500
+"""Frames solved at once, for memory's sake."""
+
+_LONGEST_STEP = 0.4
+"""rad, most that a joint turns in one step."""
+
+_TRUST = 0.005
+"""m; a point's mean error on its bone counts as one observation of this accuracy."""
+
+_SIZES = (0.6, 1.5)
+"""Least and greatest size of a hand against the skeleton's."""
+
+
+@dataclass(frozen=True)
+class FittedHand:
+    """A skeleton's size and its poses.
+
+    Attributes:
+        skeleton: Scaled to the person's hand.
+        scale: Its size against the one that was given.
+        surprise: (M,) how far the points are on their bones from where they ought to be, in
+            standard deviations.
+        q: (T, 48) poses in the frame of the points; NaN where the hand could not be seen.
+        residual: (T, M) m, distance between points seen and placed; NaN where not seen.
+    """
+
+    skeleton: Skeleton
+    scale: float
+    surprise: Array
+    q: Array
+    residual: Array
+
+
+def fit_skeleton(
+    points: Array,
+    sites: Sequence[Site],
+    skeleton: Skeleton,
+    progress: Callable[[float], None] | None = None,
+) -> FittedHand:
+    """Fits a right hand to points.
+
+    Args:
+        points: (T, M, 3) m, NaN where a point was not seen.
+        sites: M, where the points are on the hand.
+        skeleton: Whose size is to be changed.
+        progress: Called with the share done, 0 to 1.
+
+    Raises:
+        CaptureError: The hand is hardly ever seen, or its size is none.
+    """
+    usable = _whole_enough(points, sites, skeleton)
+    frames = np.flatnonzero(usable)
+    if not len(frames):
+        raise CaptureError(
+            "the hand is never seen whole",
+            where="points",
+            expected="three points of the palm and one of every finger in a frame",
+        )
+    keys = frames[np.unique(np.linspace(0, len(frames) - 1, _KEYS).round().astype(int))]
+    model = _Model(sites, skeleton)
+    q = model.start(points[keys])
+    for i in range(_ROUNDS):
+        for _ in range(_STEPS):
+            q = model.step(q, points[keys])
+        model.adapt(q, points[keys])
+        if progress:
+            progress(0.4 * (i + 1) / _ROUNDS)
+    if not _SIZES[0] < model.scale < _SIZES[1]:
+        raise CaptureError(
+            "the hand has an impossible size",
+            got=f"{model.scale:.2f} of an adult's",
+            expected=f"{_SIZES[0]} to {_SIZES[1]}",
+            remedy="Check the unit of length, the side and the mapping",
+        )
+    out = np.full((len(points), POSE_SIZE), np.nan)
+    residual = np.full(points.shape[:2], np.nan)
+    for a in range(0, len(frames), _CHUNK):
+        chunk = frames[a : a + _CHUNK]
+        nearest = np.abs(keys[None, :] - chunk[:, None]).argmin(axis=1)
+        poses, seen = q[nearest], points[chunk]
+        # The hand may have gone elsewhere since; its root is found anew, its joints carry over.
+        poses = model.placed_root(poses, seen)
+        for _ in range(_FINAL_STEPS):
+            poses = model.step(poses, seen)
+        out[chunk] = poses
+        residual[chunk] = np.linalg.norm(seen - model.place(poses), axis=2)
+        if progress:
+            progress(0.4 + 0.6 * min(1.0, (a + _CHUNK) / len(frames)))
+    return FittedHand(model.kinematics.skeleton, model.scale, model.surprise, out, residual)
+
+
+def _whole_enough(points: Array, sites: Sequence[Site], skeleton: Skeleton) -> NDArray[np.bool_]:
+    """(T,) frames with three points on the palm and one on every finger."""
+    seen = np.asarray(np.isfinite(points).all(axis=2))
+    owner = np.array([-1 if s.bone == PALM else skeleton.bones[s.bone].finger for s in sites])
+    enough = seen[:, owner < 0].sum(axis=1) >= 3
+    for finger in range(5):
+        enough &= seen[:, owner == finger].any(axis=1)
+    return np.asarray(enough)
+
+
+class _Model:
+    """Points on a skeleton of some size: where they are, and how poses follow from them."""
+
+    def __init__(self, sites: Sequence[Site], skeleton: Skeleton) -> None:
+        self._adult = skeleton
+        self._bone = np.array([site.bone for site in sites])
+        self._guess = np.array([site.at for site in sites])
+        self._spread = np.array([site.spread for site in sites])
+        self._shrink = self._spread**2 / (self._spread**2 + _TRUST**2)
+        self._moved = np.zeros((len(sites), 3))
+        self.scale = 1.0
+        self.kinematics = Kinematics(skeleton)
+        parent = _parents(skeleton)
+        self._moves = np.zeros((len(sites), len(skeleton.bones)), bool)
+        for m, bone in enumerate(self._bone):
+            while bone != PALM:
+                self._moves[m, bone] = True
+                bone = parent[bone]
+        self._middle = np.concatenate([np.zeros(6), (skeleton.lower + skeleton.upper) / 2])
+        # A pull on the root would be to nowhere; on joints, the range is four standard deviations.
+        self._pull = np.concatenate([np.zeros(6), 16 / (skeleton.upper - skeleton.lower) ** 2])
+
+    @property
+    def places(self) -> Array:
+        """(M, 3) m, the points in the frames of their bones."""
+        return self.scale * self._guess + self._moved
+
+    @property
+    def surprise(self) -> Array:
+        """(M,) distance of the points from where they ought to be, in standard deviations."""
+        return np.asarray(np.linalg.norm(self._moved, axis=1) / self._spread)
+
+    def place(self, q: Array) -> Array:
+        """(n, M, 3) m, the points at poses (n, 48)."""
+        origin, rotation, _, _ = self._frames(q)
+        return origin + (rotation @ self.places[:, :, None])[..., 0]
+
+    def start(self, points: Array) -> Array:
+        """(n, 48) poses with joints in mid-range whose points are nearest to those seen."""
+        return self.placed_root(np.tile(self._middle, (len(points), 1)), points)
+
+    def placed_root(self, q: Array, points: Array) -> Array:
+        """The poses with their roots moved so that the points are nearest to those seen."""
+        q = q.copy()
+        q[:, :6] = 0.0
+        ours = self.place(q)
+        weight = (~np.isnan(points).any(axis=2)).astype(float)
+        weight *= np.where(self._bone == PALM, 4.0, 1.0)
+        weight /= weight.sum(axis=1, keepdims=True)
+        seen = np.nan_to_num(points)
+        a = (weight[..., None] * ours).sum(axis=1)
+        b = (weight[..., None] * seen).sum(axis=1)
+        spread = np.einsum("tm,tmi,tmj->tij", weight, seen - b[:, None], ours - a[:, None])
+        u, _, vt = np.linalg.svd(spread)
+        flip = np.sign(np.linalg.det(u @ vt))
+        u[:, :, 2] *= flip[:, None]
+        turn = u @ vt
+        q[:, ROOT_ROTATION] = log(turn)
+        q[:, ROOT_POSITION] = b - (turn @ a[..., None])[..., 0]
+        return q
+
+    def step(self, q: Array, points: Array) -> Array:
+        """One Gauss-Newton step of the poses, within the joints' ranges."""
+        off, J = self._off_and_jacobian(q, points)
+        weighted = np.swapaxes(J, -1, -2) / ACCURACY**2
+        H = weighted @ J + np.diag(self._pull + 1e-9)
+        g = (weighted @ off[..., None])[..., 0] + self._pull * (self._middle - q)
+        step = np.linalg.solve(H, g[..., None])[..., 0]
+        longest = np.abs(step[:, 3:]).max(axis=1, keepdims=True)
+        q = q + step * np.minimum(1.0, _LONGEST_STEP / np.maximum(longest, _LONGEST_STEP))
+        q[:, JOINTS] = np.clip(q[:, JOINTS], self._adult.lower, self._adult.upper)
+        q[:, ROOT_ROTATION] = log(exp(q[:, ROOT_ROTATION]))
+        return q
+
+    def adapt(self, q: Array, points: Array) -> None:
+        """Size and places on the bones that suit the poses best."""
+        origin, rotation, _, _ = self._frames(q)
+        seen = np.asarray(np.isfinite(points).all(axis=2))
+        root = q[:, None, ROOT_POSITION]
+        body = origin + self.scale * (rotation @ self._guess[:, :, None])[..., 0] - root
+        unit = body / self.scale
+        rest = points - root - (rotation @ self._moved[:, :, None])[..., 0]
+        count = np.maximum(seen.sum(axis=1), 1)[:, None, None]
+        mask = seen[..., None]
+        # Without each frame's mean, so that the root's place has no say in the size.
+        unit_off = np.where(mask, unit - np.where(mask, unit, 0).sum(1, keepdims=True) / count, 0)
+        rest_off = np.where(mask, rest - np.where(mask, rest, 0).sum(1, keepdims=True) / count, 0)
+        self.scale = float((unit_off * rest_off).sum() / (unit_off**2).sum())
+        self.scale = float(np.clip(self.scale, *_SIZES))
+        self.kinematics = Kinematics(self._adult.scaled(self.scale))
+        origin, rotation, _, _ = self._frames(q)
+        local = np.swapaxes(rotation, -1, -2) @ (points - origin)[..., None]
+        error = local[..., 0] - self.scale * self._guess
+        mean = np.where(mask, error, 0).sum(axis=0) / np.maximum(mask.sum(axis=0), 1)
+        self._moved = self._shrink[:, None] * mean
+
+    def _frames(self, q: Array) -> tuple[Array, Array, Array, Array]:
+        """Origins (n, M, 3) and rotations (n, M, 3, 3) of the points' bones; joints; rotations."""
+        placement = self.kinematics.place(q)
+        palm = exp(q[:, ROOT_ROTATION])[:, None]
+        # The palm is put behind the last bone, where index -1 finds it.
+        origins = np.concatenate([placement.joints, q[:, None, ROOT_POSITION]], axis=1)
+        rotations = np.concatenate([placement.rotations, palm], axis=1)
+        return (
+            origins[:, self._bone],
+            rotations[:, self._bone],
+            placement.joints,
+            placement.rotations,
+        )
+
+    def _off_and_jacobian(self, q: Array, points: Array) -> tuple[Array, Array]:
+        """(n, 3 M) m by which points are off, and their derivative (n, 3 M, 48); 0 if not seen."""
+        origin, rotation, joints, bones = self._frames(q)
+        placed = origin + (rotation @ self.places[:, :, None])[..., 0]
+        n, m = placed.shape[:2]
+        J = np.zeros((n, m, 3, POSE_SIZE))
+        J[..., ROOT_POSITION] = np.eye(3)
+        _, left = exp_and_left_jacobian(q[:, ROOT_ROTATION])
+        J[..., ROOT_ROTATION] = -skew(placed - q[:, None, ROOT_POSITION]) @ left[:, None]
+        # exp(w + d) = exp(w) exp(R d), R the left Jacobian at -w: the turn R d is in the bone.
+        _, right = exp_and_left_jacobian(-joint_vectors(q))
+        axes = bones @ right
+        for j in range(joints.shape[1]):
+            moved = np.flatnonzero(self._moves[:, j])
+            arm = placed[:, moved] - joints[:, None, j]
+            J[:, moved, :, 6 + 3 * j : 9 + 3 * j] = -skew(arm) @ axes[:, None, j]
+        off = points - placed
+        unseen = np.isnan(off)
+        off[unseen] = 0.0
+        J[unseen.any(axis=2)] = 0.0
+        return off.reshape(n, 3 * m), J.reshape(n, 3 * m, POSE_SIZE)
+
+
+def _parents(skeleton: Skeleton) -> list[int]:
+    """Index of every bone's parent, `PALM` for a finger's first."""
+    fingers = [bone.finger for bone in skeleton.bones]
+    return [i - 1 if i and fingers[i - 1] == f else PALM for i, f in enumerate(fingers)]

@@ -1,0 +1,223 @@
+"""How a wished-for hand meets the screen: the wrist's place, touching fingers, lifted fingers.
+
+The wrist is placed first, by rule: so that the middle of the used fingertips is where it should be,
+and as high as the grip holds its fingertips. Then every finger for itself reaches for its own spot
+on the screen, which has to satisfy the screen's edge, the neighbours and the joints; one demand is
+met after the other, for a few rounds (alternating projections). What cannot be met moves the touch,
+for a finger that cannot reach a spot touches elsewhere. Lifted fingers follow rules.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.captures.second_subject.configuration import SecondConfiguration
+from encoders.captures.second_subject.hand import FIRST, SECOND, SWING, Hand, attitude
+from encoders.captures.second_subject.reach import reach
+from models.frames import FINGERS
+from models.surface import Surface
+
+Array = NDArray[np.float64]
+
+_ROUNDS = 6
+"""Of meeting all demands on the touches."""
+
+_SETTLINGS = 3
+"""Of raising or lowering the wrist to where its fingers reach the screen."""
+
+_STEADY = 0.015
+"""m, spread of fingertips at which the palm follows half of their plane's slope."""
+
+_MARGIN = 0.007
+"""m between fingertips and the screen's edge: a pad is seen beside its tip."""
+
+_NEIGHBOURS = np.array(
+    [
+        [0, 1, 0, 0, 0],
+        [0.3, 0, 1, 0.3, 0],
+        [0, 1, 0, 1, 0.3],
+        [0, 0.3, 1, 0, 1],
+        [0, 0, 0.3, 1, 0],
+    ]
+)
+"""How much each finger (row) is tied to each other."""
+
+
+@dataclass(frozen=True)
+class Wish:
+    """What the hand would do; arrays have one row per frame.
+
+    Attributes:
+        angles: (n, 5, 5) rad, of the grip.
+        yaw: (n,) rad, of the hand, as are pitch and roll.
+        pitch: (n,) rad, fingers up.
+        roll: (n,) rad, little finger down.
+        height: (n,) m, by which the palm is held higher than the grip would have it.
+        middle: (n, 2) m, where the used fingertips' middle should be.
+        used: (n, 5) which fingers touch at some time of the take.
+        close: (n, 5) 1 while a finger touches, 0 while it is fully lifted.
+        lift: (n, 5) rad, by which a lifted finger is raised.
+        curl: (n, 5) whether it is raised by curling.
+        coupling: (n, 5) share of its neighbours' bending that a lifted finger follows.
+    """
+
+    angles: Array
+    yaw: Array
+    pitch: Array
+    roll: Array
+    height: Array
+    middle: Array
+    used: NDArray[np.bool_]
+    close: Array
+    lift: Array
+    curl: NDArray[np.bool_]
+    coupling: Array
+
+    @staticmethod
+    def joined(parts: list[Wish]) -> Wish:
+        """All takes of a day in one."""
+        return Wish(*(np.concatenate([getattr(p, f.name) for p in parts]) for f in fields(Wish)))
+
+
+def place(
+    wish: Wish, hand: Hand, surface: Surface, c: SecondConfiguration
+) -> tuple[Array, Array, Array]:
+    """Places (n, 3) m and rotations (n, 3, 3) of the wrist, and angles (n, 5, 5) of the fingers."""
+    in_palm = hand.tips_in_palm(wish.angles)
+    down, up = _levelling(in_palm, wish.close)
+    pitch, roll = wish.pitch + c.level * up, wish.roll + c.level * down
+    root = np.empty((len(pitch), 3))
+    for _ in range(_SETTLINGS):
+        turn = attitude(wish.yaw, pitch, roll)
+        tips = (turn[:, None] @ in_palm[..., None])[..., 0]
+        root[:, 2] = c.tip_height + wish.height - _mean(tips, wish.close)[:, 2]
+        pitch = pitch - np.maximum(c.wrist - root[:, 2], 0.0) / _mean(in_palm, wish.close)[:, 1]
+    root[:, :2] = _middle(tips, wish, surface) - _mean(tips[..., :2], wish.used)
+    goals = tips + root[:, None]
+    for _ in range(_SETTLINGS):
+        touching, off = _touching(goals, root, turn, wish, hand, surface, c)
+        root[:, 2] -= (off * wish.close).sum(axis=1) / wish.close.sum(axis=1)
+    touching, _ = _touching(goals, root, turn, wish, hand, surface, c)
+    lifted = _lifted(touching, root, turn, wish, hand, c)
+    share = wish.close[..., None]
+    return root, turn, share * touching + (1 - share) * lifted
+
+
+def _levelling(tips: Array, close: Array) -> tuple[Array, Array]:
+    """Turns (n,) rad, little finger down and fingers up, that would make touching tips level.
+
+    The plane through the fingertips (n, 5, 3) m in the hand frame, by least squares with a penalty
+    on its slope: two fingers side by side are no reason to turn the palm on edge.
+    """
+    flat = tips - _mean(tips, close)[:, None]
+    weighted = flat * close[..., None]
+    spread = np.swapaxes(weighted[..., :2], 1, 2) @ flat[..., :2]
+    spread += close.sum(axis=1)[:, None, None] * _STEADY**2 * np.eye(2)
+    rise = np.swapaxes(weighted[..., :2], 1, 2) @ flat[..., 2:]
+    slope = np.linalg.solve(spread, rise)[..., 0]
+    return np.arctan(slope[:, 0]), -np.arctan(slope[:, 1])
+
+
+def _mean(values: Array, weights: NDArray[np.generic]) -> Array:
+    """(n, d) mean of (n, 5, d) with weights (n, 5)."""
+    w = np.asarray(weights, float)[..., None]
+    return np.asarray((values * w).sum(axis=1) / w.sum(axis=1))
+
+
+def _middle(tips: Array, wish: Wish, surface: Surface) -> Array:
+    """(n, 2) m, the wished-for middle, moved until the used fingertips are on the screen."""
+    flat = tips[..., :2] - _mean(tips[..., :2], wish.used)[:, None]
+    used = wish.used[..., None]
+    low = np.where(used, flat, np.inf).min(axis=1)
+    high = np.where(used, flat, -np.inf).max(axis=1)
+    least = np.array([0, -surface.size[1]]) + _MARGIN - low
+    most = np.array([surface.size[0], 0]) - _MARGIN - high
+    fits = least <= most
+    return np.where(fits, np.clip(wish.middle, least, np.maximum(least, most)), (least + most) / 2)
+
+
+def _touching(
+    goals: Array,
+    root: Array,
+    turn: Array,
+    wish: Wish,
+    hand: Hand,
+    surface: Surface,
+    c: SecondConfiguration,
+) -> tuple[Array, Array]:
+    """Angles (n, 5, 5) with all fingertips on the screen, and how far off it they stay (n, 5) m."""
+    spots, angles = goals.copy(), wish.angles
+    for _ in range(_ROUNDS):
+        spots = _apart(spots, turn, c.tip_width)
+        spots[..., 0] = np.clip(spots[..., 0], _MARGIN, surface.size[0] - _MARGIN)
+        spots[..., 1] = np.clip(spots[..., 1], _MARGIN - surface.size[1], -_MARGIN)
+        spots[..., 2] = c.tip_height
+        in_palm = ((spots - root[:, None])[:, :, None] @ turn[:, None])[:, :, 0]
+        angles = reach(hand, in_palm, angles)
+        spots = (turn[:, None] @ hand.tips_in_palm(angles)[..., None])[..., 0] + root[:, None]
+    return angles, spots[..., 2] - c.tip_height
+
+
+def _apart(spots: Array, turn: Array, width: float) -> Array:
+    """Spots (n, 5, 3) in which no finger is in another's way.
+
+    Fingers give way to the side, across the hand, in the order in which they grow; the thumb stays
+    behind a parabola about each fingertip, so that it never jumps from one side of it to the other.
+    """
+    out = spots.copy()
+    across, back = turn[:, :2, 0], -turn[:, :2, 1]
+    for finger in range(1, len(FINGERS) - 1):
+        between = out[:, finger + 1, :2] - out[:, finger, :2]
+        side = (between * across).sum(axis=1)
+        ahead = (between * back).sum(axis=1)
+        short = np.sqrt(np.maximum(width**2 - ahead**2, 0.0)) - side
+        step = 0.5 * np.maximum(short, 0.0)[:, None] * across
+        out[:, finger, :2] -= step
+        out[:, finger + 1, :2] += step
+    for finger in range(1, len(FINGERS)):
+        between = out[:, 0, :2] - out[:, finger, :2]
+        side = (between * across).sum(axis=1)
+        ahead = (between * back).sum(axis=1)
+        short = width - side**2 / width - ahead
+        out[:, 0, :2] += np.maximum(short, 0.0)[:, None] * back
+    return out
+
+
+def _lifted(
+    touching: Array, root: Array, turn: Array, wish: Wish, hand: Hand, c: SecondConfiguration
+) -> Array:
+    """Angles (n, 5, 5) of fingers while they are lifted.
+
+    A lifted finger does as its grip says, is drawn along by what neighbours on the screen have to
+    do instead, and is raised; further, until it clears the screen.
+    """
+    low, high = hand.reach_limits
+    ties = _NEIGHBOURS * wish.close[:, None, :]
+    ties = ties / np.maximum(ties.sum(axis=2, keepdims=True), 1.0)
+    drawn = wish.coupling[..., None] * (ties @ (touching - wish.angles))
+    out = wish.angles.copy()
+    out[..., SWING] += 0.5 * drawn[..., SWING]
+    out[..., FIRST] += drawn[..., FIRST]
+    out[..., SECOND] += drawn[..., SECOND]
+    out[..., FIRST] -= np.where(wish.curl, 0.3, 1.0) * wish.lift
+    out[..., SECOND] += np.where(wish.curl, 0.8, -0.4) * wish.lift
+    out = np.clip(out, low, high)
+    up = np.zeros((5, 5))
+    up[:, FIRST], up[1:, SECOND], up[0, SWING] = -1.0, -0.6, -0.6
+    least, most = np.zeros(out.shape[:2]), np.full(out.shape[:2], np.deg2rad(70))
+    enough = _height(out, root, turn, hand) >= c.tip_height + c.clearance
+    for _ in range(9):
+        middle = 0.5 * (least + most)
+        tried = np.clip(out + middle[..., None] * up, low, high)
+        clears = _height(tried, root, turn, hand) >= c.tip_height + c.clearance
+        least, most = np.where(clears, least, middle), np.where(clears, middle, most)
+    further = np.where(enough, 0.0, most)
+    return np.clip(out + further[..., None] * up, low, high)
+
+
+def _height(angles: Array, root: Array, turn: Array, hand: Hand) -> Array:
+    """(n, 5) m, of the fingertips above the screen."""
+    return np.asarray(np.einsum("nj,nfj->nf", turn[:, 2], hand.tips_in_palm(angles)) + root[:, 2:])

@@ -1,0 +1,225 @@
+"""The second subject at work: takes of a day become one capture."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.capture import Capture
+from encoders.captures.second_subject.configuration import SecondConfiguration
+from encoders.captures.second_subject.contacts import (
+    Take,
+    closeness,
+    contact_ids,
+    free_play,
+    script,
+    tastes,
+)
+from encoders.captures.second_subject.grips import (
+    MANNERS,
+    clamped,
+    keyframes,
+    knots,
+    path,
+    with_manner,
+)
+from encoders.captures.second_subject.hand import SLENDER
+from encoders.captures.second_subject.measurement import Markers, touches
+from encoders.captures.second_subject.placing import Wish, place
+from models.errors import InputError
+from models.frames import FINGERS
+from models.surface import Surface
+
+Array = NDArray[np.float64]
+
+_PERSON, _DAY, _PLAY, _TAKE, _SENSORS = range(11, 16)
+"""What a stream of random numbers is for; each has its own."""
+
+_PAUSE = 3.0
+"""s between two takes."""
+
+
+@dataclass(frozen=True)
+class _Person:
+    """What is the same all day long: habits of a subject, and how it sits on that day."""
+
+    taste: Array
+    coupling: Array
+    lift: Array
+    curl: NDArray[np.bool_]
+    lean: Array
+    elbow: Array
+
+
+def simulate(
+    configuration: SecondConfiguration,
+    seed: int,
+    day: int,
+    progress: Callable[[float], None] | None = None,
+) -> Capture:
+    """Captures a second simulated subject.
+
+    Args:
+        configuration: How second subjects are.
+        seed: Which of them: its tastes and habits, and everything it does.
+        day: 0 plays the training script, every later day is free play. Markers are placed anew
+            every day.
+        progress: Called with the share done, 0 to 1.
+
+    Returns:
+        The capture; equal arguments give equal captures. `meta["simulated"]` is True.
+
+    Raises:
+        InputError: Seed or day is negative.
+    """
+    for name, value in (("seed", seed), ("day", day)):
+        if value < 0:
+            raise InputError(f"there is no such {name}", got=value, expected="0 or more")
+    c, surface = configuration, Surface()
+    person = _person(seed, day, c, surface)
+    play = np.random.default_rng([_PLAY, seed, day])
+    takes = free_play(play, person.taste, c) if day else script(c)
+    # Day 0, too, in any order: habits drift, and would otherwise go along with the script.
+    takes = [takes[i] for i in play.permutation(len(takes))]
+    habits = _drift(play, len(takes), c)
+    wishes = []
+    for number, take in enumerate(takes):
+        rng = np.random.default_rng([_TAKE, seed, day, number])
+        wishes.append(_wish(rng, take, habits[number], person, surface, c))
+        if progress:
+            progress(0.3 * (number + 1) / len(takes))
+    wish = Wish.joined(wishes)
+    root, turn, angles = place(wish, SLENDER, surface, c)
+    if progress:
+        progress(0.8)
+
+    numbers = np.repeat(np.arange(len(takes)), [len(t.down) for t in takes])
+    q = SLENDER.pose(root, turn, angles)
+    _, rotations, tips = SLENDER.chain(q)
+    sensors = np.random.default_rng([_SENSORS, seed, day])
+    along = rotations[:, SLENDER.last_bone][..., 1]
+    xy = touches(sensors, tips, along, numbers, takes[0].rate, surface, c)
+    measured = Markers(sensors, SLENDER, c).poses(sensors, q)
+    down = np.concatenate([t.down for t in takes])
+    ids, times, clock, free = [], [], 0.0, 0
+    for take in takes:
+        of_take, free = contact_ids(take.down, free)
+        ids.append(of_take)
+        times.append(clock + take.times)
+        clock += take.times[-1] + _PAUSE
+    if progress:
+        progress(1.0)
+    meta = {
+        "simulated": True,
+        "subject": f"second simulated {seed}",
+        "seed": seed,
+        "day": day,
+        "side": "right",
+        "skeleton": SLENDER.name,
+        "surface_in": [surface.width_in, surface.height_in],
+        "rate_hz": takes[0].rate,
+        "configuration": c.as_json(),
+    }
+    xy = np.where(down[..., None], xy, np.nan)
+    return Capture(np.concatenate(times), numbers, np.concatenate(ids), xy, measured, meta)
+
+
+def _person(seed: int, day: int, c: SecondConfiguration, surface: Surface) -> _Person:
+    always = np.random.default_rng([_PERSON, seed])
+    taste = tastes(always, c.taste)
+    coupling = always.uniform(*c.coupling, len(FINGERS))
+    lift = always.uniform(*c.raise_, len(FINGERS))
+    curl = always.random(len(FINGERS)) < c.curl
+    elbow = np.array([surface.size[0] / 2 + 0.06, -surface.size[1] - c.elbow])
+    lean = np.zeros(len(MANNERS))
+    if day:
+        today = np.random.default_rng([_DAY, seed, day])
+        lean = c.day_manner * today.uniform(-1, 1, len(MANNERS))
+        elbow = elbow + c.day_elbow * today.uniform(-1.7, 1.7, 2)
+    return _Person(taste, coupling, lift, curl, lean, elbow)
+
+
+def _drift(rng: np.random.Generator, count: int, c: SecondConfiguration) -> Array:
+    """(count, manners) habits of takes in -1 to 1: a walk that turns back at both ends."""
+    steps = c.drift * rng.uniform(-1, 1, (count, len(MANNERS)))
+    walk = rng.uniform(-1, 1, len(MANNERS)) + np.cumsum(steps, axis=0)
+    return np.asarray(np.abs((walk + 1) % 4 - 2) - 1)
+
+
+def _wish(
+    rng: np.random.Generator,
+    take: Take,
+    habit: Array,
+    person: _Person,
+    surface: Surface,
+    c: SecondConfiguration,
+) -> Wish:
+    """What a take would look like if there were no screen to touch."""
+    times = take.times
+    calm = c.calm if take.free else 1.0
+    moments = knots(rng, float(times[-1]), c.pace)
+    shapes, tilts = zip(*(keyframes(rng, moments, g, calm, c) for g in take.gestures), strict=True)
+    # Two gestures alternate, keyframe by keyframe.
+    pick = np.arange(len(moments)) % len(take.gestures)
+    rows = np.arange(len(moments))
+    angles = path(times, moments, np.array(shapes)[pick, rows])
+    tilt = path(times, moments, np.array(tilts)[pick, rows])
+    change = np.clip(rng.standard_t(c.tail, (len(moments), len(MANNERS))), -3, 3)
+    manner = np.array(c.habit) * (habit + person.lean) + np.array(c.variety) * change
+    manner = path(times, moments, manner)
+    angles = clamped(with_manner(angles, manner), SLENDER)
+
+    middle = _way(rng, times, take, calm, surface, c)
+    arm = middle - person.elbow
+    forearm = np.arctan2(-arm[:, 0], arm[:, 1])
+    yaw = _yaw(rng, times, take, calm, c) + c.forearm * forearm
+    down = take.down
+    return Wish(
+        angles=angles,
+        yaw=yaw,
+        pitch=tilt + manner[:, 10],
+        roll=manner[:, 11],
+        height=manner[:, 12],
+        middle=middle,
+        used=np.broadcast_to(down.any(axis=0), down.shape),
+        close=closeness(down, take.rate, c.landing),
+        lift=np.broadcast_to(person.lift * rng.uniform(*c.lift_variety, len(FINGERS)), down.shape),
+        curl=np.broadcast_to(person.curl, down.shape),
+        coupling=np.broadcast_to(person.coupling, down.shape),
+    )
+
+
+def _way(
+    rng: np.random.Generator,
+    times: Array,
+    take: Take,
+    calm: float,
+    surface: Surface,
+    c: SecondConfiguration,
+) -> Array:
+    """(n, 2) m, way of the middle of the fingertips, 3-D surface frame."""
+    centre = surface.size / 2 * [1, -1]
+    moments = knots(rng, float(times[-1]), c.pace)
+    field = np.array(c.way)
+    far = 1.0 if "move" in take.gestures else 0.25
+    home = (1 - far) * field * rng.uniform(-1, 1, 2)
+    steps = calm * far * field * rng.uniform(-1, 1, (len(moments), 2))
+    return np.asarray(centre + home + path(times, moments, steps))
+
+
+def _yaw(
+    rng: np.random.Generator, times: Array, take: Take, calm: float, c: SecondConfiguration
+) -> Array:
+    """(n,) rad: to and fro if the take turns, else nearly the same throughout."""
+    moments = knots(rng, float(times[-1]), c.pace)
+    if "rotate" in take.gestures:
+        low, high = calm * np.array(c.turn)
+        middle, half = 0.5 * (low + high), 0.5 * (high - low)
+        sides = (-1.0) ** (np.arange(len(moments)) + rng.integers(2))
+        values = middle + half * sides * rng.uniform(0.3, 1.0, len(moments))
+    else:
+        values = calm * c.bias * rng.uniform(-1, 1) + 0.12 * calm * rng.laplace(0, 1, len(moments))
+    return path(times, moments, values)

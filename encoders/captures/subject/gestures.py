@@ -1,0 +1,172 @@
+"""What the fingertips set out to do: gestures as smooth paths of layout, place and turn."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.captures.subject.configuration import SubjectConfiguration
+from models.frames import FINGERS
+from models.surface import Surface
+
+Array = NDArray[np.float64]
+
+GESTURES = ("move", "grasp", "pinch", "rotate")
+"""The paper's: "moving, grasping, pinching, and rotating motions" (section 4)."""
+
+MARGIN = 0.006
+"""m between fingertips and the screen's edge: half a touch, which a screen reports only whole."""
+
+_COMPONENTS = 24
+"""Waves that make up a smooth noise; enough for its values to be nearly normal."""
+
+_PUSHES = 8
+"""Rounds of pushing fingertips apart; five in a row then keep their distance within 1 mm."""
+
+_THUMB = 0
+
+
+@dataclass(frozen=True)
+class Path:
+    """Where the touches are meant to be; n frames.
+
+    Attributes:
+        turn: (n,) rad, of the layout, counterclockwise seen from above.
+        place: (n, 2) m, of the natural layout's origin, 3-D surface frame.
+        targets: (n, 5, 2) m, of every fingertip, touching or not, 3-D surface frame.
+    """
+
+    turn: Array
+    place: Array
+    targets: Array
+
+
+def smooth_noise(
+    rng: np.random.Generator, times: Array, timescale: float, shape: tuple[int, ...]
+) -> Array:
+    """(n, *shape) independent smooth noises of variance 1.
+
+    A sum of waves of random frequency: it can be sampled at any times, so that the same movement
+    may be recorded at any rate. Frequencies are heavy-tailed, as those of a Matern 3/2 process.
+    """
+    frequency = rng.standard_t(3, (_COMPONENTS, *shape)) / timescale
+    phase = rng.uniform(0, 2 * np.pi, (_COMPONENTS, *shape))
+    t = times.reshape(-1, 1, *(1 for _ in shape))
+    return np.sqrt(2 / _COMPONENTS) * np.cos(frequency * t + phase).sum(axis=1)
+
+
+def strokes(
+    rng: np.random.Generator,
+    times: Array,
+    swing: tuple[float, float],
+    variety: tuple[float, float],
+) -> Array:
+    """(n,) a path to and fro between about -1 and 1.
+
+    Every stroke is a minimum-jerk movement, which is how people move a hand between two points
+    (Flash and Hogan 1985): it rests at both ends.
+    """
+    count = int(np.ceil((times[-1] - times[0]) / swing[0])) + 2
+    ends = times[0] + np.concatenate([[0.0], np.cumsum(rng.uniform(*swing, count))])
+    ends -= rng.uniform(0, swing[0])
+    side = rng.choice([-1.0, 1.0]) * (-1.0) ** np.arange(count + 1)
+    points = side * rng.uniform(*variety, count + 1)
+    i = np.clip(np.searchsorted(ends, times, side="right") - 1, 0, count - 1)
+    s = np.clip((times - ends[i]) / (ends[i + 1] - ends[i]), 0, 1)
+    share = s**3 * (10 - 15 * s + 6 * s**2)
+    return points[i] + share * (points[i + 1] - points[i])
+
+
+def path(
+    rng: np.random.Generator,
+    times: Array,
+    amplitudes: Array,
+    fingers: NDArray[np.bool_],
+    layout: Array,
+    surface: Surface,
+    configuration: SubjectConfiguration,
+) -> Path:
+    """A take's path.
+
+    Args:
+        rng: Source of the take's randomness.
+        times: (n,) s.
+        amplitudes: (4,) share of every gesture in `GESTURES`.
+        fingers: (5,) which fingers touch at some time; only they are pinched together and must stay
+            on the screen.
+        layout: (5, 2) m, natural place of the fingertips about their middle.
+        surface: The screen.
+        configuration: Amplitudes of the gestures.
+    """
+    c = configuration
+
+    def to_and_fro() -> Array:
+        return strokes(rng, times, c.swing, c.variety)
+
+    move, grasp, pinch, rotate = amplitudes
+    turn = np.clip(rotate * c.turn * to_and_fro(), -c.greatest_turn, c.greatest_turn)
+    way = move * c.move * np.stack([to_and_fro(), to_and_fro()], axis=-1)
+    span = np.clip(1 + grasp * c.grasp * (to_and_fro() - c.grasp_closed), 0.45, c.widest)
+    closing = np.clip(0.5 * pinch * c.pinch * (c.pinch_closed + to_and_fro()), c.pinch_least, 0.8)
+
+    tips = span[:, None, None] * layout
+    tips = tips + c.placing * rng.normal(size=(len(FINGERS), 2))
+    tips = tips + c.wobble * smooth_noise(rng, times, 0.4, (len(FINGERS), 2))
+    tips = _apart(_pinched(tips, closing, fingers), c.tip_width)
+    cos, sin = np.cos(turn), np.sin(turn)
+    rotation = np.stack([np.stack([cos, -sin], -1), np.stack([sin, cos], -1)], -2)
+    tips = tips @ np.swapaxes(rotation, -1, -2)
+    place = _on_screen(way, tips, fingers, surface)
+    return Path(turn, place, tips + place[:, None, :])
+
+
+def _pinched(tips: Array, closing: Array, fingers: NDArray[np.bool_]) -> Array:
+    """Thumb and the other touching fingers nearer to each other by a share of their distance.
+
+    Without the thumb, or with nothing but it, the fingers close on their own middle.
+    """
+    others = fingers.copy()
+    others[_THUMB] = False
+    opposed = bool(fingers[_THUMB] and others.any())
+    middle = tips[:, others if others.any() else fingers].mean(axis=1)
+    out = tips.copy()
+    if opposed:
+        step = 0.5 * closing[:, None] * (middle - tips[:, _THUMB])
+        out[:, _THUMB] += step
+        out[:, 1:] -= step[:, None]
+    else:
+        out[:, 1:] += 0.6 * closing[:, None, None] * (middle[:, None] - tips[:, 1:])
+    return out
+
+
+def _apart(tips: Array, width: float) -> Array:
+    """Fingertips (n, 5, 2) pushed from each other until none is nearer to another than a width."""
+    tips = tips.copy()
+    pairs = list(combinations(range(tips.shape[1]), 2))
+    for _ in range(_PUSHES):
+        for a, b in pairs:
+            between = tips[:, b] - tips[:, a]
+            distance = np.maximum(np.linalg.norm(between, axis=1, keepdims=True), 1e-6)
+            push = 0.5 * np.maximum(width - distance, 0.0) * between / distance
+            tips[:, a] -= push
+            tips[:, b] += push
+    return tips
+
+
+def _on_screen(way: Array, tips: Array, fingers: NDArray[np.bool_], surface: Surface) -> Array:
+    """(n, 2) place of the layout, moved so that touching fingertips are on the screen.
+
+    A layout too large for the screen is centred on it.
+    """
+    size = surface.size
+    middle = np.array([size[0] / 2, -size[1] / 2])
+    low, high = tips[:, fingers].min(axis=1), tips[:, fingers].max(axis=1)
+    free = size / 2 - MARGIN
+    least, most = middle - free - low, middle + free - high
+    # The middle of the layout, not its origin, hovers about that of the screen.
+    place = middle + way - 0.5 * (low + high)
+    inside = np.clip(place, np.minimum(least, most), np.maximum(least, most))
+    return np.where(most >= least, inside, 0.5 * (least + most))

@@ -1,0 +1,234 @@
+"""The simulated subject at work: takes of a day become one capture."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.capture import Capture
+from encoders.captures.subject.configuration import SubjectConfiguration
+from encoders.captures.subject.gestures import path, smooth_noise
+from encoders.captures.subject.posture import FREEDOMS, anatomy, lifting
+from encoders.captures.subject.script import Take, takes_of
+from encoders.captures.subject.sensors import day_error, measured_pose, touches
+from encoders.captures.subject.solve import PostureSolver
+from models.errors import InputError
+from models.frames import FINGERS
+from models.kinematics import Kinematics
+from models.pose import POSE_SIZE, ROOT_POSITION, ROOT_ROTATION
+from models.rotations import exp, log
+from models.skeleton import ADULT, Skeleton
+from models.surface import Surface
+
+Array = NDArray[np.float64]
+
+SUBJECT, DAY, TAKE = 0, 1, 2
+"""What a stream of random numbers is for; each has its own, so that none shifts another."""
+
+_PAUSE = 2.0
+"""s between two takes."""
+
+_FREE = 0.05
+"""m, to which the way of a finger about to land is already given."""
+
+Progress = Callable[[float], None]
+
+
+def simulate(
+    configuration: SubjectConfiguration,
+    seed: int,
+    day: int,
+    progress: Progress | None = None,
+    skeleton: Skeleton = ADULT,
+) -> Capture:
+    """Captures a simulated subject.
+
+    Args:
+        configuration: How subjects are.
+        seed: Which subject: its hinges, and everything it does.
+        day: 0 plays the training script, every later day is free play, sensors placed anew.
+        progress: Called with the share done, 0 to 1.
+        skeleton: The subject's hand; another size makes the same habits another hand's.
+
+    Returns:
+        The capture; equal arguments give equal captures. `meta["simulated"]` is True.
+
+    Raises:
+        InputError: Seed or day is negative.
+    """
+    for name, value in (("seed", seed), ("day", day)):
+        if value < 0:
+            raise InputError(f"there is no such {name}", got=value, expected="0 or more")
+    person = _Person(configuration, seed, skeleton)
+    session = _Session(person, day)
+    takes = takes_of(day, np.random.default_rng([seed, DAY, day, 1]), configuration)
+    parts = []
+    clock, next_id, done = 0.0, 0, 0
+    total = sum(len(t.down) for t in takes)
+    for number, take in enumerate(takes):
+        rng = np.random.default_rng([seed, TAKE, day, number])
+        xy, q = session.record(rng, take)
+        ids, next_id = _contact_ids(take.down, next_id)
+        xy = np.where(take.down[..., None], xy, np.nan)
+        parts.append((clock + take.times, np.full(len(q), number), ids, xy, q))
+        clock += take.times[-1] + _PAUSE
+        done += len(q)
+        if progress:
+            progress(done / total)
+    meta = {
+        "simulated": True,
+        "subject": f"simulated {seed}",
+        "seed": seed,
+        "day": day,
+        "side": "right",
+        "skeleton": skeleton.name,
+        "surface_in": [person.surface.width_in, person.surface.height_in],
+        "rate_hz": takes[0].rate,
+        "configuration": configuration.as_json(),
+    }
+    time, trial, ids, xy, q = (np.concatenate(column) for column in zip(*parts, strict=True))
+    return Capture(time, trial, ids, xy, q, meta)
+
+
+class _Person:
+    """What is the same on all days: the hand and its posture at rest."""
+
+    def __init__(
+        self, configuration: SubjectConfiguration, seed: int, skeleton: Skeleton = ADULT
+    ) -> None:
+        self.configuration, self.seed = configuration, seed
+        self.surface = Surface()
+        self.kinematics = Kinematics(skeleton)
+        rng = np.random.default_rng([seed, SUBJECT])
+        self.anatomy = anatomy(rng, skeleton, configuration)
+        self.solver = PostureSolver(self.kinematics, self.anatomy)
+        # Factor that turns independent unit variables into deviations of posture.
+        self.habit = np.linalg.cholesky(self.anatomy.covariance).T
+        self.rest, self.layout = self._rest()
+
+    def _rest(self) -> tuple[Array, Array]:
+        """Posture (27,) with all fingertips on the surface, and their places (5, 2) m.
+
+        Both about the fingertips' middle; otherwise as near to the middle of all ranges as can be.
+        """
+        aim = np.zeros((1, FREEDOMS))
+        aim[0, 2] = -self.kinematics.tips(np.zeros(POSE_SIZE))[:, 2].mean()
+        targets = np.zeros((1, len(FINGERS), 3))
+        targets[..., 2] = self.configuration.tip_height
+        precision = np.full(targets.shape, np.inf)
+        precision[..., 2] = self.configuration.contact_precision
+        theta = self.solver.solve(aim, targets, precision)[0]
+        tips = self.kinematics.tips(self.anatomy.hinges @ theta)[:, :2]
+        theta[:2] -= tips.mean(axis=0)
+        return theta, tips - tips.mean(axis=0)
+
+
+class _Session:
+    """What is the same during one day."""
+
+    def __init__(self, person: _Person, day: int) -> None:
+        self.person = person
+        c = person.configuration
+        rng = np.random.default_rng([person.seed, DAY, day, 0])
+        width, height = person.surface.size
+        self.elbow = np.array([width / 2, -height - c.elbow_distance])
+        self.style = np.zeros(FREEDOMS)
+        self.yaw = 0.0
+        self.error = np.zeros(POSE_SIZE)
+        if day > 0:
+            self.elbow = self.elbow + rng.normal(0, c.day_elbow, 2)
+            self.style = c.day_style * rng.normal(size=FREEDOMS)
+            self.yaw = float(rng.normal(0, c.day_yaw))
+            self.error = day_error(rng, c)
+
+    def record(self, rng: np.random.Generator, take: Take) -> tuple[Array, Array]:
+        """Touches (n, 5, 2) m on the surface and poses (n, 48) of a take, both as measured."""
+        person = self.person
+        c, times = person.configuration, take.times
+        fingers: NDArray[np.bool_] = np.any(take.down, axis=0)
+        way = path(rng, times, take.amplitudes, fingers, person.layout, person.surface, c)
+        yaw = c.arm_turn * way.turn + self.yaw + c.elbow * self._forearm(way.place)
+        pressed = _pressed(take.down, times, c.transition)
+
+        aim = self._aim(rng, times, pressed)
+        targets, precision = self._targets(rng, times, pressed)
+        # In a frame that turns with the hand, its root stays near one rotation.
+        to_hand = exp(_about_z(-yaw))[:, None, :2, :2]
+        offset = way.targets - way.place[:, None, :]
+        targets[..., :2] = (to_hand @ offset[..., None])[..., 0]
+        theta = person.solver.solve(aim, targets, precision)
+
+        q = theta @ person.anatomy.hinges.T
+        turned = exp(_about_z(yaw))
+        q[:, ROOT_ROTATION] = log(turned @ exp(q[:, ROOT_ROTATION]))
+        q[:, ROOT_POSITION] = (turned @ q[:, ROOT_POSITION, None])[..., 0]
+        q[:, :2] += way.place
+        xy = touches(rng, person.kinematics.place(q), person.kinematics.skeleton, c)
+        return xy, measured_pose(rng, times, q, self.error, person.kinematics, c)
+
+    def _forearm(self, place: Array) -> Array:
+        """(n,) rad, direction from the elbow to a place (n, 2), 0 straight away from the person."""
+        reach = place - self.elbow
+        return np.arctan2(-reach[:, 0], reach[:, 1])
+
+    def _aim(self, rng: np.random.Generator, times: Array, pressed: Array) -> Array:
+        """(n, 27) posture that the subject would take if the touches left it free."""
+        person, c = self.person, self.person.configuration
+        sway = c.sway * smooth_noise(rng, times, c.sway_time, (FREEDOMS,))
+        habit = self.style + c.style * rng.normal(size=FREEDOMS) + sway
+        lift = c.lift_posture * lifting(curled=bool(rng.random() < c.curl_share))
+        deviation = habit @ person.habit
+        deviation[:, :6] *= c.root_variety
+        return person.rest + deviation + (1 - pressed) @ lift
+
+    def _targets(
+        self, rng: np.random.Generator, times: Array, pressed: Array
+    ) -> tuple[Array, Array]:
+        """Heights of the fingertips' targets (n, 5, 3) m, and precision (n, 5, 3) m.
+
+        A landing finger is drawn to its target ever more firmly, so that no joint jumps.
+        """
+        c = self.person.configuration
+        height = rng.uniform(*c.lift_height, len(FINGERS))
+        height = height * (1 + 0.15 * smooth_noise(rng, times, c.sway_time, (len(FINGERS),)))
+        targets = np.zeros((*pressed.shape, 3))
+        targets[..., 2] = c.tip_height + (1 - pressed) * np.maximum(height, 0.5 * c.lift_height[0])
+        precision = np.empty(targets.shape)
+        loose = (c.lift_precision / c.contact_precision) ** (1 - pressed)
+        precision[..., 2] = c.contact_precision * loose
+        looser = (_FREE / c.contact_precision) ** (1 - pressed)
+        precision[..., :2] = np.where(pressed > 0, c.contact_precision * looser, np.inf)[..., None]
+        return targets, precision
+
+
+def _about_z(angle: Array) -> Array:
+    """(n, 3) rotation vectors about the surface's normal."""
+    return angle[:, None] * np.array([0.0, 0.0, 1.0])
+
+
+def _pressed(down: NDArray[np.bool_], times: Array, transition: float) -> Array:
+    """(n, 5) 1 where a finger touches, falling to 0 within `transition` before and after."""
+    out = np.zeros(down.shape)
+    for finger in range(down.shape[1]):
+        touching = times[down[:, finger]]
+        if len(touching):
+            away = np.abs(times[:, None] - touching).min(axis=1)
+            share = np.clip(1 - away / transition, 0, 1)
+            out[:, finger] = share**2 * (3 - 2 * share)
+    return out
+
+
+def _contact_ids(down: NDArray[np.bool_], first: int) -> tuple[NDArray[np.int64], int]:
+    """(n, 5) ids, a new one whenever a finger lands, -1 while it is lifted; and the next free id.
+
+    Fingers that land at the same moment get their ids in the order of their labels; whoever must
+    not learn labels from ids has to shuffle them.
+    """
+    landed = down & ~np.vstack([np.zeros((1, down.shape[1]), bool), down[:-1]])
+    order = first + np.cumsum(landed.ravel()).reshape(landed.shape) - 1
+    ids = np.where(landed, order, -1)
+    # Ids grow with time, so the latest landing is the greatest id so far.
+    ids = np.maximum.accumulate(ids, axis=0)
+    return np.where(down, ids, -1).astype(np.int64), first + int(landed.sum())

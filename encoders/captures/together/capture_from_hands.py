@@ -1,0 +1,260 @@
+"""From touches and the frames of a 3-D device to a capture, step by step.
+
+1. The hand is measured where it is held open at the beginning (PAALM's calibration).
+2. Every frame becomes a pose and named fingertips, in the device's frame.
+3. Fingertips rest on a plane: heights above it. Touch-downs and landings tell the clocks' offset.
+4. Touches and fingertips of the same moments tell where the device is, by turns with the names of
+   touches and the offset at which touches move as their fingertips do.
+5. Poses are moved to the surface, and while fingers touch, corrected so that their tips are there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.capture import Capture
+from encoders.captures.conversion.assemble import assemble
+from encoders.captures.conversion.fingers import LabelledTrack, sample_times
+from encoders.captures.conversion.report import ConversionReport, ConversionRules
+from encoders.captures.conversion.surface_frame import frame_from_fingertips
+from encoders.captures.conversion.synchronise import ClockOffset, offset_by_taps, refined_by_motion
+from encoders.captures.conversion.touch_log import ContactTrack, TouchLog, sound_contacts
+from encoders.captures.together.labels import named_by_sight
+from encoders.captures.together.registration import Placed, first_guess, registered
+from encoders.captures.together.seen_track import SeenTrack, seen_track
+from encoders.correction import FingertipCorrection
+from encoders.paalm import Paalm
+from encoders.paalm.calibration import HandCalibration
+from encoders.regression.bone_fit import tip_targets
+from models.errors import CaptureError
+from models.frames import HandFrame
+from models.kinematics import Kinematics
+from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION
+
+Array = NDArray[np.float64]
+
+OPEN_FRAMES = 200
+"""Frames of the open hand at the beginning; the paper's 1000 lasted 10 s."""
+
+ONE_CLOCK = 0.5
+"""s by which latencies of two devices can differ that were written down with one clock."""
+
+Correct = Literal["unseen", "all", "none"]
+
+_ROUNDS = 3
+_SAMPLES = 1500
+"""Touches of the first guess; more take longer and tell the same."""
+_NEAR_PLANE = 0.012
+"""m from the plane of resting fingertips within which a finger may touch."""
+
+POSE_ERROR = (0.004, np.deg2rad(2.0), np.deg2rad(8.0))
+"""m, rad, rad: standard deviation of a pose by PAALM in place, turn and joints (docs/paalm.md).
+What the touches do not see of it stays as PAALM says."""
+
+
+def open_hand(frames: Sequence[HandFrame], side: str, wanted: int = OPEN_FRAMES) -> HandCalibration:
+    """The hand as it is held open at the beginning of a recording.
+
+    Raises:
+        EncoderError: It is not, with the reason.
+    """
+    which: Any = side
+    return Paalm().calibrate(frames, which, wanted)[side]
+
+
+def capture_from_hands(
+    log: TouchLog,
+    frames: Sequence[HandFrame],
+    time: Array,
+    calibration: HandCalibration,
+    rules: ConversionRules,
+    report: ConversionReport,
+    meta: dict[str, Any],
+    *,
+    one_clock: bool = True,
+    offset: float | None = None,
+    correct: Correct = "unseen",
+) -> Capture:
+    """The capture of a session with both devices.
+
+    Args:
+        log: The touches; x of a left hand's already mirrored.
+        frames: The device's.
+        time: (F,) s, of the frames.
+        calibration: Of the hand.
+        rules: What is dropped.
+        report: Takes what was, and what was found.
+        meta: Of the capture.
+        one_clock: Both times are on one clock, up to latencies.
+        offset: s, the frames' clock less the touches', where it is known; None: by taps.
+        correct: Which touching fingertips are brought to their touches.
+
+    Raises:
+        CaptureError: The recordings do not go together, with the reason.
+    """
+    track, share = seen_track(frames, time, calibration)
+    tracks = sound_contacts(log, rules, report)
+    _overlap(tracks, track, ONE_CLOCK if one_clock else None, offset)
+    plane = _plane(track)
+    clock = ClockOffset(offset or 0.0, 0.0, 0, 0)
+    if offset is None:
+        clock = offset_by_taps(tracks, track.placed(plane), ONE_CLOCK if one_clock else None)
+    place = _first(tracks, track, plane, clock.offset, rules)
+    labelled: list[LabelledTrack] = []
+    for _ in range(_ROUNDS):
+        here = track.placed(place)
+        labelled = named_by_sight(tracks, here, clock.offset, rules, ConversionReport())
+        if not labelled:
+            break
+        if offset is None:
+            clock = refined_by_motion(clock, labelled, here, rules)
+        place = registered(*_pairs(labelled, track, clock.offset, rules))
+    here = track.placed(place)
+    labelled = named_by_sight(tracks, here, clock.offset, rules, report)
+    if not labelled:
+        raise CaptureError(
+            "no touch is where a fingertip is",
+            got="; ".join(f"{n} contacts: {reason}" for reason, n in report.contacts.items()),
+            remedy="Check --side and --surface",
+        )
+    _note(report, clock, place, share, offset is None)
+    # Where PAALM holds a finger that is not seen, it need not be: the touch knows better.
+    near = rules if calibration.bones is not None else replace(rules, reach=np.inf)
+    capture = assemble(labelled, here, clock.offset, near, report, meta)
+    capture = _whole(capture, tracks, labelled, report)
+    return capture if correct == "none" else _corrected(capture, here, clock.offset, rules, correct)
+
+
+def _overlap(
+    tracks: list[ContactTrack], track: SeenTrack, slack: float | None, offset: float | None
+) -> None:
+    if not tracks:
+        raise CaptureError("no touch is left to go by", where="touches")
+    if slack is None and offset is None:
+        return
+    shift, room = offset or 0.0, slack or 0.0
+    begin, end = min(t.start for t in tracks) + shift, max(t.end for t in tracks) + shift
+    if end < track.time[0] - room or begin > track.time[-1] + room:
+        raise CaptureError(
+            "the two recordings do not overlap in time",
+            got=f"touches from {begin:.1f} to {end:.1f} s, the hand from {track.time[0]:.1f} to "
+            f"{track.time[-1]:.1f} s",
+            remedy="Record both at the same time, with `sandbox capture record`",
+        )
+
+
+def _plane(track: SeenTrack) -> Placed:
+    """A frame whose z is the height above the plane that fingertips rest on."""
+    shown = np.isfinite(track.seen[..., 0]).any(axis=1)
+    try:
+        frame = frame_from_fingertips(track.seen[shown], track.q[shown, ROOT_POSITION])
+    except CaptureError as error:
+        raise CaptureError(
+            "fingertips never rest on a plane, so that no tap is found",
+            got=error.got,
+            remedy="Keep the hand in the device's view while it touches",
+        ) from None
+    return Placed(frame.rotation.T, -frame.rotation.T @ frame.origin, 0.0, 0)
+
+
+def _first(
+    tracks: list[ContactTrack],
+    track: SeenTrack,
+    plane: Placed,
+    offset: float,
+    rules: ConversionRules,
+) -> Placed:
+    """Where the device is, roughly, without any touch's name."""
+    times = [sample_times(t, rules.rate) for t in tracks]
+    xy = np.concatenate([t.at(s, rules.gap) for t, s in zip(tracks, times, strict=True)])
+    moments = np.concatenate(times) + offset
+    some = np.linspace(0, len(xy) - 1, min(_SAMPLES, len(xy))).astype(int)
+    tips, known = track.placed(plane).tips_at(moments[some], rules.gap)
+    rows = np.flatnonzero(known)
+    guess = first_guess(xy[some][rows] * [1.0, -1.0], rows, tips, _NEAR_PLANE)
+    return Placed(
+        guess.rotation @ plane.rotation,
+        guess.rotation @ plane.shift + guess.shift,
+        guess.miss,
+        guess.pairs,
+    )
+
+
+def _pairs(
+    labelled: list[LabelledTrack], track: SeenTrack, offset: float, rules: ConversionRules
+) -> tuple[Array, Array]:
+    """Touches (R, 2), y up, and their fingertips (R, 3) in the device's frame."""
+    touches, found = [], []
+    for one in labelled:
+        times = sample_times(one.track, rules.rate)
+        tips, known = track.seen_at(times + offset, rules.gap)
+        touches.append(one.track.at(times, rules.gap)[known] * [1.0, -1.0])
+        found.append(tips[known, one.finger])
+    return np.concatenate(touches), np.concatenate(found)
+
+
+def _whole(
+    capture: Capture,
+    tracks: list[ContactTrack],
+    labelled: list[LabelledTrack],
+    report: ConversionReport,
+) -> Capture:
+    """The frames in which every touch has a name: a missing touch would teach what is wrong.
+
+    Raises:
+        CaptureError: There are none.
+    """
+    named = {id(one.track) for one in labelled}
+    keep = np.ones(len(capture), bool)
+    for one in tracks:
+        if id(one) not in named:
+            keep &= (capture.time < one.start) | (capture.time >= one.end)
+    report.drop_frames("with a touch that has no name", int((~keep).sum()))
+    if not keep.any():
+        raise CaptureError("no frame is left in which all touches have names")
+    kept = capture if keep.all() else capture.select(keep)
+    report.notes["kept_frames"] = len(kept)
+    return replace(kept, meta={**capture.meta, "conversion": report.as_json()})
+
+
+def _corrected(
+    capture: Capture, track: SeenTrack, offset: float, rules: ConversionRules, which: Correct
+) -> Capture:
+    """Poses whose touching fingertips are at their touches.
+
+    With `unseen`, only those that the device does not see; the others stay where it sees them.
+    """
+    tips, _ = track.seen_at(capture.time + offset, rules.gap)
+    unseen = np.isnan(tips[..., 0])
+    covariance = np.empty(POSE_SIZE)
+    covariance[ROOT_POSITION], covariance[ROOT_ROTATION], covariance[JOINTS] = POSE_ERROR
+    correction = FingertipCorrection(Kinematics(track.skeleton), np.diag(covariance**2))
+    targets = tip_targets(capture.xy)
+    q = capture.q.copy()
+    if which == "unseen":
+        targets = np.where(unseen[..., None] & capture.down[..., None], targets, tips)
+    for i, down in enumerate(capture.down):
+        if which == "unseen" and not (unseen[i] & down).any():
+            continue
+        fingers = np.flatnonzero(down if which == "all" else down | ~unseen[i])
+        q[i] = correction.correct(q[i], fingers, targets[i, fingers]).q
+    return replace(capture, q=q)
+
+
+def _note(
+    report: ConversionReport, clock: ClockOffset, place: Placed, share: float, taps: bool
+) -> None:
+    report.notes["sync"] = "tap" if taps else "clock"
+    report.notes["offset_s"] = round(clock.offset, 6)
+    if taps:
+        report.notes["offset_precision_s"] = round(clock.precision, 6)
+        report.notes["taps_agreeing"] = f"{clock.agreeing} of {clock.taps}"
+    report.notes["hand_seen_percent"] = round(100.0 * share, 1)
+    report.notes["device_at_m"] = [round(v, 4) for v in place.shift.tolist()]
+    report.notes["device_axes"] = np.round(place.rotation, 4).tolist()
+    report.notes["touch_to_fingertip_mm"] = round(1000 * place.miss, 2)

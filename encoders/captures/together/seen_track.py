@@ -1,0 +1,165 @@
+"""Poses and fingertips over time, of the frames of a 3-D device."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d
+
+from encoders.captures.conversion.joint_track import JointTrack
+from encoders.captures.together.registration import Placed
+from encoders.paalm import Paalm, PaalmOptions
+from encoders.paalm.calibration import HandCalibration
+from encoders.paalm.hand_pose import PALM_CENTRE, hand_pose
+from encoders.paalm.rig import bone_lengths
+from models.errors import CaptureError
+from models.frames import FINGERS, HandFrame, SeenHand
+from models.pose import ROOT_POSITION, ROOT_ROTATION, mirrored
+from models.rotations import exp, log, unwrapped
+from models.skeleton import ADULT, Bone, Skeleton
+
+Array = NDArray[np.float64]
+
+SMOOTHING = 0.02
+"""s, standard deviation of the filter over poses. It looks both ways: nothing comes late."""
+
+LONGEST_GAP = 0.1
+"""s without the hand after which poses begin anew."""
+
+
+@dataclass(frozen=True)
+class SeenTrack(JointTrack):
+    """Poses by PAALM, and the fingertips that were seen themselves.
+
+    Attributes:
+        seen: (J, 5, 3) m, fingertips as the device saw them; NaN where it did not.
+    """
+
+    seen: Array
+
+    @cached_property
+    def tips(self) -> Array:
+        """(J, 5, 3) m: as seen, otherwise where the pose has them."""
+        return np.where(np.isnan(self.seen), self.kinematics.tips(self.q), self.seen)
+
+    def seen_at(self, times: Array, gap: float) -> tuple[Array, NDArray[np.bool_]]:
+        """Fingertips (m, 5, 3) as they were seen at times, NaN where not; and where frames are."""
+        before, share, known = self._between(times, gap)
+        a, b = self.seen[before], self.seen[before + 1]
+        return a + share[:, None, None] * (b - a), known
+
+    def placed(self, at: Placed) -> SeenTrack:
+        """The same in another frame."""
+        q = self.q.copy()
+        q[:, ROOT_POSITION] = at.points(q[:, ROOT_POSITION])
+        q[:, ROOT_ROTATION] = log(at.rotation @ exp(q[:, ROOT_ROTATION]))
+        return replace(self, q=q, seen=at.points(self.seen))
+
+
+def seen_track(
+    frames: Sequence[HandFrame], time: Array, calibration: HandCalibration
+) -> tuple[SeenTrack, float]:
+    """The calibrated hand of a recording, as a right hand in the device's frame.
+
+    A left hand's mirror image is taken: x is turned round.
+
+    Args:
+        frames: All of them.
+        time: (F,) s, of the frames, on the clock that is wanted.
+        calibration: Of the hand.
+
+    Returns:
+        The track, and the share of frames that show the hand.
+
+    Raises:
+        CaptureError: The hand is hardly seen.
+    """
+    left = calibration.side == "left"
+    skeleton, centre = skeleton_of(calibration)
+    paalm = Paalm(PaalmOptions(smoothing=0.0))
+    paalm.use({calibration.side: calibration})
+    rows, q, seen = [], [], []
+    for row, frame in enumerate(frames):
+        hand = paalm.step(frame).hands.get(calibration.side)
+        if hand is None or not hand.seen:
+            continue
+        pose = hand_pose(hand.table, hand.palm, calibration.side)
+        pose = mirrored(pose) if left else pose
+        # `hand_pose` places an average palm; this one's wrist is where its own bones have it.
+        pose[ROOT_POSITION] += exp(pose[ROOT_ROTATION]) @ np.subtract(PALM_CENTRE, centre)
+        rows.append(row)
+        q.append(pose)
+        seen.append(_tips(frame.hands, hand.ids, left))
+    if len(rows) < 2 or len(rows) < 0.05 * len(frames):
+        raise CaptureError(
+            f"the {calibration.side} hand is hardly in the recording of hands",
+            got=f"{len(rows)} of {len(frames)} frames",
+            remedy="Check --side, and that the hand is within the device's view",
+        )
+    moments = time[rows]
+    ahead = np.concatenate([[True], np.diff(moments) > 0])
+    poses = _smooth(moments[ahead], np.array(q)[ahead])
+    track = SeenTrack(moments[ahead], poses, skeleton, np.array(seen)[ahead])
+    return track, len(rows) / len(frames)
+
+
+def skeleton_of(calibration: HandCalibration) -> tuple[Skeleton, Array]:
+    """The person's skeleton as far as the device told it, and its palm's centre (3,) m.
+
+    With bones, every bone has its length; without, all have the average one's times the size.
+    Knuckles are an average hand's times the size: where a device has a palm's centre is unknown.
+    """
+    average = np.array(bone_lengths())
+    if calibration.bones is not None:
+        size = float(np.median(calibration.bones[1:].sum(axis=1) / average[1:].sum(axis=1)))
+    else:
+        # What the first software sees of an average finger: see `PaalmOptions.hidden`.
+        options = PaalmOptions()
+        shown = average[1:].sum(axis=1) - options.hidden * average[1:, 0]
+        size = float(np.median(calibration.standard[1:] / shown))
+    skeleton = ADULT.scaled(size)
+    if calibration.bones is None:
+        return skeleton, size * np.array(PALM_CENTRE)
+    bones: list[Bone] = []
+    anchor, finger, column = (0.0, 0.0, 0.0), -1, 0
+    for bone in skeleton.bones:
+        column = column + 1 if bone.finger == finger else 0
+        anchor = (0.0, bones[-1].length, 0.0) if bone.finger == finger else bone.anchor
+        finger = bone.finger
+        length = float(calibration.bones[finger, column])
+        bones.append(replace(bone, anchor=anchor, length=length))
+    skeleton = replace(skeleton, name=f"{ADULT.name}, as seen", bones=tuple(bones))
+    return skeleton, size * np.array(PALM_CENTRE)
+
+
+def _tips(hands: Sequence[SeenHand], ids: dict[str, int | None], left: bool) -> Array:
+    """(5, 3) m, NaN where a finger is not seen."""
+    out = np.full((len(FINGERS), 3), np.nan)
+    wanted = {id_: name for name, id_ in enumerate(ids[f] for f in FINGERS) if id_ is not None}
+    for hand in hands:
+        found = {f.id: f.tip for f in hand.fingers}
+        if wanted and set(wanted) <= set(found):
+            for id_, name in wanted.items():
+                out[name] = found[id_]
+            break
+    return out * [-1.0, 1.0, 1.0] if left else out
+
+
+def _smooth(time: Array, q: Array) -> Array:
+    """The poses without what a device's noise adds, piece by piece between gaps."""
+    out = q.copy()
+    cuts = np.flatnonzero(np.diff(time) > LONGEST_GAP) + 1
+    for piece in np.split(np.arange(len(time)), cuts):
+        if len(piece) < 3:
+            continue
+        turn = out[piece, ROOT_ROTATION]
+        for i in range(1, len(turn)):
+            turn[i] = unwrapped(turn[i], turn[i - 1])
+        out[piece, ROOT_ROTATION] = turn
+        period = float(np.median(np.diff(time[piece])))
+        out[piece] = gaussian_filter1d(out[piece], SMOOTHING / period, axis=0, mode="nearest")
+    return out

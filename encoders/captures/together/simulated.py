@@ -1,0 +1,399 @@
+"""One SIMULATED person over two devices at once: a tablet is touched, a Leap sees the hand.
+
+The person is one of the two simulated subjects, with bones of their own and without what a capture
+system adds; the hand is held open, taps three times, then does the subject's takes and is lifted
+between them. Each device has a clock, a latency and a jitter of its own. Nothing here is a
+recording of anybody; what is true is kept beside what the devices said.
+
+The Leap sees the hand as `encoders.paalm.simulated.forward` says, as if no tablet were in its way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.capture import Capture
+from encoders.captures import second_subject, subject
+from encoders.paalm.average import OPEN_SPREAD
+from encoders.paalm.hand_pose import PALM_CENTRE, hand_pose
+from encoders.paalm.palm import Palm
+from encoders.paalm.simulated.air import AirTake
+from encoders.paalm.simulated.forward import LeapTake, seen
+from encoders.regression.bone_fit import perturbed_skeleton
+from models.frames import FINGERS, Contact, TouchFrame
+from models.kinematics import Kinematics
+from models.pose import ROOT_POSITION, ROOT_ROTATION
+from models.rotations import exp, unwrapped
+from models.skeleton import ADULT
+from models.surface import Surface
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class TogetherConfiguration:
+    """How a session goes and how the devices err. Lengths in m, times in s.
+
+    Attributes:
+        script: Seconds of day 0 with fingers down, of all 26 sets.
+        script_rate: Hz at which day 0 is played.
+        play: Seconds of later days with fingers down; the paper's 2,538 frames at 30 Hz.
+        open_seconds: The open hand at the beginning.
+        taps: s from the end of one tap to the next touch-down, uneven on purpose.
+        tap: s that a tap lasts.
+        pause: s, least and greatest between takes.
+        lift: Height of the hand's way between takes.
+        size, bone, knuckle: The first subject's bones: spread of size and of every bone as shares,
+            of every coordinate of a knuckle in m.
+        touch_rate, leap_rate: Hz.
+        touch_latency, leap_latency: s, mean from the event to its arrival.
+        jitter: s, mean of the part of it that differs from frame to frame (exponential).
+        drift: Share by which the Leap's second is too short.
+        tilt: rad, by which the Leap's axes are turned against the surface's: pitch, roll, yaw.
+        at: m, where it is, in the surface's frame.
+    """
+
+    script: float = 150.0
+    script_rate: float = 30.0
+    play: float = 84.6
+    open_seconds: float = 4.0
+    taps: tuple[float, ...] = (0.55, 0.9, 0.4)
+    tap: float = 0.15
+    pause: tuple[float, float] = (0.7, 1.6)
+    lift: float = 0.035
+    size: float = 0.05
+    bone: float = 0.04
+    knuckle: float = 0.003
+    touch_rate: float = 60.0
+    leap_rate: float = 100.0
+    touch_latency: float = 0.012
+    leap_latency: float = 0.035
+    jitter: float = 0.004
+    drift: float = 60e-6
+    tilt: tuple[float, float, float] = (0.07, -0.05, 0.20)
+    at: tuple[float, float, float] = (0.09, -0.20, -0.10)
+
+
+_LIFTED = 0
+"""In place of the id of a finger that does not tap."""
+_TREMBLE = 2e-4
+"""m, of a touch that taps; others have what their subject gives them."""
+
+FROZEN_TOGETHER = TogetherConfiguration()
+
+
+@dataclass(frozen=True)
+class Together:
+    """What both devices said, and the truth.
+
+    Attributes:
+        touches: By the tablet; times on its own clock.
+        touch_arrived: (n,) s, on the host's clock.
+        leap: By the Leap; times of its frames on its own clock.
+        leap_arrived: (m,) s, on the host's clock.
+        surface: Of the tablet.
+        truth: The subject's capture: every touch by its finger, the true pose; time as it was.
+        labels: Finger by the touches' ids.
+        touch_delay, leap_delay: s, mean from event to arrival.
+        rotation, shift: The Leap's frame in the surface's.
+        side: Which hand.
+    """
+
+    touches: tuple[TouchFrame, ...]
+    touch_arrived: Array
+    leap: LeapTake
+    leap_arrived: Array
+    surface: Surface
+    truth: Capture
+    labels: dict[int, int]
+    touch_delay: float
+    leap_delay: float
+    rotation: Array
+    shift: Array
+    side: str
+
+    @property
+    def offset(self) -> float:
+        """s, the Leap's arrivals less the touches', of the same events."""
+        return self.leap_delay - self.touch_delay
+
+
+def simulate_together(
+    seed: int,
+    day: int = 0,
+    who: str = "first",
+    dialect: str = "v3",
+    side: str = "right",
+    configuration: TogetherConfiguration = FROZEN_TOGETHER,
+    progress: Callable[[float], None] | None = None,
+) -> Together:
+    """A session of one person; every seed is another one.
+
+    Args:
+        seed: Of the person, and with the day of everything that happens.
+        day: 0 is the training script, later days free play.
+        who: `first` or `second` subject.
+        dialect: `v3` or `v1`.
+        side: Which hand; a left one is the mirror image.
+        configuration: Of session and devices.
+        progress: Is told the share that is done.
+    """
+    c = configuration
+    rng = np.random.default_rng([seed, day, 0x70C3])
+    truth, joints_of, centre = _person(seed, day, who, c, progress)
+    time, q, starts = _motion(rng, truth, c)
+    surface = Surface()
+    width = float(surface.size[0])
+    moved = np.concatenate([t + truth.time[truth.trial == k] - truth.time[truth.trial == k][0]
+                            for k, t in starts])  # fmt: skip
+    truth = replace(truth, time=moved)
+    touches = _touched(rng, truth, starts, time, q, c)
+    if side == "left":
+        touches = tuple(_mirrored(f, width) for f in touches)
+    # The device: turned and elsewhere. A left hand is seen in the mirror.
+    x, y, z = c.tilt
+    rotation = exp([0.0, 0.0, z]) @ exp([x, 0.0, 0.0]) @ exp([0.0, y, 0.0])
+    shift = np.array(c.at)
+    leap_time = np.arange(0.0, time[-1], 1.0 / c.leap_rate)
+    pose = _at(leap_time, time, q)
+    take = _air(leap_time, pose, joints_of, centre, rotation, shift, c.open_seconds, side)
+    what = seen(take, seed + 1000 * day, dialect)
+    drifted = 17.0 + leap_time * (1.0 - c.drift)
+    frames = tuple(replace(f, time=t) for f, t in zip(what.frames, drifted.tolist(), strict=True))
+    tablet = np.array([f.time for f in touches])
+    return Together(
+        tuple(replace(f, time=f.time + 3.0) for f in touches),
+        tablet + c.touch_latency + rng.exponential(c.jitter, len(tablet)),
+        replace(what, frames=frames),
+        leap_time + c.leap_latency + rng.exponential(c.jitter, len(leap_time)),
+        surface,
+        truth,
+        {int(i): f for f in range(len(FINGERS)) for i in np.unique(truth.ids[:, f]) if i >= 0},
+        c.touch_latency + c.jitter,
+        c.leap_latency + c.jitter,
+        rotation,
+        shift,
+        side,
+    )
+
+
+JointsOf = Callable[[Array], Array]
+
+
+def _person(
+    seed: int,
+    day: int,
+    who: str,
+    c: TogetherConfiguration,
+    progress: Callable[[float], None] | None,
+) -> tuple[Capture, JointsOf, Array]:
+    """The subject's day without errors of measurement, and of its hand what a device sees.
+
+    Returns:
+        The day; joints (n, 5, 4, 3) by pose; the palm's centre (3,) m in the hand's frame, as far
+        along the person's palm as along an average one.
+    """
+    if who == "second":
+        plain2 = second_subject.FROZEN
+        clean2 = replace(
+            plain2, marker=0.0, palm_marker=0.0, tremble=0.0,
+            training_rate=c.script_rate,
+            training_frames=_frames(plain2.training_frames, c.script * c.script_rate),
+            test_frames=_frames(plain2.test_frames, c.play * plain2.test_rate),
+        )  # fmt: skip
+        hand = second_subject.SLENDER
+        capture = second_subject.simulate(clean2, seed, day, progress)
+
+        def slender(q: Array) -> Array:
+            places, _, tips = hand.chain(q)
+            return _by_finger(places, tips)
+
+        middle = FINGERS.index("middle")
+        longer = hand.knuckle[middle, 1] / ADULT.bones[ADULT.first_bone[middle]].anchor[1]
+        return capture, slender, longer * np.array(PALM_CENTRE)
+    plain = subject.FROZEN
+    clean = replace(
+        plain, day_joint=0.0, day_root=(0.0, 0.0), soft_tissue=0.0, joint_noise=0.0,
+        root_noise=(0.0, 0.0), training_rate=c.script_rate,
+        training_frames=_frames(plain.training_frames, c.script * c.script_rate),
+        test_frames=_frames(plain.test_frames, c.play * plain.test_rate),
+    )  # fmt: skip
+    rng = np.random.default_rng([seed, 0xB0E5])
+    size = float(np.clip(1.0 + c.size * rng.standard_normal(), 0.88, 1.12))
+    skeleton = perturbed_skeleton(ADULT.scaled(size), rng, c.bone, c.knuckle)
+    kinematics = Kinematics(skeleton)
+    capture = subject.simulate(clean, seed, day, progress, skeleton)
+
+    def placed(q: Array) -> Array:
+        found = kinematics.place(q)
+        return _by_finger(found.joints, found.tips)
+
+    return capture, placed, size * np.array(PALM_CENTRE)
+
+
+def _frames(paper: tuple[int, ...], total: float) -> tuple[int, int, int, int]:
+    """Frames of a day by the number of fingers, in the paper's proportions."""
+    a, b, d, e = (round(total * n / sum(paper)) for n in paper)
+    return a, b, d, e
+
+
+def _by_finger(joints: Array, tips: Array) -> Array:
+    out = np.empty((len(joints), len(FINGERS), 4, 3))
+    for finger in range(len(FINGERS)):
+        own = [i for i, bone in enumerate(ADULT.bones) if bone.finger == finger]
+        out[:, finger, : len(own)] = joints[:, own]
+        out[:, finger, len(own) :] = tips[:, finger, None]
+    return out
+
+
+def _motion(
+    rng: np.random.Generator, truth: Capture, c: TogetherConfiguration
+) -> tuple[Array, Array, list[tuple[int, float]]]:
+    """Knots of the whole session: times (n,), poses (n, 48), and when each take begins."""
+    rise = c.lift
+    five = truth.q[int(truth.down.sum(axis=1).argmax())]
+    flat = _open_pose(five)
+    times, poses = [0.0], [flat]
+
+    def go(q: Array, seconds: float, lifted: float) -> None:
+        """On to a pose, the hand rising and coming down again on the way."""
+        share = np.linspace(0.0, 1.0, max(3, round(seconds * 60.0)))[1:]
+        last = poses[-1]
+        turned = q.copy()
+        turned[ROOT_ROTATION] = unwrapped(q[ROOT_ROTATION], last[ROOT_ROTATION])
+        for s in share.tolist():
+            smooth = s * s * (3.0 - 2.0 * s)
+            row = last + smooth * (turned - last)
+            row[2] += lifted * np.sin(np.pi * s)
+            poses.append(row)
+            times.append(times[-1] + seconds * (share[1] - share[0]))
+
+    go(flat, c.open_seconds, 0.0)
+    go(five, 1.0, 0.0)
+    for gap in c.taps:
+        go(five, gap, rise)
+        go(five, c.tap, 0.0)
+    starts: list[tuple[int, float]] = []
+    for trial in np.unique(truth.trial).tolist():
+        rows = np.flatnonzero(truth.trial == trial)
+        go(truth.q[rows[0]], float(rng.uniform(*c.pause)), rise)
+        starts.append((trial, times[-1]))
+        for row in rows[1:].tolist():
+            q = truth.q[row].copy()
+            q[ROOT_ROTATION] = unwrapped(q[ROOT_ROTATION], poses[-1][ROOT_ROTATION])
+            poses.append(q)
+            times.append(starts[-1][1] + float(truth.time[row] - truth.time[rows[0]]))
+    go(five, 1.0, 2 * rise)
+    return np.array(times), np.array(poses), starts
+
+
+def _open_pose(over: Array) -> Array:
+    """(48,) a flat hand 12 cm above where a pose has its wrist."""
+    table = np.zeros((len(FINGERS), 4))
+    table[:, 1], table[:, 2], table[:, 3] = OPEN_SPREAD, 8.0, 5.0
+    palm = Palm((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    q = hand_pose(table, palm)
+    q[ROOT_POSITION] = over[ROOT_POSITION] + [0.0, 0.0, 0.12]
+    return q
+
+
+def _at(wanted: Array, time: Array, q: Array) -> Array:
+    """Poses (n, 48) between the knots; a cubic has no corners where fingers hold still."""
+    from scipy.interpolate import PchipInterpolator
+
+    return np.asarray(PchipInterpolator(time, q, axis=0)(wanted))
+
+
+def _touched(
+    rng: np.random.Generator,
+    truth: Capture,
+    starts: list[tuple[int, float]],
+    time: Array,
+    q: Array,
+    c: TogetherConfiguration,
+) -> tuple[TouchFrame, ...]:
+    """What the tablet says: frames while fingers are down, and one when the last has left."""
+    grid = np.arange(0.0, time[-1], 1.0 / c.touch_rate)
+    frames: list[TouchFrame] = []
+    rows_of = {trial: np.flatnonzero(truth.trial == trial) for trial, _ in starts}
+    spans: list[tuple[float, float, Array, Array]] = []
+    # The taps: five fingers where the hand that taps has them.
+    five = int(truth.down.sum(axis=1).argmax())
+    clock, number = c.open_seconds + 1.0, -1
+    for gap in c.taps:
+        clock += gap
+        ids = np.where(truth.down[five], number - np.arange(len(FINGERS)), _LIFTED)
+        number -= len(FINGERS)
+        spans.append((clock, clock + c.tap, ids, truth.xy[five]))
+        clock += c.tap
+    taken = 0
+    order = [(t, rows_of[k]) for k, t in starts]
+    for t in grid.tolist():
+        contacts: list[Contact] = []
+        for begin, end, ids, xy in spans:
+            if begin <= t < end:
+                places = (xy + rng.normal(0.0, _TREMBLE, xy.shape)).tolist()
+                contacts = [
+                    Contact(1_000_000 - i, x, y)
+                    for i, (x, y) in zip(ids.tolist(), places, strict=True)
+                    if i != _LIFTED
+                ]
+        while taken < len(order) and t > order[taken][0] + _length(truth, order[taken][1]):
+            taken += 1
+        if taken < len(order) and t >= order[taken][0]:
+            contacts = _contacts(truth, order[taken][1], t - order[taken][0])
+        if contacts or (frames and frames[-1].contacts):
+            frames.append(TouchFrame(t, tuple(contacts), source="simulated tablet"))
+    return tuple(frames)
+
+
+def _length(truth: Capture, rows: NDArray[np.int64]) -> float:
+    return float(truth.time[rows[-1]] - truth.time[rows[0]])
+
+
+def _contacts(truth: Capture, rows: NDArray[np.int64], since: float) -> list[Contact]:
+    """Contacts of a take at a moment, on straight lines between its frames."""
+    times = truth.time[rows] - truth.time[rows[0]]
+    after = int(np.clip(np.searchsorted(times, since, side="right"), 1, len(rows) - 1))
+    a, b = rows[after - 1], rows[after]
+    share = float(np.clip((since - times[after - 1]) / (times[after] - times[after - 1]), 0, 1))
+    out = []
+    for finger in range(len(FINGERS)):
+        id_ = int(truth.ids[a, finger])
+        if id_ >= 0:
+            same = truth.ids[b, finger] == id_
+            xy = truth.xy[a, finger] + (share if same else 0.0) * np.nan_to_num(
+                truth.xy[b, finger] - truth.xy[a, finger]
+            )
+            out.append(Contact(id_, float(xy[0]), float(xy[1])))
+    return out
+
+
+def _mirrored(frame: TouchFrame, width: float) -> TouchFrame:
+    return replace(frame, contacts=tuple(replace(k, x=width - k.x) for k in frame.contacts))
+
+
+def _air(
+    time: Array,
+    q: Array,
+    joints_of: JointsOf,
+    centre: Array,
+    rotation: Array,
+    shift: Array,
+    open_seconds: float,
+    side: str,
+) -> AirTake:
+    """The hand over the device; `rotation` and `shift` are the device's in the surface's frame."""
+    palm = exp(q[:, ROOT_ROTATION])
+    origin = q[:, ROOT_POSITION] + palm @ centre
+    world = joints_of(q)
+    joints = np.einsum("tji,tfkj->tfki", palm, world - origin[:, None, None])
+    origin, palm = (origin - shift) @ rotation, rotation.T @ palm
+    if side == "left":
+        mirror = np.diag([-1.0, 1.0, 1.0])
+        origin, palm = origin @ mirror, mirror @ palm
+    return AirTake(time, origin, palm, joints, time < open_seconds, side)

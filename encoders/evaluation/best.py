@@ -1,0 +1,168 @@
+"""`best`: what wins on validation, as a model for sessions and as an estimate of a person's pose.
+
+Candidates are compared by tenfold validation blocked by trial, each with the fingertip correction
+whose trust is validated, too. The winner is trained on everything, with what validation chose.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.capture import Capture
+from encoders.contact_vector import contact_vectors
+from encoders.labels.belief import BeliefLabels, builtin_belief
+from encoders.labels.belief_training import train_belief
+from encoders.labels.labelling import Labeller
+from encoders.regression.bone_fit import fitted_skeleton
+from encoders.regression.person_correction import (
+    PersonCorrection,
+    blocked_variance,
+    train_correction,
+)
+from encoders.regression.polynomial import PolynomialEncoder
+from encoders.regression.trained import TrainedModel, builtin, origin, rounded
+from encoders.regression.turned import TurnedEncoder
+from encoders.smoothing import PoseFilter, rigid_motion
+from encoders.validation import FOLDS, badness, robust_covariance, trial_folds
+from models.pose import POSE_SIZE, absolute_pose
+from models.skeleton import ADULT
+
+Array = NDArray[np.float64]
+AnyEncoder = PolynomialEncoder | TurnedEncoder
+
+CANDIDATES: dict[str, Callable[[], AnyEncoder]] = {
+    "quadratic, ridge 0.01": lambda: PolynomialEncoder(2, 0.01),
+    "quadratic, ridge 0.03": lambda: PolynomialEncoder(2, 0.03),
+    "quadratic, ridge 0.1": lambda: PolynomialEncoder(2, 0.1),
+    "cubic, ridge 0.1": lambda: PolynomialEncoder(3, 0.1),
+    "cubic, ridge 0.3": lambda: PolynomialEncoder(3, 0.3),
+    "turned, ridge 0.03": lambda: TurnedEncoder(0.03, 0.03),
+    "turned, ridge 0.1": lambda: TurnedEncoder(0.03, 0.1),
+    "turned, ridge 0.3": lambda: TurnedEncoder(0.03, 0.3),
+}
+"""What may win. Kernel regression, a Kalman filter over time and pair distances as further terms
+were tried while this was designed and gained nothing that lasts (docs/encoding.md)."""
+
+POSTURE_TAU = 0.05
+"""s, of the posture filter of the estimate: the delay that it adds to a change of posture. A hand
+that moves or turns with its touches has no delay."""
+
+
+@dataclass(frozen=True)
+class Best:
+    """An estimate of a person's pose: encoder, correction by the person's bones, posture filter.
+
+    Attributes:
+        model: Trained encoder and correction.
+        belief: Names the fingers.
+        tau: s, of the posture filter; 0 switches it off.
+    """
+
+    model: TrainedModel
+    belief: BeliefLabels
+    tau: float = POSTURE_TAU
+
+    def labeller(self) -> Labeller:
+        """A labeller that knows of no contact yet."""
+        return BeliefLabels(self.belief.trained)
+
+    def estimate(self, time: Array, trial: NDArray[np.int64], xy: Array) -> Array:
+        """Poses of all frames; the filter forgets at every new trial.
+
+        Args:
+            time: (T,) s.
+            trial: (T,) take of every frame.
+            xy: (T, 5, 2) m on the surface by label, NaN where lifted; a touch or more in each.
+
+        Returns:
+            (T, 48) in the 3-D surface frame.
+        """
+        u, leftmost = contact_vectors(xy)
+        q = absolute_pose(self.model.encoder.predict(u), leftmost)
+        if self.model.correction is not None:
+            q = self.model.correction.correct(q, xy)
+        return self._smoothed(q, time, trial, xy)
+
+    def _smoothed(self, q: Array, time: Array, trial: NDArray[np.int64], xy: Array) -> Array:
+        out = np.empty_like(q)
+        posture = PoseFilter(self.tau)
+        for t in range(len(q)):
+            if t == 0 or trial[t] != trial[t - 1]:
+                posture.reset()
+                out[t] = posture.step(q[t], (0.0, 0.0), 0.0)
+                continue
+            motion = rigid_motion(xy[t - 1], xy[t])
+            out[t] = posture.step(
+                q[t], motion.carried, time[t] - time[t - 1], motion.turn, motion.about
+            )
+        return out
+
+
+def train_best_model(
+    capture: Capture, name: str = "best", progress: Callable[[float], None] | None = None
+) -> TrainedModel:
+    """The winner among `CANDIDATES`, trained on a capture.
+
+    Args:
+        capture: Labelled contacts and poses of one person.
+        name: Of the model.
+        progress: Called with the share done, 0 to 1.
+
+    Raises:
+        EncoderError: The capture has one trial only.
+    """
+    U, Q = capture.u, capture.relative
+    found: dict[str, tuple[float, float]] = {}
+    predicted, covariances = {}, {}
+    # The bones are the same for all candidates; that they have seen the trials that judge gives
+    # none an advantage.
+    bones, variance = fitted_skeleton(capture, ADULT), blocked_variance(capture, ADULT)
+    for i, (candidate, make) in enumerate(CANDIDATES.items()):
+        q = predicted[candidate] = blocked_predictions(make, capture)
+        covariance = covariances[candidate] = robust_covariance(Q - q)
+        correction = PersonCorrection(bones, covariance, variance)
+        corrected = correction.correct(absolute_pose(q, capture.leftmost), capture.xy)
+        found[candidate] = (badness(q, Q), badness(corrected, capture.q))
+        if progress:
+            progress((i + 1) / (len(CANDIDATES) + 1))
+    winner = min(found, key=lambda name: found[name][1])
+    correction = train_correction(capture, predicted[winner], covariances[winner], ADULT)
+    meta = origin(capture) | {"winner": winner, "validated": _in_cm_degrees(found)}
+    encoder = CANDIDATES[winner]().fit(U, Q)
+    return rounded(TrainedModel(name, encoder, covariances[winner], U, Q, meta, correction))
+
+
+def blocked_predictions(
+    make: Callable[[], AnyEncoder], capture: Capture, folds: int = FOLDS
+) -> Array:
+    """(T, 48) relative poses predicted by encoders that had not seen their trial."""
+    U, Q = capture.u, capture.relative
+    predicted = np.empty((len(U), POSE_SIZE))
+    fold = trial_folds(capture.trial, folds)
+    for k in np.unique(fold):
+        out = fold == k
+        predicted[out] = make().fit(U[~out], Q[~out]).predict(U[out])
+    return predicted
+
+
+def _in_cm_degrees(found: dict[str, tuple[float, float]]) -> dict[str, Any]:
+    """Candidate -> validated wrist error times joint angle in cm x degrees, plain and corrected."""
+    scale = 100 * float(np.rad2deg(1.0))
+    return {name: [round(scale * value, 3) for value in pair] for name, pair in found.items()}
+
+
+def train_best(capture: Capture, progress: Callable[[float], None] | None = None) -> Best:
+    """An estimate for the person of a capture: the winning model, and labels."""
+    return Best(
+        train_best_model(capture, progress=progress), BeliefLabels(train_belief(capture)[0])
+    )
+
+
+def builtin_best() -> Best:
+    """The estimate that comes with the package."""
+    return Best(builtin("best"), builtin_belief())

@@ -1,0 +1,94 @@
+"""Recordings whose device knows joints, as takes to judge PAALM on: its own bones are the truth."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.paalm.angles import angles_of_joints
+from encoders.paalm.calibration import MOST_BENT, measure, pointing
+from encoders.paalm.palm import palm_of
+from encoders.paalm.simulated.forward import LeapTake
+from models.errors import EncoderError
+from models.frames import FINGERS, HandFrame, SeenFinger, SeenHand
+
+Array = NDArray[np.float64]
+
+SAME = 0.1
+"""Degrees. PIP and DIP that differ by less, on average, are equal by construction, as of Leap v2;
+they are then no truth for single joints."""
+
+
+def take_of_recording(frames: Sequence[HandFrame], side: str) -> LeapTake:
+    """The frames of one hand whose five fingers have names and joints.
+
+    Raises:
+        EncoderError: There are none.
+    """
+    kept: list[HandFrame] = []
+    names: list[dict[int, int]] = []
+    angles: list[Array] = []
+    for frame in frames:
+        hand = next((h for h in frame.hands if h.side == side), None)
+        if hand is None or not _whole(hand):
+            continue
+        palm = palm_of(hand, side)
+        ordered = sorted(hand.fingers, key=lambda f: f.finger or 0)
+        joints = [[palm.place(j) for j in f.joints or ()] for f in ordered]
+        angles.append(angles_of_joints(joints))
+        kept.append(replace(frame, hands=(hand,)))
+        names.append({f.id: int(f.finger or 0) for f in ordered})
+    if not kept:
+        raise EncoderError(f"no {side} hand with five fingers and their joints")
+    table = np.array(angles)
+    is_open = (table[:, 1:, 2] + table[:, 1:, 3] < MOST_BENT).all(axis=1) & (
+        table[:, 1:, 0] < 45.0
+    ).all(axis=1)
+    return LeapTake(tuple(kept), tuple(names), table, _steady(np.asarray(is_open)), side, "v3")
+
+
+def independent(take: LeapTake) -> bool:
+    """Whether PIP and DIP are separate in this recording, so that they can be judged."""
+    return bool(np.abs(take.angles[:, 1:, 2] - take.angles[:, 1:, 3]).mean() > SAME)
+
+
+def as_first_software(take: LeapTake, seed: int = 0) -> LeapTake:
+    """The same hand as the first software would have said it: no names, no joints, any order.
+
+    A finger that the device does not hold for stretched is left out, as the first software lost
+    folded fingers; one that comes back has a new id.
+    """
+    rng = np.random.default_rng([seed, 0xF175])
+    fresh, current = 0, dict.fromkeys(range(len(FINGERS)), -1)
+    frames, names = [], []
+    for frame, held in zip(take.frames, take.open, strict=True):
+        hand = frame.hands[0]
+        shown: list[SeenFinger] = []
+        for finger in hand.fingers:
+            name = int(finger.finger or 0)
+            if finger.extended is False and not held:
+                current[name] = -1
+                continue
+            if current[name] < 0:
+                current[name], fresh = fresh, fresh + 1
+            shown.append(SeenFinger(current[name], finger.tip, pointing(finger), measure(finger)))
+        order = rng.permutation(len(shown)).tolist()
+        shown = [shown[i] for i in order]
+        frames.append(replace(frame, hands=(replace(hand, fingers=tuple(shown)),)))
+        names.append({i: n for n, i in current.items() if i >= 0})
+    return replace(take, frames=tuple(frames), fingers=tuple(names), dialect="v1")
+
+
+def _whole(hand: SeenHand) -> bool:
+    return len(hand.fingers) == len(FINGERS) and all(
+        f.joints is not None and f.finger is not None for f in hand.fingers
+    )
+
+
+def _steady(is_open: NDArray[np.bool_], most: float = 0.3) -> NDArray[np.bool_]:
+    """The first open frames, up to a share of all: the rest is to be judged."""
+    chosen = is_open & (np.cumsum(is_open) <= max(most * len(is_open), 10))
+    return np.asarray(chosen)

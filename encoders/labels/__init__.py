@@ -1,0 +1,1 @@
+"""Which finger each contact is."""

@@ -1,0 +1,269 @@
+"""Labels with history: a belief over the labellings of the contacts that are down.
+
+A single look at two or three touches often fits several labellings. But fingers come and go one or
+two at a time, and what was learned while four were down still holds when two of them have left. So
+a probability is kept for every labelling of the living contacts.
+
+- The same contacts later: frames of one grasp say the same over and over, so the belief stays until
+  their layout has changed. A hand that turns, opens or pinches shows layouts that a wrong labelling
+  explains badly; such a look counts with a share, as its layouts still depend on each other.
+- Contacts leave: the belief is summed over their labels, once they are forgotten; for a while they
+  are remembered where they were (see `encoders.labels.lifted`).
+- Contacts come: the labels of the old ones are believed as before, and the new ones are judged
+  given those, by p(all, layout) / p(old, layout). Contacts that are remembered count as old ones
+  with other fingers than the new, or else one of them has come back. Where the old ones have moved
+  since they were last looked at, they are judged again.
+
+Early mistakes are thus kept as doubts, not as decisions, and later looks can still undo them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cache
+from importlib.resources import files
+from math import expm1, inf, isfinite
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.labels.label_evidence import normalised
+from encoders.labels.label_sums import bounded, rows_of, summed
+from encoders.labels.labelling import Labelling, allowed, arranged, hypotheses
+from encoders.labels.lifted import AT_ONCE, LATER, Lifted, that_fit
+from encoders.labels.trained_belief import TrainedBelief, load_belief
+from models.errors import EncoderError
+from models.frames import FINGERS
+from models.surface import METRES_PER_INCH
+
+Array = NDArray[np.float64]
+
+_LOOK_AGAIN = 0.5
+"""How much of a layout must be new before contacts that stay are looked at again."""
+
+
+class BeliefLabels:
+    """Labels contacts by a belief that is carried from one moment to the next.
+
+    It may be asked at every frame, or only when contacts come and go; asked more often, it sees
+    more of what a moving hand shows.
+
+    Args:
+        trained: What it has learned; may be shared, the belief itself is this object's own.
+    """
+
+    remembers = True
+
+    def __init__(self, trained: TrainedBelief) -> None:
+        self.trained = trained
+        self.evidence = trained.evidence
+        self.reset()
+
+    def reset(self) -> None:
+        """Forgets all contacts."""
+        self._ids: tuple[int, ...] = ()
+        self._lifted: tuple[Lifted, ...] = ()
+        # Over labellings of the ids, then of what has lifted.
+        self._joint: Array = np.zeros(1)
+        self._belief: Array = np.zeros(1)
+        self._places: dict[int, Array] = {}
+        self._looked: dict[int, Array] = {}
+        # Where the contacts have got to since `_places`, while there was nothing new about them.
+        self._moved: dict[int, tuple[float, float]] = {}
+        self._answered: tuple[dict[int, int], Labelling] | None = None
+
+    def assign(
+        self, contacts: Mapping[int, tuple[float, float]], fixed: Mapping[int, int]
+    ) -> Labelling:
+        """See `Labeller.assign`.
+
+        Fixed labels narrow down the answer, not the belief: what the touches say is remembered
+        even where it may not be followed at the moment. The probability is the belief's own.
+        """
+        if self._answered and fixed == self._answered[0] and self._nothing_new(contacts):
+            # Nearly every frame: the answer is the last one's.
+            self._moved = dict(contacts)
+            return self._answered[1]
+        ids, xy = arranged(contacts, fixed)
+        self._take_in(ids, dict(zip(ids, xy, strict=True)))
+        candidates = self._belief
+        if fixed:
+            candidates = np.where(allowed(ids, fixed), self._belief, -np.inf)
+        best = int(np.argmax(candidates))
+        labels = hypotheses(len(ids))[best].tolist()
+        labelling = Labelling(
+            dict(zip(ids, labels, strict=True)), float(np.exp(self._belief[best]))
+        )
+        self._answered = dict(fixed), labelling
+        return labelling
+
+    def _nothing_new(self, contacts: Mapping[int, tuple[float, float]]) -> bool:
+        """Whether the same contacts are in the same order and a look at them would add nothing."""
+        ids = self._ids
+        if self._lifted or len(contacts) != len(ids):
+            return False
+        places, before = [], (-inf, -inf, -1)
+        for i in ids:
+            if i not in contacts:
+                return False
+            place = x, y = contacts[i]
+            if not (isfinite(x) and isfinite(y)) or before > (x, y, i):
+                return False
+            places.append(place)
+            before = x, y, i
+        if len(ids) < 2 or not self.trained.stay:
+            return True
+        return self._fresh(places, [self._looked[i].tolist() for i in ids]) <= _LOOK_AGAIN
+
+    def marginals(self) -> dict[int, Array]:
+        """Contact id -> (5,) probability of each finger, after the last `assign`."""
+        probability = np.exp(self._belief)
+        labels = hypotheses(len(self._ids)) if self._ids else np.empty((0, 0), np.int64)
+        return {
+            contact: np.bincount(labels[:, place], probability, len(FINGERS)).astype(float)
+            for place, contact in enumerate(self._ids)
+        }
+
+    def log_probability(self, labels: Mapping[int, int]) -> float:
+        """Log probability of labels for all contacts of the last `assign`.
+
+        Raises:
+            EncoderError: The ids are not those of the last `assign`, or a finger occurs twice.
+        """
+        if set(labels) != set(self._ids) or not self._ids:
+            raise EncoderError(
+                "the belief is about other contacts", got=sorted(labels), expected=str(self._ids)
+            )
+        rows = np.flatnonzero(allowed(self._ids, labels))
+        if not len(rows):
+            raise EncoderError(
+                "no labelling has these labels", got=dict(labels), expected="different fingers"
+            )
+        return float(self._belief[rows[0]])
+
+    def _take_in(self, ids: tuple[int, ...], now: dict[int, Array]) -> None:
+        if self._moved:
+            self._places = {i: np.array(self._moved[i], float) for i in self._ids}
+            self._moved = {}
+        stayed = tuple(i for i in ids if i in self._places)
+        came = tuple(i for i in ids if i not in self._places)
+        lifted = self._lifted_now(stayed, now) if stayed else {}
+        self._places = now
+        if came:
+            self._judge_new(ids, stayed, came, lifted)
+        else:
+            self._carry_on(ids, lifted)
+        self._belief = summed(self._joint, len(ids) + len(self._lifted), range(len(ids)))
+
+    def _lifted_now(self, stayed: tuple[int, ...], now: dict[int, Array]) -> dict[int, Lifted]:
+        """What has left and is remembered, by its place in the belief so far."""
+        before = self._places
+        shift = np.mean([now[i] - before[i] for i in stayed], axis=0)
+        since = {i: before[i] for i in stayed}
+        found = {
+            at: Lifted(before[i] + shift, self._looked[i], since)
+            for at, i in enumerate(self._ids)
+            if i not in now
+        }
+        for at, contact in enumerate(self._lifted, len(self._ids)):
+            found[at] = contact.carried(shift)
+        return {at: contact for at, contact in found.items() if contact.remembered(now)}
+
+    def _believed(self, stayed: tuple[int, ...], lifted: Mapping[int, Lifted]) -> Array:
+        """The belief so far about contacts that stayed, then about some that have lifted."""
+        places = (*(self._ids.index(i) for i in stayed), *lifted)
+        return summed(self._joint, len(self._ids) + len(self._lifted), places)
+
+    def _carry_on(self, ids: tuple[int, ...], lifted: Mapping[int, Lifted]) -> None:
+        joint = bounded(self._believed(ids, lifted)) if self._changed(ids, lifted) else self._joint
+        self._ids, self._lifted = ids, tuple(lifted.values())
+        if len(ids) < 2 or not self.trained.stay:
+            self._joint = joint
+            return
+        xy = np.array([self._places[i] for i in ids])
+        new = self._freshness(xy, np.array([self._looked[i] for i in ids]))
+        if new > _LOOK_AGAIN:
+            look = self.trained.stay * new * self.evidence.log_posterior(xy)
+            rows = rows_of(len(ids) + len(lifted), tuple(range(len(ids))))
+            joint = bounded(joint + look[rows])
+            self._looked = self._places
+            self._lifted = tuple(contact.seen() for contact in self._lifted)
+        self._joint = joint
+
+    def _changed(self, ids: tuple[int, ...], lifted: Mapping[int, Lifted]) -> bool:
+        return ids != self._ids or len(lifted) != len(self._lifted)
+
+    def _judge_new(
+        self,
+        ids: tuple[int, ...],
+        stayed: tuple[int, ...],
+        came: tuple[int, ...],
+        lifted: Mapping[int, Lifted],
+    ) -> None:
+        others = that_fit(lifted, len(FINGERS) - len(ids))
+        count = len(ids) + len(others)
+        joint = self._grown(stayed, {}, came)
+        if others:
+            apart = self._grown(stayed, others, came)
+            touching = [*range(len(stayed)), *range(len(stayed) + len(others), count)]
+            apart = summed(apart, count, touching)
+            back = AT_ONCE if any(contact.just for contact in others.values()) else LATER
+            joint = np.logaddexp(np.log(1.0 - back) + apart, np.log(back) + joint)
+        here = (*stayed, *came)
+        self._joint = bounded(summed(joint, len(ids), [here.index(i) for i in ids]))
+        self._ids, self._lifted, self._looked = ids, (), self._places
+
+    def _grown(
+        self, stayed: tuple[int, ...], lifted: Mapping[int, Lifted], came: tuple[int, ...]
+    ) -> Array:
+        """Log weights of labellings of contacts that stayed, that lifted, and that came.
+
+        What is believed of the old, times the density of the new ones' labels and places given the
+        old ones'.
+        """
+        old = [self._places[i] for i in stayed] + [contact.place for contact in lifted.values()]
+        xy = np.array(old + [self._places[i] for i in came])
+        joint = self.evidence.log_joint(xy)
+        if not old:
+            return joint
+        at_first = self.evidence.log_joint(xy[: len(old)])
+        carried = self._believed(stayed, lifted) - at_first
+        if self.trained.eta and len(old) > 1:
+            looked = [self._looked[i] for i in stayed] + [c.looked for c in lifted.values()]
+            again = self.trained.eta * self._freshness(xy[: len(old)], np.array(looked))
+            carried = carried + again * normalised(at_first)
+        return joint + carried[rows_of(len(xy), tuple(range(len(old))))]
+
+    def _freshness(self, xy: Array, looked: Array) -> float:
+        """How much of a layout (k, 2) is new since contacts were looked at, 0 to 1.
+
+        What has hardly moved says nothing new: fingers that land shortly one after the other must
+        not make the first ones count twice.
+        """
+        return self._fresh(xy.tolist(), looked.tolist())
+
+    def _fresh(self, places: Sequence[Sequence[float]], looked: Sequence[Sequence[float]]) -> float:
+        """`_freshness` in plain floats, which for a few contacts are quicker than arrays."""
+        n = len(places)
+        x = [a[0] - b[0] for a, b in zip(places, looked, strict=True)]
+        y = [a[1] - b[1] for a, b in zip(places, looked, strict=True)]
+        mx, my = sum(x) / n, sum(y) / n
+        moved = 0.0
+        for a, b in zip(x, y, strict=True):
+            moved += (a - mx) ** 2 + (b - my) ** 2
+        width = self.evidence.shapes[n].width * METRES_PER_INCH
+        return -expm1(-0.5 * (moved / n) / width**2)
+
+
+@cache
+def _builtin() -> TrainedBelief:
+    return load_belief(Path(str(files("encoders") / "data" / "belief.npz")))
+
+
+def builtin_belief() -> BeliefLabels:
+    """The belief trained on the built-in capture, with no contact yet.
+
+    `python -m encoders.labels.belief_training` makes it anew.
+    """
+    return BeliefLabels(_builtin())

@@ -1,0 +1,47 @@
+"""Fingers hardly ever cross: seen from above, they touch around their middle in their order.
+
+From thumb to little finger, the touches of a right hand go clockwise about their middle (on a
+surface with y down: towards growing angles). A turned or opened hand keeps that order, and so does
+a hand that no capture has seen; it says nothing about two touches.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.capture import Capture
+from encoders.labels.labelling import hypotheses
+from models.frames import FINGERS
+
+Array = NDArray[np.float64]
+
+ORDERED_COUNTS = range(3, len(FINGERS) + 1)
+"""Numbers of contacts that have an order."""
+
+
+def in_order(xy: Array) -> NDArray[np.bool_]:
+    """(P,) which labellings of `hypotheses(k)` go round contacts (k, 2) in the fingers' order."""
+    count = len(xy)
+    centred = xy - xy.mean(axis=0)
+    rank = np.argsort(np.argsort(np.arctan2(centred[:, 1], centred[:, 0]), kind="stable"))
+    # Ranks in the order of the fingers; from the first finger on, each is the next one's neighbour.
+    round_ = rank[np.argsort(hypotheses(count), axis=1)]
+    steps = (round_ - round_[:, :1]) % count
+    result: NDArray[np.bool_] = (steps == np.arange(count)).all(axis=1)
+    return result
+
+
+def order_shares(capture: Capture) -> dict[int, float]:
+    """Number of contacts, 3 to 5 -> share of frames whose touches are in the fingers' order.
+
+    By Laplace's rule, so that none is ever 0 or 1.
+    """
+    found = {}
+    touching = capture.down.sum(axis=1)
+    for count in ORDERED_COUNTS:
+        frames = np.flatnonzero(touching == count)
+        # The first labelling of all is 0, 1, .. k - 1: contacts in the order of their fingers.
+        ordered = [in_order(capture.xy[t, capture.down[t]])[0] for t in frames]
+        found[count] = (sum(ordered) + 1.0) / (len(frames) + 2.0)
+    return found

@@ -1,0 +1,213 @@
+"""How the fingers of a hand touch: a density of touch layouts learned from a capture.
+
+For every set of 2 to 5 fingers, the layout of their touches (their places relative to their middle,
+so that the density does not depend on where on the surface the hand is) has a kernel density over
+layouts of training frames. A kernel is not round: hands turn and open as wholes, and a capture
+holds only some of these turns and openings, so each kernel is stretched along the turn and along
+the size of its layout. With layouts as complex vectors x and p, both directions are read off one
+inner product <p, x>, and a kernel costs as much as a round one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from itertools import combinations, permutations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.capture import Capture
+from encoders.labels.labelling import hypotheses
+from models.errors import EncoderError
+from models.frames import FINGERS
+from models.surface import METRES_PER_INCH
+
+Array = NDArray[np.float64]
+Layouts = NDArray[np.complex128]
+"""(S, M, k): for each of the S sets of `finger_sets(k)` M layouts, x + i y of the touches in the
+order of the fingers, inches, with the middle at 0."""
+
+_LEAST_SIZE = 1e-3
+"""inches. Keeps contacts on one spot, which have no turn and no size, from dividing by nothing."""
+
+
+@dataclass(frozen=True)
+class KernelShape:
+    """Width of the kernels of a layout density.
+
+    Attributes:
+        width: Standard deviation of every coordinate, inches.
+        turn: Standard deviation of the turn of a layout about its middle, rad.
+        size: Standard deviation of the logarithm of its size.
+
+    Raises:
+        EncoderError: A number is out of range.
+    """
+
+    width: float = 0.1
+    turn: float = 0.1
+    size: float = 0.05
+
+    def __post_init__(self) -> None:
+        for name, value, least in (
+            ("width", self.width, 1e-3),
+            ("turn", self.turn, 0.0),
+            ("size", self.size, 0.0),
+        ):
+            if not least <= value <= 10.0:
+                raise EncoderError(
+                    f"the kernels' {name} is out of range", got=value, expected=f"{least} to 10"
+                )
+
+
+@cache
+def finger_sets(count: int) -> tuple[tuple[int, ...], ...]:
+    """All sets of `count` fingers, in lexicographic order."""
+    return tuple(combinations(range(len(FINGERS)), count))
+
+
+@cache
+def set_of_labelling(count: int) -> NDArray[np.intp]:
+    """(P,) which of `finger_sets(count)` every labelling of `hypotheses(count)` uses."""
+    number = {fingers: i for i, fingers in enumerate(finger_sets(count))}
+    return np.array([number[tuple(sorted(row))] for row in hypotheses(count).tolist()], np.intp)
+
+
+@cache
+def _arrangement(count: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """How hypotheses are made of finger sets and orders.
+
+    Returns:
+        orders (k!, k): which contact stands in each place of the sorted set; and (P,) where each
+        labelling of `hypotheses(count)` is found in a table (S, k!).
+    """
+    orders = list(permutations(range(count)))
+    order_of = [orders.index(tuple(order)) for order in np.argsort(hypotheses(count)).tolist()]
+    return np.array(orders, np.intp), set_of_labelling(count) * len(orders) + np.array(order_of)
+
+
+class LayoutDensity:
+    """Kernel density of touch layouts given their labels.
+
+    Args:
+        layouts: Number of contacts, 2 to 5 -> training layouts, each with a kernel about it.
+        shapes: Number of contacts -> shape of the kernels. The more fingers, the farther apart
+            are the layouts of a capture in all their coordinates.
+    """
+
+    def __init__(self, layouts: Mapping[int, Layouts], shapes: Mapping[int, KernelShape]) -> None:
+        self._forms = {k: _Form(p, shapes[k]) for k, p in layouts.items()}
+
+    def log_density(self, xy: Array) -> Array:
+        """log p(layout | labelling) of every labelling of `hypotheses(k)`, (P,).
+
+        Args:
+            xy: (k, 2) m on the surface, k = 2 to 5. The density is per square inch to the k - 1.
+        """
+        form = self._forms[len(xy)]
+        z = (xy[:, 0] + 1j * xy[:, 1]) / METRES_PER_INCH
+        return form.log_density(z - z.mean())
+
+
+class _Form:
+    """The kernels of one number of contacts, prepared for evaluation.
+
+    With c = <p, x> and r = |p|, a kernel's exponent is a quadratic form in Re c (along the size)
+    and Im c (along the turn) plus |x|^2, which is the same for all labellings.
+    """
+
+    def __init__(self, p: Layouts, shape: KernelShape) -> None:
+        self._sets, number, count = p.shape
+        r2 = np.sum(np.abs(p) ** 2, axis=2)
+        narrow = shape.width**2
+        along_size = narrow + shape.size**2 * r2
+        along_turn = narrow + shape.turn**2 * r2
+        constant = -np.log(number) - 0.5 * (
+            r2 / along_size
+            + (2 * count - 4) * np.log(2 * np.pi * narrow)
+            + np.log(2 * np.pi * along_size)
+            + np.log(2 * np.pi * along_turn)
+        )
+        # Labellings down, the many kernels across, so that rows are long; real and imaginary parts
+        # apart, since half of a complex array is not contiguous.
+        flat = p.reshape(-1, count).T
+        self._along = np.vstack([flat.real, flat.imag]).astype(np.float32)
+        self._across = np.vstack([-flat.imag, flat.real]).astype(np.float32)
+        # Both differences vanish with the size, faster than the divisor.
+        divisor = np.maximum(r2, _LEAST_SIZE**2)
+        columns = (
+            0.5 * (1.0 / narrow - 1.0 / along_size) / divisor,
+            1.0 / along_size,
+            0.5 * (1.0 / narrow - 1.0 / along_turn) / divisor,
+            constant,
+        )
+        self._size2, self._size1, self._turn2, self._constant = (
+            np.ascontiguousarray(c.ravel(), np.float32) for c in columns
+        )
+        self._narrow = narrow
+        self._orders, self._place = _arrangement(count)
+
+    def log_density(self, z: NDArray[np.complex128]) -> Array:
+        arranged = z[self._orders]
+        x = np.hstack([arranged.real, arranged.imag]).astype(np.float32)
+        along, across = x @ self._along, x @ self._across
+        exponent = self._size2 * along
+        exponent += self._size1
+        exponent *= along
+        np.square(across, out=across)
+        across *= self._turn2
+        exponent += across
+        exponent += self._constant
+        table = exponent.reshape(len(self._orders), self._sets, -1)
+        highest = table.max(axis=2)
+        table -= highest[:, :, None]
+        total = np.exp(table, out=table).sum(axis=2)
+        density = (highest + np.log(total)).T.astype(float).ravel()[self._place]
+        result: Array = density - 0.5 * float(np.sum(np.abs(z) ** 2)) / self._narrow
+        return result
+
+
+def layouts_of(capture: Capture, most: int) -> dict[int, Layouts]:
+    """Layouts of all finger sets in a capture.
+
+    A set's layouts are those of all frames in which its fingers touch, alone or with others:
+    fingers that rest beside others lie much as alone, and one set alone is seen in few takes
+    (validation on the simulated subject prefers this by far).
+
+    Args:
+        capture: Labelled touches.
+        most: Largest number of layouts a set; of more frames, an even selection is taken.
+
+    Raises:
+        EncoderError: Some fingers never touch together.
+    """
+    found = {}
+    for count in range(2, len(FINGERS) + 1):
+        frames = [np.flatnonzero(capture.down[:, s].all(axis=1)) for s in finger_sets(count)]
+        number = min([most, *(len(f) for f in frames)])
+        if not number:
+            rarest = finger_sets(count)[int(np.argmin([len(f) for f in frames]))]
+            raise EncoderError(
+                "some fingers never touch together in the capture",
+                got=[FINGERS[f] for f in rarest],
+                expected="every set of two or more fingers",
+            )
+        found[count] = np.stack(
+            [
+                _layouts(capture.xy[f[_evenly(len(f), number)]][:, fingers])
+                for fingers, f in zip(finger_sets(count), frames, strict=True)
+            ]
+        )
+    return found
+
+
+def _evenly(count: int, number: int) -> NDArray[np.int64]:
+    return np.linspace(0, count - 1, number).round().astype(np.int64)
+
+
+def _layouts(xy: Array) -> NDArray[np.complex128]:
+    z = (xy[..., 0] + 1j * xy[..., 1]) / METRES_PER_INCH
+    # In single precision, as it is kept, so that a belief from a file decides alike.
+    return (z - z.mean(axis=1, keepdims=True)).astype(np.complex64).astype(complex)

@@ -1,0 +1,152 @@
+"""The forward Leap model frame by frame: what a device would say now of a hand that moves live.
+
+`encoders.paalm.simulated.forward` makes whole takes. This is the same device, with the same
+configuration, for a hand whose next movement depends on what it sees of the last one.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.paalm.simulated.forward import FROZEN_LEAP, LeapConfiguration
+from models.errors import EncoderError
+from models.frames import FINGERS, HandFrame, SeenFinger, SeenHand, Vector
+from models.rotations import exp
+
+Array = NDArray[np.float64]
+
+DIALECTS = ("v3", "v1")
+_SLOW = 0.5
+"""s, correlation time of a length's slow error."""
+
+
+class LeapEye:
+    """A simulated device over which one hand moves.
+
+    Args:
+        seed: Of noise, order and drop-outs.
+        side: `right` or `left`.
+        dialect: `v1` or `v3`.
+        configuration: How it sees.
+
+    Raises:
+        EncoderError: There is no such dialect.
+    """
+
+    def __init__(
+        self,
+        seed: int,
+        side: str = "right",
+        dialect: str = "v3",
+        configuration: LeapConfiguration = FROZEN_LEAP,
+    ) -> None:
+        if dialect not in DIALECTS:
+            raise EncoderError("no such dialect", got=dialect, expected=" or ".join(DIALECTS))
+        self._rng = np.random.default_rng([seed, 0x1EA9, 2])
+        self._c, self._side, self._dialect = configuration, side, dialect
+        self._time: float | None = None
+        self._hand = 1
+        self._slow = self._rng.standard_normal(len(FINGERS))
+        self._ids, self._fresh = np.zeros(len(FINGERS), int), 1
+        self._since = np.full(len(FINGERS), configuration.back)
+        self._lost_until = np.full(len(FINGERS), -1.0)
+
+    def see(self, time: float, origin: Array, rotation: Array, joints: Array) -> HandFrame:
+        """What the device says of a hand.
+
+        Args:
+            time: s.
+            origin: (3,) m, palm centre in the device's frame.
+            rotation: (3, 3) device from palm; a reflection for a left hand.
+            joints: (5, 4, 3) m, knuckle, PIP, DIP, tip in palm coordinates.
+        """
+        rng, c = self._rng, self._c
+        step = 0.0 if self._time is None else max(time - self._time, 0.0)
+        self._time = time
+        axes = exp(np.deg2rad(c.palm_turn) * rng.standard_normal(3)) @ rotation
+        palm = origin + c.palm_place * rng.standard_normal(3)
+        world = origin + joints @ rotation.T
+        if self._dialect == "v3":
+            fingers = self._with_joints(world + c.joint * rng.standard_normal(world.shape))
+        else:
+            fingers = self._without(world, axes, step)
+        hand = SeenHand(
+            self._hand,
+            _triple(palm),
+            _triple(-axes[:, 2]),
+            _triple(axes[:, 1]),
+            fingers,
+            self._side if self._dialect == "v3" else None,
+        )
+        return HandFrame(time, (hand,), f"simulated {self._dialect}")
+
+    def lose(self) -> None:
+        """The hand has left the view: whatever comes back is new to the device."""
+        self._hand += 1
+        self._ids[:] = 0
+
+    def _with_joints(self, world: Array) -> tuple[SeenFinger, ...]:
+        along = world[:, 2] - world[:, 1]
+        along /= np.linalg.norm(along, axis=1, keepdims=True)
+        length = np.linalg.norm(np.diff(world, axis=1), axis=2).sum(axis=1)
+        rows = []
+        for f in self._rng.permutation(len(FINGERS)).tolist():
+            mcp, pip, dip, tip = (_triple(j) for j in world[f])
+            rows.append(
+                SeenFinger(
+                    10 + f, tip, _triple(along[f]), float(length[f]), f, (mcp, pip, dip, tip)
+                )
+            )
+        return tuple(rows)
+
+    def _without(self, world: Array, axes: Array, step: float) -> tuple[SeenFinger, ...]:
+        """Fingers as the first software had them: unnamed, and only those that it saw."""
+        rng, c, five = self._rng, self._c, len(FINGERS)
+        hidden = np.array([c.thumb_hidden, *[c.hidden] * (five - 1)])
+        base = world[:, 0] + hidden[:, None] * (world[:, 1] - world[:, 0])
+        tip = world[:, 3] + c.tip * rng.standard_normal((five, 3))
+        clean = np.linalg.norm(tip - base, axis=1)
+        along = (tip - base) / clean[:, None]
+        turn = exp(np.deg2rad(c.direction) * rng.standard_normal((five, 3)))
+        along = (turn @ along[..., None])[..., 0]
+        keep = np.exp(-step / _SLOW)
+        self._slow = keep * self._slow + np.sqrt(1.0 - keep**2) * rng.standard_normal(five)
+        length = clean * (1.0 + c.length_slow * self._slow) + c.length_white * rng.standard_normal(
+            five
+        )
+        length = np.maximum(length, 0.002)
+        bones = np.linalg.norm(np.diff(world, axis=1), axis=2)
+        whole = bones.sum(axis=1) - hidden * bones[:, 0]
+        visible = (clean > c.folded * whole) & (
+            along @ axes[:, 1] > np.cos(np.deg2rad(c.turned_in))
+        )
+        apart = np.linalg.norm(tip[:, None] - tip[None], axis=2)
+        visible &= ~((apart < c.merged) & (clean[:, None] < clean[None])).any(axis=1)
+        self._look(visible, step)
+        return tuple(
+            SeenFinger(int(self._ids[f]), _triple(tip[f]), _triple(along[f]), float(length[f]))
+            for f in rng.permutation(five).tolist()
+            if self._ids[f]
+        )
+
+    def _look(self, visible: NDArray[np.bool_], step: float) -> None:
+        """Loses fingers and finds them again, with new ids."""
+        rng, c, five = self._rng, self._c, len(FINGERS)
+        now = self._time or 0.0
+        hazard, span = rng.random(five) < c.lost_rate * step, rng.uniform(*c.lost, five)
+        self._lost_until = np.where(
+            hazard & (now >= self._lost_until), now + span, self._lost_until
+        )
+        up = visible & (now >= self._lost_until)
+        self._since = np.where(up, self._since + step, 0.0)
+        for f in range(five):
+            if self._since[f] < c.back:
+                self._ids[f] = 0
+            elif not self._ids[f]:
+                self._ids[f], self._fresh = self._fresh, self._fresh + 1
+
+
+def _triple(v: Array) -> Vector:
+    x, y, z = v.tolist()
+    return x, y, z

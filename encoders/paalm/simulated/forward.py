@@ -1,0 +1,225 @@
+"""A forward model of the Leap: what the device would have said of a hand whose pose is known.
+
+`v1` is the first software: fingers in no order, the direction and length of what is seen of a
+finger, and nothing at all of fingers that are folded, crossed or lost for a moment. `v3` are the
+named joints of the later ones. The configuration is frozen; where a number could be read off the
+only v1 recording there is (`leapmotion/leapjs`, test/hands.json), it says so.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.paalm.simulated.air import AirTake
+from models.frames import HandFrame, SeenFinger, SeenHand, Vector
+from models.rotations import exp
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class LeapConfiguration:
+    """How the device sees. Lengths in m, angles in degrees, times in s.
+
+    Attributes:
+        hidden: Share of the first bone that the device takes for palm, of fingers and of the thumb.
+            In the recording, greatest lengths are 71 to 82 mm of index, middle and ring finger and
+            52 to 55 of the thumb, which of an average hand leave out about these shares.
+        tip, joint: Spread of places.
+        length_white, length_slow: Spread of the length from frame to frame (the recording's
+            changes by 0.2 to 1 mm a frame), and slowly, as a share of it.
+        direction: Spread of directions.
+        palm_place, palm_turn: Spread of the palm's frame.
+        folded: A finger whose seen length is less than this share of itself is not seen.
+        turned_in: Nor is one that points more than this away from the palm's direction.
+        merged: Two tips closer than this are seen as one.
+        lost_rate, lost: Hz at which a seen finger is lost for no reason, and for how long, s.
+        back: s for which a finger must be visible before it is seen again.
+    """
+
+    hidden: float = 0.45
+    thumb_hidden: float = 0.9
+    tip: float = 0.0005
+    joint: float = 0.0005
+    length_white: float = 0.0004
+    length_slow: float = 0.02
+    direction: float = 1.5
+    palm_place: float = 0.0005
+    palm_turn: float = 0.4
+    folded: float = 0.5
+    turned_in: float = 80.0
+    merged: float = 0.012
+    lost_rate: float = 0.15
+    lost: tuple[float, float] = (0.05, 0.4)
+    back: float = 0.03
+
+
+FROZEN_LEAP = LeapConfiguration()
+
+
+@dataclass(frozen=True)
+class LeapTake:
+    """What the device said, and the truth.
+
+    Attributes:
+        frames: T frames of one hand.
+        fingers: The finger of every id, frame by frame.
+        angles: (T, 5, 4) degrees.
+        open: (T,) frames in which the hand was held open to be measured.
+        side: `right` or `left`.
+        dialect: `v1` or `v3`.
+    """
+
+    frames: tuple[HandFrame, ...]
+    fingers: tuple[dict[int, int], ...]
+    angles: Array
+    open: NDArray[np.bool_]
+    side: str
+    dialect: str
+
+
+def seen(
+    take: AirTake,
+    seed: int,
+    dialect: str = "v1",
+    drop_outs: bool = True,
+    configuration: LeapConfiguration = FROZEN_LEAP,
+) -> LeapTake:
+    """A take as the device sees it.
+
+    Args:
+        take: The hand.
+        seed: Of noise, order and drop-outs.
+        dialect: `v1` or `v3`.
+        drop_outs: False sees every finger always (v1).
+        configuration: How the device sees.
+    """
+    rng = np.random.default_rng([seed, 0x1EA9])
+    c = configuration
+    count = len(take.time)
+    origin = take.origin + c.palm_place * rng.standard_normal((count, 3))
+    turn = np.deg2rad(c.palm_turn) * rng.standard_normal((count, 3))
+    axes = exp(turn) @ take.rotation
+    world = take.origin[:, None, None] + np.einsum("tij,tfkj->tfki", take.rotation, take.joints)
+    world = world + c.joint * rng.standard_normal(world.shape) if dialect == "v3" else world
+    if dialect == "v3":
+        ids = np.tile(10 + np.arange(5), (count, 1))
+        tip, along, length = world[:, :, 3], world[:, :, 2] - world[:, :, 1], None
+        # Of the later software, the direction is exactly that of the middle bone.
+        along = along / np.linalg.norm(along, axis=-1, keepdims=True)
+    else:
+        tip, along, length, ids = _v1(rng, take, world, axes, drop_outs, c)
+    frames, fingers = [], []
+    for t in range(count):
+        shown = [f for f in rng.permutation(5).tolist() if ids[t, f] >= 0]
+        said = tuple(
+            SeenFinger(
+                int(ids[t, f]),
+                _triple(tip[t, f]),
+                _triple(along[t, f]),
+                float(
+                    length[t, f]
+                    if length is not None
+                    else np.linalg.norm(np.diff(world[t, f], axis=0), axis=1).sum()
+                ),
+                f if length is None else None,
+                _joints(world[t, f]) if length is None else None,
+            )
+            for f in shown
+        )
+        hand = SeenHand(
+            1,
+            _triple(origin[t]),
+            _triple(-axes[t, :, 2]),
+            _triple(axes[t, :, 1]),
+            said,
+            take.side if dialect == "v3" else None,
+        )
+        frames.append(HandFrame(float(take.time[t]), (hand,), f"simulated {dialect}"))
+        fingers.append({int(ids[t, f]): f for f in shown})
+    return LeapTake(tuple(frames), tuple(fingers), take.angles, take.open, take.side, dialect)
+
+
+def _v1(
+    rng: np.random.Generator,
+    take: AirTake,
+    world: Array,
+    axes: Array,
+    drop_outs: bool,
+    c: LeapConfiguration,
+) -> tuple[Array, Array, Array, NDArray[np.int64]]:
+    """Tips, directions, lengths and ids (-1: not seen) as the first software has them."""
+    count = len(world)
+    hidden = np.array([c.thumb_hidden, *[c.hidden] * 4])[:, None]
+    base = world[:, :, 0] + hidden * (world[:, :, 1] - world[:, :, 0])
+    tip = world[:, :, 3] + c.tip * rng.standard_normal((count, 5, 3))
+    line = tip - base
+    clean = np.linalg.norm(line, axis=-1)
+    along = line / clean[..., None]
+    along = (exp(np.deg2rad(c.direction) * rng.standard_normal((count, 5, 3))) @ along[..., None])[
+        ..., 0
+    ]
+    step = float(np.median(np.diff(take.time))) if count > 1 else 0.01
+    keep = np.exp(-step / 0.5)
+    slow = np.empty((count, 5))
+    state = rng.standard_normal(5)
+    for t in range(count):
+        state = keep * state + np.sqrt(1.0 - keep**2) * rng.standard_normal(5)
+        slow[t] = state
+    length = clean * (1.0 + c.length_slow * slow) + c.length_white * rng.standard_normal(slow.shape)
+    length = np.maximum(length, 0.002)
+    ids = np.tile(np.arange(1, 6), (count, 1))
+    if drop_outs:
+        bones = np.linalg.norm(np.diff(world, axis=2), axis=-1)
+        whole = bones.sum(axis=2) - hidden[:, 0] * bones[:, :, 0]
+        forward = np.einsum("tfi,ti->tf", along, axes[:, :, 1])
+        visible = (clean > c.folded * whole) & (forward > np.cos(np.deg2rad(c.turned_in)))
+        ids = _ids(rng, visible, tip, clean, step, take.open, c)
+    return tip, along, length, ids
+
+
+def _ids(
+    rng: np.random.Generator,
+    visible: NDArray[np.bool_],
+    tip: Array,
+    clean: Array,
+    step: float,
+    is_open: NDArray[np.bool_],
+    c: LeapConfiguration,
+) -> NDArray[np.int64]:
+    """(T, 5) ids; a finger that comes back has a new one, as the device gives it."""
+    count = len(visible)
+    apart = np.linalg.norm(tip[:, :, None] - tip[:, None, :], axis=-1)
+    shorter = clean[:, :, None] < clean[:, None, :]
+    visible = visible & ~((apart < c.merged) & shorter).any(axis=2)
+    ids = np.full((count, 5), -1)
+    current, fresh = np.zeros(5, int), 1
+    since, lost_until = np.full(5, c.back), np.full(5, -1.0)
+    for t in range(count):
+        hazard = rng.random(5) < c.lost_rate * step * (0.2 if is_open[t] else 1.0)
+        span = rng.uniform(*c.lost, 5)
+        now = t * step
+        lost_until = np.where(hazard & (now >= lost_until), now + span, lost_until)
+        up = visible[t] & (now >= lost_until)
+        since = np.where(up, since + step, 0.0)
+        for f in range(5):
+            if since[f] < c.back:
+                current[f] = 0
+                continue
+            if not current[f]:
+                current[f], fresh = fresh, fresh + 1
+            ids[t, f] = current[f]
+    return ids
+
+
+def _triple(v: Array) -> Vector:
+    x, y, z = v.tolist()
+    return x, y, z
+
+
+def _joints(rows: Array) -> tuple[Vector, Vector, Vector, Vector]:
+    a, b, c, d = (_triple(r) for r in rows)
+    return a, b, c, d

@@ -1,0 +1,221 @@
+"""How large a hand is against the trained one, from five fingers put down in three spreads.
+
+One layout alone cannot tell a large hand that is closed from a small one that is open. Asked for a
+natural, a closed and a wide spread, a person shows the range of theirs, and that is compared with
+the range of the trained subject: the middle and both ends of its five-finger layouts. What is
+compared are the logarithms of the ten distances between fingertips, to each of which a hand's size
+adds the same number. The size is their likeliest one, with the interval that holds 95 % of its
+likelihood.
+
+The subject may be simulated, and so may be what is natural to it; how much people differ in their
+spreads is an assumption (`HABIT`). The size is therefore in the first place the one that makes a
+person's touches most like those the encoder was trained on, and that is what it is used for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from encoders.capture import Capture
+from encoders.person.natural_layout import NaturalLayout, of_capture
+from encoders.regression.trained import builtin_capture
+from models.errors import InputError
+from models.frames import FINGERS
+from models.person import SIZES
+
+Array = NDArray[np.float64]
+
+SPREADS = ("natural", "closed", "wide")
+"""What a person is asked for, in this order."""
+
+RANK = {"closed": 0.05, "natural": 0.5, "wide": 0.95}
+"""Share of the trained subject's five-finger layouts that are smaller than its own such spread."""
+
+WINDOW = 0.05
+"""Share of the layouts on either side of that rank which count as this spread."""
+
+HABIT = {"natural": 0.08, "closed": 0.14, "wide": 0.08}
+"""Standard deviation, in the logarithm of the size, of what people with equal hands do when asked
+for a spread. Assumed, not measured: only the interval and the weights of the spreads depend on it.
+"""
+
+TAILS = 4.0
+"""Degrees of freedom of Student's t: a spread that was misunderstood must not decide alone."""
+
+SHRINKAGE = 0.1
+"""Share of each distance's own variance in the covariance, as few independent frames are known."""
+
+PROPORTION = 0.05
+"""Standard deviation, in the logarithm, of each distance by itself: how much the proportions of
+other hands, and the noise of touches, may add to what the trained one varies. Assumed."""
+
+LEAST_GROWTH = 1.1
+"""From closed to natural and from natural to wide, or they are hardly three spreads."""
+STRANGEST = 60.0
+"""Squared Mahalanobis distance of a shape (10 numbers) beyond which it is no hand as trained."""
+WIDEST = 1.4
+"""Upper end of the interval over its lower end, beyond which the data do not say."""
+
+_GRID = np.linspace(np.log(SIZES[0]), np.log(SIZES[1]), 1962)
+"""Logarithms of sizes, 0.0005 apart."""
+
+_I, _J = np.triu_indices(len(FINGERS), 1)
+
+
+@dataclass(frozen=True)
+class HandSize:
+    """A hand's size.
+
+    Attributes:
+        ratio: Length of the hand against the trained one.
+        low, high: Interval that holds 95 % of the likelihood.
+        alone: Size that each spread alone would give, in the order of `SPREADS`.
+    """
+
+    ratio: float
+    low: float
+    high: float
+    alone: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class _Spread:
+    """Logarithms of the ten distances in one spread of the trained subject."""
+
+    mean: Array
+    shape: Array
+    """(10, 10) inverse covariance of the distances; what all of them share counts as habit."""
+    whole: Array
+    """(10, 10) inverse covariance with the habit in it."""
+
+
+class HandSizes:
+    """Estimates sizes of hands against a captured one.
+
+    Args:
+        capture: Of the hand that encoders were trained on.
+
+    Raises:
+        CaptureError: No frame has all five fingers down.
+    """
+
+    def __init__(self, capture: Capture) -> None:
+        self.layout: NaturalLayout = of_capture(capture)
+        logs = _distances(capture.xy[capture.down.all(axis=1)])
+        rank = np.argsort(np.argsort(logs.mean(axis=1), kind="stable")) / max(len(logs) - 1, 1)
+        self._spreads = {name: _spread(name, logs, rank) for name in SPREADS}
+
+    def estimate(self, layouts: Sequence[ArrayLike]) -> HandSize:
+        """The size of a right hand (mirror a left one before).
+
+        Args:
+            layouts: Three times (5, 2) m, the touches of five fingers in a natural, a closed and a
+                wide spread, in any order: the middle one in size is the natural one. Touches are
+                in any order, too.
+
+        Raises:
+            InputError: These are not three such layouts, or they do not tell the size.
+        """
+        arrays = [np.asarray(layout, float) for layout in layouts]
+        expected = (len(FINGERS), 2)
+        if len(arrays) != len(SPREADS) or any(
+            a.shape != expected or not np.isfinite(a).all() for a in arrays
+        ):
+            raise InputError(
+                "a hand's size takes five fingers in three spreads", where="calibration",
+                got=", ".join(str(a.shape) for a in arrays) or "nothing",
+                expected="three finite layouts of shape (5, 2)",
+            )  # fmt: skip
+        logs = [_distances(self._by_label(a)[None])[0] for a in arrays]
+        logs.sort(key=lambda one: float(one.mean()))
+        found = dict(zip(("closed", "natural", "wide"), logs, strict=True))
+        self._check_spreads(found)
+        alone, total = [], np.zeros(len(_GRID))
+        for name in SPREADS:
+            likelihood = self._log_likelihood(name, found[name])
+            total += likelihood
+            alone.append(float(np.exp(_GRID[np.argmax(likelihood)])))
+        ratio, low, high = _interval(total)
+        size = HandSize(ratio, low, high, tuple(alone))
+        if high / low > WIDEST or low <= SIZES[0] * 1.001 or high >= SIZES[1] / 1.001:
+            raise InputError(
+                "the three spreads do not tell the hand's size", where="calibration",
+                got=f"{ratio:.2f}, but anything from {low:.2f} to {high:.2f}; the spreads alone "
+                + ", ".join(f"{n} {r:.2f}" for n, r in zip(SPREADS, alone, strict=True)),
+                expected="spreads that agree",
+                remedy="Put the fingers down again: relaxed, then close together, then wide apart",
+            )  # fmt: skip
+        return size
+
+    def _by_label(self, xy: Array) -> Array:
+        """(5, 2) the touches, thumb first."""
+        return xy[np.argsort(self.layout.match(xy).labels)]
+
+    def _check_spreads(self, found: dict[str, Array]) -> None:
+        sizes = {name: float(np.exp(logs.mean())) for name, logs in found.items()}
+        growth = min(sizes["natural"] / sizes["closed"], sizes["wide"] / sizes["natural"])
+        if growth < LEAST_GROWTH:
+            raise InputError(
+                "the three spreads are hardly different", where="calibration",
+                got="mean distances of "
+                + ", ".join(f"{100 * sizes[n]:.1f}" for n in ("closed", "natural", "wide"))
+                + " cm",
+                expected=f"each {LEAST_GROWTH:g} times the one before, or more",
+                remedy="Close the fingers more, and spread them wider",
+            )  # fmt: skip
+        for name, logs in found.items():
+            spread = self._spreads[name]
+            off = logs - spread.mean
+            off = off - (off @ spread.shape).sum() / spread.shape.sum()
+            strange = float(off @ spread.shape @ off)
+            if strange > STRANGEST:
+                raise InputError(
+                    "these five touches do not lie like a hand's", where=f"{name} spread",
+                    got=f"a squared distance of {strange:.0f} from the trained hand's",
+                    expected=f"{STRANGEST:g} or less",
+                    remedy="Put down the tips of all five fingers, and nothing else",
+                )  # fmt: skip
+
+    def _log_likelihood(self, name: str, logs: Array) -> Array:
+        """Of every size on the grid, up to a constant."""
+        spread = self._spreads[name]
+        off = (logs - spread.mean) - _GRID[:, None]
+        squared = np.einsum("gi,ij,gj->g", off, spread.whole, off)
+        return -0.5 * (TAILS + len(logs)) * np.log1p(squared / TAILS)
+
+
+def _distances(xy: Array) -> Array:
+    """(n, 10) logarithms of the distances between five touches (n, 5, 2)."""
+    apart = np.linalg.norm(xy[:, _I] - xy[:, _J], axis=2)
+    return np.log(np.maximum(apart, 1e-4))
+
+
+def _spread(name: str, logs: Array, rank: Array) -> _Spread:
+    chosen = logs[np.abs(rank - RANK[name]) <= WINDOW]
+    mean = chosen.mean(axis=0)
+    off = chosen - mean
+    covariance = off.T @ off / len(off)
+    own = np.diag(np.diag(covariance))
+    shrunk = (1 - SHRINKAGE) * covariance + SHRINKAGE * own + PROPORTION**2 * np.eye(len(mean))
+    habit = np.full_like(shrunk, HABIT[name] ** 2)
+    return _Spread(mean, np.linalg.inv(shrunk), np.linalg.inv(shrunk + habit))
+
+
+def _interval(log_likelihood: Array) -> tuple[float, float, float]:
+    """Likeliest size, and the ends of the interval with 2.5 % of the likelihood beyond each."""
+    share = np.exp(log_likelihood - log_likelihood.max())
+    below = np.cumsum(share) / share.sum()
+    low, high = _GRID[np.searchsorted(below, [0.025, 0.975])]
+    best = _GRID[np.argmax(log_likelihood)]
+    return float(np.exp(best)), float(np.exp(low)), float(np.exp(high))
+
+
+@cache
+def builtin_sizes() -> HandSizes:
+    """Estimates against the hand of the built-in capture."""
+    return HandSizes(builtin_capture())

@@ -1,0 +1,122 @@
+"""The natural layout of five fingertips, and how any touches lie on it: which finger, how turned.
+
+The five fingertips of a hand form an arc with the thumb aside. Laid over that arc, turned and
+scaled as it fits best, four or five touches tell which finger is which and how the hand is turned
+without any prior knowledge of either, for a hand of any size that comes from any side. (Labellers,
+which also name two or three fingers, can do so only because they know how hands usually lie.)
+
+Layouts are complex numbers here, x + iy with y up the screen: a product then turns and scales.
+"""
+
+from __future__ import annotations
+
+from cmath import phase
+from collections.abc import Iterable, Sequence
+from math import sqrt
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from encoders.capture import Capture
+from encoders.labels.labelling import hypotheses
+from models.errors import CaptureError
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+LEAST = 4
+"""Touches from which on a layout tells fingers and turn by itself; three fit in several ways."""
+
+_ROUNDS = 20
+"""Of turning layouts onto their mean; it has settled long before."""
+
+
+class Match(NamedTuple):
+    """How touches lie on the natural layout."""
+
+    labels: NDArray[np.int64]
+    """(k,) finger of every touch."""
+    turn: float
+    """rad, counterclockwise from the natural layout of a hand straight before its owner."""
+    likeness: float
+    """0 to 1: the correlation of the two layouts' coordinates; 1 is the same shape."""
+
+
+class NaturalLayout:
+    """The mean shape of five touching fingertips.
+
+    Args:
+        layouts: (n, 5, 2) m, touches by label on the surface, x right and y down.
+
+    Attributes:
+        places: (5,) complex, m, about their middle.
+        turns: (n,) rad, of every given layout.
+
+    Raises:
+        CaptureError: There is no layout at all.
+    """
+
+    def __init__(self, layouts: ArrayLike) -> None:
+        z = _complex(layouts)
+        if not len(z):
+            raise CaptureError("no frame in it has five fingers down", expected="some")
+        z = z - z.mean(axis=1, keepdims=True)
+        mean = z.mean(axis=0)
+        for _ in range(_ROUNDS):
+            way = z @ mean.conj()
+            mean = (z * np.exp(-1j * np.angle(way))[:, None]).mean(axis=0)
+        # Which way is straight ahead no shape tells: it is how the hands lay on average.
+        ahead = np.angle(np.mean(np.exp(1j * np.angle(z @ mean.conj()))))
+        self.places: Complex = mean * np.exp(1j * ahead)
+        self.turns: Array = np.angle(z @ self.places.conj())
+        self._place_of: list[complex] = self.places.tolist()
+        self._laid: dict[int, tuple[Complex, Array]] = {}
+
+    def match(self, xy: ArrayLike) -> Match:
+        """Which fingers touches are, for a right hand of any size and turn.
+
+        Args:
+            xy: (k, 2) m, 2 to 5 touches; below `LEAST` the answer is a guess.
+        """
+        z = _complex(xy)
+        labels = hypotheses(len(z))
+        z = z - z.sum() / len(z)
+        there, lengths = self._hypothetical(len(z))
+        way = there @ z
+        lengths = lengths * sqrt(np.vdot(z, z).real)
+        likeness = np.abs(way) / np.maximum(lengths, 1e-12)
+        best = int(likeness.argmax())
+        return Match(labels[best].copy(), phase(way[best]), float(likeness[best]))
+
+    def turn(self, xy: Iterable[Sequence[float]], labels: Iterable[int]) -> float:
+        """rad, turn of touches (k, 2), k from 2, whose fingers (k,) are known."""
+        z = [complex(p[0], -p[1]) for p in xy]
+        there = [self._place_of[label] for label in labels]
+        # As `match`, for one labelling: plain numbers are quicker than arrays of two or three.
+        middle, centre = sum(z) / len(z), sum(there) / len(there)
+        way = sum((b - centre).conjugate() * (a - middle) for a, b in zip(z, there, strict=True))
+        return phase(way)
+
+    def _hypothetical(self, count: int) -> tuple[Complex, Array]:
+        """Conjugate places (P, k) of all labellings about their middles, and their norms (P,)."""
+        found = self._laid.get(count)
+        if found is None:
+            there = self.places[hypotheses(count)]
+            there = there - there.mean(axis=1, keepdims=True)
+            found = self._laid[count] = there.conj(), np.linalg.norm(there, axis=1)
+        return found
+
+
+def of_capture(capture: Capture) -> NaturalLayout:
+    """The natural layout of a capture's subject.
+
+    Raises:
+        CaptureError: No frame has all five fingers down.
+    """
+    return NaturalLayout(capture.xy[capture.down.all(axis=1)])
+
+
+def _complex(xy: ArrayLike) -> Complex:
+    xy = np.asarray(xy, float)
+    return np.asarray(xy[..., 0] - 1j * xy[..., 1])

@@ -1,0 +1,365 @@
+"""From one touch frame after another to the pose of the whole hand.
+
+Touches -> tracks -> labels -> contact vector -> encoder -> smoothing -> fingertip correction ->
+arrival -> rate limit -> commanded pose. Session, evaluation and replay all use this one object.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from math import dist, hypot
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.contact_vector import contact_vector
+from encoders.correction import PAD_HEIGHT, CorrectionSettings, FingertipCorrection
+from encoders.labels.labelling import Labeller
+from encoders.reconstruction.arrival import Arrival, ArrivalSettings, Phase
+from encoders.reconstruction.contact_tracker import ContactTracker, TrackerSettings
+from encoders.reconstruction.lift import Lift, LiftSettings
+from encoders.regression.trained import TrainedModel
+from encoders.smoothing import Motion, PoseFilter, common_motion
+from models.frames import TouchFrame
+from models.kinematics import Kinematics
+from models.later import Later
+from models.limits import RateLimit, within_limits
+from models.pose import ROOT_POSITION, absolute_pose, surface_to_world
+from models.skeleton import Skeleton
+from models.surface import METRES_PER_INCH, Surface
+
+Array = NDArray[np.float64]
+
+TURN_LENGTH = 0.08
+"""m, from wrist to knuckles: an error of the hand's turn times this is an error of place."""
+
+_LOW = (Phase.COMING_DOWN, Phase.DOWN)
+
+_SETTLED = 0.010
+"""rad (and m). A frame whose step was shorter need not take another one: the next frame goes on
+from where this one ends, 16 ms later, and fingers that rest come to rest at the likeliest posture.
+With 0.003, a frame takes 2.4 steps rather than 1.4, and the posture differs by under a degree."""
+
+
+@dataclass(frozen=True)
+class ReconstructorSettings:
+    """What takes part between touches and pose.
+
+    Attributes:
+        tracker: Drop-outs, palms, smoothing of touches.
+        arrival: How the hand comes and goes.
+        lift: How high a lift control raises the hand.
+        correction: How fingertips meet touches; None switches the correction off.
+        posture_tau: s, time constant of the posture filter; 0 switches it off.
+        encode: False takes the mean training pose instead of the encoder's (an ablation).
+        rate: Bounds on the commanded pose's speed, of a hand that comes down or is down. One that
+            is up, where nothing is in its way, is no slower than `RateLimit()`: a person who has
+            put their fingers down waits for it, and not for long.
+        device_labels: Believe the device where it names fingers.
+    """
+
+    tracker: TrackerSettings = field(default_factory=TrackerSettings)
+    arrival: ArrivalSettings = field(default_factory=ArrivalSettings)
+    lift: LiftSettings = field(default_factory=LiftSettings)
+    correction: CorrectionSettings | None = field(default_factory=CorrectionSettings)
+    posture_tau: float = 0.10
+    encode: bool = True
+    rate: RateLimit = field(default_factory=RateLimit)
+    device_labels: bool = True
+
+
+@dataclass(frozen=True)
+class ReconstructedContact:
+    """A contact and what was made of it.
+
+    Attributes:
+        id: The device's.
+        xy: (2,) m on the surface, smoothed.
+        label: Its finger; None while unnamed or ignored.
+        state: `active`, `lost` (living on for a moment) or `ignored`.
+    """
+
+    id: int
+    xy: Array
+    label: int | None
+    state: str
+
+
+@dataclass(frozen=True)
+class Reconstruction(Later):
+    """The hand at one moment.
+
+    Attributes:
+        q: (48,) commanded pose in the world.
+        phase: Where the hand is between the air and its place.
+        fingers: Labels of the fingers that touch.
+        u: (15,) contact vector, or None without a named contact.
+        probability: How sure the labels are, 0 to 1.
+        tip_error: m, largest distance between a corrected fingertip and its touch.
+        contacts: Everything on the surface.
+    """
+
+    q: Array
+    phase: Phase
+    fingers: frozenset[int]
+    u: Array | None
+    probability: float
+    tip_error: float
+    contacts: tuple[ReconstructedContact, ...]
+
+    @property
+    def down(self) -> bool:
+        """Whether the hand is at its place, so that its fingers may touch things."""
+        return self.phase is Phase.DOWN
+
+
+class TouchReconstructor:
+    """Holds labeller, encoder, filter, correction and arrival of one hand.
+
+    Args:
+        model: Trained encoder with the covariance of its errors.
+        labeller: Names the fingers.
+        skeleton: The hand whose fingertips are to meet the touches.
+        surface: Where the touches are in the world.
+        settings: What takes part.
+    """
+
+    def __init__(
+        self,
+        model: TrainedModel,
+        labeller: Labeller,
+        skeleton: Skeleton,
+        surface: Surface,
+        settings: ReconstructorSettings | None = None,
+    ) -> None:
+        self.model, self.labeller, self.surface = model, labeller, surface
+        self.settings = settings or ReconstructorSettings()
+        self._rate_above = self.settings.rate.or_quicker(RateLimit())
+        self._kinematics = Kinematics(skeleton)
+        s = self.settings
+        self._correction = (
+            FingertipCorrection(self._kinematics, model.residual_covariance, s.correction)
+            if s.correction
+            else None
+        )
+        self._mean = model.training_pose.mean(axis=0)
+        self._tracker = ContactTracker(s.tracker)
+        self._arrival = Arrival(s.arrival)
+        self._lift = Lift(s.lift)
+        self._filter = PoseFilter(s.posture_tau)
+        self.reset()
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How often contacts were ignored or repaired, by reason."""
+        return self._tracker.counts
+
+    @property
+    def commanded(self) -> Array:
+        """(48,) the pose last commanded, in the world; where a simulation starts its hand."""
+        return surface_to_world(self._commanded, self.surface)
+
+    def reset(self) -> None:
+        """Back to a hand that hovers over the middle of the surface and knows no contact."""
+        self._tracker.reset()
+        self._arrival.reset()
+        self._lift.reset()
+        self._filter.reset()
+        self.labeller.reset()
+        # Never changed, only replaced.
+        self._labels: Mapping[int, int] = {}
+        self._previous_labels: Mapping[int, int] = {}
+        self._same_grasp = False
+        self._probability = 1.0
+        self._known: frozenset[int] = frozenset()
+        self._changed_at = -np.inf
+        self._time: float | None = None
+        self._last_xy: dict[int, tuple[float, float]] = {}
+        width, height = self.surface.size
+        middle = absolute_pose(self._mean, (width / 2, height / 2))
+        self._place = within_limits(self._centred(middle), self._kinematics.skeleton)
+        self._commanded = self._raised(self._place)
+        self._tip_error = 0.0
+
+    def step(self, frame: TouchFrame) -> Reconstruction:
+        """Takes in a touch frame; called once per control step, also when nothing has changed.
+
+        Args:
+            frame: Contacts now; `frame.time` is session time and never runs backwards.
+        """
+        dt = 0.0 if self._time is None else max(frame.time - self._time, 0.0)
+        self._time = frame.time
+        self._tracker.step(frame)
+        tracks = self._tracker.tracks
+        self._labels = {i: f for i, f in self._labels.items() if i in tracks}
+        self._name(frame.time)
+
+        motion, speed = self._motion(dt)
+        self._same_grasp = self._labels == self._previous_labels
+        self._previous_labels = self._labels
+        named = {i: tracks[i].place for i in self._labels}
+        u = None
+        if named:
+            u = self._contact_vector(named)
+            self._place = self._reconstruct(named, u, motion, dt)
+        self._lift.step(frame.lift, dt)
+        goal = self._raised(self._place)
+        rate = self.settings.rate if self._low else self._rate_above
+        self._commanded = rate(self._commanded, goal, dt)
+        self._arrival.step(
+            dt,
+            touched=bool(named) if self._arrival.phase is Phase.DOWN else bool(tracks),
+            named=len(named) == len(tracks) > 0,
+            speed=speed,
+            # A hand that is away, or on its way down, is not asked.
+            off=self._off(goal) if tracks and not self._low else 0.0,
+        )
+        if not tracks:
+            self._filter.reset()
+            self.labeller.reset()
+        return Reconstruction.later(
+            self._contacts(),
+            q=surface_to_world(self._commanded, self.surface),
+            phase=self._arrival.phase,
+            fingers=frozenset(self._labels.values()),
+            u=u,
+            probability=self._probability,
+            tip_error=self._tip_error,
+        )
+
+    @property
+    def _low(self) -> bool:
+        return self._arrival.phase in _LOW
+
+    def _name(self, time: float) -> None:
+        """Names the fingers once the set of contacts has been stable for a while.
+
+        Until the hand comes down, second thoughts are welcome; the posture filter blends them in. A
+        hand that is down keeps its names: a changed name would wring the grasp apart. A finger that
+        joins it gets one of the free names.
+        """
+        tracks = self._tracker.tracks
+        present = frozenset(tracks)
+        if present - self._known:
+            self._changed_at = time
+        self._known = present
+        settle = self.settings.arrival.settle if self.settings.arrival.hover > 0 else 0.0
+        low = self._low
+        # A labeller that remembers learns from how the touches move, and from where fingers leave,
+        # even while the hand is down and what it says is not followed.
+        again = self.labeller.remembers and settle > 0
+        named = len(self._labels) == len(tracks)
+        if not tracks or (named and not again) or time - self._changed_at < settle - 1e-9:
+            return
+        fixed = self._labels if low and settle > 0 else {}
+        given = {i: t.device_label for i, t in tracks.items() if t.device_label is not None}
+        if self.settings.device_labels and len(set(given.values())) == len(tracks):
+            self._labels, self._probability = given, 1.0
+            return
+        labelling = self.labeller.assign({i: t.place for i, t in tracks.items()}, fixed)
+        self._labels, self._probability = labelling.labels, labelling.probability
+
+    def _motion(self, dt: float) -> tuple[Motion, float]:
+        """Common motion of the touches since the last step, and the fastest one's speed."""
+        tracks = self._tracker.tracks
+        now = {i: t.place for i, t in tracks.items()}
+        known = [i for i in now if i in self._last_xy]
+        before, after = [self._last_xy[i] for i in known], [now[i] for i in known]
+        self._last_xy = now
+        motion = common_motion(before, after)
+        if not known or dt <= 0:
+            return motion, 0.0
+        return motion, max(map(dist, before, after)) / dt
+
+    def _contact_vector(self, named: dict[int, tuple[float, float]]) -> Array:
+        inches = {
+            self._labels[i]: (x / METRES_PER_INCH, y / METRES_PER_INCH)
+            for i, (x, y) in named.items()
+        }
+        return contact_vector(inches)
+
+    def _reconstruct(
+        self, named: dict[int, tuple[float, float]], u: Array, motion: Motion, dt: float
+    ) -> Array:
+        """The pose (48,) in the 3-D surface frame, at height 0."""
+        ids = sorted(named)
+        labels = [self._labels[i] for i in ids]
+        places = [named[i] for i in ids]
+        targets = np.array([(x, -y, PAD_HEIGHT) for x, y in places])
+        carried = motion.carried
+        if len(ids) == 1:
+            # No layout, no information: the posture stays, and the hand goes where the finger is.
+            guess = self._filter.step(self._held(carried), (0.0, 0.0), dt)
+            guess = self._shifted(guess, labels, targets)
+        else:
+            relative = self.model.encoder.predict(u) if self.settings.encode else self._mean
+            guess = _carried(relative, *min(places))
+            if not self.settings.encode:
+                guess = self._shifted(guess, labels, targets)
+            guess = self._filter.step(guess, carried, dt, motion.turn, motion.about)
+        if self._correction is None:
+            self._tip_error = float("nan")
+            return within_limits(guess, self._kinematics.skeleton)
+        # Far from the last pose, its linearisation would be worse than the guess's own.
+        start = self._held(carried) if self._same_grasp else None
+        settled = None if start is None else _SETTLED
+        corrected = self._correction.correct(guess, labels, targets, start, settled)
+        self._tip_error = corrected.error
+        return corrected.q
+
+    def _held(self, carried: tuple[float, float]) -> Array:
+        """The last pose, carried along with the touches."""
+        return _carried(self._place, *carried)
+
+    def _shifted(self, q: Array, labels: list[int], targets: Array) -> Array:
+        """The pose moved so that its tips lie on their targets on average."""
+        q = q.copy()
+        q[ROOT_POSITION] += np.mean(targets - self._kinematics.tips(q)[labels], axis=0)
+        return q
+
+    def _centred(self, q: Array) -> Array:
+        """The pose moved so that its fingertips' middle is over the surface's."""
+        width, height = self.surface.size
+        middle = np.array([width / 2, -height / 2])
+        q = q.copy()
+        q[:2] += middle - self._kinematics.tips(q).mean(axis=0)[:2]
+        return q
+
+    def _raised(self, q: Array) -> Array:
+        """The pose as high as arrival and lift control hold it; a lifted hand may well be down."""
+        q = q.copy()
+        q[2] += self._arrival.height + self._lift.height
+        return q
+
+    def _off(self, goal: Array) -> float:
+        """m, how far the commanded hand is from its goal seen along the surface's normal."""
+        rest = np.abs(goal - self._commanded)
+        x, y = rest[:2].tolist()
+        return hypot(x, y) + TURN_LENGTH * float(np.maximum.reduce(rest[3:]))
+
+    def _contacts(self) -> Callable[[], dict[str, Any]]:
+        """What gives everything that is on the surface now, should somebody ask."""
+        tracks, ignored = self._tracker.tracks.items(), self._tracker.ignored
+        seen = [(t.device_id, t.place, self._labels.get(i), t.active) for i, t in tracks]
+
+        def contacts() -> dict[str, Any]:
+            tracked = [
+                ReconstructedContact(i, np.array(place), label, "active" if active else "lost")
+                for i, place, label, active in seen
+            ]
+            others = [
+                ReconstructedContact(c.id, np.array([c.x, c.y]), None, "ignored") for c in ignored
+            ]
+            return {"contacts": (*tracked, *others)}
+
+        return contacts
+
+
+def _carried(q: Array, right: float, down: float) -> Array:
+    """The pose (48,) carried along on the surface, m."""
+    q = q.copy()
+    q[0] += right
+    q[1] -= down
+    return q

@@ -1,0 +1,1 @@
+"""Encoders: from a contact vector to a pose."""

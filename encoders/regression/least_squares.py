@@ -1,0 +1,167 @@
+"""Least squares over any number of frames, in memory that does not grow with them.
+
+Frames come in blocks. A block of terms and outputs [X Q] is put below the triangle left of the
+blocks before it, and an orthogonal (QR) transformation makes one triangle of both. That keeps
+everything a fit needs and squares no condition number, as the sums X'X would: the solution is that
+of the whole matrix to rounding. Frames of one finger set are reduced together, in the few monomials
+that the set leaves (`encoders.regression.collapsed`), and the triangles of all sets are stacked at
+the end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import lstsq
+from scipy.linalg.lapack import dgeqrf
+
+from encoders.regression.collapsed import SETS, collapse, set_code, set_codes
+
+Array = NDArray[np.float64]
+
+RCOND = 1e-10
+"""Singular values below this share of the largest count as zero: far below those of independent
+terms (measured on captures of the simulated subject: above 1e-6), far above rounding (1e-15)."""
+
+_ROWS = 4096
+"""Frames reduced at once; larger blocks leave the processor's caches, smaller ones repeat work."""
+
+
+class LeastSquares:
+    """The sums of squares of a polynomial fit, as triangles.
+
+    Args:
+        degree: Of the polynomial.
+        terms: All K terms (T, K) of inputs (T, width), the constant first.
+
+    Attributes:
+        frames: Number of frames so far.
+        codes: Codes of the finger sets of all contact vectors so far
+            (`encoders.regression.collapsed`).
+        others: Whether there were inputs that are no contact vectors.
+        least, greatest: (width,) of the inputs.
+    """
+
+    def __init__(self, degree: int, terms: Callable[[Array], Array]) -> None:
+        self._degree, self._terms = degree, terms
+        self._triangles: dict[int, Array] = {}
+        self.frames = 0
+
+    @property
+    def codes(self) -> frozenset[int]:
+        return frozenset(self._triangles) - {0}
+
+    @property
+    def others(self) -> bool:
+        return 0 in self._triangles
+
+    def add(self, U: Array, Q: Array) -> None:
+        """Takes in frames: inputs (T, width) and outputs (T, n_outputs), finite."""
+        if not self.frames:
+            self.least = np.full(U.shape[1], np.inf)
+            self.greatest = -self.least
+        self.least = np.minimum(self.least, U.min(axis=0))
+        self.greatest = np.maximum(self.greatest, U.max(axis=0))
+        self.frames += len(U)
+        self._outputs = Q.shape[1]
+        codes = set_codes(U)
+        for code in np.flatnonzero(np.bincount(codes)):
+            rows = np.flatnonzero(codes == code)
+            for start in range(0, len(rows), _ROWS):
+                chosen = rows[start : start + _ROWS]
+                self._reduce(int(code), U[chosen], Q[chosen])
+
+    def _reduce(self, code: int, U: Array, Q: Array) -> None:
+        X = collapse(_FINGERS[code], self._degree).terms(U) if code else self._terms(U)
+        above = self._triangles.get(code)
+        self._triangles[code] = triangle(X, Q, *(() if above is None else (above,)))
+
+    def stacked(self) -> tuple[Array, Array]:
+        """(m, K) and (m, n_outputs) with the normal equations of all frames; m is some thousand."""
+        terms, outputs = [], []
+        for code, reduced in self._triangles.items():
+            left = reduced[:, : -self._outputs]
+            if code:
+                found = collapse(_FINGERS[code], self._degree)
+                left = left[:, found.monomial] * found.sign
+            terms.append(left)
+            outputs.append(reduced[:, -self._outputs :])
+        return np.concatenate(terms), np.concatenate(outputs)
+
+    def solve(self) -> tuple[Array, int]:
+        """(K, n_outputs) shortest of the best coefficients of scaled terms, and the terms' rank."""
+        X, Q = self.stacked()
+        scale = np.sqrt(np.einsum("mk,mk->k", X, X))
+        # A term that is zero in all frames carries nothing; it must not be divided by nothing.
+        scale[scale == 0] = 1.0
+        solution, _, rank, _ = lstsq(X / scale, Q, cond=RCOND, lapack_driver="gelsd")
+        return solution / scale[:, None], int(rank)
+
+    def ridge(self, ridges: Sequence[float]) -> Array:
+        """(len(ridges), K, n_outputs) coefficients, one set for every penalty; see `ridge_path`."""
+        X, Q = self.stacked()
+        whole = triangle(X, Q)
+        # The constant comes first. What is orthogonal to it is what varies about the mean, and the
+        # constant itself, of length sqrt(frames) in all, holds the means.
+        mean, centre = np.split(whole[0] / whole[0, 0], [X.shape[1]])
+        rest, outputs = np.split(whole[1:], [X.shape[1]], axis=1)
+        std = _steady(np.linalg.norm(rest, axis=0) / np.sqrt(self.frames), mean)
+        gram, right = _normal(rest, outputs, std)
+        return _penalised(gram, right, mean, std, centre, self.frames, ridges)
+
+
+_FINGERS = {set_code(fingers): fingers for fingers in SETS}
+
+
+def triangle(X: Array, Q: Array, above: Array | None = None) -> Array:
+    """Upper triangle R with R'R = [X Q]'[X Q] (+ above'above), of no more rows than columns."""
+    n = X.shape[1] + Q.shape[1]
+    held = 0 if above is None else len(above)
+    work = np.empty((held + len(X), n), order="F")
+    if above is not None:
+        work[:held] = above
+    work[held:, : X.shape[1]] = X
+    work[held:, X.shape[1] :] = Q
+    reduced, _, _, _ = dgeqrf(work, overwrite_a=1)
+    return np.triu(reduced[:n])
+
+
+def ridge_path(X: Array, Q: Array, ridges: Sequence[float]) -> Array:
+    """(len(ridges), K, n_outputs) coefficients of terms X (T, K), one set for every penalty.
+
+    Penalties are on standardised terms, the constant is not penalised; the costly part, the terms'
+    products, is done once for all of them.
+    """
+    mean, std = X.mean(axis=0), _steady(X.std(axis=0), X.mean(axis=0))
+    centre = Q.mean(axis=0)
+    gram, right = _normal(X - mean, Q - centre, std)
+    return _penalised(gram, right, mean, std, centre, len(X), ridges)
+
+
+def _steady(std: Array, mean: Array) -> Array:
+    """Standard deviations, infinite for terms that never vary: those carry nothing."""
+    return np.where(std < 1e-12 * np.maximum(1.0, np.abs(mean)), np.inf, std)
+
+
+def _normal(X: Array, Q: Array, std: Array) -> tuple[Array, Array]:
+    Z = X / std
+    return Z.T @ Z, Z.T @ Q
+
+
+def _penalised(
+    gram: Array,
+    right: Array,
+    mean: Array,
+    std: Array,
+    centre: Array,
+    frames: int,
+    ridges: Sequence[float],
+) -> Array:
+    weights = np.empty((len(ridges), *right.shape))
+    for i, ridge in enumerate(ridges):
+        penalised = gram + ridge * frames * np.eye(len(gram))
+        weights[i] = np.linalg.solve(penalised, right) / std[:, None]
+        weights[i, 0] = centre - mean @ weights[i]
+    return weights

@@ -1,0 +1,232 @@
+"""PCA-IK: inverse kinematics in few principal components, the paper's rival to its encoder.
+
+Chung, Kim, Han and Pollard (2015), section 3, after Mulatto, Formaglio, Malvezzi and Prattichizzo
+(2013). The paper gives it one paragraph: the number of components follows from the number of
+contacts (12, 9, 6 and 3 for 5, 4, 3 and 2, hence 3 k - 3), the compliance is 0.1 for translation
+and 25 for rotation, 100 iterations suffice, and the nearest neighbour is found by touch positions.
+What it leaves open is an option here; the defaults are the readings argued for below.
+
+What is free. k fingertips give 3 k equations. With 3 k - 3 components, three unknowns are left: the
+translation of the root. Then all rotations, the wrist's too, must be in the components, which fits
+the paper's use of "hand pose" for joint angles and wrist together, and the number of equations that
+remain when positions are relative to one contact. Other readings: components of the ball joints
+alone with the whole root free, as in inverse kinematics of a free-floating hand (3 more unknowns
+than equations); or components of the whole pose and nothing else (3 fewer, so fingertips miss).
+
+What a compliance does. Read as damping: each step minimises
+
+    |tips still off|^2 + 0.1 |change of translations|^2 + 25 |change of rotations|^2
+
+in centimetres and radians. Damping acts on the step, not on the way from the start: nothing holds
+fingertips back from their touches for ever ("tries to fit the target position excessively"). In
+these units 100 iterations go most of the way; in metres and radians, or in centimetres and
+degrees, rotations would hardly have begun to move, and the paper found 100 to be enough. Read as
+softness, as mechanics uses the word (what is more compliant moves more), the costs are 1 / 0.1 and
+1 / 25 instead. Other units: give other numbers.
+
+Where it starts. The paper uses the nearest neighbour to label the fingers; that inverse kinematics
+begins there, too, is the reading here. Components then are directions in which that pose changes.
+Or the neighbour is first replaced by its best likeness in the components ("represent hand pose"),
+or the mean pose is the start.
+
+One contact has no components (3 k - 3 = 0): the mean pose of the training frames for that finger is
+moved, or with a free root also turned, until the fingertip is there. The paper excludes it.
+"""
+
+from __future__ import annotations
+
+import json
+from functools import cache, cached_property
+from hashlib import blake2b
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.regression.touch_ik import TouchIkEncoder
+from encoders.regression.touch_neighbour import Mask
+from encoders.regression.trained import TrainedModel, builtin
+from models.errors import EncoderError
+from models.frames import FINGERS
+from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION
+from models.skeleton import ADULT, Skeleton
+
+Array = NDArray[np.float64]
+
+COMPLIANCE_TRANSLATION = 0.1
+COMPLIANCE_ROTATION = 25.0
+"""The paper's two values."""
+
+FREE = {"translation": (3, slice(3, POSE_SIZE)), "root": (6, JOINTS), "nothing": (0, slice(0, 48))}
+"""What is free beside the components -> how many numbers of the root that is, and the part of the
+pose that the components describe."""
+
+READINGS = ("damping", "softness")
+STARTS = ("neighbour", "projected", "mean")
+
+_SQUARE_CM = 1e-4
+"""m2; the costs of steps are in square centimetres."""
+
+_DEGREES_PER_RADIAN = 57.29577951308232
+_WHISPER = 1e-10
+"""Share of the mean diagonal added to normal equations: decides where nothing else does."""
+
+
+def step_costs(translation: float, rotation: float, reading: str) -> Array:
+    """(48,) cost of changing each number of the pose, m2 per m2 or rad2, from two compliances.
+
+    Raises:
+        EncoderError: A compliance is negative, or 0 where it would be divided by, or there is no
+            such reading.
+    """
+    if reading not in READINGS:
+        raise EncoderError("no such reading", got=reading, expected=", ".join(READINGS))
+    pair = np.array([translation, rotation], float)
+    if not (np.isfinite(pair).all() and (pair >= 0).all()):
+        raise EncoderError("compliances must be finite, 0 or more", got=pair.tolist())
+    if reading == "softness":
+        if not pair.all():
+            raise EncoderError("what has no compliance cannot move", got=pair.tolist())
+        pair = 1.0 / pair
+    cost = np.full(POSE_SIZE, pair[1] * _SQUARE_CM)
+    # Centimetres on both sides: the factors cancel.
+    cost[ROOT_POSITION] = pair[0]
+    return cost
+
+
+class PcaIkEncoder(TouchIkEncoder):
+    """Inverse kinematics in principal components of the training poses; see above for the options.
+
+    Args:
+        skeleton: Whose fingertips are to meet the touches.
+        iterations: Most steps; 100 as in the paper.
+        compliance_translation: Of the root's translation, cm2 per cm2.
+        compliance_rotation: Of every component of a rotation vector, cm2 per rad2.
+        reading: `damping` or `softness`.
+        free: Beside the components: `translation`, `root` (translation and rotation) or `nothing`.
+        start: `neighbour`, `projected` (the neighbour's likeness in the components) or `mean`.
+        components: How many; None is 3 k - 3 for k contacts.
+        settled: See `TouchIkEncoder`.
+        pad_height: See `TouchIkEncoder`.
+
+    Attributes:
+        components_: (48, n) directions of the pose, most variance first, as many as the training
+            poses vary in; orthonormal where metres count 100 and radians 180 / pi.
+        explained_: (n,) share of the variance that the first 1, 2, .. n of them carry.
+        mean_, pad_height_, tip_misfit_: See `TouchIkEncoder`.
+    """
+
+    def __init__(
+        self,
+        skeleton: Skeleton = ADULT,
+        iterations: int = 100,
+        compliance_translation: float = COMPLIANCE_TRANSLATION,
+        compliance_rotation: float = COMPLIANCE_ROTATION,
+        reading: str = "damping",
+        free: str = "translation",
+        start: str = "neighbour",
+        components: int | None = None,
+        settled: float = 1e-9,
+        pad_height: float | None = None,
+    ) -> None:
+        super().__init__(skeleton, iterations, settled, pad_height)
+        self.compliance_translation = compliance_translation
+        self.compliance_rotation = compliance_rotation
+        self.reading = reading
+        self.free = free
+        self.start = start
+        self.components = components
+
+    def n_components(self, contacts: int) -> int:
+        """Number of components used for so many contacts."""
+        wanted = 3 * contacts - 3 if self.components is None else self.components
+        return min(wanted, self.components_.shape[1])
+
+    def basis(self, contacts: int) -> Array:
+        """(48, m) directions in which the pose may change: what is free, then the components."""
+        root, _ = FREE[self.free]
+        used = self.components_[:, : self.n_components(contacts)]
+        return np.concatenate([np.eye(POSE_SIZE)[:, :root], used], axis=1)
+
+    def _learn(self, Q: Array) -> None:
+        self._cost = step_costs(self.compliance_translation, self.compliance_rotation, self.reading)
+        _, part = FREE[self.free]
+        scale = np.full(POSE_SIZE, _DEGREES_PER_RADIAN)
+        # Matters only where metres and radians are mixed; the paper reports these units.
+        scale[ROOT_POSITION] = 100.0
+        self._scale = scale[part]
+        away = (Q - self.mean_)[:, part] * self._scale
+        variance, directions = np.linalg.eigh(away.T @ away)
+        variance, directions = variance[::-1], directions[:, ::-1]
+        varies = variance > 1e-12 * max(variance[0], 1e-300)
+        variance, directions = variance[varies], directions[:, varies]
+        self.components_ = np.zeros((POSE_SIZE, len(variance)))
+        self.components_[part] = directions / self._scale[:, None]
+        self.explained_ = np.cumsum(variance) / max(float(variance.sum()), 1e-300)
+        self._ways = [self._way(contacts) for contacts in range(len(FINGERS) + 1)]
+
+    def _way(self, contacts: int) -> tuple[Array, Array]:
+        """(48, m) directions of so many contacts, and (m, m) what it costs to go there."""
+        basis = self.basis(contacts)
+        return basis, basis.T @ (self._cost[:, None] * basis)
+
+    def _start(self, fingers: Mask, places: Array) -> Array:
+        if self.start == "mean":
+            return np.tile(self.mean_, (len(places), 1))
+        pose = self._neighbours.nearest(fingers, places)
+        if self.start == "projected":
+            _, part = FREE[self.free]
+            used = self.components_[part, : self.n_components(int(fingers.sum()))]
+            away = (pose - self.mean_)[:, None, part] * self._scale**2
+            pose[:, part] = self.mean_[part] + (away @ used @ used.T)[:, 0]
+        return pose
+
+    def _step(self, q: Array, start: Array, off: Array, J: Array) -> Array:
+        basis, cost = self._ways[off.shape[1] // 3]
+        if not basis.shape[1]:
+            return np.zeros_like(q)
+        JB = J @ basis
+        normal = np.swapaxes(JB, 1, 2) @ JB + cost
+        diagonal = normal.reshape(len(normal), -1)[:, :: len(cost) + 1]
+        diagonal += _WHISPER * diagonal.mean(axis=1, keepdims=True)
+        right = np.swapaxes(JB, 1, 2) @ off[..., None]
+        # A product for each row: one for all of them would add up in another order.
+        return (np.swapaxes(np.linalg.solve(normal, right), 1, 2) @ basis.T)[:, 0]
+
+    def _check_options(self) -> None:
+        super()._check_options()
+        step_costs(self.compliance_translation, self.compliance_rotation, self.reading)
+        if self.free not in FREE:
+            raise EncoderError("no such freedom", got=self.free, expected=", ".join(FREE))
+        if self.start not in STARTS:
+            raise EncoderError("no such start", got=self.start, expected=", ".join(STARTS))
+        if self.components is not None and self.components < 0:
+            raise EncoderError("no such number of components", got=self.components)
+
+
+PCA_IK = "pca-ik"
+
+
+class PcaIkModel(TrainedModel):
+    """A model whose encoder is inverse kinematics."""
+
+    @cached_property
+    def digest(self) -> str:
+        """BLAKE2b over what it was made from, hexadecimal."""
+        options = {k: v for k, v in vars(self.encoder).items() if isinstance(v, int | float | str)}
+        text = json.dumps([PCA_IK, options, builtin("quadratic").digest], sort_keys=True)
+        return blake2b(text.encode(), digest_size=16).hexdigest()
+
+
+@cache
+def pca_ik_model() -> TrainedModel:
+    """The paper's PCA-IK with its own numbers, fitted to the built-in capture."""
+    like = builtin("quadratic")
+    encoder = PcaIkEncoder().fit(like.training_u, like.training_pose)
+    return PcaIkModel(
+        PCA_IK,
+        encoder,  # type: ignore[arg-type]  # all that a session asks of it is predict
+        like.residual_covariance,
+        like.training_u,
+        like.training_pose,
+        {k: v for k, v in like.meta.items() if k not in ("degree", "ridge")},
+    )

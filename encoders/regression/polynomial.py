@@ -1,0 +1,236 @@
+"""Polynomial encoders: every degree of freedom is a polynomial of the contact vector.
+
+Equations 1 (quadratic), 2 (linear) and 3 (cubic) of Chung, Kim, Han and Pollard (2015). For 15
+inputs they have K = 136, 16 and 816 terms. Because s_i is 0 or 1 and a lifted finger stands at
+(-1, -1), some terms repeat others (s^2 = s, x s = x + 1 - s): of the 136 quadratic terms only 121
+are independent. The fit (`encoders.regression.least_squares`) therefore takes the shortest of all
+equal solutions; predictions do not depend on the choice.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from encoders.contact_vector import CONTACT_VECTOR_SIZE
+from encoders.regression.collapsed import (
+    SETS,
+    ContactPoses,
+    monomials,
+    set_code,
+    set_codes,
+    set_name,
+)
+from encoders.regression.least_squares import LeastSquares, ridge_path
+from models.errors import EncoderError
+
+__all__ = [
+    "CubicEncoder",
+    "LinearEncoder",
+    "PolynomialEncoder",
+    "QuadraticEncoder",
+    "monomials",
+    "ridge_path",
+]
+
+Array = NDArray[np.float64]
+
+_LEAST_FINGERS = 2
+"""A set that a training can be missed in: one finger has no layout, and captures drop it."""
+
+
+class PolynomialEncoder:
+    """Least-squares polynomial from inputs to outputs.
+
+    Args:
+        degree: 1, 2 or 3.
+        ridge: Penalty on the standardised coefficients, as a share of the number of frames;
+            0 is plain least squares, as in the paper.
+
+    Attributes:
+        coef_: (K, n_outputs) coefficients of the terms of `monomials`.
+        rank_: Number of independent terms found by the fit (plain least squares only).
+        n_inputs_, n_outputs_: Widths seen by the fit.
+        constant_inputs_: Places of inputs that were the same in all frames.
+        missing_sets_: Names (`thumb+ring`) of the sets of two to five fingers that no frame had:
+            what is predicted for those is extrapolated. Empty if the inputs are no contact vectors.
+    """
+
+    def __init__(self, degree: int = 2, ridge: float = 0.0) -> None:
+        self.degree = degree
+        self.ridge = ridge
+
+    def fit(self, U: ArrayLike, Q: ArrayLike) -> PolynomialEncoder:
+        """Learns from inputs U (T, width) and outputs Q (T, n_outputs).
+
+        Raises:
+            EncoderError: Shapes disagree, a value is not finite, or the degree or ridge is not
+                one that this encoder has.
+        """
+        return self.fit_blocks([(U, Q)])
+
+    def fit_blocks(self, blocks: Iterable[tuple[ArrayLike, ArrayLike]]) -> PolynomialEncoder:
+        """Learns from any number of pairs (U, Q), as from all their frames together.
+
+        Only one block is held at a time; some ten thousand frames make a good block.
+
+        Raises:
+            EncoderError: As `fit`, or the blocks' widths differ, or there is none.
+        """
+        if self.degree not in (1, 2, 3):
+            raise EncoderError("no such degree", got=self.degree, expected="1, 2 or 3")
+        if not 0 <= self.ridge < np.inf:
+            raise EncoderError("no such ridge", got=self.ridge, expected="0 or more, finite")
+        sums = LeastSquares(self.degree, self.terms)
+        for given in blocks:
+            U, Q = (np.asarray(array, float) for array in given)
+            _check(U, Q)
+            if not sums.frames:
+                self.n_inputs_, self.n_outputs_ = U.shape[1], Q.shape[1]
+                self._plan(self.n_inputs_)
+            elif (U.shape[1], Q.shape[1]) != (self.n_inputs_, self.n_outputs_):
+                raise EncoderError(
+                    "the blocks' widths differ",
+                    got=(U.shape[1], Q.shape[1]),
+                    expected=str((self.n_inputs_, self.n_outputs_)),
+                )
+            sums.add(U, Q)
+        if not sums.frames:
+            raise EncoderError("there is nothing to learn from", expected="one frame or more")
+        if self.ridge > 0:
+            self.coef_, self.rank_ = sums.ridge([self.ridge])[0], self._terms
+        else:
+            self.coef_, self.rank_ = sums.solve()
+        self.constant_inputs_ = tuple(np.flatnonzero(sums.least == sums.greatest).tolist())
+        self._codes = None if sums.others else sums.codes
+        return self
+
+    @property
+    def missing_sets_(self) -> tuple[str, ...]:
+        learned = getattr(self, "_codes", None)
+        if learned is None:
+            return ()
+        return tuple(
+            set_name(s) for s in SETS if len(s) >= _LEAST_FINGERS and set_code(s) not in learned
+        )
+
+    def for_contacts(self, fast: bool = False) -> ContactPoses:
+        """The encoder prepared for contact vectors, one at a time or many.
+
+        `pose = encoder.for_contacts()` once, then `pose(u)` for one contact vector (15,) and
+        `pose.predict(U)` for many, give what `predict` gives, several times as fast.
+
+        Args:
+            fast: Whether to compile it (extra `fast`: numba), now and not at the first pose. Poses
+                agree within 1e-9.
+
+        Raises:
+            EncoderError: The encoder has learned nothing, or from other inputs than contact
+                vectors; or numba is lacking.
+        """
+        self._check_learned()
+        if self.n_inputs_ != CONTACT_VECTOR_SIZE:
+            raise EncoderError(
+                "this encoder does not take contact vectors",
+                got=f"{self.n_inputs_} inputs",
+                expected=str(CONTACT_VECTOR_SIZE),
+            )
+        if fast:
+            from encoders.regression.fast import FastContactPoses
+
+            return FastContactPoses(self.coef_, self.degree)
+        return ContactPoses(self.coef_, self.degree)
+
+    def predict(self, U: ArrayLike) -> Array:
+        """Outputs (T, n_outputs) of inputs (T, width), or (n_outputs,) of one input (width,)."""
+        self._check_learned()
+        U = np.asarray(U, float)
+        if U.shape[-1] != self.n_inputs_:
+            raise EncoderError(
+                "wrong number of inputs", got=U.shape[-1], expected=str(self.n_inputs_)
+            )
+        return self.terms(U) @ self.coef_
+
+    def terms(self, U: ArrayLike) -> Array:
+        """(..., K) values of all terms at inputs (..., width)."""
+        U = np.asarray(U, float)
+        X = np.empty((*U.shape[:-1], self._terms))
+        X[..., 0] = 1.0
+        X[..., 1 : 1 + U.shape[-1]] = U
+        for start, stop, shorter, last in self._products:
+            # A term of degree d is a term of degree d - 1 times one more input.
+            X[..., start:stop] = X[..., shorter] * U[..., last]
+        return X
+
+    def load(self, coef: ArrayLike, n_inputs: int, U: Array | None = None) -> PolynomialEncoder:
+        """Takes over coefficients (K, n_outputs) learned earlier.
+
+        Args:
+            coef: The coefficients.
+            n_inputs: Width of the inputs.
+            U: (T, n_inputs) that they were learned from, for `knows` and `missing_sets_`.
+        """
+        self.coef_ = np.asarray(coef, float)
+        self.n_inputs_, self.n_outputs_ = n_inputs, self.coef_.shape[1]
+        self._plan(n_inputs)
+        if len(self.coef_) != self._terms:
+            raise EncoderError(
+                "coefficients do not fit the encoder",
+                got=len(self.coef_),
+                expected=f"{self._terms} terms",
+            )
+        self.rank_ = self._terms
+        codes = frozenset() if U is None else frozenset(np.unique(set_codes(U)).tolist())
+        self._codes = None if U is None or 0 in codes else codes
+        return self
+
+    def _plan(self, width: int) -> None:
+        """Prepares the products that make the terms of each degree from those of the one below."""
+        terms = monomials(width, self.degree)
+        place = {term: i for i, term in enumerate(terms)}
+        self._terms = len(terms)
+        self._products = []
+        for d in range(2, self.degree + 1):
+            chosen = [t for t in terms if len(t) == d]
+            start = place[chosen[0]]
+            shorter = np.array([place[t[:-1]] for t in chosen])
+            last = np.array([t[-1] for t in chosen])
+            self._products.append((start, start + len(chosen), shorter, last))
+
+    def _check_learned(self) -> None:
+        if not hasattr(self, "coef_"):
+            raise EncoderError("the encoder has learned nothing yet", remedy="Call fit first")
+
+
+def _check(U: Array, Q: Array) -> None:
+    if U.ndim != 2 or Q.ndim != 2 or len(U) != len(Q) or not len(U):
+        raise EncoderError(
+            "inputs and outputs do not belong together",
+            got=(U.shape, Q.shape),
+            expected="(T, width) and (T, n_outputs)",
+        )
+    if not (np.isfinite(U).all() and np.isfinite(Q).all()):
+        raise EncoderError("inputs and outputs must be finite")
+
+
+class LinearEncoder(PolynomialEncoder):
+    """Equation 2: 16 terms for 15 inputs."""
+
+    def __init__(self, ridge: float = 0.0) -> None:
+        super().__init__(1, ridge)
+
+
+class QuadraticEncoder(PolynomialEncoder):
+    """Equation 1, the paper's encoder: 136 terms for 15 inputs."""
+
+    def __init__(self, ridge: float = 0.0) -> None:
+        super().__init__(2, ridge)
+
+
+class CubicEncoder(PolynomialEncoder):
+    """Equation 3: 816 terms for 15 inputs."""
+
+    def __init__(self, ridge: float = 0.0) -> None:
+        super().__init__(3, ridge)

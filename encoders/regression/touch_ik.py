@@ -1,0 +1,219 @@
+"""What every encoder by inverse kinematics does: from touches to targets, step by step, in batches.
+
+Rows with the same fingers down share the shape of their equations, so they are solved side by side.
+A concrete encoder says where to start and what one step is.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from typing import NamedTuple, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from encoders.contact_vector import CONTACT_VECTOR_SIZE
+from encoders.regression.touch_neighbour import Mask, TouchNeighbours, touches_of
+from models.errors import EncoderError
+from models.kinematics import Kinematics
+from models.one_pose import OnePose, SeveralPoses
+from models.pose import POSE_SIZE
+from models.skeleton import Skeleton
+
+Array = NDArray[np.float64]
+
+_CHUNK = 256
+"""Rows solved side by side: their Jacobians (1.5 MB) then stay in the processor's cache."""
+
+_LARGEST_TURN = 0.5
+"""rad, most that one step may turn a joint; a longer step is shortened as a whole. Beyond it the
+Jacobian says nothing, and steps that hardly any compliance damps would tumble the hand."""
+
+
+_FREE_STEPS = 10
+"""First steps that may be as long as they like: far from the end, long steps are progress."""
+_SHRINKS = 0.98
+"""Share of the last step's length beyond which a paced row's steps do not count as shrinking."""
+
+
+class IkSolution(NamedTuple):
+    """Poses and how they were found."""
+
+    q: Array
+    """(T, 48) relative poses."""
+    residual: Array
+    """(T,) m, largest distance between a touching fingertip and its target."""
+    iterations: NDArray[np.int64]
+    """(T,) steps taken."""
+
+
+class TouchIkEncoder(ABC):
+    """Inverse kinematics with the interface of an encoder.
+
+    The target of a touching fingertip's centre is (x, -y, pad height): over its touch, in the 3-D
+    surface frame with the leftmost contact as its origin. Joint ranges are not enforced.
+
+    Args:
+        skeleton: Whose fingertips are to meet the touches.
+        iterations: Most steps.
+        settled: m and rad; a row whose step changes no number by more stops there. 0 always takes
+            all the steps.
+        pad_height: m, centre of a touching fingertip above the surface; None learns it.
+
+    Attributes:
+        mean_: (48,) mean training pose.
+        pad_height_: m; learned, the median over the touching fingertips of the training poses.
+        tip_misfit_: m, root mean square per coordinate of what lies between the touching
+            fingertips of the training poses and their own targets: noise, rolling fingertips, and
+            whatever the skeleton's bones have wrong.
+    """
+
+    paced: bool = False
+    """Whether a row whose steps do not shrink goes on at half the pace. Steps towards a wish, which
+    nothing damps, can otherwise go to and fro between two poses for ever."""
+
+    def __init__(
+        self, skeleton: Skeleton, iterations: int, settled: float, pad_height: float | None
+    ) -> None:
+        self.skeleton = skeleton
+        self.iterations = iterations
+        self.settled = settled
+        self.pad_height = pad_height
+
+    def fit(self, U: ArrayLike, Q: ArrayLike) -> Self:
+        """Learns from contact vectors U (T, 15) and relative poses Q (T, 48).
+
+        Raises:
+            EncoderError: Wrong widths, values that are not finite, rows without contact, or an
+                option out of its range.
+        """
+        self._check_options()
+        Q = np.asarray(Q, float)
+        down, places = touches_of(U)
+        if Q.ndim != 2 or Q.shape[1] != POSE_SIZE or len(Q) != len(down) or not len(Q):
+            raise EncoderError(
+                "inputs and outputs do not belong together",
+                got=(np.shape(U), Q.shape),
+                expected=f"(T, {CONTACT_VECTOR_SIZE}) and (T, {POSE_SIZE}), T at least 1",
+            )
+        if not np.isfinite(Q).all():
+            raise EncoderError("poses must be finite")
+        self._kinematics = Kinematics(self.skeleton)
+        self._neighbours = TouchNeighbours(down, places, Q)
+        tips = self._kinematics.tips(Q)
+        height = float(np.median(tips[down][:, 2])) if self.pad_height is None else self.pad_height
+        misfit = (tips - _targets(places, height))[down]
+        self.mean_ = Q.mean(axis=0)
+        self.pad_height_, self.tip_misfit_ = height, float(np.sqrt(np.mean(misfit**2)))
+        self._learn(Q)
+        return self
+
+    def predict(self, U: ArrayLike) -> Array:
+        """Relative poses (T, 48) of contact vectors (T, 15), or (48,) of one contact vector (15,).
+
+        Raises:
+            EncoderError: As `solve`.
+        """
+        U = np.asarray(U, float)
+        return self.solve(U[None]).q[0] if U.ndim == 1 else self.solve(U).q
+
+    def solve(self, U: ArrayLike) -> IkSolution:
+        """Poses of contact vectors (T, 15), how far their fingertips are off, and the steps taken.
+
+        Raises:
+            EncoderError: Nothing was learned, a wrong width, a value that is not finite, a row
+                without contact, or a set of fingers for which a nearest neighbour is needed and no
+                training frame has one.
+        """
+        if not hasattr(self, "mean_"):
+            raise EncoderError("the encoder has learned nothing yet", remedy="Call fit first")
+        down, places = touches_of(U)
+        targets = _targets(places, self.pad_height_)
+        solution = IkSolution(
+            np.empty((len(down), POSE_SIZE)), np.empty(len(down)), np.zeros(len(down), np.int64)
+        )
+        for fingers in np.unique(down, axis=0):
+            rows = np.flatnonzero((down == fingers).all(axis=1))
+            for first in range(0, len(rows), _CHUNK):
+                some = rows[first : first + _CHUNK]
+                start = self._start(fingers, places[some])
+                found = self._iterate(start, fingers, targets[some].compress(fingers, 1))
+                for whole, part in zip(solution, found, strict=True):
+                    whole[some] = part
+        return solution
+
+    def _iterate(self, start: Array, fingers: Mask, targets: Array) -> IkSolution:
+        """Steps from poses (n, 48) until fingertips are at their targets (n, k, 3)."""
+        tips_and_jacobian = self._walker(fingers, len(start))
+        q = start.copy()
+        taken = np.zeros(len(q), np.int64)
+        moving = np.arange(len(q))
+        pace, length = np.ones(len(q)), np.full(len(q), np.inf)
+        for i in range(self.iterations):
+            tips, jacobian = tips_and_jacobian(q[moving])
+            off = (targets[moving] - tips).reshape(len(moving), -1)
+            J = jacobian.reshape(len(moving), -1, POSE_SIZE)
+            step = self._step(q[moving], start[moving], off, J)
+            turn = np.abs(step[:, 3:]).max(axis=1, keepdims=True)
+            step *= np.minimum(1.0, _LARGEST_TURN / np.maximum(turn, _LARGEST_TURN))
+            if self.paced and i >= _FREE_STEPS:
+                now = np.linalg.norm(step, axis=1)
+                pace[moving] *= np.where(now > _SHRINKS * length[moving], 0.5, 1.0)
+                length[moving] = now
+            q[moving] += pace[moving, None] * step
+            taken[moving] += 1
+            moving = moving[np.abs(step).max(axis=1) > self.settled]
+            if not len(moving):
+                break
+        off = targets - self._kinematics.tips(q)[:, fingers]
+        return IkSolution(q, np.sqrt(np.sum(off**2, axis=2).max(axis=1)), taken)
+
+    def _walker(self, fingers: Mask, many: int) -> Callable[[Array], tuple[Array, Array]]:
+        """From so many poses (n, 48) to tips (n, k, 3) and Jacobians (n, k, 3, 48) of fingers.
+
+        A single pose, as sessions ask for it, has a quicker way to the same bits.
+        """
+        which = np.flatnonzero(fingers).tolist()
+        if many > 1:
+            return SeveralPoses(self.skeleton, which).tips_and_jacobian
+        hand = OnePose(self.skeleton, which)
+
+        def one(q: Array) -> tuple[Array, Array]:
+            tips, jacobian = hand.tips_and_jacobian(q[0])
+            return tips[None], jacobian[None]
+
+        return one
+
+    @abstractmethod
+    def _learn(self, Q: Array) -> None:
+        """Takes from the training poses (T, 48) what the steps need."""
+
+    @abstractmethod
+    def _start(self, fingers: Mask, places: Array) -> Array:
+        """First poses (n, 48) for touches (n, 5, 2) of these fingers (5,)."""
+
+    @abstractmethod
+    def _step(self, q: Array, start: Array, off: Array, J: Array) -> Array:
+        """Change (n, 48) of poses q (n, 48).
+
+        Args:
+            q: Poses now.
+            start: Poses from which the steps began.
+            off: (n, 3 k) m, from the k touching fingertips to their targets.
+            J: (n, 3 k, 48) derivative of those fingertips.
+        """
+
+    def _check_options(self) -> None:
+        if self.iterations < 0:
+            raise EncoderError("no such number of iterations", got=self.iterations)
+        if not 0 <= self.settled < np.inf:
+            raise EncoderError("settled must be 0 or more", got=self.settled)
+        if self.pad_height is not None and not np.isfinite(self.pad_height):
+            raise EncoderError("the pad height must be finite", got=self.pad_height)
+
+
+def _targets(places: Array, height: float) -> Array:
+    """(T, 5, 3) m, where fingertips' centres belong for touches (T, 5, 2)."""
+    depth = np.full((*places.shape[:-1], 1), height)
+    return np.concatenate([places[..., :1], -places[..., 1:], depth], axis=-1)

@@ -1,0 +1,306 @@
+"""Acclaim skeletons (.asf) and their motion (.amc), as the CMU motion capture database has them.
+
+A bone lies along `direction` for `length` and begins where its parent ends; all directions are
+given in the frame of the whole skeleton at rest. `axis` turns a bone's own frame into that one, and
+its freedoms turn it about that frame's axes, which stand still, in the order they are listed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.errors import MotionError
+from models.motion.motion import Motion, turned_in_turn
+from models.motion.read.text import numbers, read_lines
+
+Array = NDArray[np.float64]
+
+INCH = 0.0254
+"""m; a file's lengths divided by its `length` unit are taken for inches, the usual reading of the
+CMU files, which nothing printed confirms."""
+
+CMU_RATE = 120.0
+"""Hz."""
+
+RATE_REMARK = "#!keys a second:"
+"""Before the rate in a remark, where our own files have it."""
+
+_TURNS = {"rx": "x", "ry": "y", "rz": "z"}
+_SHIFTS = {"tx": 0, "ty": 1, "tz": 2}
+
+
+@dataclass(frozen=True)
+class _Bone:
+    name: str
+    end: Array
+    frame: Array
+    freedoms: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class AcclaimSkeleton:
+    """A skeleton at rest, parents before children; the first bone is the root, of no length.
+
+    Attributes:
+        bones: Name, end (3,) m in the rest frame, own frame (3, 3), freedoms in order.
+        parents: Index of each bone's parent, -1 for the root.
+        origin: (3,) m, of the root at rest.
+        degrees: Whether the file's angles are degrees.
+        unit: m, one of the file's units of length.
+    """
+
+    bones: tuple[_Bone, ...]
+    parents: tuple[int, ...]
+    origin: Array
+    degrees: bool
+    unit: float
+
+
+def read_asf(path: Path, unit: float | None = None) -> AcclaimSkeleton:
+    """Reads a skeleton.
+
+    Args:
+        path: The file.
+        unit: m, length of one of the file's units; None takes what it says, with inches.
+
+    Raises:
+        MotionError: It is no ASF file, is cut short, or a bone is incomplete.
+    """
+    sections = _sections(path)
+    for name in ("units", "root", "bonedata", "hierarchy"):
+        if name not in sections:
+            raise MotionError(
+                "this is not a whole ASF file", where=str(path), expected=f"a section :{name}"
+            )
+    units = {words[0]: words[1:] for _, words in sections["units"]}
+    length = numbers(units.get("length", ["1"]), 1, f"{path}, :units length")[0]
+    if length <= 0:
+        raise MotionError("this is no unit", where=f"{path}, :units length", got=length)
+    degrees = units.get("angle", ["deg"])[0].lower().startswith("deg")
+    unit = INCH / length if unit is None else unit
+    root, origin = _root(path, sections["root"], degrees, unit)
+    bones = {root.name: root}
+    for bone in _bones(path, sections["bonedata"], degrees, unit):
+        if bone.name in bones:
+            raise MotionError("two bones share a name", where=str(path), got=bone.name)
+        bones[bone.name] = bone
+    order = _ordered(path, sections["hierarchy"], bones)
+    place = {name: i for i, (name, _) in enumerate(order)}
+    return AcclaimSkeleton(
+        tuple(bones[name] for name, _ in order),
+        tuple(place[above] if above else -1 for _, above in order),
+        origin,
+        degrees,
+        unit,
+    )
+
+
+def read_amc(path: Path, skeleton: AcclaimSkeleton, rate: float | None = None) -> Motion:
+    """Reads a motion of a skeleton.
+
+    Args:
+        path: The file.
+        skeleton: From `read_asf`.
+        rate: Hz; the format does not say it. None takes what our own files say in a remark, and
+            otherwise CMU's 120.
+
+    Raises:
+        MotionError: It is no AMC file, a frame is incomplete or out of order, or a bone unknown.
+    """
+    lines = read_lines(path, "an AMC file")
+    if rate is None:
+        rate = _remarked_rate(lines, str(path))
+    if not 0 < rate < np.inf:
+        raise MotionError("this is no frame rate", got=rate, expected="a positive number of Hz")
+    degrees = skeleton.degrees
+    wanted = {bone.name: len(bone.freedoms) for bone in skeleton.bones if bone.freedoms}
+    frames: list[dict[str, list[float]]] = []
+    for n, line in enumerate(lines, start=1):
+        words = line.split()
+        where = f"{path}, line {n}"
+        if not words or words[0].startswith("#"):
+            continue
+        if words[0].startswith(":"):
+            if words[0].upper() in (":DEGREES", ":RADIANS"):
+                degrees = words[0].upper() == ":DEGREES"
+        elif len(words) == 1 and words[0].isdigit():
+            _check_whole(frames, wanted, where)
+            if int(words[0]) != len(frames) + 1:
+                raise MotionError(
+                    "a frame out of order", where=where, got=words[0], expected=str(len(frames) + 1)
+                )
+            frames.append({})
+        elif words[0] not in wanted or not frames or words[0] in frames[-1]:
+            raise MotionError(
+                "this line has no meaning here",
+                where=where,
+                got=line.strip()[:40],
+                expected="a frame's number, or a bone of the skeleton once a frame",
+            )
+        else:
+            frames[-1][words[0]] = numbers(words[1:], wanted[words[0]], where)
+    if not frames:
+        raise MotionError("there is no frame in it", where=str(path), expected="an AMC file")
+    _check_whole(frames, wanted, str(path))
+    columns = {name: np.array([frame[name] for frame in frames]) for name in wanted}
+    return _motion(skeleton, columns, len(frames), degrees, 1.0 / rate)
+
+
+def _remarked_rate(lines: list[str], where: str) -> float:
+    """Hz, out of a remark before the first frame."""
+    for line in lines[:20]:
+        if line.startswith(RATE_REMARK):
+            return numbers(line.removeprefix(RATE_REMARK).split(), 1, where)[0]
+    return CMU_RATE
+
+
+def _motion(
+    skeleton: AcclaimSkeleton,
+    columns: dict[str, Array],
+    frames: int,
+    degrees: bool,
+    frame_time: float,
+) -> Motion:
+    bones = skeleton.bones
+    shifts = np.zeros((frames, len(bones), 3))
+    rotations = np.empty((frames, len(bones), 3, 3))
+    for j, (bone, parent) in enumerate(zip(bones, skeleton.parents, strict=True)):
+        shifts[:, j] = skeleton.origin if parent < 0 else bones[parent].end
+        axes, angles = "", []
+        for i, freedom in enumerate(bone.freedoms):
+            column = columns[bone.name][:, i]
+            if freedom in _SHIFTS:
+                shifts[:, j, _SHIFTS[freedom]] += column * skeleton.unit
+            else:
+                axes += _TURNS[freedom]
+                angles.append(np.deg2rad(column) if degrees else column)
+        stacked = np.stack(angles, axis=-1) if angles else np.zeros((frames, 0))
+        turn = turned_in_turn(stacked, axes, fixed=True)
+        # Bones at rest share one frame, so that a child's rest needs no turn of its own.
+        rotations[:, j] = bone.frame @ turn @ bone.frame.T
+    ends = np.array([bone.end for bone in bones])
+    ends[0] = np.nan
+    names = tuple(bone.name for bone in bones)
+    return Motion(names, skeleton.parents, shifts, rotations, ends, frame_time)
+
+
+def _sections(path: Path) -> dict[str, list[tuple[str, list[str]]]]:
+    """Section -> its lines, each with where it stands and its words."""
+    sections: dict[str, list[tuple[str, list[str]]]] = {}
+    current: list[tuple[str, list[str]]] = []
+    for n, line in enumerate(read_lines(path, "an ASF file"), start=1):
+        words = line.split()
+        if not words or words[0].startswith("#"):
+            continue
+        if words[0].startswith(":"):
+            current = sections.setdefault(words[0][1:].lower(), [])
+        else:
+            current.append((f"{path}, line {n}", words))
+    return sections
+
+
+def _root(
+    path: Path, lines: list[tuple[str, list[str]]], degrees: bool, unit: float
+) -> tuple[_Bone, Array]:
+    said = {words[0].lower(): (where, words[1:]) for where, words in lines}
+    for key in ("order", "axis", "position", "orientation"):
+        if key not in said:
+            raise MotionError("the root is incomplete", where=str(path), expected=key)
+    angles = numbers(said["orientation"][1], 3, said["orientation"][0])
+    frame = _frame(angles, said["axis"][1], degrees, said["axis"][0])
+    origin = unit * np.array(numbers(said["position"][1], 3, said["position"][0]))
+    freedoms = _freedoms(said["order"][1], said["order"][0])
+    return _Bone("root", np.zeros(3), frame, freedoms), origin
+
+
+def _bones(
+    path: Path, lines: list[tuple[str, list[str]]], degrees: bool, unit: float
+) -> list[_Bone]:
+    bones = []
+    said: dict[str, tuple[str, list[str]]] | None = None
+    for where, words in lines:
+        key = words[0].lower()
+        if key == "begin" and said is None:
+            said = {}
+        elif key == "end" and said is not None:
+            bones.append(_bone(said, degrees, unit, where))
+            said = None
+        elif said is None:
+            raise MotionError("this line belongs to no bone", where=where, got=" ".join(words)[:40])
+        else:
+            said.setdefault(key, (where, words[1:]))
+    if said is not None or not bones:
+        raise MotionError("the bones are cut short", where=str(path), expected="begin .. end")
+    return bones
+
+
+def _bone(said: dict[str, tuple[str, list[str]]], degrees: bool, unit: float, where: str) -> _Bone:
+    for key in ("name", "direction", "length", "axis"):
+        if key not in said or not said[key][1]:
+            raise MotionError("a bone is incomplete", where=where, expected=key)
+    direction = np.array(numbers(said["direction"][1], 3, said["direction"][0]))
+    size = float(np.linalg.norm(direction))
+    if size < 1e-6:
+        raise MotionError("a bone has no direction", where=said["direction"][0])
+    length = numbers(said["length"][1], 1, said["length"][0])[0]
+    place, words = said["axis"]
+    frame = _frame(numbers(words[:3], 3, place), words[3:], degrees, place)
+    freedoms = _freedoms(said["dof"][1], said["dof"][0]) if "dof" in said else ()
+    return _Bone(said["name"][1][0], direction / size * length * unit, frame, freedoms)
+
+
+def _frame(angles: list[float], order: list[str], degrees: bool, where: str) -> Array:
+    axes = "".join(order).lower()
+    if sorted(axes) != ["x", "y", "z"]:
+        raise MotionError("this is no order of axes", where=where, got=axes, expected="XYZ")
+    turned = np.deg2rad(angles) if degrees else np.array(angles)
+    return turned_in_turn(turned, axes, fixed=True)
+
+
+def _freedoms(words: list[str], where: str) -> tuple[str, ...]:
+    freedoms = tuple(word.lower() for word in words)
+    known = {*_TURNS, *_SHIFTS}
+    if not set(freedoms) <= known or len(set(freedoms)) != len(freedoms):
+        raise MotionError(
+            "these are no freedoms", where=where, got=" ".join(words), expected="tx .. tz, rx .. rz"
+        )
+    return freedoms
+
+
+def _ordered(
+    path: Path, lines: list[tuple[str, list[str]]], bones: dict[str, _Bone]
+) -> list[tuple[str, str]]:
+    """(bone, its parent) from the root outwards; the root's parent is empty."""
+    order = [("root", "")]
+    placed = {"root"}
+    for where, words in lines:
+        if words[0].lower() in ("begin", "end"):
+            continue
+        for child in words[1:]:
+            if words[0] not in placed or child in placed or child not in bones:
+                raise MotionError(
+                    "the hierarchy is broken",
+                    where=where,
+                    got=f"{child} under {words[0]}"[:60],
+                    expected="each bone once, under one that is placed already",
+                )
+            order.append((child, words[0]))
+            placed.add(child)
+    if missing := sorted(set(bones) - placed):
+        raise MotionError("bones without a parent", where=str(path), got=", ".join(missing)[:60])
+    return order
+
+
+def _check_whole(frames: list[dict[str, list[float]]], wanted: dict[str, int], where: str) -> None:
+    """That the last frame so far has every bone."""
+    if frames and (missing := sorted(set(wanted) - set(frames[-1]))):
+        raise MotionError(
+            "a frame is incomplete",
+            where=f"{where}, frame {len(frames)}",
+            got="without " + ", ".join(missing)[:60],
+            expected="every bone of the skeleton",
+        )

@@ -1,0 +1,135 @@
+"""Labelled 3-D markers over time, as Qualisys Track Manager exports them to text.
+
+A head of `KEY<TAB>value` lines, then one line a frame. Where the recorder lost sight of a marker,
+the three numbers are empty, `nan` or all zero.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.errors import MotionError
+from models.motion.read.text import numbers, read_lines
+
+Array = NDArray[np.float64]
+
+MILLIMETRE = 0.001
+"""m, the unit of Qualisys exports."""
+
+_GAPS = ("", "nan")
+"""What stands for a number that there is none of."""
+
+
+@dataclass(frozen=True)
+class MarkerTracks:
+    """T frames of M markers.
+
+    Attributes:
+        names: Of the markers, unique.
+        time: (T,) s, increasing.
+        places: (T, M, 3) m in the recorder's frame, NaN where a marker was not seen.
+    """
+
+    names: tuple[str, ...]
+    time: Array
+    places: Array
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+
+def read_markers(path: Path, unit: float = MILLIMETRE) -> MarkerTracks:
+    """Reads a Qualisys TSV file, plain or packed with gzip.
+
+    Args:
+        path: The file.
+        unit: m, length of one of the file's units.
+
+    Raises:
+        MotionError: It is no such file, is cut short, or holds what is no finite number.
+    """
+    lines = read_lines(path, "a Qualisys TSV file")
+    head: dict[str, list[str]] = {}
+    at = 0
+    # Keys are capitals; the first line that does not begin with one belongs to the table.
+    while at < len(lines):
+        key, *values = lines[at].rstrip("\t").split("\t")
+        if not key or key != key.upper() or key[0].isdigit() or key[0] in "-+.":
+            break
+        head[key] = values
+        at += 1
+    names = _names(path, head)
+    frames = _count(path, head, "NO_OF_FRAMES")
+    rate = numbers(head.get("FREQUENCY", []), 1, f"{path}, FREQUENCY")[0]
+    if rate <= 0:
+        raise MotionError("this is no frame rate", where=f"{path}, FREQUENCY", got=rate)
+    # A line of column titles may follow, and Frame and Time columns with it.
+    titles = lines[at].split("\t") if at < len(lines) else []
+    lead = 0
+    if titles and titles[0].strip() and not _is_number(titles[0]):
+        lead = sum(title.strip() in ("Frame", "Time") for title in titles[:2])
+        at += 1
+    rows = [(n, line) for n, line in enumerate(lines[at:], start=at + 1) if line.strip()]
+    if len(rows) != frames:
+        raise MotionError(
+            "the number of frames is not the one the file states",
+            where=str(path),
+            got=len(rows),
+            expected=str(frames),
+            remedy="The file was probably cut short",
+        )
+    width = lead + 3 * len(names)
+    places = np.array([_row(line, width, f"{path}, line {n}")[lead:] for n, line in rows])
+    places = places.reshape(frames, len(names), 3)
+    unseen = (np.nan_to_num(places) == 0).all(axis=2) | np.isnan(places).any(axis=2)
+    places[unseen] = np.nan
+    return MarkerTracks(names, np.arange(frames) / rate, places * unit)
+
+
+def _row(line: str, width: int, where: str) -> list[float]:
+    """A line's numbers; NaN for empty cells."""
+    cells = [cell.strip() for cell in line.rstrip("\r\n").split("\t")]
+    if len(cells) == width + 1 and not cells[-1]:
+        cells.pop()  # many exports end every line with a tab
+    if len(cells) != width:
+        raise MotionError(
+            "wrong number of values", where=where, got=len(cells), expected=f"{width}"
+        )
+    return [np.nan if cell.lower() in _GAPS else numbers([cell], 1, where)[0] for cell in cells]
+
+
+def _names(path: Path, head: dict[str, list[str]]) -> tuple[str, ...]:
+    names = tuple(name.strip() for name in head.get("MARKER_NAMES", []))
+    if not names or len(set(names)) != len(names) or not all(names):
+        raise MotionError(
+            "this is not a Qualisys TSV file",
+            where=str(path),
+            expected="a line MARKER_NAMES with different names",
+        )
+    if "NO_OF_MARKERS" in head and _count(path, head, "NO_OF_MARKERS") != len(names):
+        raise MotionError(
+            "the number of markers is not the one the file states",
+            where=str(path),
+            got=len(names),
+            expected=head["NO_OF_MARKERS"][0],
+        )
+    return names
+
+
+def _count(path: Path, head: dict[str, list[str]], key: str) -> int:
+    value = numbers(head.get(key, []), 1, f"{path}, {key}")[0]
+    if value < 1 or value != int(value):
+        raise MotionError("this is no count", where=f"{path}, {key}", got=value)
+    return int(value)
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True

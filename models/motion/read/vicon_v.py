@@ -1,0 +1,212 @@
+"""Vicon V files (.v): the motion of a skeleton in numbers, binary.
+
+After "V#" and a version come sections: a header of 32 bytes with length and name, then records that
+begin with their length and end with an empty one. A header of zeros ends them, and records of
+numbers follow, one a frame. Little endian; millimetres and radians, z up; a segment has a rotation
+vector `<a-X>` .. `<a-Z>` and, where it moves freely, a place `<t-X>` .. `<t-Z>`.
+
+Vicon's own description (issue 2 of 2001) could be read in parts only. The rest follows a reader
+that was written for real files (readV.m of ComedyLab).
+"""
+
+from __future__ import annotations
+
+import re
+import struct
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.errors import MotionError
+from models.motion.motion import Motion
+from models.motion.read.text import LARGEST, MOST
+from models.motion.read.vsk import MILLIMETRE, ViconSkeleton
+from models.rotations import exp
+
+Array = NDArray[np.float64]
+
+MAGIC, VERSION = b"V#", 1
+SECTION = struct.Struct("<I28s")
+RECORD = struct.Struct("<HHI")
+"""Length of what follows it, group, frame."""
+TYPES = {3: "<i2", 4: "<i4", 5: "<f4", 6: "<f8"}
+"""Of the numbers; anything else is a byte."""
+
+_LABEL = re.compile(
+    r"(?:(?P<subject>[^:]*):)?(?P<segment>.+?)\s*<(?P<kind>[atAT])-(?P<axis>[XYZ])>"
+)
+
+
+@dataclass(frozen=True)
+class ViconMotion:
+    """Numbers over time.
+
+    Attributes:
+        labels: One for each column.
+        rate: Hz.
+        values: (T, columns), mm and rad.
+    """
+
+    labels: tuple[str, ...]
+    rate: float
+    values: Array
+
+
+def read_v(path: Path) -> ViconMotion:
+    """Reads a V file.
+
+    Raises:
+        MotionError: It is none, is cut short, or holds what is no finite number.
+    """
+    try:
+        if path.stat().st_size > LARGEST:
+            raise MotionError("the file is too large", where=str(path), expected=f"{LARGEST:,}")
+        data = path.read_bytes()
+    except FileNotFoundError:
+        raise MotionError("there is no such file", where=str(path)) from None
+    except OSError as error:
+        raise MotionError("it cannot be read", where=str(path), got=error.strerror) from None
+    if data[:2] != MAGIC:
+        raise MotionError("this is not a V file", where=str(path), expected="a file that begins V#")
+    try:
+        group, at = _groups(data)
+        return _values(path, data, group, at)
+    except (struct.error, IndexError, ValueError):
+        raise MotionError(
+            "the V file is damaged", where=str(path), remedy="It was probably cut short"
+        ) from None
+
+
+def motion_of(
+    path: Path, skeleton: ViconSkeleton, motion: ViconMotion, unit: float = MILLIMETRE
+) -> Motion:
+    """The motion of a skeleton; its markers become joints that never turn.
+
+    Args:
+        path: Of the motion, for messages.
+        skeleton: From `read_vsk`.
+        motion: From `read_v`.
+        unit: m, length of one of the file's units.
+
+    Raises:
+        MotionError: The file moves none of the skeleton's segments, or another subject's.
+    """
+    columns: dict[tuple[str, str, str], int] = {}
+    for i, label in enumerate(motion.labels):
+        found = _LABEL.fullmatch(label.strip())
+        if not found or found["segment"] not in skeleton.names:
+            continue
+        key = (found["segment"], found["kind"].lower(), found["axis"])
+        if key in columns:
+            raise MotionError(
+                "two subjects move the same segments", where=str(path), got=label[:60],
+                remedy="Export one subject alone",
+            )  # fmt: skip
+        columns[key] = i
+    if not columns:
+        raise MotionError(
+            "it moves none of the skeleton's segments", where=str(path),
+            got=", ".join(motion.labels[:4]), expected=f"{skeleton.names[0]} <a-X>",
+        )  # fmt: skip
+
+    def vectors(name: str, kind: str) -> Array | None:
+        here = [columns.get((name, kind, axis)) for axis in "XYZ"]
+        if None in here:
+            return None
+        return np.asarray(motion.values[:, [i for i in here if i is not None]])
+
+    count, joints = len(motion.values), len(skeleton.names)
+    shifts = np.tile(np.array(skeleton.positions), (count, 1, 1))
+    rotations = np.tile(np.array(skeleton.frames), (count, 1, 1, 1))
+    for j, name in enumerate(skeleton.names):
+        turn, place = vectors(name, "a"), vectors(name, "t")
+        if turn is not None:
+            rotations[:, j] = rotations[:, j] @ exp(turn)
+        elif skeleton.joints[j] != "JointDummy" and skeleton.parents[j] < 0:
+            raise MotionError("the root does not move", where=str(path), got=name[:40])
+        if place is not None:
+            shifts[:, j] = unit * place
+    ends = np.full((joints, 3), np.nan)
+    marks = [m for m in skeleton.markers if m not in skeleton.names]
+    names = (*skeleton.names, *marks)
+    parents = (*skeleton.parents, *(skeleton.markers[m][0] for m in marks))
+    if marks:
+        places = np.array([skeleton.markers[m][1] for m in marks])
+        shifts = np.concatenate([shifts, np.tile(places, (count, 1, 1))], axis=1)
+        still = np.tile(np.eye(3), (count, len(marks), 1, 1))
+        rotations = np.concatenate([rotations, still], axis=1)
+        ends = np.concatenate([ends, np.full((len(marks), 3), np.nan)])
+    return Motion(names, parents, shifts, rotations, ends, 1.0 / motion.rate)
+
+
+@dataclass(frozen=True)
+class _Group:
+    number: int
+    kind: str
+    rate: float
+    labels: tuple[str, ...]
+
+
+def _groups(data: bytes) -> tuple[_Group, int]:
+    """The group of numbers, and where the records of all groups begin."""
+    (version,) = struct.unpack_from("<h", data, 2)
+    if version != VERSION:
+        raise ValueError
+    at, found = 4, None
+    while True:
+        length, name = SECTION.unpack_from(data, at)
+        at += SECTION.size
+        if not length and not name.strip(b"\0"):
+            break
+        if name.rstrip(b"\0").split(b"\0")[0] == b"DATAGROUP" and found is None:
+            found = _group(data, at)
+        at += length
+    if found is None:
+        raise ValueError
+    return found, at
+
+
+def _group(data: bytes, at: int) -> _Group:
+    _, number, described = struct.unpack_from("<HHB", data, at)
+    at += 5 + described
+    kind, width, rate, count = struct.unpack_from("<BBdH", data, at)
+    at += 12
+    labels = []
+    for _ in range(count):
+        end = at + 1 + data[at]
+        labels.append(data[at + 1 : end].rstrip(b"\0").decode("latin-1"))
+        at = end
+    dtype = TYPES.get(kind, "<i1")
+    if not (0 < rate < 1e6) or np.dtype(dtype).itemsize != width or not labels:
+        raise ValueError
+    return _Group(number, dtype, rate, tuple(labels))
+
+
+def _values(path: Path, data: bytes, group: _Group, at: int) -> ViconMotion:
+    size = np.dtype(group.kind).itemsize * len(group.labels)
+    rows = []
+    frame = -1
+    while at + 2 <= len(data):
+        length, number, this = RECORD.unpack_from(data, at)
+        if not length:
+            break
+        if number == group.number:
+            if length != size + RECORD.size - 2 or at + RECORD.size + size > len(data):
+                raise ValueError  # of another length, or cut short
+            if this <= frame:
+                raise MotionError("a frame out of order", where=f"{path}, frame {this}")
+            frame = this
+            rows.append(np.frombuffer(data, group.kind, len(group.labels), at + RECORD.size))
+        at += 2 + length
+    if not rows:
+        raise MotionError("there is no frame in it", where=str(path))
+    values = np.array(rows, float)
+    if not np.isfinite(values).all():
+        raise MotionError("it holds what is no finite number", where=str(path))
+    if np.abs(values).max() > MOST:
+        raise MotionError(
+            "it holds too large a number", where=str(path), expected=f"up to {MOST:g}"
+        )
+    return ViconMotion(group.labels, group.rate, values)

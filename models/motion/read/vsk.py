@@ -1,0 +1,152 @@
+"""Vicon skeletons (.vsk): segments inside one another, each with its joint; markers on them.
+
+XML, millimetres, radians. A segment's `POSITION` and `ORIENTATION` (a rotation vector) are its
+joint's in the parent segment; any of the numbers may be the name of a parameter, with a sign.
+Nobody has printed the format: this follows a genuine file and the reader of the DART library.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.errors import MotionError
+from models.motion.read.text import numbers, read_lines
+from models.rotations import exp
+
+Array = NDArray[np.float64]
+
+MILLIMETRE = 0.001
+
+JOINTS = {
+    "JointFree": 6, "JointBall": 3, "JointHardySpicer": 2, "JointHinge": 1, "JointDummy": 0,
+}  # fmt: skip
+"""Kinds of joints, and their degrees of freedom."""
+
+DEEPEST = 100
+"""Segments inside one another, beyond which a file is damaged."""
+
+
+@dataclass
+class ViconSkeleton:
+    """A skeleton at rest, parents before children.
+
+    Attributes:
+        names: Of the segments, unique.
+        parents: Index of each segment's parent, -1 for a root.
+        positions: (3,) m of each, in its parent.
+        frames: (3, 3) of each, parent from segment at rest.
+        joints: Kind of each one's joint, a key of `JOINTS`.
+        markers: Name -> segment and place (3,) m in it.
+    """
+
+    names: list[str] = field(default_factory=list)
+    parents: list[int] = field(default_factory=list)
+    positions: list[Array] = field(default_factory=list)
+    frames: list[Array] = field(default_factory=list)
+    joints: list[str] = field(default_factory=list)
+    markers: dict[str, tuple[int, Array]] = field(default_factory=dict)
+
+    @property
+    def freedoms(self) -> int:
+        """Degrees of freedom of all joints."""
+        return sum(JOINTS[kind] for kind in self.joints)
+
+
+def read_vsk(path: Path, unit: float = MILLIMETRE) -> ViconSkeleton:
+    """Reads a skeleton.
+
+    Args:
+        path: The file.
+        unit: m, length of one of the file's units.
+
+    Raises:
+        MotionError: It is no VSK file, is damaged, or two of its segments share a name.
+    """
+    text = "\n".join(read_lines(path, "a VSK file"))
+    if "<!DOCTYPE" in text or "<!ENTITY" in text:
+        raise MotionError("a skeleton has no business with entities", where=str(path))
+    try:
+        root = ElementTree.fromstring(text)
+    except (ElementTree.ParseError, ValueError) as error:
+        raise MotionError(
+            "this is not a whole VSK file", where=str(path), got=str(error), expected="XML"
+        ) from None
+    skeleton = root.find("Skeleton")
+    if root.tag != "KinematicModel" or skeleton is None:
+        raise MotionError(
+            "this is not a VSK file", where=str(path), got=f"<{root.tag}>"[:40],
+            expected="<KinematicModel> with a <Skeleton>",
+        )  # fmt: skip
+    reader = _Reader(path, unit, _parameters(path, root))
+    for segment in skeleton.findall("Segment"):
+        reader.segment(segment, -1, 1)
+    if not reader.found.names:
+        raise MotionError("there is no segment in it", where=str(path))
+    for marker in root.iter("Marker"):
+        reader.marker(marker)
+    return reader.found
+
+
+def _parameters(path: Path, root: ElementTree.Element) -> dict[str, float]:
+    out = {}
+    for one in root.iterfind("Parameters/Parameter"):
+        name = one.get("NAME", "")
+        out[name] = numbers([one.get("VALUE", "")], 1, f"{path}, parameter {name}"[:120])[0]
+    return out
+
+
+class _Reader:
+    def __init__(self, path: Path, unit: float, parameters: dict[str, float]) -> None:
+        self._path, self._unit, self._parameters = path, unit, parameters
+        self.found = ViconSkeleton()
+
+    def segment(self, element: ElementTree.Element, parent: int, depth: int) -> None:
+        """Takes in a segment and what is inside it."""
+        name = element.get("NAME", "")
+        where = f"{self._path}, segment {name}"[:120]
+        if not name or name in self.found.names:
+            raise MotionError("a segment needs a name of its own", where=str(self._path), got=name)
+        if depth > DEEPEST:
+            raise MotionError(
+                "segments inside one another without end", where=where, expected=f"{DEEPEST} deep"
+            )
+        kinds = [child.tag for child in element if child.tag.startswith("Joint")]
+        if len(kinds) != 1 or kinds[0] not in JOINTS:
+            raise MotionError(
+                "a segment needs one joint", where=where, got=", ".join(kinds)[:60],
+                expected=", ".join(JOINTS),
+            )  # fmt: skip
+        index = len(self.found.names)
+        self.found.names.append(name)
+        self.found.parents.append(parent)
+        self.found.positions.append(self._unit * self._vector(element, "POSITION", where))
+        self.found.frames.append(exp(self._vector(element, "ORIENTATION", where)))
+        self.found.joints.append(kinds[0])
+        for child in element.findall("Segment"):
+            self.segment(child, index, depth + 1)
+
+    def marker(self, element: ElementTree.Element) -> None:
+        """Takes in a marker."""
+        name, segment = element.get("NAME", ""), element.get("SEGMENT", "")
+        where = f"{self._path}, marker {name}"[:120]
+        if segment not in self.found.names:
+            raise MotionError("a marker on no segment", where=where, got=segment[:40])
+        place = self._unit * self._vector(element, "POSITION", where)
+        self.found.markers[name] = (self.found.names.index(segment), place)
+
+    def _vector(self, element: ElementTree.Element, key: str, where: str) -> Array:
+        """(3,) numbers, or parameters by name."""
+        words = element.get(key, "0 0 0").split()
+        return np.array(numbers([self._number(word) for word in words], 3, f"{where}, {key}"))
+
+    def _number(self, word: str) -> str:
+        sign, name = ("-", word[1:]) if word.startswith("-") else ("", word)
+        if name in self._parameters:
+            value = self._parameters[name]
+            return repr(-value if sign else value)
+        return word

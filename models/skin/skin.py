@@ -1,0 +1,213 @@
+"""The skin of a hand: a surface that bends with the bones.
+
+It is made once for the built-in hand (`python -m tools.skin.make_skin`) and shipped. Every other
+hand gets it stretched along its own bones, a left one mirrored. Posing is linear: each vertex is
+the weighted mean of where its bones would carry it, as MuJoCo's skins, glTF and three.js have it.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, replace
+from functools import cache, cached_property
+from importlib.resources import files
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from models.kinematics import Kinematics
+from models.pose import POSE_SIZE, ROOT_POSITION, ROOT_ROTATION
+from models.rotations import exp
+from models.skeleton import ADULT, Skeleton
+
+Array = NDArray[np.float64]
+
+BONES = 15
+"""Palm and 14 phalanges."""
+SKIN_FILE = "data/skin.npz"
+FULL = 255
+"""Weights are whole shares of this, so that they sum to one exactly in every format."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """Vertices and triangles that look alike: `skin`, `nail_thumb`, ..., `cuff`, `sleeve`."""
+
+    name: str
+    vertices: slice
+    triangles: slice
+
+
+@dataclass(frozen=True, eq=False)
+class Skin:
+    """A skin at the zero pose, in the palm's frame.
+
+    Attributes:
+        skeleton: Whose bones carry it.
+        rest: (n, 3) m, vertices.
+        triangles: (m, 3) vertices, counterclockwise seen from outside.
+        bones: (n, 4) which bones carry a vertex: 0 the palm, then the skeleton's in its order.
+        weights: (n, 4) shares of these bones, of 255, the greatest first.
+        tone: (n, 2) 0 to 1: how warm and how bright the skin is there; on a nail, how near its free
+            edge, and 1.
+        parts: In the order of the vertices.
+    """
+
+    skeleton: Skeleton
+    rest: Array
+    triangles: NDArray[np.int64]
+    bones: NDArray[np.uint8]
+    weights: NDArray[np.uint8]
+    tone: Array
+    parts: tuple[Part, ...]
+
+    @staticmethod
+    def builtin() -> Skin:
+        """The shipped skin, of `ADULT`."""
+        return _builtin()
+
+    def part(self, name: str) -> Part:
+        """One of the parts."""
+        return next(p for p in self.parts if p.name == name)
+
+    def fitted(self, skeleton: Skeleton) -> Skin:
+        """The same skin on another hand of 14 bones, of either side.
+
+        Every bone stretches its share in length by its length and in width by its radius.
+        """
+        if skeleton is self.skeleton:
+            return self
+        same = skeleton.side == self.skeleton.side
+        # Stretched on its own side, since mirrored bones have mirrored frames.
+        target = skeleton if same else skeleton.mirrored()
+        places, turns = frames(target, np.zeros(POSE_SIZE))
+        here, rotation = frames(self.skeleton, np.zeros(POSE_SIZE))
+        local = np.einsum("bji,bnj->bni", rotation, self.rest[None] - here[:, None])
+        stretched = local * _stretch(self.skeleton, target)[:, None]
+        moved = np.einsum("bij,bnj->bni", turns, stretched) + places[:, None]
+        rest = np.einsum("nb,bni->ni", self.shares, moved)
+        if same:
+            return replace(self, skeleton=skeleton, rest=rest)
+        return replace(
+            self,
+            skeleton=skeleton,
+            rest=rest * [-1.0, 1.0, 1.0],
+            triangles=self.triangles[:, ::-1],
+        )
+
+    @cached_property
+    def shares(self) -> Array:
+        """(n, 15) weights of all bones, rows sum to one."""
+        return dense(self.bones, self.weights)
+
+    def posed(self, positions: ArrayLike, rotations: ArrayLike) -> Array:
+        """(..., n, 3) m, vertices where the bones are.
+
+        Args:
+            positions: (..., 15, 3) m, the palm's origin and the ball joints, in any one frame.
+            rotations: (..., 15, 3, 3) of palm and bones in it.
+        """
+        blended = self._blended(positions, rotations)
+        return np.einsum("...nij,nj->...ni", blended[..., :3], self.rest) + blended[..., 3]
+
+    def normals(self, positions: ArrayLike, rotations: ArrayLike) -> Array:
+        """(..., n, 3) unit vectors out of the posed skin: those of the zero pose, turned along.
+
+        Where skin stretches they are a few degrees off; `normals_of` gives the posed surface's own,
+        in about ten times the time.
+        """
+        blended = self._blended(positions, rotations)
+        out = np.einsum("...nij,nj->...ni", blended[..., :3], self._normals)
+        return out / np.maximum(np.linalg.norm(out, axis=-1, keepdims=True), 1e-12)
+
+    def _blended(self, positions: ArrayLike, rotations: ArrayLike) -> Array:
+        """(..., n, 3, 4) the weighted mean of each vertex's bones' motions."""
+        moves = motions(*self._bind, positions, rotations)
+        blended = self.shares @ moves.reshape(*moves.shape[:-2], 12)
+        return np.asarray(blended.reshape(*blended.shape[:-1], 3, 4))
+
+    @cached_property
+    def _normals(self) -> Array:
+        return normals_of(self.rest, self.triangles)
+
+    @cached_property
+    def _bind(self) -> tuple[Array, Array]:
+        return frames(self.skeleton, np.zeros(POSE_SIZE))
+
+    def at(self, q: ArrayLike) -> Array:
+        """(..., n, 3) m, vertices at poses (..., 48), in the frame of the pose's root."""
+        return self.posed(*frames(self.skeleton, q))
+
+
+def frames(skeleton: Skeleton, q: ArrayLike) -> tuple[Array, Array]:
+    """Palm and bones at poses (..., 48): positions (..., 15, 3) and rotations (..., 15, 3, 3)."""
+    q = np.asarray(q, float)
+    placed = Kinematics(skeleton).place(q)
+    palm = exp(q[..., ROOT_ROTATION])
+    return (
+        np.concatenate([q[..., None, ROOT_POSITION], placed.joints], axis=-2),
+        np.concatenate([palm[..., None, :, :], placed.rotations], axis=-3),
+    )
+
+
+def motions(here: Array, turn: Array, positions: ArrayLike, rotations: ArrayLike) -> Array:
+    """(..., 15, 3, 4) motions of bones: a turn and a shift.
+
+    Args:
+        here: (15, 3) m, where they were.
+        turn: (15, 3, 3) how they were turned.
+        positions: (..., 15, 3) m, where they are.
+        rotations: (..., 15, 3, 3) how they are turned.
+    """
+    total = np.asarray(rotations, float) @ np.swapaxes(turn, -1, -2)
+    shift = np.asarray(positions, float) - (total @ here[..., None])[..., 0]
+    return np.concatenate([total, shift[..., None]], axis=-1)
+
+
+def dense(bones: NDArray[np.uint8], weights: NDArray[np.uint8]) -> Array:
+    """(n, 15) shares of all bones, of four bones (n, 4) and their whole shares (n, 4) of 255."""
+    out = np.zeros((len(bones), BONES))
+    # Unused places name bone 0 with no weight.
+    np.add.at(out, (np.arange(len(bones))[:, None], bones), weights / FULL)
+    return out
+
+
+def normals_of(vertices: Array, triangles: NDArray[np.int64]) -> Array:
+    """(n, 3) unit normals of vertices (n, 3): the mean of their triangles', by area."""
+    a, b, c = (vertices[triangles[:, i]] for i in range(3))
+    faces = np.cross(b - a, c - a)
+    total = np.stack(
+        [
+            np.bincount(triangles.ravel(), np.repeat(faces[:, i], 3), len(vertices))
+            for i in range(3)
+        ],
+        axis=1,
+    )
+    return total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-30)
+
+
+def _stretch(old: Skeleton, new: Skeleton) -> Array:
+    """(15, 3) factors across, along and through the palm and each bone."""
+    knuckles = [np.array([s.bones[i].anchor for i in s.first_bone[1:]]) for s in (old, new)]
+    wide = np.ptp(knuckles[1][:, 0]) / np.ptp(knuckles[0][:, 0])
+    long = knuckles[1][:, 1].mean() / knuckles[0][:, 1].mean()
+    thick = new.palm_radius / old.palm_radius
+    rows = [(wide, long, thick)]
+    for a, b in zip(old.bones, new.bones, strict=True):
+        rows.append((b.radius / a.radius, b.length / a.length, b.radius / a.radius))
+    return np.array(rows)
+
+
+@cache
+def _builtin() -> Skin:
+    with (files("models") / SKIN_FILE).open("rb") as file, np.load(file, allow_pickle=False) as z:
+        header = json.loads(bytes(z["header"].tobytes()).decode())
+        rest = z["rest"] * header["step"] + np.array(header["corner"])
+        tone = z["tone"] / 255.0
+        triangles, bones, weights = z["triangles"].astype(np.int64), z["bones"], z["weights"]
+    parts = tuple(
+        Part(p["name"], slice(*p["vertices"]), slice(*p["triangles"])) for p in header["parts"]
+    )
+    for array in (rest, tone, triangles, bones, weights):
+        array.flags.writeable = False
+    return Skin(ADULT, rest, triangles, bones, weights, tone, parts)

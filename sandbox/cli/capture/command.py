@@ -1,0 +1,303 @@
+"""`sandbox capture`: recordings of touches and hands become a capture to train on.
+
+`sandbox capture record` makes such recordings with a Leap, `sandbox capture simulate` makes them
+without one; both have modules of their own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+import tyro
+from rich.console import Console
+from rich.progress import Progress
+from rich.table import Table
+
+from encoders.capture import Capture
+from encoders.captures.conversion import (
+    ConversionReport,
+    ConversionRules,
+    JointTrack,
+    capture_from_poses,
+    capture_from_touches,
+)
+from encoders.store import save_capture
+from models.errors import InputError
+from models.surface import Surface, parse_surface
+from sandbox.cli.capture.hand_files import read_hand, read_mapping
+from sandbox.cli.capture.touch_files import read_touch_log
+from sandbox.cli.common.parse import parse
+
+
+@dataclass(frozen=True)
+class CaptureOptions:
+    """Makes a capture of your own recordings: what fingers touched, and how the hand was posed.
+
+    Give --touches and --joints, recorded at the same time; or --markers (or --joints) alone, and
+    touches are where fingertips come near the surface.
+
+    Touches: a recording of this program, a capture of TUIO packets (with --surface), or the output
+    of `sandbox touches show --json`. Joints: BVH, AMC (with its ASF) or Vicon V (with its VSK),
+    whose joints our skeleton is fitted to, or CSV with `time`, `root_x` .. `root_rz`,
+    `index_mcp_rx` .. in m and rad. Markers: a Qualisys TSV file, plain or packed. Joints and
+    markers that are named as in Mixamo rigs or Qualisys glove recordings are recognised; others
+    need a --mapping file:
+
+        [points]
+        RIDX3 = "index_tip_skin"
+        RWRB = { bone = "palm", at = [0.02, 0.0, 0.01] }
+        [surface]
+        top_left = [0, 0, 0]
+        top_right = [197, 0, 0]
+        bottom_left = [0, -148, 0]
+
+    Points are wrist, FINGER_mcp, FINGER_pip, FINGER_dip, FINGER_tip, thumb_cmc, thumb_mcp,
+    thumb_ip, thumb_tip, each but the wrist also with _skin for a marker on the skin above it, and
+    back_front, back_left, back_right on the back of the hand. The corners of the surface are in
+    the recording's own units, or names of markers that lie on them.
+
+    Each touch gets the finger whose tip is nearest. Dropped and counted are: frames with one
+    finger, frames without a pose, contacts shorter than 50 ms, places that jump faster than 3 m/s,
+    the ends of touches that never end, frames whose time runs backwards, contacts with no
+    fingertip within 25 mm, and contacts that are nearer to another finger for a fifth of their
+    time. docs/captures.md tells how to record.
+
+    With a Leap instead of a studio (docs/own-hand.md): --recorded FOLDER of `sandbox capture
+    record`, which guides you through it, or of `sandbox capture simulate`. The clocks' offset is
+    found from taps, the device's place from touches, and --joints, --mapping are not needed.
+
+    Try, with a simulated session, then with recordings of your own:
+
+        sandbox capture simulate --out session
+        sandbox capture --recorded session --out c.npz
+        sandbox capture --touches t.jsonl --joints hand.bvh --mapping m.toml --sync tap --out c.npz
+        sandbox train --capture c.npz --out mine.npz
+    """
+
+    out: Annotated[Path, tyro.conf.arg(metavar="FILE")]
+    """Where the capture goes; a file that is there is replaced."""
+
+    touches: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """The touches."""
+
+    joints: Annotated[Path | None, tyro.conf.arg(metavar="FILE.bvh|.amc|.v|.csv")] = None
+    """The hand's joints."""
+
+    skeleton: Annotated[Path | None, tyro.conf.arg(metavar="FILE.asf|.vsk")] = None
+    """The skeleton of an .amc or .v; otherwise the file of the same name beside it."""
+
+    joints_rate: Annotated[float | None, tyro.conf.arg(metavar="HZ")] = None
+    """Frames a second of an .amc, which does not tell; 120 unless it is one of our own."""
+
+    markers: Annotated[Path | None, tyro.conf.arg(metavar="FILE.tsv")] = None
+    """Markers on the hand, instead of joints."""
+
+    recorded: Annotated[Path | None, tyro.conf.arg(metavar="FOLDER")] = None
+    """Touches and hand of one session with a Leap, by `sandbox capture record`."""
+
+    hands: Annotated[Path | None, tyro.conf.arg(metavar="FILE.json|.jsonl")] = None
+    """The hand as a Leap saw it, with --touches recorded at the same time."""
+
+    calibration: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Of --hands or --recorded: the open hand by `sandbox paalm calibrate`; without it, it is
+    measured where the recording begins."""
+
+    correct: Literal["unseen", "all", "none"] = "unseen"
+    """Of --hands or --recorded: which touching fingertips are brought to their touches: those that
+    the Leap does not see at the moment, all, or none."""
+
+    sync: Literal["clock", "tap"] | None = None
+    """clock: both clocks differ by --offset. tap: taps tell by how much; refused if they do not.
+    Without it: tap for --hands and --recorded, clock otherwise."""
+
+    offset: Annotated[float, tyro.conf.arg(metavar="S")] = 0.0
+    """Seconds that the joints' clock is ahead of the touches' (with --sync clock)."""
+
+    side: Literal["right", "left"] | None = None
+    """Of the hand; right unless --recorded says otherwise. A left hand is mirrored: encoders learn
+    right hands only."""
+
+    surface: Annotated[str | None, tyro.conf.arg(metavar="SIZE")] = None
+    """Size of the touch area: 7.76x5.82in, 197x148mm, or a preset (ipad2, ..)."""
+
+    mapping: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """TOML or JSON: what the recording's names mean, and where the surface is."""
+
+    unit: Annotated[float | None, tyro.conf.arg(metavar="M")] = None
+    """Metres in the recording's unit of length; otherwise 0.01 for BVH, 0.001 for Vicon and
+    markers, and for .amc what its skeleton says."""
+
+    scale: float = 1.0
+    """Size of a CSV file's hand against the program's own adult; the size of others is fitted."""
+
+    threshold: Annotated[float, tyro.conf.arg(metavar="MM")] = 5.0
+    """Millimetres above the surface within which a fingertip touches, where no touches are given;
+    also how flat a surface must be to be found. Soft ones need more."""
+
+    rate: Annotated[float, tyro.conf.arg(metavar="HZ")] = 30.0
+    """Frames a second of the capture."""
+
+    subject: str = "unnamed"
+    """Who it was; a pseudonym."""
+
+    simulated: bool = False
+    """Marks the capture as simulated, so that nobody takes it for a person's."""
+
+
+def main(argv: list[str]) -> int:
+    """Runs `sandbox capture ...`."""
+    if argv[:1] == ["record"]:
+        from sandbox.cli.capture.record import main as record
+
+        return record(argv[1:])
+    if argv[:1] == ["simulate"]:
+        from sandbox.cli.capture.simulate import main as simulate
+
+        return simulate(argv[1:])
+    options = parse(CaptureOptions, "sandbox capture", argv)
+    seen = options.hands is not None or options.recorded is not None
+    options = replace(options, sync=options.sync or ("tap" if seen else "clock"))
+    hand_file = _checked(options)
+    if seen:
+        return _of_hands(options)
+    sync: Literal["clock", "tap"] = "tap" if options.sync == "tap" else "clock"
+    options = replace(options, side=options.side or "right")
+    mapping = read_mapping(options.mapping)
+    surface = parse_surface(options.surface) if options.surface else None
+    report, left = ConversionReport(), options.side == "left"
+    rules = ConversionRules(rate=options.rate)
+    console, errors = Console(), Console(stderr=True)
+    with Progress(console=errors, transient=True, disable=not errors.is_terminal) as progress:
+        bar = progress.add_task("fitting the skeleton", total=1.0)
+        log, damage = read_touch_log(options.touches, surface) if options.touches else (None, "")
+        joints = read_hand(
+            hand_file,
+            mapping,
+            report,
+            left=left,
+            unit=options.unit,
+            scale=options.scale,
+            find_surface=log is None,
+            tolerance=options.threshold / 1000,
+            progress=lambda share: progress.update(bar, completed=share),
+            skeleton_file=options.skeleton,
+            rate=options.joints_rate,
+        )
+        progress.update(bar, description="touches and fingers", completed=1.0)
+        meta = _meta(options, hand_file, joints, surface)
+        if log is None:
+            threshold = options.threshold / 1000
+            capture = capture_from_poses(joints, threshold, rules, report, meta)
+        else:
+            if left:
+                log = replace(log, xy=log.xy * [-1.0, 1.0])
+            capture = capture_from_touches(log, joints, sync, options.offset, rules, report, meta)
+    _write(options, capture)
+    if damage:
+        errors.print(f"{options.touches}: {damage}", soft_wrap=True, markup=False)
+    _print(console, options, capture, report)
+    return 0
+
+
+def _of_hands(options: CaptureOptions) -> int:
+    """The same of a Leap's hand."""
+    from sandbox.cli.capture.hands import capture_of_hands
+
+    report, rules = ConversionReport(), ConversionRules(rate=options.rate)
+    surface = parse_surface(options.surface) if options.surface else None
+    errors = Console(stderr=True)
+    with errors.status("poses, clocks, the device's place"):
+        capture, damage = capture_of_hands(options, surface, rules, report)
+    _write(options, capture)
+    for text in damage:
+        errors.print(text, soft_wrap=True, markup=False)
+    _print(Console(), options, capture, report)
+    return 0
+
+
+def _write(options: CaptureOptions, capture: Capture) -> None:
+    try:
+        save_capture(capture, options.out)
+    except OSError as error:
+        raise InputError(
+            "the capture cannot be written", where=f"--out {options.out}", got=str(error)
+        ) from error
+
+
+def _checked(options: CaptureOptions) -> Path:
+    """The file that holds the hand."""
+    kinds = (options.joints, options.markers, options.hands, options.recorded)
+    hands = [path for path in kinds if path is not None]
+    if len(hands) != 1 or (options.recorded is not None and options.touches is not None):
+        raise InputError(
+            "a capture needs one recording of the hand",
+            where="sandbox capture",
+            expected="--joints FILE, --markers FILE, --hands FILE or --recorded FOLDER",
+            remedy="`sandbox capture --help` shows how",
+        )
+    if options.sync == "tap" and options.touches is None and options.recorded is None:
+        raise InputError("there are no touches to synchronise with", where="--sync tap")
+    if not options.out.absolute().parent.is_dir():
+        raise InputError("there is no such folder", where=f"--out {options.out}")
+    for name, value, greatest in (
+        ("--rate", options.rate, 1000.0),
+        ("--unit", 1.0 if options.unit is None else options.unit, 1000.0),
+        ("--threshold", options.threshold, 50.0),
+        ("--joints-rate", 120.0 if options.joints_rate is None else options.joints_rate, 10_000.0),
+        ("--scale", options.scale, 2.0),
+    ):
+        if not 0 < value < greatest:
+            raise InputError(
+                "out of range", where=name, got=value, expected=f"above 0, below {greatest:g}"
+            )
+    if not np.isfinite(options.offset):
+        raise InputError("this is no time", where="--offset", got=options.offset)
+    return hands[0]
+
+
+def _meta(
+    options: CaptureOptions, hand_file: Path, joints: JointTrack, surface: Surface | None
+) -> dict[str, Any]:
+    meta: dict[str, Any] = {
+        "simulated": options.simulated,
+        "subject": options.subject,
+        # What the poses are; a left hand's were mirrored into a right hand's.
+        "side": "right",
+        "recorded_side": options.side,
+        "skeleton": joints.skeleton.name,
+        "hand_file": hand_file.name,
+        "touch_file": options.touches.name if options.touches else "none",
+    }
+    if surface is not None:
+        meta["surface_in"] = [surface.width_in, surface.height_in]
+    return meta
+
+
+def _print(
+    console: Console, options: CaptureOptions, capture: Capture, report: ConversionReport
+) -> None:
+    fingers = capture.down.sum(axis=1)
+    split = ", ".join(f"{(fingers == n).sum():,} with {n}" for n in range(2, 6))
+    console.print(
+        f"{options.out}: {len(capture):,} frames at {options.rate:g} Hz in "
+        f"{len(np.unique(capture.trial))} takes ({split} fingers), "
+        f"{len(np.unique(capture.down, axis=0))} of 26 sets of fingers",
+        soft_wrap=True,
+    )
+    table = Table("dropped", "what", "why", title_justify="left")
+    for kind, counts in (
+        ("contacts", report.contacts),
+        ("frames", report.frames),
+        ("pieces", report.parts),
+    ):
+        for reason, count in counts.items():
+            table.add_row(f"{count:,}", kind, reason)
+    if table.row_count:
+        console.print(table)
+    else:
+        console.print("nothing was dropped")
+    for name, value in report.notes.items():
+        console.print(f"{name.replace('_', ' ')}: {value}", soft_wrap=True, markup=False)

@@ -1,0 +1,229 @@
+"""Hands from files of motion capture, and what a mapping file says of their names."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.captures.conversion import (
+    ConversionReport,
+    JointTrack,
+    SurfaceFrame,
+    frame_from_corners,
+    joints_from_points,
+)
+from encoders.captures.conversion.sites import mapped, recognised, sites_of
+from models.errors import CaptureError, InputError
+from models.motion.motion import Motion
+from models.motion.read.asf import read_amc, read_asf
+from models.motion.read.bvh import CENTIMETRE, read_bvh
+from models.motion.read.markers import MILLIMETRE, read_markers
+from models.motion.read.pose_table import read_pose_table
+from models.motion.read.vicon_v import motion_of, read_v
+from models.motion.read.vsk import MILLIMETRE as VSK_MILLIMETRE
+from models.motion.read.vsk import read_vsk
+from models.pose import mirrored
+from models.skeleton import ADULT
+
+Array = NDArray[np.float64]
+
+SKELETONS = {"amc": ".asf", "v": ".vsk"}
+"""Kinds of motion that need a skeleton from another file, and what that is called."""
+
+_CORNERS = ("top_left", "top_right", "bottom_left")
+
+
+@dataclass(frozen=True)
+class Mapping:
+    """What a mapping file says.
+
+    Attributes:
+        points: Recording's name -> site, or a table with bone and place; empty: recognise them.
+        corners: The surface's, each three numbers in the recording's units or the name of a point;
+            empty: it is not said.
+    """
+
+    points: dict[str, Any] = field(default_factory=dict)
+    corners: tuple[Any, ...] = ()
+
+
+def read_mapping(path: Path | None) -> Mapping:
+    """Reads a mapping file, TOML or JSON.
+
+    Raises:
+        InputError: It cannot be read, or holds something else.
+    """
+    if path is None:
+        return Mapping()
+    try:
+        text = path.read_text(encoding="utf-8")
+        data = json.loads(text) if path.suffix.lower() == ".json" else tomllib.loads(text)
+    except OSError as error:
+        raise InputError("cannot be read", where=str(path), got=error.strerror) from None
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"it is damaged: {error}", where=str(path)) from None
+    sound = isinstance(data, dict) and set(data) <= {"points", "surface"}
+    points, surface = (data.get("points", {}), data.get("surface", {})) if sound else (None, None)
+    if not isinstance(points, dict) or not isinstance(surface, dict):
+        raise InputError(
+            "this is no mapping",
+            where=str(path),
+            expected="tables [points] and [surface], both optional",
+        )
+    if surface and set(surface) != set(_CORNERS):
+        raise InputError(
+            "the surface needs three corners",
+            where=f"{path}, [surface]",
+            got=", ".join(surface),
+            expected=", ".join(_CORNERS),
+        )
+    return Mapping(points, tuple(surface[name] for name in _CORNERS) if surface else ())
+
+
+def read_hand(
+    path: Path,
+    mapping: Mapping,
+    report: ConversionReport,
+    *,
+    left: bool,
+    unit: float | None,
+    scale: float,
+    find_surface: bool,
+    tolerance: float,
+    progress: Callable[[float], None],
+    skeleton_file: Path | None = None,
+    rate: float | None = None,
+) -> JointTrack:
+    """The poses in a file, its kind told by its name's end.
+
+    Args:
+        path: `.bvh`, `.amc`, `.v`, `.csv`, or `.tsv` and `.tsv.gz`.
+        mapping: What the file's names mean.
+        report: Takes residuals and counts.
+        left: Whether it is a left hand; it is mirrored into a right one.
+        unit: m, the file's unit of length; None is the usual one of its kind.
+        scale: Size of a table's hand against the adult's; the size of others is fitted.
+        find_surface: Whether the surface may be found from fingertips where it is not told.
+        tolerance: m from it within which a fingertip then rests on it.
+        progress: Called with the share done, 0 to 1.
+        skeleton_file: `.asf` of an `.amc`, `.vsk` of a `.v`; None: beside it, of the same name.
+        rate: Hz of an `.amc`, which does not tell it.
+
+    Raises:
+        InputError: The file cannot be used.
+    """
+    suffix = path.name.lower().removesuffix(".gz").rpartition(".")[2]
+    if suffix == "csv":
+        time, q = read_pose_table(path)
+        skeleton = ADULT.scaled(scale) if scale != 1.0 else ADULT
+        return JointTrack(time, mirrored(q) if left else q, skeleton)
+    if suffix == "bvh":
+        unit = unit or CENTIMETRE
+        motion = read_bvh(path, unit)
+        time, points = motion.time, _points_of(motion)
+    elif suffix in SKELETONS:
+        motion, unit = _with_skeleton(path, suffix, skeleton_file, unit, rate)
+        time, points = motion.time, _points_of(motion)
+    elif suffix == "tsv":
+        unit = unit or MILLIMETRE
+        tracks = read_markers(path, unit)
+        time = tracks.time
+        points = {name: tracks.places[:, m] for m, name in enumerate(tracks.names)}
+    else:
+        raise InputError(
+            "this kind of file is not known",
+            where=str(path),
+            expected=".bvh, .amc, .v, .csv, .tsv, .tsv.gz",
+            remedy="A skeleton (.asf, .vsk) does not move; give the motion (.amc, .v)"
+            if f".{suffix}" in SKELETONS.values()
+            else None,
+        )
+    if mapping.points:
+        sites = mapped(mapping.points, list(points), ADULT)
+    else:
+        known = sites_of(ADULT)
+        names = recognised(list(points), "left" if left else "right", ADULT)
+        sites = {name: known[site] for name, site in names.items()}
+    frame = _surface(mapping, points, unit, find_surface, path)
+    return joints_from_points(
+        time,
+        points,
+        sites,
+        frame,
+        ADULT,
+        report,
+        left=left,
+        tolerance=tolerance,
+        progress=progress,
+    )
+
+
+def _with_skeleton(
+    path: Path, kind: str, skeleton: Path | None, unit: float | None, rate: float | None
+) -> tuple[Motion, float]:
+    """A motion with the skeleton of another file; and m, the unit of their lengths."""
+    beside = skeleton or path.with_suffix(SKELETONS[kind])
+    if not beside.exists():
+        raise InputError(
+            "its skeleton is not there",
+            where=str(path),
+            got=str(beside),
+            remedy=f"Put it there, or say where it is: --skeleton FILE{SKELETONS[kind]}",
+        )
+    if kind == "amc":
+        bones = read_asf(beside, unit)
+        return read_amc(path, bones, rate), bones.unit
+    unit = unit or VSK_MILLIMETRE
+    return motion_of(path, read_vsk(beside, unit), read_v(path), unit), unit
+
+
+def _points_of(motion: Motion) -> dict[str, Array]:
+    """Joints by name, and the ends of bones as `NAME end`."""
+    placed = motion.place()
+    points = {name: placed.positions[:, j] for j, name in enumerate(motion.names)}
+    for j, name in enumerate(motion.names):
+        if np.isfinite(motion.ends[j]).all():
+            points[f"{name} end"] = placed.ends[:, j]
+    return points
+
+
+def _surface(
+    mapping: Mapping, points: dict[str, Array], unit: float, find: bool, path: Path
+) -> SurfaceFrame | None:
+    if mapping.corners:
+        return frame_from_corners(*(_corner(corner, points, unit) for corner in mapping.corners))
+    if not find:
+        raise CaptureError(
+            "where the touch surface is in this recording is not known",
+            where=str(path),
+            remedy="Give a --mapping file with [surface] top_left, top_right and bottom_left, "
+            "each [x, y, z] in the recording's units or a point's name",
+        )
+    return None
+
+
+def _corner(corner: object, points: dict[str, Array], unit: float) -> Array:
+    """(3,) m, a corner told by three numbers, or by the name of a point that lies on it."""
+    if isinstance(corner, str) and corner in points:
+        seen = points[corner][np.isfinite(points[corner]).all(axis=1)]
+        if len(seen):
+            return np.asarray(np.median(seen, axis=0))
+    try:
+        place = unit * np.array(corner, float)
+    except (TypeError, ValueError):
+        place = np.zeros(0)
+    if place.shape != (3,):
+        raise InputError(
+            "this is no corner",
+            where="[surface]",
+            got=str(corner)[:40],
+            expected="three numbers, or the name of a point that is seen",
+        )
+    return place

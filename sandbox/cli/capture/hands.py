@@ -1,0 +1,115 @@
+"""`sandbox capture --recorded FOLDER` and `--hands FILE`: the hand of a Leap, through PAALM."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from encoders.capture import Capture
+from encoders.captures.conversion import ConversionReport, ConversionRules
+from encoders.captures.together.capture_from_hands import OPEN_FRAMES, capture_from_hands, open_hand
+from encoders.captures.together.clocks import host_clock
+from encoders.paalm.calibration import HandCalibration
+from encoders.paalm.calibration_file import read_hand
+from models.errors import EncoderError, InputError
+from models.frames import SIDES
+from models.surface import Surface
+from sandbox.cli.capture.touch_files import read_touch_log
+from sandbox.devices.files.together_file import (
+    HANDS,
+    TOUCHES,
+    HandsFile,
+    arrivals,
+    read_about,
+    read_hands,
+)
+from sandbox.devices.leap.leap_file import check_side
+
+
+def capture_of_hands(
+    options: Any, surface: Surface | None, rules: ConversionRules, report: ConversionReport
+) -> tuple[Capture, list[str]]:
+    """The capture, and what was wrong with the files' tails.
+
+    Args:
+        options: `CaptureOptions`.
+        surface: As told.
+        rules: What is dropped.
+        report: Takes what was.
+
+    Raises:
+        InputError: The recordings cannot be used, or do not go together.
+    """
+    touches, hands_file, side, about = _files(options)
+    log, damage = read_touch_log(touches, surface)
+    hands = read_hands(hands_file)
+    check_side(hands.frames, side, str(hands_file), "--side")
+    calibration = _calibration(options.calibration, hands, side)
+    told = arrivals(touches, len(log.time)) if hands.host is not None else None
+    time = hands.time
+    if told is not None and hands.host is not None:
+        tablet = host_clock(log.time, told, str(touches))
+        device = host_clock(hands.time, hands.host, str(hands_file))
+        log = replace(log, time=tablet.host(log.time))
+        time = device.host(hands.time)
+        report.notes["clock_drift_ppm"] = [round(1e6 * c.drift, 1) for c in (tablet, device)]
+        report.notes["arrival_jitter_ms"] = [round(1e3 * c.jitter, 2) for c in (tablet, device)]
+    if side == "left":
+        log = replace(log, xy=log.xy * [-1.0, 1.0])
+    meta: dict[str, Any] = {
+        "simulated": options.simulated or bool(about.get("simulated")),
+        "subject": about.get("subject", options.subject),
+        "side": "right",
+        "recorded_side": side,
+        "skeleton": "PAALM's",
+        "hand_file": hands_file.name,
+        "touch_file": touches.name,
+    }
+    if surface is not None:
+        meta["surface_in"] = [surface.width_in, surface.height_in]
+    capture = capture_from_hands(
+        log,
+        hands.frames,
+        time,
+        calibration,
+        rules,
+        report,
+        meta,
+        one_clock=told is not None,
+        offset=options.offset if options.sync == "clock" else None,
+        correct=options.correct,
+    )
+    tails = [f"{p}: {d}" for p, d in ((touches, damage), (hands_file, hands.damage)) if d]
+    return capture, tails
+
+
+def _files(options: Any) -> tuple[Path, Path, str, dict[str, Any]]:
+    """Touches, hands, side, and what else is known."""
+    if options.recorded is None:
+        if options.touches is None:
+            raise InputError("there are no touches", where="--hands", expected="--touches FILE too")
+        return options.touches, options.hands, options.side or SIDES[0], {}
+    folder: Path = options.recorded
+    about = read_about(folder)
+    side = str(about["side"])
+    if options.side not in (None, side):
+        raise InputError(
+            "another hand was recorded", where=f"--side {options.side}", got=side,
+            remedy="Leave --side away; the folder says it",
+        )  # fmt: skip
+    return folder / TOUCHES, folder / HANDS, side, about
+
+
+def _calibration(path: Path | None, hands: HandsFile, side: str) -> HandCalibration:
+    if path is not None:
+        return read_hand(path, side)
+    try:
+        return open_hand(hands.frames, side)
+    except EncoderError as error:
+        raise EncoderError(
+            f"the recording does not begin with an open {side} hand: {error.what}",
+            got=error.got,
+            expected=f"{OPEN_FRAMES} frames of it, or --calibration FILE",
+            remedy="Check --side; hold the hand open, palm down, fingers spread",
+        ) from None

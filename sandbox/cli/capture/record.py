@@ -1,0 +1,243 @@
+"""`sandbox capture record`: touches and a Leap, written down together with one clock."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import tyro
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn
+
+from encoders.captures.together.guide import Guide
+from models.errors import InputError, RecordingError
+from models.frames import TouchFrame
+from sandbox.cli.common.parse import parse
+from sandbox.cli.common.touch_opening import open_any
+from sandbox.devices.files.together_file import (
+    ABOUT,
+    TogetherWriter,
+    check_new,
+    first_line_with_host,
+    read_about,
+)
+from sandbox.devices.leap.leap import DEFAULT_ADDRESS, LeapFileDevice
+from sandbox.devices.leap.leap_fake import FAKE
+from sandbox.devices.leap.leap_file import read_leap
+from sandbox.devices.tuio.tuio import DEFAULT_PORT, LOOPBACK
+from sandbox.options.leap_devices import LIVE, open_leap
+from sandbox.options.touch_devices import Opened, TouchOptions
+
+_REST = 0.002
+"""s between two looks at the devices: by so much an arrival may be late."""
+SILENT = 10.0
+"""s after which a device that has said nothing is asked about."""
+
+
+@dataclass(frozen=True)
+class RecordOptions:
+    """Records touches and your hand at the same time, to train an encoder of your own.
+
+    It tells you what to do: hold the hand open (PAALM measures it), tap three times with all five
+    fingers (the clocks), then play with every one of the 26 sets of two to five fingers for some
+    seconds each. Ctrl-C ends it earlier; what was recorded is kept. Another day, record again to
+    test on. docs/own-hand.md tells where the Leap may stand.
+
+    Try it without devices:
+
+        sandbox capture simulate --out day
+        sandbox capture record --touches day/touches.jsonl --hands day/hands.jsonl --out copy
+
+    With them:
+
+        sandbox capture record --touches tuio --bind 0.0.0.0 --surface ipad2 --out monday
+        sandbox capture --recorded monday --out mine.npz
+    """
+
+    out: Annotated[Path, tyro.conf.arg(metavar="FOLDER")]
+    """Is made; a session that is there is not written over."""
+
+    touches: Annotated[str, tyro.conf.arg(metavar="{tuio,web,evdev,FILE,...}")] = "tuio"
+    """What is touched, as --device of `sandbox touches show`."""
+
+    hands: Annotated[str, tyro.conf.arg(metavar="{leap,FILE}")] = LIVE
+    """What sees the hand: a running Leap service, or a recording of one."""
+
+    side: Literal["right", "left"] = "right"
+    """Which hand."""
+
+    subject: str = "unnamed"
+    """Who it is; a pseudonym."""
+
+    each: float = 6.0
+    """Seconds for which every set of fingers is played; 6 make about as many frames as the
+    paper's."""
+
+    free: tyro.conf.FlagCreatePairsOff[bool] = False
+    """Record without being told what to do, until Ctrl-C: a day to test on. Begin with the open
+    hand and three taps all the same."""
+
+    seconds: float = math.inf
+    """Stop after this many seconds."""
+
+    leap: Annotated[str, tyro.conf.arg(metavar="URL")] = DEFAULT_ADDRESS
+    """Where the Leap service is."""
+
+    surface: Annotated[str | None, tyro.conf.arg(metavar="SIZE")] = None
+    """Size of the touch area: 7.76x5.82in, 197x148mm, or a preset (ipad2, ..)."""
+
+    bind: Annotated[str, tyro.conf.arg(metavar="ADDRESS")] = LOOPBACK
+    """Which of this machine's addresses TUIO is listened for on."""
+
+    port: int = DEFAULT_PORT
+    """UDP port for TUIO; 0 takes a free one."""
+
+    tablet: tyro.conf.FlagCreatePairsOff[bool] = False
+    """With --touches web: the page on a tablet in the same network."""
+
+
+def main(argv: list[str]) -> int:
+    """Runs `sandbox capture record ...`."""
+    options = parse(RecordOptions, "sandbox capture record", argv)
+    for name, value in (("--seconds", options.seconds), ("--each", options.each)):
+        if not value > 0.0:
+            raise InputError("there is nothing to record", where=name, got=value)
+    check_new(options.out)
+    hands = _hands(options)
+    try:
+        opened = _touches(options)
+        if opened is None:
+            return 0
+        try:
+            return _record(options, opened, hands)
+        finally:
+            opened.device.close()
+    finally:
+        hands.close()
+
+
+def _record(options: RecordOptions, opened: Opened, hands: Any) -> int:
+    about = {
+        "side": options.side,
+        "subject": options.subject,
+        "simulated": getattr(hands, "version", None) == FAKE
+        or any(_simulated(Path(name)) for name in (options.touches, options.hands)),
+        "touches": opened.device.name,
+        "hands": hands.name,
+    }
+    if opened.surface.calibrated is False:
+        Console(stderr=True).print("the surface's size is a guess: give --surface", style="yellow")
+    guide = None if options.free else Guide(options.side, options.each)
+    with TogetherWriter(options.out, opened.surface, about) as writer:
+        try:
+            ended = _follow(options, opened.device, hands, writer, guide)
+        except KeyboardInterrupt:
+            ended = "stopped"
+    console = Console(stderr=True)
+    console.print(
+        f"{options.out}: {writer.touches:,} touch frames, {writer.hands:,} hand frames; {ended}",
+        soft_wrap=True,
+        markup=False,
+    )
+    for count, what in ((writer.touches, "touches"), (writer.hands, "hand")):
+        if not count:
+            raise RecordingError(f"no {what} came", where=str(options.out), remedy=_REMEDY[what])
+    return 0
+
+
+_REMEDY = {
+    "touches": "`sandbox touches show` tells what to check",
+    "hand": "`sandbox paalm show --device leap` shows what the Leap sees",
+}
+
+
+def _follow(
+    options: RecordOptions, touched: Any, hands: Any, writer: TogetherWriter, guide: Guide | None
+) -> str:
+    """Writes what comes until it is over; why it was."""
+    console = Console(stderr=True)
+    late_touches, late_hands = _apart(options)
+    begin = time.monotonic()
+    last: TouchFrame | None = None
+    bar = Progress(
+        TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:3.0f} %"),
+        console=console, disable=not console.is_terminal,
+    )  # fmt: skip
+    with bar as progress:
+        now_doing = progress.add_task("recording; Ctrl-C ends", total=1.0 if guide else None)
+        session = progress.add_task("the whole session", total=1.0, visible=guide is not None)
+        shown, quiet = -1.0, set[str]()
+        while True:
+            now = time.monotonic() - begin
+            for frame in touched.poll(now - late_touches):
+                last = frame
+                writer.touch(frame, now)
+                if guide is not None:
+                    guide.touch(frame, now)
+            for seen in hands.poll(now - late_hands):
+                writer.hand(seen, now)
+                if guide is not None:
+                    guide.hand(seen)
+            if guide is not None and last is not None:
+                guide.pass_time(now, len(last.contacts))
+            if now - shown > 0.1:
+                shown = now
+                if guide is not None:
+                    step = guide.step
+                    progress.update(now_doing, description=step.text, completed=step.share)
+                    progress.update(session, completed=guide.share)
+                for what, count in (("touches", writer.touches), ("hand", writer.hands)):
+                    if not count and now > SILENT and what not in quiet:
+                        quiet.add(what)
+                        progress.console.print(f"no {what} yet; {_REMEDY[what]}")
+            if guide is not None and guide.done:
+                return "all sets of fingers"
+            if now >= options.seconds:
+                return "the time is over"
+            if touched.finished and hands.finished:
+                return "both recordings ended"
+            time.sleep(_REST)
+
+
+def _apart(options: RecordOptions) -> tuple[float, float]:
+    """s by which two files of one session begin later than the first of them; as devices, each
+    would begin at 0."""
+    begin = [first_line_with_host(Path(name)) for name in (options.touches, options.hands)]
+    if None in begin:
+        return 0.0, 0.0
+    touches, hands = (b for b in begin if b is not None)
+    first = min(touches, hands)
+    return touches - first, hands - first
+
+
+def _simulated(path: Path) -> bool:
+    """Whether a file that plays as a device belongs to a simulated session."""
+    if not (path.is_file() and (path.parent / ABOUT).is_file()):
+        return False
+    return bool(read_about(path.parent).get("simulated"))
+
+
+def _hands(options: RecordOptions) -> Any:
+    if options.hands == LIVE:
+        return open_leap(options.leap)
+    path = Path(options.hands)
+    if not path.is_file():
+        raise InputError(
+            "there is no such device or file", where="--hands", got=options.hands,
+            expected=f"{LIVE}, or a recording of a Leap",
+        )  # fmt: skip
+    return LeapFileDevice(read_leap(path))
+
+
+def _touches(options: RecordOptions) -> Opened | None:
+    asked = TouchOptions(
+        device=options.touches,
+        bind=options.bind,
+        port=options.port,
+        surface=options.surface,
+        tablet=options.tablet,
+    )
+    return open_any(asked, options.seconds)

@@ -1,0 +1,110 @@
+"""`sandbox capture simulate`: a SIMULATED session with both devices, and its truth."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+import tyro
+from rich.console import Console
+from rich.progress import Progress
+from rich.text import Text
+
+from encoders.captures.together.simulated import Together, simulate_together
+from encoders.store import save_capture
+from models.errors import InputError
+from sandbox.cli.common.parse import parse
+from sandbox.devices.files.together_file import TogetherWriter, check_new
+
+TRUTH, DEVICES = "truth.npz", "truth.json"
+
+
+@dataclass(frozen=True)
+class SimulateOptions:
+    """Makes a SIMULATED session as `sandbox capture record` would have written it: one person's
+    hand touches a tablet and is seen by a Leap, each with a clock, latency and noise of its own.
+
+    Beside it lies the truth: truth.npz, a capture of the same touches with their fingers and the
+    true poses, and truth.json, with the offset of the clocks and the place of the Leap. Every seed
+    is another person, with bones of their own. Day 0 is the training script, later days free play.
+
+    Try:
+
+        sandbox capture simulate --out monday
+        sandbox capture --recorded monday --out mine.npz
+    """
+
+    out: Annotated[Path, tyro.conf.arg(metavar="FOLDER")]
+    """Is made; a session that is there is not written over."""
+
+    seed: int = 0
+    """Which person."""
+
+    day: int = 0
+    """0 the training script, 1 and later free play."""
+
+    subject: Literal["first", "second"] = "first"
+    """Which kind of simulated person."""
+
+    dialect: Literal["v3", "v1"] = "v3"
+    """Which Leap: with joints and names, or the first software."""
+
+    hand: Literal["right", "left"] = "right"
+    """Which hand; a left one is the mirror image."""
+
+
+def main(argv: list[str]) -> int:
+    """Runs `sandbox capture simulate ...`."""
+    options = parse(SimulateOptions, "sandbox capture simulate", argv)
+    if options.seed < 0 or options.day < 0:
+        raise InputError("out of range", where="--seed, --day", expected="0 or more")
+    check_new(options.out)
+    bars = Console(stderr=True)
+    with Progress(console=bars, transient=True, disable=not bars.is_terminal) as progress:
+        bar = progress.add_task("simulating the person", total=1.0)
+        session = simulate_together(
+            options.seed,
+            options.day,
+            options.subject,
+            options.dialect,
+            options.hand,
+            progress=lambda share: progress.update(bar, completed=share),
+        )
+        progress.update(bar, description="writing")
+        write_simulated(session, options.out, f"simulated {options.subject} {options.seed}")
+    bars.print(
+        Text(
+            f"SIMULATED session ({options.dialect}, {session.leap_arrived[-1]:.0f} s, "
+            f"{len(session.touches):,} touch frames, {len(session.leap.frames):,} hand frames): "
+            f"{options.out}"
+        ),
+        soft_wrap=True,
+    )
+    return 0
+
+
+def write_simulated(session: Together, folder: Path, subject: str) -> None:
+    """Writes a session and its truth."""
+    about = {
+        "side": session.side,
+        "subject": subject,
+        "simulated": True,
+        "touches": "simulated tablet",
+        "hands": f"simulated Leap, {session.leap.dialect}",
+    }
+    with TogetherWriter(folder, session.surface, about) as writer:
+        for frame, host in zip(session.touches, session.touch_arrived.tolist(), strict=True):
+            writer.touch(frame, round(host, 6))
+        for seen, host in zip(session.leap.frames, session.leap_arrived.tolist(), strict=True):
+            writer.hand(seen, round(host, 6))
+    truth = {
+        "simulated": True,
+        "offset_s": session.offset,
+        "touch_delay_s": session.touch_delay,
+        "device_axes": session.rotation.tolist(),
+        "device_at_m": session.shift.tolist(),
+    }
+    save_capture(session.truth, folder / TRUTH)
+    (folder / DEVICES).write_text(json.dumps(truth, indent=1) + "\n", encoding="utf-8")

@@ -1,0 +1,24 @@
+"""Films of sessions, for all commands that can make one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from sandbox.session.session import Session
+
+if TYPE_CHECKING:
+    from sandbox.views.film import FilmView
+
+
+def open_film(path: Path, session: Session, caption: str) -> FilmView:
+    """A film of a session, complete when it is closed.
+
+    Raises:
+        GraphicsError: There is no OpenGL on this machine.
+        InputError: The path cannot be used.
+    """
+    # Drawing loads OpenGL, which a run without a film never needs.
+    from sandbox.views.film import FilmView
+
+    return FilmView(path, session.scene, session.whole_surface, caption=caption)

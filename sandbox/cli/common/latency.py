@@ -1,0 +1,77 @@
+"""How long touches took: a table at the end of a session, and a limit for scripts."""
+
+from __future__ import annotations
+
+from rich.console import Console
+from rich.table import Table
+
+from models.errors import InputError
+from sandbox.session.latency import LatencyLog, Percentiles
+
+KINDS = {
+    "waited": "touch received to step",
+    "stepped": "step to frame ready",
+    "acknowledged": "frame sent to page received",
+    "round_trip": "page to server and back",
+    "drawn": "touch event to picture on the page",
+    "window": "touch received to picture in the window",
+    "picture": "drawing a picture in the window",
+}
+"""Kind in a `LatencyLog` -> what is said of it, in the order of the way."""
+
+WHOLE_WAYS = ("window", "drawn")
+"""Kinds from a touch to a picture, which a limit is about."""
+
+
+def say_latency(log: LatencyLog, console: Console) -> None:
+    """The table; nothing where nothing was measured."""
+    found = log.percentiles()
+    shown = [kind for kind in KINDS if kind in found]
+    if not shown:
+        return
+    table = Table("latency (ms)", "n", "p50", "p95", "p99")
+    for kind in shown:
+        p = found[kind]
+        table.add_row(KINDS[kind], str(p.n), *(f"{v:.1f}" for v in (p.p50, p.p95, p.p99)))
+    console.print(table)
+    console.print("[dim]What the display adds after a picture is drawn is not measured.[/]")
+
+
+def checked_limit(limit: float | None) -> float | None:
+    """A limit in ms.
+
+    Raises:
+        InputError: It is no duration.
+    """
+    if limit is not None and not 0.0 < limit < float("inf"):
+        raise InputError(
+            "this is no latency", where="--max-latency", got=limit, expected="ms above 0"
+        )
+    return limit
+
+
+def judge_latency(log: LatencyLog, limit: float | None, console: Console) -> int:
+    """0 where p95 of every whole way from touch to picture is within the limit; else 1.
+
+    Where no picture answered a touch, nothing was measured, and what is not measured is not within
+    a limit.
+
+    Args:
+        log: Of the session.
+        limit: ms; None judges nothing.
+        console: Says which it is.
+    """
+    if limit is None:
+        return 0
+    found = log.percentiles()
+    ways: dict[str, Percentiles] = {kind: found[kind] for kind in WHOLE_WAYS if kind in found}
+    if not ways:
+        console.print("[red]latency: no touch was answered by a picture, so none was measured[/]")
+        return 1
+    late = {kind: p for kind, p in ways.items() if p.p95 > limit}
+    for kind, p in ways.items():
+        colour, word = ("red", "above") if kind in late else ("green", "within")
+        console.print(
+            f"[{colour}]{KINDS[kind]}: p95 {p.p95:.1f} ms, {word} the limit of {limit:g} ms[/]"
+        )
+    return int(bool(late))

@@ -1,0 +1,91 @@
+"""Options of commands that serve the page, and the server that they ask for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+import tyro
+
+from models.errors import InputError
+from sandbox.options.profiles import default_path
+from sandbox.recording.versions import versions
+from sandbox.server.connections.address import LOOPBACK, checked_address, local_network_address
+from sandbox.server.connections.kept_token import kept_token
+from sandbox.server.page_server import PageServer, tls_context
+from sandbox.server.protocol.describe import summary
+from sandbox.server.protocol.protocol import StudyView, TaskName
+from tasks.registry import TASKS, hands_of
+
+
+@dataclass(frozen=True)
+class PageOptions:
+    """Where the page is served."""
+
+    tablet: tyro.conf.FlagCreatePairsOff[bool] = False
+    """The page on a tablet in the same network: prints a code to be photographed. The same as
+    --device web with the address found by itself."""
+
+    lan: Annotated[str | None, tyro.conf.arg(metavar="ADDRESS")] = None
+    """Serves the page on this address instead."""
+
+    page_port: int = 0
+    """TCP port of the page; 0 takes a free one. On a port of your choice the link stays the same,
+    and a page that is still open finds back when the program is started anew."""
+
+    tls_cert: Annotated[str | None, tyro.conf.arg(metavar="FILE")] = None
+    """Certificate for https, with --tls-key. Tablets refuse those that nobody signed."""
+
+    tls_key: Annotated[str | None, tyro.conf.arg(metavar="FILE")] = None
+    """Key of the certificate."""
+
+    @property
+    def page_host(self) -> str:
+        """Address that the page is served on."""
+        if self.lan:
+            return checked_address(self.lan)
+        return local_network_address() if self.tablet else LOOPBACK
+
+
+def open_page(
+    options: PageOptions, study: StudyView | None = None, touch: bool = True
+) -> PageServer:
+    """A server of the page.
+
+    Args:
+        options: Where.
+        study: Makes it a study's, without menus.
+        touch: Whether the player's fingers on the page count.
+
+    Raises:
+        DeviceError: The address or port cannot be had.
+        InputError: The certificate or its key is missing or wrong.
+    """
+    if not 0 <= options.page_port <= 65535:
+        raise InputError("there is no such port", where="--page-port", got=options.page_port,
+                         expected="0 to 65535; 0 takes a free one")  # fmt: skip
+    if (options.tls_cert is None) != (options.tls_key is None):
+        raise InputError(
+            "a certificate needs its key, and a key its certificate",
+            where="--tls-cert, --tls-key",
+        )
+    tls = None
+    if options.tls_cert and options.tls_key:
+        tls = tls_context(options.tls_cert, options.tls_key)
+    tasks = [
+        TaskName(name, summary(task), getattr(task, "lift_range", 0.0) > 0)
+        for name, task in TASKS.items()
+        if hands_of(task) == 1
+    ]
+    program = str(versions()["hand-sandbox"])
+    token = kept_token(default_path().with_name("page-token")) if options.page_port else ""
+    return PageServer(
+        options.page_host,
+        options.page_port,
+        tasks,
+        program,
+        tls,
+        token=token,
+        study=study,
+        touch=touch,
+    )

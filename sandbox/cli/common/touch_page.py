@@ -1,0 +1,99 @@
+"""The page as a touch device where nothing is simulated: a scene stands still behind fingers."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+
+from rich.console import Console
+
+from models.frames import TouchFrame
+from models.surface import Surface, parse_surface
+from sandbox.cli.common.page_options import PageOptions, open_page
+from sandbox.cli.common.second_view import invite
+from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.touch_devices import TouchOptions
+from sandbox.server.page_server import PageServer
+from sandbox.server.protocol.describe import describe_scene
+from sandbox.server.protocol.rectangle import rectangle
+from sandbox.server.web import WebDevice
+from sandbox.trial.assembly import build
+from sandbox.trial.events import EventLog
+
+_PERIOD = 1.0 / 30.0
+"""s between two frames that tell the page that we live."""
+
+
+class PageTouches:
+    """Serves the page and gives its touches.
+
+    Made by `open_page_touches`, once a page has come.
+
+    Attributes:
+        surface: The touch rectangle, as measured on the page.
+    """
+
+    name = "web"
+    has_lift = True
+
+    def __init__(self, server: PageServer, surface: Surface | None) -> None:
+        self._server = server
+        self.address = server.url
+        chosen = plan(SceneOptions(device="web"))
+        screen = server.screen
+        assert screen is not None
+        settings = replace(chosen.settings, **rectangle(screen))
+        if surface is not None:
+            settings = replace(settings, surface_in=(surface.width_in, surface.height_in))
+        self._session = build(settings, chosen.make_device)
+        device = self._session.rigs[0].device
+        assert isinstance(device, WebDevice)
+        self._session_device = device
+        self.surface = self._session.rigs[0].reconstructor.surface
+        scene = self._session.scene
+        message = describe_scene(
+            server.next_scene(), scene, self._session.task, self.surface, settings.hand, "touches"
+        )
+        server.show_scene(message, scene, self._session_device)
+        self._due = 0.0
+
+    @property
+    def finished(self) -> bool:
+        """Never, before it is closed: the person may come back."""
+        return bool(self._session_device.finished)
+
+    def poll(self, now: float = 0.0) -> Sequence[TouchFrame]:
+        """Every frame since the last call; the scene does not move."""
+        if time.monotonic() >= self._due:
+            self._due = time.monotonic() + _PERIOD
+            self._server.publish(self._session.snapshot())
+        return list(self._session_device.poll(now))
+
+    def close(self) -> None:
+        """Ends the server; may be called twice."""
+        self._session.close()
+        self._server.close()
+
+
+def open_page_touches(asked: TouchOptions, console: Console, patience: float) -> PageTouches | None:
+    """Serves the page and waits until somebody opens it; None: nobody came in time.
+
+    Args:
+        asked: Where it is served, and the touch rectangle's size, if not what the page says.
+        console: Gets link and code.
+        patience: s.
+    """
+    options = PageOptions(asked.tablet, asked.lan, asked.page_port)
+    server = open_page(options)
+    invite(server, options, EventLog(None), console)
+    end = time.monotonic() + patience
+    try:
+        while not server.wait_for_player(0.1):
+            if time.monotonic() > end:
+                server.close()
+                return None
+        return PageTouches(server, parse_surface(asked.surface) if asked.surface else None)
+    except BaseException:
+        server.close()
+        raise

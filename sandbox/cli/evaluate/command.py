@@ -1,0 +1,177 @@
+"""`sandbox evaluate`: the paper's tables for our methods, as tables, JSON and pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Annotated, Literal
+
+import tyro
+from rich.console import Console
+from rich.progress import Progress, TaskID
+
+from models.errors import InputError
+from sandbox.cli.common.json_out import check_output, write_json
+from sandbox.cli.common.parse import parse
+
+BUILTIN = "builtin"
+
+
+@dataclass(frozen=True)
+class EvaluateOptions:
+    """Measures how well methods reconstruct the hand and name its fingers: Tables 1 and 2 of the
+    paper of 2015, its Copas test, and smoothness, fingertips, limits and time beside them.
+
+    Methods: linear, quadratic, cubic (least squares, as the paper's), paper (the same as
+    quadratic), pca-ik, pca-ik-null, map-ik (inverse
+    kinematics), mean, best, or a FILE.npz made by `sandbox train`.
+
+    Without --capture, on days of a SIMULATED subject that no method was trained on: `--days` of
+    them, whose numbers follow from the subject's configuration and --day-seed. Everything measured
+    is defined in docs/evaluation.md.
+
+    Try:
+
+        sandbox evaluate --encoders linear quadratic best --days 1
+        sandbox evaluate --days 5 --json out.json --plots pictures
+
+    The paper of 2013 instead: sandbox evaluate --paalm simulated|FOLDER [--json OUT]
+    """
+
+    encoders: Annotated[tuple[str, ...], tyro.conf.arg(metavar="NAME|FILE")] = (
+        "linear",
+        "quadratic",
+        "cubic",
+        "pca-ik",
+        "mean",
+        "best",
+    )
+    """What is evaluated."""
+
+    capture: Annotated[
+        tuple[tuple[str, ...], ...],
+        tyro.conf.arg(metavar="builtin|FILE|DIR|LIST"),
+        tyro.conf.UseAppendAction,
+    ] = ()
+    """Test captures: `builtin`, the subject's judged days, which is also what none means; captures;
+    a folder of captures; or a text file (.txt) with one capture a line. May be repeated."""
+
+    train: Annotated[str, tyro.conf.arg(metavar="builtin|split|FILE")] = BUILTIN
+    """What methods learn from: `builtin`, the subject's day 0; a capture; or `split`, four fifths
+    of the takes of the one --capture FILE, which is then tested on the other fifth."""
+
+    subject: Literal["first", "second"] = "first"
+    """Which simulated subject."""
+
+    days: int = 3
+    """How many judged days."""
+
+    day_seed: int = 0
+    """Which judged days."""
+
+    json: Annotated[Path | None, tyro.conf.arg(metavar="OUT")] = None
+    """Writes all numbers."""
+
+    plots: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    """Draws the tables and the hands, as PNG and SVG; needs the extra `plots`."""
+
+    copas: bool = True
+    """Whether to make the Copas test, which trains every encoder twenty times more."""
+
+
+def main(argv: list[str]) -> int:
+    """Runs `sandbox evaluate ...`."""
+    if any(a == "--paalm" or a.startswith("--paalm=") for a in argv):
+        # The paper of 2013 has other inputs and other tables.
+        from sandbox.cli.evaluate.paalm_judge import main as judge_paalm
+
+        return judge_paalm(argv)
+    options = parse(EvaluateOptions, "sandbox evaluate", argv, append=False)
+    _check(options)
+    from encoders.evaluation.measure import MethodResult, Tests, evaluate_method
+    from encoders.evaluation.report import report
+    from encoders.evaluation.training import check_names
+    from sandbox.cli.evaluate.data import gather
+    from sandbox.cli.evaluate.tables import show
+
+    check_names(options.encoders)
+    console = Console()
+    console = Console(width=max(console.width, 110))
+    with _bars() as progress:
+        data = gather(
+            [place for places in options.capture for place in places] or [BUILTIN],
+            options.train,
+            options.subject,
+            options.days,
+            options.day_seed,
+            progress,
+        )
+        tests = Tests(data.tests)
+        results: dict[str, MethodResult] = {}
+        for name in options.encoders:
+            bar = progress.add_task(f"{name}: training", total=1.0)
+            shown = partial(_show, progress, bar)
+            method = data.training.method(name, shown)
+            progress.update(bar, description=method.name, completed=0.0)
+            learned = data.training.capture if options.copas else None
+            results[method.name] = evaluate_method(method, tests, learned, shown)
+            progress.update(bar, completed=1.0)
+        found = report(
+            results,
+            tests,
+            data.training.capture,
+            {
+                "encoders": list(options.encoders),
+                "copas": options.copas,
+                **data.configuration,
+            },
+        )
+    show(console, found)
+    write_json(options.json, found, sort_keys=True)
+    if options.plots is not None:
+        from sandbox.figures import draw_all
+
+        with _writing(f"--plots {options.plots}"), console.status("drawing"):
+            paths = draw_all(options.plots, found, results, tests)
+        console.print(f"{len(paths)} pictures in {options.plots}")
+    return 0
+
+
+def _check(options: EvaluateOptions) -> None:
+    """Refuses, before anything is computed, what would fail at the end."""
+    if options.days < 1:
+        raise InputError("no day to judge", where="--days", got=options.days, expected="1 or more")
+    if options.day_seed < 0:
+        raise InputError(
+            "there is no such seed", where="--day-seed", got=options.day_seed, expected="0 or more"
+        )
+    check_output(options.json)
+    if options.plots is not None:
+        from sandbox.figures import need_matplotlib
+
+        need_matplotlib()
+        with _writing(f"--plots {options.plots}"):
+            options.plots.mkdir(parents=True, exist_ok=True)
+
+
+def _show(progress: Progress, bar: TaskID, share: float) -> None:
+    progress.update(bar, completed=share)
+
+
+@contextmanager
+def _bars() -> Iterator[Progress]:
+    console = Console(stderr=True)
+    # Where nobody watches, even bars that are never drawn would leave an empty line.
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
+        yield progress
+
+
+@contextmanager
+def _writing(where: str) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        raise InputError("it cannot be written", where=where, got=str(error)) from error

@@ -1,0 +1,146 @@
+"""What `sandbox evaluate` trains and tests on: a simulated subject's days, or captures in files."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from rich.progress import Progress
+
+from encoders.capture import Capture
+from encoders.evaluation.subjects import TRAINING_DAY, Subject, subject
+from encoders.evaluation.training import Training
+from encoders.labels.trained_belief import capture_digest
+from encoders.regression.trained import builtin_capture
+from encoders.store import load_capture
+from encoders.validation import trial_folds
+from models.errors import CaptureError, InputError
+
+BUILTIN, SPLIT = "builtin", "split"
+
+SPLIT_FOLDS = 5
+"""`split` tests on one fold of so many, blocked by take; which takes, follows from their sizes."""
+
+
+@dataclass(frozen=True)
+class Data:
+    """Training, test captures, and where both came from (JSON values)."""
+
+    training: Training
+    tests: list[Capture]
+    configuration: dict[str, Any]
+
+
+def gather(
+    places: Sequence[str],
+    train: str,
+    subject_name: str,
+    days: int,
+    day_seed: int,
+    progress: Progress,
+) -> Data:
+    """Loads or simulates everything that was asked for.
+
+    Args:
+        places: `builtin`, captures, folders and lists of captures to test on.
+        train: `builtin`, `split` or a capture.
+        subject_name: Of the simulated subject.
+        days: How many judged days `builtin` means.
+        day_seed: Which.
+        progress: Gets a bar for every day that is simulated.
+
+    Raises:
+        InputError: Something does not exist, or a method would be tested on what it learned.
+    """
+    files = [file for place in places if place != BUILTIN for file in capture_files(place)]
+    configuration: dict[str, Any] = {"train": train, "captures": [str(f) for f in files]}
+    if train == SPLIT:
+        if BUILTIN in places or len(files) != 1:
+            raise InputError(
+                "only one capture of your own can be split",
+                where="--train split",
+                got=f"{len(files)} captures" + (" and builtin" if BUILTIN in places else ""),
+                expected="one --capture FILE",
+            )
+        whole = _loaded(files[0])
+        out = trial_folds(whole.trial, SPLIT_FOLDS) == 0
+        if out.all():
+            raise CaptureError("one take cannot be split", where=str(files[0]))
+        configuration["test_takes"] = sorted({int(t) for t in whole.trial[out]})
+        return Data(Training(whole.select(~out)), [whole.select(out)], configuration)
+
+    loaded = [_loaded(file) for file in files]
+    learned = _loaded(Path(train)) if train != BUILTIN else None
+    tests: list[Capture] = []
+    person = None
+    if BUILTIN in places or train == BUILTIN:
+        person = subject(subject_name)
+        configuration |= {
+            "subject": person.name,
+            "subject_digest": person.digest,
+            "subject_seed": person.seed,
+        }
+    if person is not None and BUILTIN in places:
+        numbers = person.judged_days(days, day_seed)
+        configuration |= {"days": numbers, "day_seed": day_seed}
+        tests += [_simulated(person, day, progress) for day in numbers]
+    tests += loaded
+    if learned is not None:
+        training = Training(learned)
+    else:
+        assert person is not None
+        training = _day_0(person, progress)
+    digest = capture_digest(training.capture)
+    for test in tests:
+        if capture_digest(test) == digest:
+            raise CaptureError(
+                "methods would be tested on the frames they learned from",
+                where=str(test.meta.get("file", "--capture")),
+                remedy="--train split trains on some of its takes and tests on the others",
+            )
+    configuration["training_digest"] = digest
+    return Data(training, tests, configuration)
+
+
+def capture_files(place: str) -> list[Path]:
+    """The captures that a place on the command line means.
+
+    A folder stands for its .npz files in the order of their names; a text file (.txt) for one
+    capture a line, relative to its own folder, `#` beginning a comment.
+    """
+    path = Path(place)
+    if path.is_dir():
+        files = sorted(path.glob("*.npz"))
+    elif path.suffix == ".txt":
+        try:
+            lines = path.read_text(encoding="utf-8").splitlines()
+        except (OSError, UnicodeDecodeError) as error:
+            raise CaptureError(
+                "the list cannot be read", where=str(path), got=str(error)
+            ) from error
+        named = [line.partition("#")[0].strip() for line in lines]
+        files = [path.parent / name for name in named if name]
+    else:
+        return [path]
+    if not files:
+        raise CaptureError("no captures here", where=str(path), expected="at least one .npz file")
+    return files
+
+
+def _loaded(file: Path) -> Capture:
+    capture = load_capture(file)
+    return replace(capture, meta=capture.meta | {"file": str(file)})
+
+
+def _simulated(person: Subject, day: int, progress: Progress) -> Capture:
+    bar = progress.add_task(f"{person.name} subject, day {day}", total=1.0)
+    return person.day(day, lambda share: progress.update(bar, completed=share))
+
+
+def _day_0(person: Subject, progress: Progress) -> Training:
+    """The subject's training script; the shipped capture where that is it."""
+    if person.plays(builtin_capture()):
+        return Training(builtin_capture(), shipped=True)
+    return Training(_simulated(person, TRAINING_DAY, progress))

@@ -1,0 +1,257 @@
+"""`sandbox evaluate --paalm simulated|FOLDER`: how well PAALM reconstructs hands."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Annotated, Any
+
+import tyro
+from rich.console import Console
+from rich.progress import Progress
+from rich.table import Table
+from rich.text import Text
+
+from encoders.evaluation.paalm_judge import Judgement, judged, summary, test_seeds
+from encoders.evaluation.paalm_pair import two_hand_milliseconds
+from encoders.evaluation.paalm_recorded import as_first_software, independent, take_of_recording
+from encoders.paalm import EQUAL, PAPER, TWO_THIRDS, Coupling, PaalmOptions
+from encoders.paalm.simulated.air import simulate_air
+from encoders.paalm.simulated.forward import LeapTake, seen
+from models.errors import EncoderError, InputError, RecordingError
+from models.frames import SIDES
+from sandbox.cli.common.json_out import check_output, write_json
+from sandbox.cli.common.parse import parse
+from sandbox.cli.evaluate.paalm_readings import SIMULATED_FIT, judge_readings, show_readings
+from sandbox.devices.leap.leap_file import read_leap
+from sandbox.devices.leap.leap_truth import take_with_truth
+
+SCHEMA = 1
+SIMULATED = "simulated"
+
+CONDITIONS = {
+    "v1": ("v1", True),
+    "v1_without_drop_outs": ("v1", False),
+    "v3": ("v3", True),
+}
+"""Name -> dialect, drop-outs. The first is the one that PAALM was written for."""
+
+
+@dataclass(frozen=True)
+class PaalmJudgeOptions:
+    """Measures PAALM (2013): angles, names of fingers, jitter and time; recording by recording.
+
+    simulated: hands in the air seen by a simulated Leap, with and without drop-outs, and as joints
+    (v3). Persons follow from the frozen configuration. FOLDER: recordings; the truth is the
+    device's own bones where PIP and DIP are independent (never v2, where they are equal by
+    construction), or what `sandbox leap simulate` wrote beside the frames.
+
+    Try: sandbox evaluate --paalm simulated --takes 4 --json out.json
+    """
+
+    paalm: Annotated[str, tyro.conf.arg(metavar="simulated|FOLDER")]
+    """What is judged on."""
+
+    json: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Where all figures go."""
+
+    takes: int = 8
+    """How many simulated persons, 30 seconds each."""
+
+    readings: bool = False
+    """Judge every other reading of the paper instead, one option at a time, on the simulated
+    persons 100, 101, ..., who are never judged otherwise."""
+
+
+def main(argv: list[str]) -> int:
+    """Runs `sandbox evaluate --paalm ...`."""
+    options = parse(PaalmJudgeOptions, "sandbox evaluate", argv)
+    if options.takes < 1:
+        raise InputError(
+            "nobody to judge", where="--takes", got=options.takes, expected="1 or more"
+        )
+    if options.readings and options.paalm != SIMULATED:
+        raise InputError("readings are judged on simulated hands only", where="--readings")
+    check_output(options.json)
+    console = Console(stderr=True)
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
+        job = bar.add_task("judging", total=1.0)
+
+        def shown(share: float) -> None:
+            bar.update(job, completed=share)
+
+        if options.readings and options.paalm == SIMULATED:
+            found = judge_readings(options.takes, shown)
+        elif options.paalm == SIMULATED:
+            found = _simulated(options.takes, shown)
+        else:
+            found = _folder(Path(options.paalm), shown)
+    found = {"schema": SCHEMA, **found}
+    if options.readings:
+        show_readings(found)
+    else:
+        _show(found)
+    write_json(options.json, found)
+    return 0
+
+
+def _simulated(takes: int, shown: Callable[[float], None]) -> dict[str, Any]:
+    seeds = test_seeds(takes)
+    results: dict[str, list[Judgement]] = {name: [] for name in CONDITIONS}
+    printed: list[Judgement] = []
+    couplings: dict[str, list[Judgement]] = {}
+    done, parts = 0, len(CONDITIONS) * takes
+    for seed in seeds:
+        hand = simulate_air(seed)
+        for name, (dialect, drop_outs) in CONDITIONS.items():
+            take = seen(hand, seed, dialect, drop_outs)
+            results[name].append(judged(str(seed), take))
+            if name == "v1":
+                printed.append(judged(str(seed), take, PAPER))
+            if dialect == "v3":
+                _by_coupling(couplings, str(seed), take, SIMULATED_FIT)
+            done += 1
+            shown(done / parts)
+    conditions = {name: summary(j) for name, j in results.items()}
+    return {
+        "source": "SIMULATED hands, simulated Leap: no person and no device",
+        "seeds": seeds,
+        **conditions["v1"],
+        "ms_per_frame_two_hands": two_hand_milliseconds(
+            seen(simulate_air(seeds[0]), seeds[0]), seen(simulate_air(seeds[0] + 1, "left"), 1)
+        ),
+        "without_drop_outs": conditions["v1_without_drop_outs"],
+        "v3": conditions["v3"],
+        "paper_as_printed": summary(printed),
+        "couplings_v3": {k: _short(j) for k, j in couplings.items()},
+    }
+
+
+def _folder(folder: Path, shown: Callable[[float], None]) -> dict[str, Any]:
+    if not folder.is_dir():
+        raise InputError(
+            "there is no such folder", where=f"--paalm {folder}", expected="simulated, or a folder"
+        )
+    left_out: dict[str, str] = {}
+    takes: list[tuple[str, LeapTake, LeapTake | None]] = []
+    paths = sorted(p for p in folder.iterdir() if p.is_file())
+    for number, path in enumerate(paths):
+        try:
+            takes += list(_takes(path))
+        except (RecordingError, EncoderError) as error:
+            left_out[path.name] = str(error)
+        shown(0.3 * (number + 1) / len(paths))
+    angles: list[Judgement] = []
+    names: list[Judgement] = []
+    couplings: dict[str, list[Judgement]] = {}
+    truth = [take for _, take, _ in takes if independent(take)]
+    for number, (name, take, unnamed) in enumerate(takes):
+        try:
+            if unnamed is not None:
+                _names(names, left_out, name, unnamed)
+            if not independent(take):
+                left_out[f"{name} (angles)"] = "PIP and DIP are equal by construction (Leap v2)"
+            else:
+                angles.append(judged(name, take))
+                if take.dialect == "v1":
+                    names.append(angles[-1])
+                else:
+                    _by_coupling(couplings, name, take, _fit([t for t in truth if t is not take]))
+        except EncoderError as error:
+            left_out[name] = str(error)
+        shown(0.3 + 0.7 * (number + 1) / len(takes))
+    if not angles and not names:
+        why = "; ".join(f"{k}: {v}" for k, v in list(left_out.items())[:3]) or "it is empty"
+        raise InputError("no recording can be judged", where=f"--paalm {folder}", got=why)
+    found = summary(angles or names)
+    if names:
+        found["identity_percent"] = summary(names)["identity_percent"]
+    return {
+        "source": str(folder),
+        **found,
+        "identity_recordings": [j.name for j in names],
+        "couplings": {k: _short(j) for k, j in couplings.items()},
+        "left_out": left_out,
+    }
+
+
+def _names(found: list[Judgement], left_out: dict[str, str], name: str, unnamed: LeapTake) -> None:
+    """Names need an open hand, which angles of a device that knows joints do not."""
+    try:
+        found.append(judged(name, unnamed, angles=False))
+    except EncoderError as error:
+        left_out[f"{name} (names)"] = str(error)
+
+
+def _takes(path: Path) -> Iterator[tuple[str, LeapTake, LeapTake | None]]:
+    """Takes of a file: name, as recorded, and without names where the device names fingers."""
+    recording = read_leap(path)
+    known = take_with_truth(recording, str(path))
+    if known is not None:
+        yield path.name, known, as_first_software(known) if known.dialect == "v3" else None
+        return
+    if recording.dialect == "v1":
+        raise EncoderError("the first software's recordings have no truth", where=path.name)
+    sides = {h.side for f in recording.frames for h in f.hands}
+    for side in SIDES:
+        if side in sides:
+            take = take_of_recording(recording.frames, side)
+            yield f"{path.name} {side}", take, as_first_software(take)
+
+
+def _fit(others: list[LeapTake]) -> Coupling | None:
+    """The coupling of the other recordings; None where they say nothing."""
+    if not others:
+        return None
+    try:
+        return Coupling.fitted(
+            [a for t in others for a in t.angles[:, 1:, 2].ravel()],
+            [a for t in others for a in t.angles[:, 1:, 3].ravel()],
+        )
+    except EncoderError:
+        return None
+
+
+def _by_coupling(
+    table: dict[str, list[Judgement]], name: str, take: LeapTake, fitted: Coupling | None
+) -> None:
+    known = {"two_thirds": TWO_THIRDS, "equal": EQUAL}
+    for key, coupling in (known | ({"fitted": fitted} if fitted else {})).items():
+        options = replace(PaalmOptions(), coupling=coupling)
+        table.setdefault(key, []).append(judged(name, take, options))
+
+
+def _short(judgements: list[Judgement]) -> dict[str, Any]:
+    found = summary(judgements)
+    return {k: found[k] for k in ("mcp_deg", "pip_deg", "dip_deg", "pip_dip_deg", "recordings")}
+
+
+def _show(found: dict[str, Any]) -> None:
+    table = Table("", "MCP", "PIP", "DIP", "PIP+DIP", "names paper", "tracked", "jitter", "ms")
+    rows = {"judged": found}
+    for key in ("without_drop_outs", "v3", "paper_as_printed"):
+        if key in found:
+            rows[key.replace("_", " ")] = found[key]
+    for name, row in rows.items():
+        cells = [row[k] for k in ("mcp_deg", "pip_deg", "dip_deg", "pip_dip_deg")]
+        cells += [row["identity_percent"]["paper"], row["identity_percent"]["tracked"]]
+        cells += [row["jitter_deg"], row["ms_per_frame"]]
+        table.add_row(name, *("-" if c is None else f"{c:.2f}" for c in cells))
+    console = Console()
+    console = Console(width=max(console.width, 100))
+    console.print(table)
+    console.print(
+        Text(f"{found['source']}; {found['recordings']} recordings; degrees, percent, ms a frame")
+    )
+    if "ms_per_frame_two_hands" in found:
+        console.print(Text(f"two hands: {found['ms_per_frame_two_hands']:.2f} ms a frame (median)"))
+    for name, row in found.get("couplings_v3", found.get("couplings", {})).items():
+        console.print(
+            Text(
+                f"joints, coupling {name}: PIP {row['pip_deg']:.2f}, DIP {row['dip_deg']:.2f}, "
+                f"PIP+DIP {row['pip_dip_deg']:.2f}"
+            )
+        )
+    for what, why in found.get("left_out", {}).items():
+        console.print(Text(f"left out: {what}: {why}"))

@@ -1,0 +1,280 @@
+"""`sandbox paalm`: joint angles of hands over a Leap; calibration."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+import tyro
+from rich.console import Console
+from rich.progress import Progress
+from rich.text import Text
+
+from encoders.paalm import PAPER, Paalm, PaalmFrame, PaalmOptions
+from encoders.paalm.average import average_calibration
+from encoders.paalm.calibration import PAPER_FRAMES, HandCalibration
+from encoders.paalm.calibration_file import read_calibration, write_calibration
+from models.errors import EncoderError, InputError
+from models.frames import SIDES, HandFrame
+from sandbox.cli.common.parse import subcommand
+from sandbox.cli.paalm.views import check_picture, show_pictures
+from sandbox.devices.leap.leap import DEFAULT_ADDRESS, LeapDevice, LeapFileDevice
+from sandbox.devices.leap.leap_file import read_leap
+from sandbox.devices.leap.leap_truth import GENERATOR
+from sandbox.options.own_hand import keep_hands, own_path
+from sandbox.options.profiles import DEFAULT
+
+SCHEMA = 1
+HEADER = (
+    "seconds and hand; for each finger flexion and spread of its first joint, flexion of its "
+    "middle and of its end joint, degrees; - is a finger that is not seen"
+)
+"""Said before the lines of angles."""
+
+
+def main(argv: list[str]) -> int:
+    """Runs `sandbox paalm ...`; returns the exit status."""
+    commands: dict[str, Callable[..., int]] = {"show": show, "calibrate": calibrate}
+    about = "PAALM (2013): joint angles from directions and lengths of fingers."
+    return subcommand(commands, "sandbox paalm", about, argv)
+
+
+Hands = Literal["right", "left", "both"]
+
+
+def show(
+    file: Annotated[tyro.conf.Positional[Path | None], tyro.conf.arg(metavar="FILE")] = None,
+    /,
+    device: Literal["leap"] | None = None,
+    address: Annotated[str, tyro.conf.arg(metavar="URL")] = DEFAULT_ADDRESS,
+    hands: Hands = "right",
+    frames: int | None = None,
+    calibration: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None,
+    method: Literal["default", "paper"] = "default",
+    as_json: Annotated[tyro.conf.FlagCreatePairsOff[bool], tyro.conf.arg(name="json")] = False,
+    seconds: float = math.inf,
+    view: Literal["text", "window", "web"] = "text",
+    picture: Annotated[Path | None, tyro.conf.arg(metavar="FILE.png|.jpg|.webp")] = None,
+    port: int = 0,
+) -> int:
+    """Shows the joint angles of every frame, or pictures of them.
+
+    With --view window or web (a page for browsers on this machine) it draws what the device says of
+    a hand (finger vectors, the palm's normal and sphere, vanished fingers dimmed) beside the hand
+    that PAALM makes of it, with its angles. A recording is played at its own pace.
+
+    Without --calibration, the first frames with five fingers measure the hand, which has to be open
+    in them; a recorded hand that is not is shown as an average one, which is said. As JSON, a line
+    a frame on stdout: {"time", "hands": {side: {"angles", "ratios", "ids", "held"}}}, degrees.
+
+    Try:
+
+        sandbox leap simulate --out hand.json
+        sandbox paalm show hand.json
+        sandbox paalm show hand.json --view window
+
+    Args:
+        file: A recording; or use --device.
+        device: leap: a running service.
+        address: Of the service.
+        hands: Whose hands are seen.
+        frames: How many frames measure the hand; 1000 of a device, as in the paper, 100 of a file.
+        calibration: A hand measured earlier, by `sandbox paalm calibrate --out`.
+        method: paper is the paper as printed, default what measured better.
+        as_json: JSON lines.
+        seconds: Stop after this many seconds of the device's time.
+        view: text: lines of angles. window, web: pictures.
+        picture: Write the last frame's picture; with --seconds, that of a moment.
+        port: Of the page; 0 takes a free one.
+    """
+    _check(file, device, frames, seconds)
+    check_picture(picture)
+    if as_json and (view != "text" or picture is not None):
+        raise InputError("pictures are no JSON", where="--json", expected="--view text")
+    source = _Source(file, address)
+    paalm = Paalm(PAPER if method == "paper" else PaalmOptions())
+    try:
+        stream = source.frames()
+        if calibration is not None:
+            paalm.use(read_calibration(calibration))
+        else:
+            wanted = frames or (PAPER_FRAMES if file is None else 100)
+            try:
+                _measure(paalm, stream, hands, wanted)
+            except EncoderError as error:
+                if file is None or frames is not None:
+                    raise
+                # Nobody can be asked to open a recorded hand; it is shown all the same.
+                _assume(paalm, list(source.frames()), hands, error)
+            if file is not None:
+                stream = source.frames()
+        if view != "text" or picture is not None:
+            show_pictures(
+                paalm, stream, view, recorded=file is not None, caption=source.caption,
+                seconds=seconds, picture=picture, port=port,
+            )  # fmt: skip
+            return 0
+        if not as_json:
+            print(HEADER)
+        begin: float | None = None
+        for frame in stream:
+            begin = frame.time if begin is None else begin
+            if frame.time - begin > seconds:
+                break
+            _print(paalm.step(frame), as_json)
+    except KeyboardInterrupt:
+        return 0  # the usual way to end
+    finally:
+        source.close()
+        source.report(paalm)
+    return 0
+
+
+def calibrate(
+    file: Annotated[tyro.conf.Positional[Path | None], tyro.conf.arg(metavar="FILE")] = None,
+    /,
+    *,
+    hands: Hands,
+    device: Literal["leap"] | None = None,
+    address: Annotated[str, tyro.conf.arg(metavar="URL")] = DEFAULT_ADDRESS,
+    frames: int = PAPER_FRAMES,
+    out: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None,
+) -> int:
+    """Measures open hands: hold them palm down, fingers spread, 20 cm above the device.
+
+    Args:
+        file: A recording; without one, the running service is asked.
+        hands: Whose hands they are; this has to be said.
+        device: leap: a running service; the default without a FILE.
+        address: Of the service.
+        frames: How many frames with five fingers; 1000 in the paper, about 10 seconds.
+        out: Where the calibration goes, as JSON; default is this user's own place, which
+            `sandbox play --device leap` takes by itself.
+    """
+    _check(file, device or (None if file else "leap"), frames, math.inf)
+    own = out == Path(DEFAULT)
+    if out is not None and not own and not out.absolute().parent.is_dir():
+        raise InputError("there is no such folder", where=f"--out {out}")
+    source = _Source(file, address)
+    paalm = Paalm()
+    try:
+        found = _measure(paalm, source.frames(), hands, frames)
+    finally:
+        source.close()
+    if own:
+        known = read_calibration(own_path()) if own_path().exists() else {}
+        keep_hands({**known, **found}, own_path())
+    elif out is not None:
+        write_calibration(found, out)
+    summary = {
+        side: {
+            "standard_mm": [round(1000 * v, 2) for v in c.standard.tolist()],
+            "spread_mm": [round(1000 * v, 2) for v in c.spread.tolist()],
+            "frames": c.frames,
+            "seconds": round(c.seconds, 3),
+            "left_out": c.left_out,
+        }
+        for side, c in found.items()
+    }
+    print(json.dumps({"schema": SCHEMA, "hands": summary}))
+    return 0
+
+
+class _Source:
+    """Frames of a recording or of the live device."""
+
+    def __init__(self, file: Path | None, address: str) -> None:
+        self._file = None if file is None else read_leap(file)
+        self._live = LeapDevice(address) if file is None else None
+        self._address = address
+
+    @property
+    def caption(self) -> str:
+        """What a picture says of where it comes from."""
+        if self._file is None:
+            return f"live: {self._address}"
+        made = str(self._file.metadata.get("generatedBy", ""))
+        return "SIMULATED: no device saw this hand" if made == GENERATOR else "a recording"
+
+    def frames(self) -> Iterator[HandFrame]:
+        if self._file is not None:
+            yield from LeapFileDevice(self._file).poll(math.inf)
+            return
+        assert self._live is not None
+        yield from self._live.follow()
+
+    def close(self) -> None:
+        if self._live is not None:
+            self._live.close()
+
+    def report(self, paalm: Paalm) -> None:
+        """Says on stderr what was left out, and why; a damaged file last."""
+        device = self._live or (LeapFileDevice(self._file) if self._file else None)
+        counts = {} if device is None else dict(device.counts)
+        counts |= paalm.counts
+        left = {k: n for k, n in counts.items() if n and k not in ("frames", "handshakes")}
+        console = Console(stderr=True)
+        if left:
+            console.print(Text(", ".join(f"{what}: {n}" for what, n in left.items())))
+        if self._file is not None and self._file.damage is not None:
+            raise self._file.damage
+
+
+def _measure(
+    paalm: Paalm, stream: Iterator[HandFrame], hands: Hands, wanted: int
+) -> dict[str, HandCalibration]:
+    console = Console(stderr=True)
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
+        job = bar.add_task("hold your hand open and still", total=1.0)
+        return paalm.calibrate(
+            stream, hands, wanted, lambda share: bar.update(job, completed=share)
+        )
+
+
+def _assume(paalm: Paalm, frames: list[HandFrame], hands: Hands, error: EncoderError) -> None:
+    sides = SIDES if hands == "both" else (hands,)
+    paalm.use({side: average_calibration(frames, side, paalm.options) for side in sides})
+    Console(stderr=True).print(Text(f"shown as an average hand, because {error}"))
+
+
+def _check(file: Path | None, device: str | None, frames: int | None, seconds: float) -> None:
+    if (file is None) == (device is None):
+        raise InputError(
+            "say where frames come from",
+            got="both" if file else "neither",
+            expected="a FILE or --device leap",
+        )
+    if frames is not None and frames < 1:
+        raise InputError("nothing to measure", where="--frames", got=frames, expected="1 or more")
+    if seconds <= 0.0 or math.isnan(seconds):
+        raise InputError("nothing to show", where="--seconds", got=seconds, expected="above 0")
+
+
+def _print(frame: PaalmFrame, as_json: bool) -> None:
+    if as_json:
+        hands = {
+            side: {
+                "angles": {k: round(v, 3) for k, v in hand.angles.items()},
+                "ratios": {k: round(v, 4) for k, v in hand.ratios.items()},
+                "ids": hand.ids,
+                "held": sorted(hand.held),
+                "seen": hand.seen,
+            }
+            for side, hand in frame.hands.items()
+        }
+        record: dict[str, object] = {"time": frame.time, "hands": hands}
+        if frame.refused:
+            record["refused"] = frame.refused
+        print(json.dumps(record))
+        return
+    for side, hand in frame.hands.items():
+        cells = []
+        for finger, row in zip(hand.ratios, hand.table.tolist(), strict=True):
+            mark = "-" if finger in hand.held else " "
+            whole = np.round(row) + 0.0  # no -0
+            cells.append(f"{finger[:2]}{mark}" + "".join(f"{v:5.0f}" for v in whole))
+        print(f"{frame.time:9.3f} {side[0]}  " + "  ".join(cells))

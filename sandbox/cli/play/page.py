@@ -1,0 +1,293 @@
+"""Play on the page: one trial after another, as the person on it asks."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from models.errors import InputError
+from sandbox.cli.common.latency import judge_latency, say_latency
+from sandbox.cli.common.page_options import PageOptions, open_page
+from sandbox.cli.common.second_view import invite, show_session, touched_pages
+from sandbox.cli.play.room import in_plain_words
+from sandbox.cli.run import report_end
+from sandbox.options.scene_options import Plan, SceneOptions, plan
+from sandbox.server.page_server import PageServer
+from sandbox.server.protocol.protocol import Ask
+from sandbox.server.protocol.rectangle import common, rectangle
+from sandbox.server.publishing import publish
+from sandbox.session.messages import Snapshot
+from sandbox.session.session import Session
+from sandbox.trial.assembly import build
+from sandbox.trial.events import EventLog, NoticeEvents
+from sandbox.trial.headless import looking_devices, trial_header
+from sandbox.trial.keeping import Keeping
+from sandbox.trial.live import LiveSession
+from sandbox.trial.settings import RunSettings
+from sandbox.trial.timing import Timing, timed
+from sandbox.trial.two_hands import with_first
+from tasks.registry import TASKS
+
+TICK = 0.02
+"""s between two looks at what the person wants."""
+
+WAITED = 2.0
+"""s that one of two pages is open before it is told that the other one is not."""
+
+
+@dataclass
+class Wishes:
+    """What the person wants of the next trial, and of this one.
+
+    Attributes:
+        task: Name.
+        hand: `right` or `left`.
+        trial: How many trials there were.
+        again: A new trial is wanted.
+        paused: Time is to stand still.
+        seated: How often another page had become the player's when this trial was laid out.
+        second: `right` or `left`, where a second hand has a page of its own; else None.
+    """
+
+    task: str
+    hand: str
+    second: str | None = None
+    trial: int = 0
+    again: bool = False
+    paused: bool = False
+    seated: int = 0
+
+    def hear(self, asks: list[Ask], second: bool = False) -> None:
+        """Takes in what was asked, perhaps on the second hand's page; what makes no sense is passed
+        over."""
+        for ask in asks:
+            match ask.what:
+                case "retry":
+                    self.again = True
+                case "task" if ask.value in TASKS:
+                    self.task, self.again = ask.value, True
+                case "hand" if ask.value in ("right", "left") and second:
+                    self.second, self.again = ask.value, True
+                case "hand" if ask.value in ("right", "left"):
+                    self.hand, self.again = ask.value, True
+                case "pause" | "resume":
+                    self.paused = ask.what == "pause"
+
+
+@dataclass(frozen=True)
+class PagePlay:
+    """A server and what its trials are made from.
+
+    Attributes:
+        options: Of the scene.
+        server: Of the page, or of the first hand's.
+        events: Are told of trials.
+        console: For words.
+        second: Of the second hand's page, where it has one of its own.
+        latest: Result of the last trial.
+    """
+
+    options: SceneOptions
+    server: PageServer
+    events: EventLog
+    console: Console
+    second: PageServer | None = None
+    latest: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def servers(self) -> tuple[PageServer, ...]:
+        """Of all pages."""
+        return (self.server, self.second) if self.second else (self.server,)
+
+    def run(self) -> None:
+        """Trials until the program is interrupted."""
+        first = plan(self.options).settings
+        other = first.second.hand if first.second and self.second else None
+        wishes = Wishes(first.task, first.hand, other)
+        self._wait_for_players()
+        while True:
+            self._trial(wishes)
+            wishes.trial += 1
+            while not wishes.again:
+                self._hear(wishes)
+                time.sleep(TICK)
+            wishes.again = wishes.paused = False
+
+    def _wait_for_players(self) -> None:
+        """Until every page is open; who is there is told what is missing."""
+        start, told = time.monotonic(), False
+        while missing := [s for s in self.servers if not s.wait_for_player(0.0)]:
+            time.sleep(TICK)
+            if len(missing) < len(self.servers) and not told and time.monotonic() - start > WAITED:
+                told = True
+                for server in set(self.servers) - set(missing):
+                    server.tell("The page of the other hand is not open yet.")
+            elif len(missing) == len(self.servers):
+                start = time.monotonic()
+
+    def _hear(self, wishes: Wishes) -> None:
+        """What the page wants; on the screen of somebody else, a trial is laid out anew."""
+        for server in self.servers:
+            wishes.hear(server.asked(), server is self.second)
+        if self._seated != wishes.seated:
+            wishes.again, wishes.paused = True, False
+
+    @property
+    def _seated(self) -> int:
+        return sum(server.seated for server in self.servers)
+
+    def _trial(self, wishes: Wishes) -> None:
+        wishes.seated = self._seated
+        chosen = self._chosen(wishes)
+        record = self.options.record
+        keeping = Keeping(
+            trial_header(chosen.settings, chosen.about),
+            numbered(record, wishes.trial) if record else None,
+            self.options.dump,
+        )
+        timing = Timing(self.server.latency)
+        try:
+            make = chosen.make_device
+            if chosen.live:
+                make = with_first(make, lambda maker: timed(maker, timing))
+            session = build(chosen.settings, make, keeping.recorder)
+        except InputError as error:
+            keeping.close()
+            self._refuse(error, chosen.settings)
+            return
+        touched = [device for _, device in touched_pages(session)]
+        for device in touched:
+            # Whichever page is touched, its step is made at once.
+            device.news = touched[0].news
+        # Fingers elsewhere, as over TUIO, are seen on the page, and are no later for that.
+        hears = touched[0] if touched else session.rigs[0].device
+        live = LiveSession(
+            session, self._on_step(session, timing), news=getattr(hears, "news", None)
+        )
+        self._show(session, chosen)
+        # A person's time begins with their first touch: before, they look at the scene.
+        waiting = bool(touched)
+        live.pause(waiting)
+        live.start()
+        try:
+            while not live.over and not wishes.again:
+                self._hear(wishes)
+                waiting = waiting and not any(device.touched for device in touched)
+                live.pause(waiting or wishes.paused)
+                if waiting or wishes.paused:
+                    for server in self.servers:
+                        server.publish(session.snapshot(), True)
+                time.sleep(TICK)
+        finally:
+            live.stop()
+            result = keeping.end(session, latency=self.server.latency.as_json())
+            keeping.close()
+            session.close()
+            # Told here, since most sessions on the page end by being interrupted.
+            self.latest.update(result)
+            self.events.tell("trial_end", **result)
+        for server in self.servers:
+            server.publish(session.snapshot())
+        if live.failure:
+            raise live.failure
+        report_end(result, self.console)
+
+    def _chosen(self, wishes: Wishes) -> Plan:
+        chosen = plan(replace(self.options, record=None))
+        settings = replace(
+            chosen.settings,
+            task=wishes.task,
+            hand=wishes.hand,
+            seed=chosen.settings.seed + wishes.trial,
+        )
+        second = settings.second
+        if second and wishes.second:
+            second = replace(second, hand=wishes.second)
+            settings = replace(settings, second=second)
+        screens = [server.screen for server in self.servers if server.screen]
+        if "web" in (self.options.device, self.options.second_device) and screens:
+            hands = 2 if second and second.shared else 1
+            settings = replace(settings, **common([rectangle(s, hands) for s in screens]))
+        return replace(chosen, settings=settings)
+
+    def _show(self, session: Session, chosen: Plan) -> None:
+        caption = "simulated user" if chosen.about.get("user") else ""
+        persons, touched = chosen.settings.persons, touched_pages(session)
+        for k, server in enumerate(self.servers):
+            own, device = touched[k] if k < len(touched) else (None, None)
+            show_session(server, session, persons[own or 0].hand, caption, device, own)
+        self.events.tell("trial_start", task=session.task.name, seed=session.task.seed)
+
+    def _on_step(self, session: Session, timing: Timing) -> Any:
+        notices = NoticeEvents(
+            self.events, lambda notice: self.console.print(f"[yellow]{notice}[/]")
+        )
+        looking = looking_devices(session)
+
+        def on_step(snapshot: Snapshot) -> None:
+            timing.stepped(snapshot)
+            notices.show(snapshot)
+            for look in looking:
+                look(snapshot)
+            for server in self.servers:
+                publish(server, session, snapshot)
+
+        return on_step
+
+    def _refuse(self, error: InputError, settings: RunSettings) -> None:
+        """A task that this screen has no room for: said on the page; another can be chosen."""
+        for server in self.servers:
+            server.tell(in_plain_words(error, settings))
+        self.events.tell("warning", what=str(error))
+        self.console.print(f"[yellow]{error}[/]")
+
+
+def play_on_page(
+    options: SceneOptions, page: PageOptions, console: Console, limit: float | None = None
+) -> int:
+    """Serves the page until interrupted, then says how long touches took.
+
+    Returns 1 where that was longer than `limit`, ms (see `judge_latency`); None sets none.
+    """
+    hands = [options.device, options.second_device].count("web")
+    sides = [person.hand for person in plan(options).settings.persons]
+    names = sides if len(set(sides)) == len(sides) else ["first", "second"]
+    events, servers = EventLog(options.events), [open_page(page, touch=hands > 0)]
+    try:
+        if hands == 2:
+            # Each hand's page is at an address of its own, so that a link says whose page it is.
+            beside = replace(page, page_port=page.page_port and page.page_port + 1)
+            servers.append(open_page(beside))
+        for server, whose in zip(servers, names, strict=False):
+            if hands == 2:
+                console.print(f"for the {whose} hand:")
+            invite(server, page, events, console)
+        second = servers[1] if hands == 2 else None
+        PagePlay(options, servers[0], events, console, second).run()
+    except KeyboardInterrupt:
+        console.print("stopped")
+    finally:
+        for server, whose in zip(servers, names, strict=False):
+            server.close()
+            if len(servers) > 1 and server.latency.percentiles():
+                console.print(f"the {whose} hand's page:")
+            say_latency(server.latency, console)
+            say_refusals(server, console)
+        events.close()
+    return max(judge_latency(server.latency, limit, console) for server in servers)
+
+
+def numbered(path: Path, trial: int) -> Path:
+    """A second trial is another file: nothing recorded is ever written over."""
+    return path if not trial else path.with_stem(f"{path.stem}-{trial + 1}")
+
+
+def say_refusals(server: PageServer, console: Console) -> None:
+    """What the server refused, by reason; nothing where it refused nothing."""
+    refused = server.counters.as_dict()
+    if refused:
+        console.print("refused: " + ", ".join(f"{n} {reason}" for reason, n in refused.items()))

@@ -1,0 +1,350 @@
+"""Play in a window, with a page beside it: one trial after another, as the person asks."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from models.errors import InputError
+from models.surface import Surface
+from sandbox.cli.common.latency import judge_latency, say_latency
+from sandbox.cli.common.page_options import PageOptions
+from sandbox.cli.common.second_view import (
+    in_air,
+    open_second_view,
+    short_address,
+    show_session,
+    touched_pages,
+)
+from sandbox.cli.play.page import Wishes, numbered, say_refusals
+from sandbox.cli.run import report_end
+from sandbox.devices.wrappers.first_touch import FirstTouch
+from sandbox.devices.wrappers.merged import MergedDevice
+from sandbox.options.scene_options import Plan, SceneOptions, plan
+from sandbox.server.page_server import PageServer
+from sandbox.server.protocol.describe import summary
+from sandbox.server.publishing import publish
+from sandbox.server.web import WebDevice
+from sandbox.session.device import Device
+from sandbox.session.latency import LatencyLog
+from sandbox.session.messages import Snapshot
+from sandbox.session.session import Session
+from sandbox.trial.assembly import DeviceMaker, build
+from sandbox.trial.events import EventLog, NoticeEvents
+from sandbox.trial.headless import looking_devices, trial_header
+from sandbox.trial.keeping import Keeping
+from sandbox.trial.lift import with_lift
+from sandbox.trial.live import LiveSession
+from sandbox.trial.timing import Timing, timed
+from sandbox.trial.two_hands import with_first
+from sandbox.views.window.window import SIZE, Window
+from tasks.score import Status
+from tasks.task import Task
+
+WAITING = "time begins with your first touch"
+WITH_MOUSE = "press 3 for a hand, drag beside it to move it; "
+"""Said to who plays with the mouse, before they have touched anything."""
+NEWS = 0.5
+"""s between two looks at how fast pictures are drawn."""
+BEHIND = 0.05
+"""s of real time that have to be lost before a person is told."""
+
+
+@dataclass
+class Footer:
+    """What is written at the bottom right: speed of drawing, lift, and the page's address."""
+
+    address: str = ""
+    _since: float = 0.0
+    _pictures: int = 0
+    _rate: str = ""
+
+    def lines(self, window: Window, lost: float, session: Session) -> tuple[str, ...]:
+        """The lines now.
+
+        Args:
+            window: Has drawn the last picture.
+            lost: s that the session is behind real time.
+            session: For how far its first hand is lifted.
+        """
+        now = time.monotonic()
+        if now - self._since >= NEWS:
+            rate = (window.pictures - self._pictures) / (now - self._since)
+            self._since, self._pictures = now, window.pictures
+            self._rate = f"{rate:.0f} pictures/s, {1000 * window.picture_time:.0f} ms each"
+        found = [self._rate]
+        if lost > BEHIND:
+            found.append(f"{lost:.1f} s behind real time")
+        # A hand in the air lifts itself.
+        reach = 0.0 if in_air(session) else 1000.0 * session.task.lift_range
+        if reach > 0.0:
+            found.append(f"lifted {reach * (session.lift(0) or 0.0):.0f} of {reach:.0f} mm")
+        if session.scorer.score.status is not Status.RUNNING:
+            found.append("r starts again")
+        if self.address:
+            found.append(f"in a browser: {self.address}")
+        return tuple(line for line in found if line)
+
+
+@dataclass
+class WindowPlay:
+    """A window, perhaps a page beside it, and what trials are made from.
+
+    Attributes:
+        options: Of the scene.
+        server: Of the page; None serves none.
+        share: Whether fingers on the page count, too.
+        lan: Whether the page is for a tablet, which is shown its code until it comes.
+        events: Are told.
+        console: Is told.
+        latency: Of all trials.
+        window: Once one is open.
+    """
+
+    options: SceneOptions
+    server: PageServer | None
+    share: bool
+    lan: bool
+    events: EventLog
+    console: Console
+    latency: LatencyLog
+    window: Window | None = None
+    results: list[dict[str, Any]] = field(default_factory=list)
+
+    def run(self) -> None:
+        """Trials until the window is closed."""
+        first = plan(replace(self.options, record=None)).settings
+        wishes = Wishes(first.task, first.hand)
+        done = wishes.task, wishes.hand
+        try:
+            while True:
+                try:
+                    go_on = self._trial(wishes)
+                except InputError as error:
+                    if self.window is None or (wishes.task, wishes.hand) == done:
+                        raise
+                    # What the page asked for cannot be had: said there, and on with what can.
+                    self._tell(str(error))
+                    wishes.task, wishes.hand = done
+                    continue
+                if not go_on:
+                    return
+                done = wishes.task, wishes.hand
+                wishes.trial += 1
+                wishes.again = wishes.paused = False
+        finally:
+            if self.window is not None:
+                self.window.close()
+
+    def _trial(self, wishes: Wishes) -> bool:
+        """One trial; whether another is wanted."""
+        chosen = self._chosen(wishes)
+        record = self.options.record
+        # A second trial is another file: nothing recorded is ever written over.
+        kept = numbered(record, wishes.trial) if record else None
+        keeping = Keeping(trial_header(chosen.settings, chosen.about), kept, self.options.dump)
+        timing = Timing(self.latency)
+        try:
+            session = build(chosen.settings, self._device_maker(chosen, timing), keeping.recorder)
+        except InputError:
+            keeping.close()
+            raise
+        again = False
+        live: LiveSession | None = None
+        try:
+            window = self._open_window(session, chosen)
+            live = LiveSession(
+                session,
+                self._on_step(session, timing),
+                window.speed,
+                getattr(session.rigs[0].device, "news", None),
+            )
+            self._show_on_page(session, chosen)
+            live.pause(_waiting(session))
+            live.start()
+            again = self._watch(session, live, wishes, timing)
+        finally:
+            if live is not None:
+                live.stop()
+            result = keeping.end(session, latency=self.latency.as_json())
+            keeping.close()
+            session.close()
+        if live.failure:
+            raise live.failure
+        self.results.append(result)
+        self.events.tell("trial_end", **result)
+        report_end(result, self.console)
+        return again
+
+    def _watch(self, session: Session, live: LiveSession, wishes: Wishes, timing: Timing) -> bool:
+        """Draws until the window is closed (False) or another trial is wanted (True)."""
+        window = self.window
+        assert window is not None
+        footer = Footer(short_address(self.server) if self.server else "")
+        seen: Snapshot | None = None
+        waiting = _waiting(session)
+        # What there is to see before the first step.
+        first = self._before(session) if waiting else session.snapshot()
+        while window.pump(live.newest or first):
+            waiting = waiting and _waiting(session)
+            if window.seen is not None and window.seen is not seen:
+                seen = window.seen
+                timing.drawn(seen)
+                self.latency.add("picture", 1000.0 * window.picture_time)
+            if self.server:
+                wishes.paused = window.paused
+                wishes.hear(self.server.asked())
+                window.paused = wishes.paused
+                if (window.paused or waiting) and seen is not None:
+                    self.server.publish(session.snapshot() if waiting else seen, True)
+            window.link = self.server.url if self.server and self._inviting() else ""
+            window.footer = footer.lines(window, live.lost, session)
+            live.pause(window.paused or waiting)
+            live.set_speed(window.speed)
+            if window.take_contact():
+                session.set_contact(session.contact.next)
+            if window.take_reset() or wishes.again:
+                return True
+        return False
+
+    def _before(self, session: Session) -> Snapshot:
+        """What there is to see before the first touch: the scene, what is to be done, and how."""
+        found = session.snapshot()
+        score = replace(found.score, reason=summary(type(session.task)))
+        how = WITH_MOUSE if self.options.device == "mouse" else ""
+        return replace(found, score=score, notices=(how + WAITING,))
+
+    def _inviting(self) -> bool:
+        """Whether a tablet is still waited for."""
+        return self.lan and self.server is not None and not self.server.wait_for_player(0.0)
+
+    def _chosen(self, wishes: Wishes) -> Plan:
+        chosen = plan(replace(self.options, record=None))
+        settings = chosen.settings
+        if (wishes.task, wishes.hand) != (settings.task, settings.hand):
+            settings = replace(settings, task=wishes.task, hand=wishes.hand)
+        return replace(chosen, settings=replace(settings, seed=settings.seed + wishes.trial))
+
+    def _device_maker(self, chosen: Plan, timing: Timing) -> DeviceMaker:
+        """Opens the device, with the page's fingers beside it and a clock around both."""
+        make_one = with_lift(chosen.make_device, keys=True)
+
+        def beside_page(maker: DeviceMaker) -> DeviceMaker:
+            def make_both(task: Task, surface: Surface) -> Device:
+                return MergedDevice((maker(task, surface), WebDevice(surface)))
+
+            return make_both
+
+        make = with_first(make_one, beside_page) if self.share else make_one
+        # Spoiled frames carry the session's time, in which nothing can be late.
+        # Nobody knows what a Leap's clock has to do with this machine's.
+        spoils = chosen.settings.variation.spoils
+        measured = chosen.live and not spoils and chosen.settings.in_air is None
+        if measured:
+            make = with_first(make, lambda maker: timed(maker, timing))
+        return with_first(make, _from_first_touch) if self._waits(chosen) else make
+
+    def _waits(self, chosen: Plan) -> bool:
+        """Whether time begins with the first touch: a person plays, with their fingers."""
+        of_person = self.options.device != "simulated" and not Path(self.options.device).is_file()
+        return chosen.live and of_person and chosen.settings.in_air is None
+
+    def _open_window(self, session: Session, chosen: Plan) -> Window:
+        surface = session.whole_surface
+        title = f"Hand Sandbox: {session.task.name}"
+        caption = "simulated user" if chosen.about.get("user") is not None else ""
+        if self.window is None:
+            self.window = Window(session.scene, surface, title, SIZE, caption, in_air(session))
+        else:
+            self.window.show_scene(session.scene, surface, title, caption, in_air(session))
+        self.window.attach(session.rigs[0].device)
+        address = getattr(session.rigs[0].device, "address", None)
+        if address:
+            self.console.print(f"listening for TUIO on [bold]{address}[/]")
+            self.events.tell("listening", address=address)
+        self.events.tell("trial_start", task=session.task.name, seed=session.task.seed)
+        return self.window
+
+    def _show_on_page(self, session: Session, chosen: Plan) -> None:
+        if self.server:
+            caption = "simulated user" if chosen.about.get("user") is not None else ""
+            # A page that is the second hand's, or one that plays along with the mouse.
+            own, web = next(iter(touched_pages(session)), (0, _web(session.rigs[0].device)))
+            person = chosen.settings.persons[own or 0]
+            show_session(self.server, session, person.hand, caption, web, own)
+
+    def _on_step(self, session: Session, timing: Timing) -> Any:
+        notices = NoticeEvents(
+            self.events, lambda notice: self.console.print(f"[yellow]{notice}[/]")
+        )
+        looking = looking_devices(session)
+        server = self.server
+
+        def on_step(snapshot: Snapshot) -> None:
+            timing.stepped(snapshot)
+            notices.show(snapshot)
+            for look in looking:
+                look(snapshot)
+            if server:
+                publish(server, session, snapshot)
+
+        return on_step
+
+    def _tell(self, text: str) -> None:
+        if self.server:
+            self.server.tell(text)
+        self.events.tell("warning", what=text)
+        self.console.print(f"[yellow]{text}[/]")
+
+
+def play_in_window(
+    options: SceneOptions, page: PageOptions, limit: float | None, console: Console
+) -> int:
+    """Plays until the window is closed; 1 where touches took longer than the limit allows.
+
+    Args:
+        options: Of the scene. The page is the second hand's if that is its device; else its fingers
+            play along with the mouse, and beside any other device it only looks.
+        page: Where the page is.
+        limit: ms, see `judge_latency`; None sets none.
+        console: Is told.
+    """
+    events = EventLog(options.events)
+    try:
+        mouse, second = options.device == "mouse", options.second_device == "web"
+        server = open_second_view(page, mouse or second, events, console)
+        latency = server.latency if server else LatencyLog()
+        share = server is not None and mouse and not second
+        lan = page.tablet or page.lan is not None
+        play = WindowPlay(options, server, share, lan, events, console, latency)
+        try:
+            play.run()
+        finally:
+            if server:
+                server.close()
+                say_refusals(server, console)
+            say_latency(latency, console)
+    finally:
+        events.close()
+    return judge_latency(latency, limit, console)
+
+
+def _from_first_touch(maker: DeviceMaker) -> DeviceMaker:
+    return lambda task, surface: FirstTouch(maker(task, surface))
+
+
+def _waiting(session: Session) -> bool:
+    """Whether a person has not yet touched anything."""
+    device = session.rigs[0].device
+    begun = any(page.touched for _, page in touched_pages(session))
+    return isinstance(device, FirstTouch) and not device.came() and not begun
+
+
+def _web(device: object) -> WebDevice | None:
+    """The page's part of a device."""
+    parts = getattr(device, "devices", ())
+    return next((part for part in parts if isinstance(part, WebDevice)), None)

@@ -1,0 +1,194 @@
+"""`sandbox replay`: plays recordings again, checks every state, and shows them."""
+
+from __future__ import annotations
+
+import time
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Literal
+
+import tyro
+from rich.console import Console
+from rich.progress import Progress
+from threadpoolctl import threadpool_limits
+
+from models.errors import InputError
+from sandbox.cli.common.films import open_film
+from sandbox.cli.common.page_options import PageOptions
+from sandbox.cli.common.parse import parse
+from sandbox.recording.recording import Recording, load_recording
+from sandbox.session.messages import Snapshot
+from sandbox.session.session import Session
+from sandbox.study.record.trial_files import find_recordings
+from sandbox.trial.headless import View, no_search_for_garbage
+from sandbox.trial.recorded_poses import recorded_score
+from sandbox.trial.replay import Verification, replay
+from tasks.score import ending
+
+ELSEWHERE = "it was made with other versions or on another kind of processor"
+SELDOM = 64
+"""Control periods between two looks at the progress bar: it takes longer than one of them."""
+
+
+@dataclass(frozen=True)
+class ReplayOptions:
+    """Plays recordings again and compares each state with the recorded one, hash by hash.
+
+    Exit status 1 means that a state differs although versions and processor are the recording's.
+
+        sandbox replay run.jsonl                                   a recording
+        sandbox replay NAME/3B5G5T/S001/T007                       a trial of a study
+        sandbox replay NAME/3B5G5T --verify                        all of a participant's
+        sandbox replay NAME/3B5G5T/T007 --view window              to look at, at real time
+        sandbox replay run.jsonl --view film --film run.mp4
+    """
+
+    trial: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="FILE|TRIAL")]
+    """A recording, made with --record; a trial of a study, NAME/PARTICIPANT/S001/T007, where the
+    session may be left out and the attempt that counts is taken; or a study's folder, a participant
+    or a session: all trials in it."""
+
+    verify: tyro.conf.FlagCreatePairsOff[bool] = False
+    """Exit status 1 unless every state was compared, up to the recording's end, and equal."""
+
+    view: Literal["none", "window", "web", "film"] = "none"
+    """Shows it, after it was compared: in a window (h shows the keys: pause, steps, jumps), on the
+    page, or as a film."""
+
+    speed: float = 1.0
+    """Simulated seconds per second, for --view window and web."""
+
+    film: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Draws a film: .webp, .gif, or .mp4 with the extra `film`. Without a name, --view film makes a
+    .webp with the recording's name."""
+
+    out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path("studies")
+    """Where studies are kept."""
+
+    page: PageOptions = field(default_factory=PageOptions)
+
+
+def main(argv: list[str]) -> int:
+    """Runs `sandbox replay ...`."""
+    options = parse(ReplayOptions, "sandbox replay", argv)
+    console = Console()
+    if not 0.001 <= options.speed <= 1000.0:
+        raise InputError("not a speed", where="--speed", got=options.speed,
+                         expected="0.001 to 1000")  # fmt: skip
+    files = find_recordings(options.trial, options.out)
+    showing = options.view != "none" or options.film is not None
+    if showing and len(files) > 1:
+        raise InputError("only one trial can be shown", where=options.trial,
+                         got=f"{len(files)} recordings",
+                         remedy="Name one of them, such as " + files[0].stem)  # fmt: skip
+    status = 0
+    for file in files:
+        status = max(status, _replay(file, options, len(files) > 1, console))
+    if len(files) > 1:
+        told = "all as they should be" if status == 0 else "[red]not all as they should be[/]"
+        console.print(f"{len(files)} recordings: {told}")
+    return status
+
+
+def _replay(file: Path, options: ReplayOptions, brief: bool, console: Console) -> int:
+    """One recording; the exit status."""
+    recording = load_recording(file)
+    if recording.damage:
+        console.print(f"[yellow]{file}: {recording.damage}[/]")
+    kept: list[Snapshot] = []
+    keeps = options.view in ("window", "web")
+    film = options.film
+    if options.view == "film" and film is None:
+        film = Path(file.name).with_suffix(".webp")
+    # Who played is told by the recording; a film of a simulated user has to say so.
+    caption = "simulated user" if recording.header.get("user") else ""
+    steps = recording.end["step"] if recording.end else None
+    began = time.perf_counter()
+    with ExitStack() as closing:
+        progress = closing.enter_context(
+            Progress(console=console, transient=True, disable=not console.is_terminal)
+        )
+        bar = progress.add_task("replaying", total=steps)
+
+        def make_views(session: Session) -> list[View]:
+            seldom = SELDOM * session.scene.substeps
+
+            def show(snapshot: Snapshot) -> None:
+                if snapshot.step % seldom == 0:
+                    progress.update(bar, completed=snapshot.step)
+
+            views: list[View] = [show]
+            if keeps:
+                views.append(kept.append)
+            if film is not None:
+                views.append(closing.enter_context(open_film(film, session, caption)).show)
+            return views
+
+        with threadpool_limits(1), no_search_for_garbage():
+            session, found = replay(recording, make_views)
+    took = time.perf_counter() - began
+    if brief:
+        console.print(f"{file.stem}: {_verdict(found)}", highlight=False)
+    else:
+        _report(recording, session, found, console)
+        if not keeps and film is None and took > 0 and found.compared:
+            console.print(f"[dim]{session.time:.1f} s of trial compared in {took:.2f} s, "
+                          f"{session.time / took:.1f} times faster than it was[/]",
+                          highlight=False)  # fmt: skip
+    if film is not None:
+        console.print(f"film: {film}")
+    if kept:
+        caption = f"replay; {caption}" if caption else "replay"
+        _show(recording, session, kept, options, caption, console)
+    if options.verify:
+        return 0 if found.exact and found.complete else 1
+    return 1 if found.first_difference is not None and found.same_machine else 0
+
+
+def _show(
+    recording: Recording,
+    session: Session,
+    snapshots: list[Snapshot],
+    options: ReplayOptions,
+    caption: str,
+    console: Console,
+) -> None:
+    from sandbox.cli.replay.views import show_in_window, show_on_page
+
+    if options.view == "window":
+        show_in_window(session, snapshots, options.speed, caption)
+    else:
+        hand = str(recording.header["settings"].get("hand", "right"))
+        show_on_page(session, snapshots, options.speed, caption, hand, options.page, console)
+
+
+def _verdict(found: Verification) -> str:
+    """How it went, in a line."""
+    if found.exact:
+        whole = "" if found.complete else ", up to where it breaks off"
+        return f"[green]exact[/]: {found.compared} states equal to the bit{whole}"
+    if found.compared == 0:
+        return "[yellow]nothing to compare: it holds no input[/]"
+    differs = f"differs[/] from physics step {found.first_difference} on"
+    if found.same_machine:
+        return f"[red]{differs}"
+    return f"[yellow]{differs}, as it may: {ELSEWHERE}"
+
+
+def _report(recording: Recording, session: Session, found: Verification, console: Console) -> None:
+    """How it went, and what the trial's result is."""
+    score = session.scorer.score
+    console.print(_verdict(found))
+    if found.exact and not found.same_machine:
+        console.print(f"[yellow]{ELSEWHERE}; every state is the same here all the same[/]")
+    if not found.exact and found.compared and not found.same_machine and recording.end:
+        score = recorded_score(recording.end["result"])
+    if not found.same_machine:
+        shown = "its recorded poses" if found.shown_recorded else "what is simulated here"
+        why = "" if found.shown_recorded else ", since an older version recorded no poses"
+        console.print(f"shown: {shown}{why}")
+    if found.diverged:
+        console.print(f"[yellow]the simulation diverged: {found.diverged}[/]")
+    how = ending(score.status, score.success)
+    console.print(f"{session.task.name}: {how} after {score.time:.1f} s")

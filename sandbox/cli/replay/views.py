@@ -1,0 +1,86 @@
+"""A replayed trial in the window or on the page: at real time, with pause, steps and jumps."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+
+from rich.console import Console
+
+from sandbox.cli.common.page_options import PageOptions, open_page
+from sandbox.cli.common.second_view import in_air, invite, show_session
+from sandbox.session.messages import Snapshot
+from sandbox.session.session import Session
+from sandbox.trial.events import EventLog
+from sandbox.trial.playback import Playback
+
+RATE = 60.0
+"""Moments per second that are told to the page."""
+
+
+def show_in_window(
+    session: Session, snapshots: Sequence[Snapshot], speed: float, caption: str
+) -> None:
+    """Until the window is closed.
+
+    Raises:
+        GraphicsError: No window can be opened here.
+    """
+    # glfw looks for a screen as soon as it is imported.
+    from sandbox.views.window.keys import REPLAY_HELP
+    from sandbox.views.window.window import Window
+
+    with Window(session.scene, session.whole_surface, title=f"replay: {session.task.name}",
+                caption=caption, in_air=in_air(session)) as window:  # fmt: skip
+        window.help = REPLAY_HELP
+        playback = Playback(snapshots, speed)
+        whole = snapshots[-1].time
+        while window.pump(playback.now):
+            moves = window.take_moves()
+            if abs(moves) == 1:
+                # Who goes step by step wants to look at each.
+                window.paused = True
+            if playback.paused != window.paused:
+                playback.paused = window.paused
+            playback.speed = speed * window.speed
+            playback.move(moves)
+            if window.take_reset():
+                window.paused = False
+                playback.restart()
+            window.footer = (f"{playback.now.time:.2f} of {whole:.2f} s",)
+
+
+def show_on_page(
+    session: Session,
+    snapshots: Sequence[Snapshot],
+    speed: float,
+    caption: str,
+    hand: str,
+    page: PageOptions,
+    console: Console,
+) -> None:
+    """Until the program is interrupted; pause and start again are those of the page.
+
+    Raises:
+        DeviceError: The page cannot be served.
+    """
+    server = open_page(page, touch=False)
+    try:
+        invite(server, page, EventLog(None), console)
+        console.print("Ctrl-C ends it")
+        show_session(server, session, hand, caption)
+        while not server.wait_for_player(1.0):
+            pass
+        playback = Playback(snapshots, speed)
+        while True:
+            for ask in server.asked():
+                if ask.what in ("pause", "resume"):
+                    playback.paused = ask.what == "pause"
+                elif ask.what == "retry":
+                    playback.restart()
+            server.publish(playback.now, playback.paused)
+            time.sleep(1.0 / RATE)
+    except KeyboardInterrupt:
+        console.print("stopped")
+    finally:
+        server.close()

@@ -1,0 +1,224 @@
+"""`sandbox study`: designs, plans and sessions of user studies."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib.resources import files
+from itertools import product
+from math import comb
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import tyro
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from models.errors import InputError, StudyError
+from sandbox.cli.common.parse import parse
+from sandbox.cli.study import keeping as study_keeping
+from sandbox.cli.study.report import ReportOptions, report
+from sandbox.cli.study.run import run, sayer
+from sandbox.cli.study.run_options import RunOptions
+
+if TYPE_CHECKING:
+    from sandbox.study.design.design import Design
+
+FIRST_STEPS = """
+To begin with:
+
+  sandbox study new design.toml
+  sandbox study check design.toml
+  sandbox study simulate design.toml --out out --participants 2
+  sandbox study report out/my-study-simulated
+
+docs/studies.md tells the rest."""
+
+File = Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="DESIGN")]
+
+
+@dataclass(frozen=True)
+class NewOptions:
+    """Writes a design to begin with; an existing file is never overwritten."""
+
+    file: File = Path("design.toml")
+    """Of the new design."""
+
+
+@dataclass(frozen=True)
+class CheckOptions:
+    """Names every mistake in a design, with line and remedy. Exit status 2 where there is one."""
+
+    file: File
+    """The design."""
+
+
+@dataclass(frozen=True)
+class PlanOptions:
+    """Tells who gets what, and how long it takes."""
+
+    file: File
+    """The design."""
+
+    participants: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    """As many as the design says, unless told otherwise."""
+
+    power: tyro.conf.FlagCreatePairsOff[bool] = False
+    """What effect so many people detect."""
+
+    spread: float = 0.30
+    """For --power: standard deviation, over people, of the difference between two conditions in
+    log completion time. A guess until a pilot has measured it."""
+
+
+@dataclass(frozen=True)
+class SimulateOptions:
+    """Lets simulated participants of different skill and hand size go through a study.
+
+    Their data have a folder of their own, NAME-simulated, and every row says so.
+    """
+
+    file: File
+    """The design."""
+
+    out: Annotated[Path, tyro.conf.arg(metavar="DIR")]
+    """Where studies are kept."""
+
+    participants: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    """As many as the design says, unless told otherwise."""
+
+    resume: tyro.conf.FlagCreatePairsOff[bool] = False
+    """Goes on where an earlier run ended, however it ended."""
+
+    force_upgrade: Annotated[str, tyro.conf.arg(metavar="REASON")] = ""
+    """Goes on although program, encoder or design have changed; it is logged."""
+
+
+def main(argv: list[str]) -> int:
+    """Runs `sandbox study ...`."""
+    if not argv or argv[0] in ("-h", "--help"):
+        print("usage: sandbox study {" + ",".join(ACTIONS) + "} [--help]\n")
+        for name, (options, _) in ACTIONS.items():
+            print(f"  {name:<9} {(options.__doc__ or '').splitlines()[0]}")
+        print(FIRST_STEPS)
+        return 0
+    if argv[0] not in ACTIONS:
+        raise InputError("there is no such thing to do with a study", got=argv[0],
+                         expected=", ".join(ACTIONS))  # fmt: skip
+    options, action = ACTIONS[argv[0]]
+    return action(parse(options, f"sandbox study {argv[0]}", argv[1:]), Console(soft_wrap=True))
+
+
+def _new(options: NewOptions, console: Console) -> int:
+    template = files("sandbox.study.design").joinpath("template.toml").read_bytes()
+    try:
+        with options.file.open("xb") as file:
+            file.write(template)
+    except FileExistsError:
+        raise StudyError("the file exists already", where=str(options.file),
+                         remedy="Choose another name") from None  # fmt: skip
+    except OSError as error:
+        raise StudyError("the file cannot be written", where=str(options.file),
+                         got=error.strerror) from None  # fmt: skip
+    console.print(f"{escape(str(options.file))}: edit it, then `sandbox study check`")
+    return 0
+
+
+def _load(file: Path) -> Design:
+    from sandbox.study.design.design_file import load_design
+
+    return load_design(file)
+
+
+def _check(options: CheckOptions, console: Console) -> int:
+    from sandbox.study.design.conditions import combinations
+
+    design = _load(options.file)
+    count = sum(1 for _ in combinations(design))
+    console.print(f"[green]{design.name}[/]: no mistakes, {count} combinations of levels, all of "
+                  "which can be run here")  # fmt: skip
+    return 0
+
+
+def _plan(options: PlanOptions, console: Console) -> int:
+    from sandbox.study.design.plan import duration, session_plan, trials_of, whole_cycle
+    from sandbox.study.design.power import detectable
+
+    design = _load(options.file)
+    count = options.participants or design.participants
+    several = ("session",) if design.sessions > 1 else ()
+    table = Table("participant", *several, *(f.name for f in design.factors), "trials", "minutes")
+    minutes, practice = [], 0
+    for number, session in product(range(count), range(1, design.sessions + 1)):
+        steps = session_plan(design, number, session)
+        trials = trials_of(steps)
+        orders = [_order([t.levels[f.name] for t in trials if not t.practice])
+                  for f in design.factors]  # fmt: skip
+        minutes.append(duration(design, steps) / 60)
+        practice = max(practice, sum(t.practice for t in trials))
+        table.add_row(str(number + 1), *(str(session) for _ in several), *orders, str(len(trials)),
+                      f"{minutes[-1]:.0f}")  # fmt: skip
+    console.print(table)
+    console.print(f"a session takes about {max(minutes):.0f} min, all of them "
+                  f"{sum(minutes) / 60:.1f} h; a trial taken as {design.expected:g} s"
+                  + (f"; {practice} of a session's trials are practice" if practice else "")
+                  )  # fmt: skip
+    cycle = whole_cycle(design)
+    if count % cycle:
+        console.print(f"[yellow]orders are used equally often after every {cycle} participants, "
+                      f"and {count} is no multiple of that[/]")  # fmt: skip
+    if not options.power:
+        return 0
+    if not 0.0 < options.spread < 10.0:
+        raise InputError("this is no spread", where="--spread", got=options.spread,
+                         expected="between 0 and 10")  # fmt: skip
+    for factor in design.factors:
+        pairs = comb(len(factor.levels), 2)
+        if not pairs:
+            continue
+        between = factor.order == "between"
+        people = 2 * count // len(factor.levels) if between else count
+        found = detectable(people, pairs, between, spread=options.spread)
+        console.print(
+            f"{factor.name}: {people} people{' in two groups' if between else ''} detect, with "
+            f"probability 0.8, a difference of {found.effect:.2f} standard deviations between two "
+            f"of {len(factor.levels)} levels (two-sided t test, alpha 0.05"
+            + (f" over {pairs} pairs" if pairs > 1 else "")
+            + f"); that is {100 * found.change:.0f} % of completion time if the difference in log "
+            f"time varies by {options.spread:g} from person to person"
+        )
+    return 0
+
+
+def _order(levels: list[str]) -> str:
+    """Levels as they follow each other, without repeats; not more than a line holds."""
+    runs = [level for i, level in enumerate(levels) if i == 0 or level != levels[i - 1]]
+    if len(runs) > 2 * len(set(levels)):
+        return f"{', '.join(runs[: len(set(levels))])}, ... ({len(runs)} changes)"
+    return ", ".join(runs)
+
+
+def _simulate(options: SimulateOptions, console: Console) -> int:
+    from sandbox.study.record.folder import SIMULATED, StudyFolder
+    from sandbox.study.run.simulate import simulate
+
+    design = _load(options.file)
+    study = StudyFolder(options.out, design, SIMULATED, options.force_upgrade)
+    count = options.participants or design.participants
+    found = simulate(study, count, options.resume, sayer(console))
+    console.print(f"{escape(str(study.path))}: {found['participants']} simulated participants, "
+                  f"{found['trials']} trials that count, {found['excluded']} excluded")  # fmt: skip
+    return 0
+
+
+ACTIONS: dict[str, tuple[Any, Callable[[Any, Console], int]]] = {
+    "new": (NewOptions, _new),
+    "check": (CheckOptions, _check),
+    "plan": (PlanOptions, _plan),
+    "run": (RunOptions, run),
+    "simulate": (SimulateOptions, _simulate),
+    "report": (ReportOptions, report),
+    **study_keeping.ACTIONS,
+}
+"""Action -> its options and what it does."""

@@ -1,0 +1,320 @@
+"""`sandbox study export`, `withdraw`, `backup` and `merge`: what becomes of a study's data."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Annotated, Any
+
+import tyro
+from rich.console import Console
+from rich.markup import escape
+
+from models.errors import InputError, StudyError
+
+if TYPE_CHECKING:
+    from sandbox.study.record.folder import StudyFolder
+    from sandbox.study.share.privacy import Anonymised, Masking
+
+Folder = Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="DIR")]
+Out = Annotated[Path, tyro.conf.arg(metavar="PATH")]
+
+
+@dataclass(frozen=True)
+class ExportOptions:
+    """Copies a study for others: without what says who took part, or as Motion-BIDS, or both.
+
+    Try: sandbox study export studies/NAME --anonymise --out shared/NAME
+
+    Or: sandbox study export studies/NAME --anonymise --bin age:10 --bids --out shared/NAME-bids
+
+    --anonymise gives new pseudonyms and keeps no list of them, begins every session on 1 January
+    2000, and leaves out words, folders' names and who did not agree. docs/privacy.md tells what can
+    still be found out.
+    """
+
+    folder: Folder
+    """Of the study: the one with study.json."""
+
+    out: Out
+    """Of the copy; nothing may be there."""
+
+    anonymise: tyro.conf.FlagCreatePairsOff[bool] = False
+    """See above."""
+
+    bids: tyro.conf.FlagCreatePairsOff[bool] = False
+    """A Motion-BIDS data set instead of a study's folder."""
+
+    keep_words: tyro.conf.FlagCreatePairsOff[bool] = False
+    """Answers in words and the experimenter's notes stay; read them all before you share them."""
+
+    keep_hands: tyro.conf.FlagCreatePairsOff[bool] = False
+    """Recordings over a Leap stay; they hold the lengths of fingers."""
+
+    drop: Annotated[tuple[str, ...], tyro.conf.arg(metavar="ITEM")] = ()
+    """A demographic item that is left out; may be repeated."""
+
+    bin: Annotated[tuple[str, ...], tyro.conf.arg(metavar="ITEM:WIDTH")] = ()
+    """A demographic number that is rounded down, as age:10; may be repeated."""
+
+    recordings: bool = True
+    """Without them, trials cannot be replayed from the copy."""
+
+
+@dataclass(frozen=True)
+class WithdrawOptions:
+    """Deletes all data of a participant who takes their consent back, and leaves a tombstone.
+
+    Try: sandbox study withdraw studies/NAME --participant 3B5G5T --reason "by e-mail"
+
+    It cannot be undone. Backups and copies that were made with the data are named; they are yours
+    to delete.
+    """
+
+    folder: Folder
+    """Of the study."""
+
+    participant: Annotated[str, tyro.conf.arg(metavar="ID")]
+    """Who."""
+
+    reason: str = "the participant's wish"
+    """Is kept in the tombstone."""
+
+    yes: tyro.conf.FlagCreatePairsOff[bool] = False
+    """Deletes without asking."""
+
+
+@dataclass(frozen=True)
+class BackupOptions:
+    """Writes a study into one archive and reads it back; or checks one that is there.
+
+    Try: sandbox study backup studies/NAME --out /media/disk/NAME-2026-11-21.tar.gz
+
+    Later: sandbox study backup --check /media/disk/NAME-2026-11-21.tar.gz
+
+    Sessions may run meanwhile. `tar -xzf` unpacks it; the study goes on from there.
+    """
+
+    folder: Annotated[Path | None, tyro.conf.Positional, tyro.conf.arg(metavar="DIR")] = None
+    """Of the study."""
+
+    out: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """The archive; nothing may be there."""
+
+    check: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """An archive to be read whole and compared with the digests in it."""
+
+
+@dataclass(frozen=True)
+class MergeOptions:
+    """Makes one study of two sites' folders; neither is changed.
+
+    Try: sandbox study merge siteA/NAME siteB/NAME --out both/NAME
+
+    Both must be locked to the same design and program. docs/privacy.md tells what happens to equal
+    pseudonyms.
+    """
+
+    first: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="A")]
+    """A site's folder."""
+
+    second: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="B")]
+    """The other one's."""
+
+    out: Out
+    """The new folder; nothing may be there. To go on with it, name it like the study."""
+
+    force_different: Annotated[str, tyro.conf.arg(metavar="REASON")] = ""
+    """Merges although programs or encoders differ; it is logged."""
+
+
+def export(options: ExportOptions, console: Console) -> int:
+    """`sandbox study export`."""
+    from sandbox.study.record.folder import StudyFolder
+    from sandbox.study.share.export_folder import refuse_existing
+    from sandbox.study.share.export_log import remember_copy
+    from sandbox.study.share.privacy import Masking, anonymise
+
+    if not options.anonymise and not options.bids:
+        raise InputError("what kind of copy is missing", where="sandbox study export",
+                         expected="--anonymise, --bids, or both",
+                         remedy="`sandbox study backup` copies everything as it is")  # fmt: skip
+    masks = (options.drop, options.bin, options.keep_words, options.keep_hands)
+    if any(masks) and not options.anonymise:
+        raise InputError("--drop, --bin, --keep-words and --keep-hands are for --anonymise")
+    study = StudyFolder.at(options.folder)
+    _outside(study, options.out)
+    refuse_existing(options.out)
+    masking = Masking(options.keep_words, options.drop, _bins(options.bin), options.recordings,
+                      options.keep_hands)  # fmt: skip
+    ppids = [person.ppid for person in study.participants()]
+    say = _progress(console)
+    if not options.bids:
+        _tell(anonymise(study, options.out, masking, say), options.out, console)
+    elif options.anonymise:
+        _anonymous_bids(study, options.out, masking, console)
+    else:
+        _bids(study, options.out, console)
+        console.print("[yellow]pseudonyms are those of the study; --anonymise gives others[/]")
+    remember_copy(study, "bids" if options.bids else "export", options.out, ppids)
+    return 0
+
+
+def withdraw(options: WithdrawOptions, console: Console) -> int:
+    """`sandbox study withdraw`."""
+    from sandbox.study.record.folder import StudyFolder
+    from sandbox.study.record.pseudonym import read_pseudonym
+    from sandbox.study.share.withdraw import withdraw as delete
+    from sandbox.study.share.withdraw import withdrawn
+
+    study = StudyFolder.at(options.folder)
+    ppid = read_pseudonym(options.participant)
+    if ppid not in withdrawn(study):
+        study.find(ppid)
+    if not options.yes:
+        console.print(f"Everything of {ppid} in {escape(str(study.path))} will be deleted; this "
+                      "cannot be undone. yes / no")  # fmt: skip
+        try:
+            answer = input()
+        except EOFError:
+            answer = ""
+        if answer.strip().lower() not in ("y", "yes"):
+            console.print("nothing was deleted")
+            return 1
+    found = delete(study, ppid, options.reason)
+    console.print(f"{ppid}: {found.files} files deleted"
+                  + (", what an earlier withdrawal had left" if found.before else ""))  # fmt: skip
+    if found.still:
+        console.print("[yellow]these files still name the participant, or may, since they are "
+                      "damaged; make them anew, or delete "
+                      "them:[/]")  # fmt: skip
+    for path in found.still:
+        console.print(f"  {escape(str(path))}")
+    if found.copies:
+        console.print("[yellow]copies were made with the data in them; deleting those is up to "
+                      "you:[/]")  # fmt: skip
+    for copy in found.copies:
+        there = "" if copy.there else "  (no longer there)"
+        console.print(f"  {copy.time[:10]}  {copy.what}  {escape(str(copy.path))}{there}")
+    return 0
+
+
+def backup(options: BackupOptions, console: Console) -> int:
+    """`sandbox study backup`."""
+    from sandbox.study.record.folder import StudyFolder
+    from sandbox.study.share.backup import back_up, check_backup
+    from sandbox.study.share.export_log import remember_copy
+
+    if options.check is not None:
+        found, path = check_backup(options.check), options.check
+    elif options.folder is None or options.out is None:
+        raise InputError("a study and an archive are needed", where="sandbox study backup",
+                         expected="DIR --out FILE, or --check FILE")  # fmt: skip
+    else:
+        study = StudyFolder.at(options.folder)
+        found, path = back_up(study, options.out), options.out
+        remember_copy(study, "backup", options.out, found.ppids)
+    console.print(f"{escape(str(path))}: {len(found.ppids)} participants, {found.trials} finished "
+                  f"trials, {found.files} files, {found.bytes / 1e6:.1f} MB; every file is as it "
+                  "was written")  # fmt: skip
+    return 0
+
+
+def merge(options: MergeOptions, console: Console) -> int:
+    """`sandbox study merge`."""
+    from sandbox.study.record.folder import StudyFolder
+    from sandbox.study.share.export_log import remember_copy
+    from sandbox.study.share.merge import merge as join
+
+    sites = [StudyFolder.at(options.first), StudyFolder.at(options.second)]
+    for study in sites:
+        _outside(study, options.out)
+    found = join(sites[0], sites[1], options.out, options.force_different)
+    for study in sites:
+        ppids = [p.ppid for p in study.participants()]
+        remember_copy(study, "merge", options.out, ppids)
+        # Who withdraws from the merged study is still in the folders that it came from.
+        remember_copy(StudyFolder.at(options.out), "site", study.path, ppids)
+    console.print(f"{escape(str(options.out))}: {found.people} participants; sites.csv says who "
+                  "comes from where")  # fmt: skip
+    for old, new in found.renamed.items():
+        console.print(f"  {old} is {new} here: the other site has that pseudonym, too")
+    if found.both:
+        console.print(f"  in both folders, and taken once: {', '.join(found.both)}")
+    if found.left_out:
+        console.print(f"  withdrawn, and left out: {', '.join(found.left_out)}")
+    return 0
+
+
+def _outside(study: StudyFolder, out: Path) -> None:
+    if study.path.resolve() in (out.resolve(), *out.resolve().parents):
+        raise StudyError("a copy inside of what it is a copy of", where=str(out),
+                         remedy="Choose a folder elsewhere")  # fmt: skip
+
+
+def _bins(given: Sequence[str]) -> dict[str, float]:
+    found = {}
+    for text in given:
+        name, _, width = text.partition(":")
+        try:
+            found[name] = float(width)
+        except ValueError:
+            found[name] = 0.0
+        if not found[name] > 0:
+            raise InputError("this is no item and width", where="--bin", got=text,
+                             expected="such as age:10")  # fmt: skip
+    return found
+
+
+def _anonymous_bids(study: StudyFolder, out: Path, masking: Masking, console: Console) -> None:
+    from dataclasses import replace
+
+    from sandbox.study.record.folder import StudyFolder
+    from sandbox.study.share.privacy import anonymise
+
+    with TemporaryDirectory(prefix="hand-sandbox-export-") as folder:
+        between = Path(folder) / "study"
+        done = anonymise(study, between, replace(masking, recordings=False), _progress(console))
+        _bids(StudyFolder.at(between), out, console)
+    _tell(done, out, console)
+
+
+def _bids(study: StudyFolder, out: Path, console: Console) -> None:
+    from sandbox.study.share.bids import export_bids
+
+    runs = export_bids(study, out, _progress(console))
+    console.print(f"{escape(str(out))}: {runs} runs as Motion-BIDS")
+
+
+def _tell(done: Anonymised, out: Path, console: Console) -> None:
+    from sandbox.study.share.privacy_groups import SMALLEST
+
+    console.print(f"{escape(str(out))}: {done.people} participants without names or dates")
+    if done.without_consent:
+        console.print(f"  {done.without_consent} who did not agree are left out")
+    if done.hands:
+        console.print(f"  {done.hands} recordings of hands in the air are left out: they hold the "
+                      "lengths of fingers; --keep-hands keeps them")  # fmt: skip
+    found = done.groups
+    if found.exposed:
+        console.print(
+            f"[yellow]k = {found.smallest}: {found.exposed} people share their "
+            f"{', '.join(found.columns)} with fewer than {SMALLEST - 1} others, and may be "
+            "recognised by who knows them. --bin ITEM:WIDTH and --drop ITEM make groups "
+            "larger[/]"
+        )
+
+
+def _progress(console: Console) -> Callable[[str], object]:
+    return lambda text: console.print(f"[dim]{escape(text)}[/]", highlight=False)
+
+
+ACTIONS: dict[str, tuple[Any, Callable[[Any, Console], int]]] = {
+    "export": (ExportOptions, export),
+    "backup": (BackupOptions, backup),
+    "merge": (MergeOptions, merge),
+    "withdraw": (WithdrawOptions, withdraw),
+}
+"""Action -> its options and what it does."""

@@ -1,0 +1,64 @@
+"""Who takes part in a session, and the how manyeth of theirs it is."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rich.console import Console
+
+from models.errors import StudyError
+from models.person import Person
+from sandbox.study.record.folder import Participant, StudyFolder
+from sandbox.study.record.kept_sessions import sessions_of
+from sandbox.study.record.pseudonym import read_pseudonym
+from sandbox.study.run.simulate import simulated_person
+
+if TYPE_CHECKING:
+    from sandbox.cli.study.run_options import RunOptions
+
+
+def who_comes(options: RunOptions, study: StudyFolder, console: Console) -> Participant:
+    """The participant that options name, or a new one.
+
+    Raises:
+        StudyError: They name nobody, or what a newcomer cannot be.
+    """
+    if options.participant and options.participant != "new":
+        return study.find(read_pseudonym(options.participant))
+    unfinished = [person.ppid for person in study.participants() if not _finished(study, person)]
+    if not options.participant:
+        raise StudyError("who takes part is missing", where="--participant",
+                         expected=", ".join(("new", *unfinished)))  # fmt: skip
+    if options.session not in (None, 1):
+        raise StudyError("whoever is new begins with session 1", where="--session",
+                         got=options.session)  # fmt: skip
+    if unfinished:
+        console.print(f"[yellow]not finished yet: {', '.join(unfinished)}[/]")
+    design = study.design
+    if options.language and options.language not in design.languages:
+        raise StudyError("the design has no texts in this language", where="--language",
+                         got=options.language, expected=", ".join(design.languages))  # fmt: skip
+    if options.device == "simulated":
+        return study.add(**simulated_person(design, len(study.participants())))
+    checked = Person(options.hand, options.hand_size)
+    return study.add(hand=checked.hand, hand_size=checked.hand_size,
+                     language=options.language or design.languages[0])  # fmt: skip
+
+
+def next_session(study: StudyFolder, person: Participant) -> int:
+    """The first of somebody's sessions that is not finished; the last one where all are."""
+    done = {s.number for s in sessions_of(study, person) if s.state.complete}
+    planned = study.design.sessions
+    return next((n for n in range(1, planned + 1) if n not in done), planned)
+
+
+def has_begun(study: StudyFolder, person: Participant, number: int) -> bool:
+    """Whether somebody's session was begun."""
+    return number in {session.number for session in sessions_of(study, person)}
+
+
+def _finished(study: StudyFolder, person: Participant) -> bool:
+    """Whether nothing more is to come of somebody."""
+    states = [session.state for session in sessions_of(study, person)]
+    ended = sum(state.complete for state in states)
+    return ended == study.design.sessions or any(state.excluded_participant for state in states)

@@ -1,0 +1,183 @@
+"""`sandbox study run`: one participant's session, on their page, in a window or in the terminal."""
+
+from __future__ import annotations
+
+import sys
+import time
+import webbrowser
+from collections.abc import Callable
+from contextlib import ExitStack
+from typing import TYPE_CHECKING
+
+from rich.console import Console
+from rich.markup import escape
+
+from sandbox.cli.common.lsl_options import streaming
+from sandbox.cli.study.run_options import (
+    RunOptions,
+    again,
+    check_leap,
+    check_options,
+    check_page,
+    touch_options,
+    where_served,
+)
+from sandbox.views.display import has_display
+
+if TYPE_CHECKING:
+    from sandbox.study.record.session_folder import SessionFolder
+    from sandbox.study.run.controls import Controls, Terminal
+    from sandbox.study.run.forms import Forms, Ready
+    from sandbox.study.run.players import Player
+    from sandbox.study.run.study_page import StudyPage
+
+FAREWELL = 1.0
+"""s in which the page gets its last words before the program ends."""
+
+
+def run(options: RunOptions, console: Console) -> int:
+    """Runs a session, or what is left of it."""
+    from sandbox.cli.study.people import has_begun, next_session, who_comes
+    from sandbox.study.design.design_file import load_design
+    from sandbox.study.record.folder import PILOT, REAL, StudyFolder
+    from sandbox.study.record.session_folder import SessionFolder
+    from sandbox.study.run.controls import Controls, Terminal
+
+    check_options(options)
+    check_page(options)
+    design = load_design(options.file)
+    check_leap(options, design)
+    study = StudyFolder(options.out, design, PILOT if options.pilot else REAL,
+                        options.force_upgrade)  # fmt: skip
+    say = sayer(console)
+    controls = Controls(say)
+    terminal = Terminal(controls)
+    person = who_comes(options, study, console)
+    number = options.session or next_session(study, person)
+    if number > 1 and options.session is None and not has_begun(study, person, number):
+        say(f"{person.ppid} has finished session {number - 1} of {design.sessions}. Begin the "
+            "next? yes / no")  # fmt: skip
+        if not _agreed(terminal):
+            return 0
+    with SessionFolder(study, person, number) as session:
+        done, of = session.state.done(session.steps)
+        if session.resumed and not options.resume and not session.state.complete:
+            say(f"{person.ppid} has done {done} of {of} trials. Go on with the next? yes / no")
+            if not _agreed(terminal):
+                return 0
+        of_several = f", session {number} of {design.sessions}" if design.sessions > 1 else ""
+        say(f"participant {person.ppid}" + of_several + (", a pilot" if options.pilot else "")
+            + "; h and Enter shows your keys"
+            + ("" if options.has_page else ", while a question is open /h"))  # fmt: skip
+        with ExitStack() as closing:
+            clock = closing.enter_context(streaming(options.lsl, console))
+            if clock:
+                session.write("clock_sync", **clock)
+            page = _open_page(options, session, console, closing)
+            outcome = _play(options, session, page, controls, terminal, console)
+    say(f"{person.ppid}{of_several}: {outcome}")
+    if outcome == "stopped":
+        say(f"to go on: {again(options, person.ppid)}")
+    return 0
+
+
+def _agreed(terminal: Terminal) -> bool:
+    return (terminal.ask() or "no").strip().lower() in ("y", "yes")
+
+
+def _open_page(
+    options: RunOptions, session: SessionFolder, console: Console, closing: ExitStack
+) -> StudyPage | None:
+    """The participant's page, and how it is opened."""
+    if not options.has_page:
+        return None
+    from models.surface import parse_surface
+    from sandbox.cli.common.page_options import open_page
+    from sandbox.cli.common.second_view import invite
+    from sandbox.cli.play.page import say_refusals
+    from sandbox.study.run.study_page import StudyPage, study_view
+    from sandbox.trial.events import EventLog
+
+    where = where_served(options)
+    language = session.person.language
+    server = open_page(where, study_view(language, session.study.design.showing.shows))
+    closing.callback(lambda: say_refusals(server, console))
+    closing.callback(server.close)
+    page = StudyPage(server, language, sayer(console))
+    surface = session.study.design.settings.get("surface")
+    if surface is not None and options.touches == "web":
+        designed = parse_surface(surface)
+        page.wanted = designed.width_in, designed.height_in
+    invite(server, where, EventLog(None), console)
+    beside = options.touches != "web" and options.view == "window"
+    if beside and has_display() and not options.no_browser:
+        webbrowser.open(server.url)
+    return page
+
+
+def _play(
+    options: RunOptions,
+    session: SessionFolder,
+    page: StudyPage | None,
+    controls: Controls,
+    terminal: Terminal,
+    console: Console,
+) -> str:
+    from sandbox.study.run.forms import TerminalForms
+    from sandbox.study.run.hand_calibration import hand_measurer
+    from sandbox.study.run.page_forms import PageForms
+    from sandbox.study.run.run_device import fitting, person_device
+    from sandbox.study.run.runner import SessionRunner
+
+    person, name = session.person, options.touches
+    touch = touch_options(options)
+    forms: Forms
+    if page is not None and options.forms != "terminal":
+        forms = PageForms(page, lambda: controls.paused)
+    else:
+        forms = TerminalForms(terminal, lambda text: console.print(text, markup=False))
+    player = _player(options, session, page)
+    say, leap = sayer(console), options.leap_address
+    # Whoever simulates a hand in the air has another one in every trial: it is not measured.
+    simulated = options.device == "simulated"
+    calibrate = _average if simulated else hand_measurer(forms, person, leap, say)
+    runner = SessionRunner(
+        session, player, person_device(touch, person, page, leap), forms, controls, say,
+        name, fitting(name, page), calibrate,
+    )  # fmt: skip
+    try:
+        outcome = runner.run()
+        if page is not None and outcome != "stopped":
+            page.lay("end", text=page.words["end"])
+            time.sleep(FAREWELL)
+        return str(outcome)
+    finally:
+        player.close()
+
+
+def _average(ready: Ready) -> None:
+    """A hand that is not measured."""
+
+
+def _player(options: RunOptions, session: SessionFolder, page: StudyPage | None) -> Player:
+    from sandbox.study.run.page_player import PagePlayer
+    from sandbox.study.run.players import HeadlessPlayer, WindowPlayer
+    from sandbox.study.run.study_page import Beside
+
+    if page is not None and options.touches == "web":
+        return PagePlayer(page, session.study.design.showing, session.person.language)
+    simulated = options.device == "simulated"
+    player: Player = HeadlessPlayer(paced=not simulated)
+    if options.view == "window":
+        player = WindowPlayer("simulated user" if simulated else "")
+    return player if page is None else Beside(player, page)
+
+
+def sayer(console: Console) -> Callable[[str], object]:
+    """Tells the experimenter something, at once."""
+
+    def say(text: str) -> None:
+        console.print(f"[dim]{escape(text)}[/]", highlight=False)
+        sys.stdout.flush()
+
+    return say

@@ -1,0 +1,233 @@
+"""`sandbox touches`: show, record and send what a touch device says; list what is understood."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import tyro
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from models.errors import InputError
+from models.frames import TouchFrame
+from sandbox.cli.common.parse import in_one_line
+from sandbox.cli.common.touch_opening import open_any, rest
+from sandbox.cli.touches.send import Send, send
+from sandbox.cli.touches.views import JsonView, TextView, View, what_to_check
+from sandbox.devices.discovery import offered_devices
+from sandbox.devices.files.frame_file import frame_record, header_record
+from sandbox.devices.files.line_file import LineFile
+from sandbox.devices.tuio.touch_capture import CapturedPacket, packet_record
+from sandbox.options.touch_devices import Opened, TouchOptions
+
+PATIENCE = 5.0
+"""Seconds without a single frame after which we say what to check."""
+
+
+@dataclass(frozen=True)
+class Show(TouchOptions):
+    """Shows every touch as it arrives; Ctrl-C ends.
+
+    x and y are inches from the top left corner of the surface.
+
+    First try it on this machine, with a capture and two terminals:
+
+        sandbox touches show
+
+        sandbox touches send CAPTURE --to 127.0.0.1:3333
+
+    Then with a tablet in the same network: one that only has a browser, or one whose app sends TUIO
+    and is told the address that this prints:
+
+        sandbox touches show --device web --tablet
+
+        sandbox touches show --bind 0.0.0.0
+    """
+
+    json: tyro.conf.FlagCreatePairsOff[bool] = False
+    """One JSON line per frame on stdout, {"time", "contacts": [{"id", "x", "y", "finger"}]}; events
+    as JSON lines on stderr, first {"event": "listening", "address"}."""
+
+    seconds: float = math.inf
+    """Stop after this many seconds."""
+
+    frames: Annotated[int | None, tyro.conf.arg(metavar="INT")] = None
+    """Stop after this many frames."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Record(TouchOptions):
+    """Writes what a device says to a file, until Ctrl-C; it plays wherever a device is asked for.
+
+    TUIO is kept packet by packet, wrong ones included; what other devices say, frame by frame. A
+    program that dies loses at most the line it was writing.
+
+        sandbox touches record touches.jsonl --device evdev
+
+        sandbox touches show --device touches.jsonl
+    """
+
+    file: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="FILE")]
+    """Where to; a file that is there is not written over."""
+
+    seconds: float = math.inf
+    """Stop after this many seconds."""
+
+    frames: Annotated[int | None, tyro.conf.arg(metavar="INT")] = None
+    """Stop after this many frames."""
+
+
+def main(argv: list[str]) -> int:
+    """Runs `sandbox touches ...`; returns the exit status."""
+    kinds: dict[str, type] = {"show": Show, "record": Record, "send": Send}
+    doing: dict[str, Callable[[Any], int]] = {"show": show, "record": record, "send": send}
+    if argv[:1] == ["formats"] and len(argv) == 1:
+        return formats()
+    commands: dict[str, Callable[..., Any]] = {**kinds, "formats": formats}
+    asked = in_one_line(
+        lambda: tyro.extras.subcommand_cli_from_dict(
+            commands,
+            prog="sandbox touches",
+            description="See what a tablet or touch table says, before anything is simulated.",
+            args=argv,
+        ),
+        f"sandbox touches {argv[0]}" if argv and argv[0] in commands else "sandbox touches",
+    )
+    return doing[argv[0]](asked)
+
+
+def show(options: Show) -> int:
+    """Shows frames."""
+    _check_end(options.seconds, options.frames)
+    opened = open_any(options, options.seconds)
+    if opened is None:
+        return 0
+    view: View = (
+        JsonView(opened.device) if options.json else TextView(opened.device, opened.surface)
+    )
+    return _shown(opened, view, options.seconds, options.frames)
+
+
+def record(options: Record) -> int:
+    """Writes packets or frames."""
+    _check_end(options.seconds, options.frames)
+    with LineFile(options.file) as file:
+
+        def tap(now: float, peer: str, data: bytes | None) -> None:
+            file.write(packet_record(CapturedPacket(now, data, peer)))
+
+        packets = options.device == "tuio"
+        opened = open_any(options, options.seconds, tap if packets else None)
+        if opened is None:
+            return 0
+        if not packets:
+            file.write(header_record(opened.surface, opened.device.name))
+        view = _Recorder(TextView(opened.device, opened.surface), None if packets else file)
+        status = _shown(opened, view, options.seconds, options.frames)
+    Console(stderr=True).print(Text(f"written to {options.file}"), soft_wrap=True)
+    return status
+
+
+def formats() -> int:
+    """Lists the protocols and files that are understood."""
+    table = Table("what", "how", "understood")
+    for row in (
+        ("TUIO 1.1, 2Dcur", "--device tuio", "fingers on tablets and tables"),
+        ("TUIO 1.1, 2Dblb", "--device tuio", "how large the fingers are that lie in a blob"),
+        ("TUIO 2.0, ptr", "--device tuio", "fingers, by name where the sender knows them"),
+        ("TUIO 2.0, bnd", "--device tuio", "how large the finger of the same id is"),
+        ("TUIO 1.1 2Dobj, 3D; 2.0 tok, sym, ...", "--device tuio", "ignored and counted"),
+        ("over UDP, TCP, WebSocket", "--tuio-transport, --tuio-connect", "all of it"),
+        ("the page", "--device web, --tablet", "any tablet with a browser"),
+        ("Linux multitouch, slots", "--device evdev[:NODE]", "touch screens, trackpads"),
+        ("a device of your own", "--device FILE.py:CLASS[:ARGUMENT]", "docs/write-a-device.md"),
+        (
+            "packet capture",
+            "--device FILE, send FILE --to",
+            'JSON lines {"t": seconds, "hex": "...", "from"}',
+        ),
+        (
+            "recorded frames",
+            "--device FILE",
+            'JSON lines {"time", "contacts": [{"id", "x", "y", "finger"}]}',
+        ),
+        ("recording of sandbox", "--device FILE", "the touches in it"),
+        *((name, f"--device {name}", "a package offers it") for name in offered_devices()),
+        ("TUIO 1.1, 2Dcur", "send --tuio", "sent, for other programs"),
+    ):
+        table.add_row(*row)
+    Console().print(table)
+    return 0
+
+
+class _Recorder:
+    """A view that also writes every frame."""
+
+    def __init__(self, shown: TextView, file: LineFile | None) -> None:
+        self._shown, self._file = shown, file
+
+    def __enter__(self) -> _Recorder:
+        self._shown.__enter__()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._shown.__exit__(*error)
+
+    def frame(self, frame: TouchFrame) -> None:
+        self._shown.frame(frame)
+        if self._file is not None:
+            self._file.write(frame_record(frame))
+
+    def hint(self, text: str) -> None:
+        self._shown.hint(text)
+
+
+def _check_end(seconds: float, frames: int | None) -> None:
+    if not seconds > 0.0 or (frames is not None and frames <= 0):
+        raise InputError(
+            "there is nothing to show", where="--seconds, --frames", expected="more than 0"
+        )
+
+
+def _shown(opened: Opened, view: View, seconds: float, frames: int | None) -> int:
+    """Shows frames until there are enough; a damaged file is an error once its end is reached."""
+    device = opened.device
+    try:
+        with view:
+            _follow(opened, view, seconds, frames)
+            reached_end = device.finished
+    except KeyboardInterrupt:
+        return 0  # the usual way to end
+    finally:
+        device.close()
+    damage = getattr(device, "damage", None)
+    if damage is not None and reached_end:
+        raise damage
+    return 0
+
+
+def _follow(opened: Opened, view: View, seconds: float, wanted: int | None) -> None:
+    """Fetches frames and shows them until there are enough, or the file or the time ends."""
+    seen = opened.device
+    shown, hinted = 0, False
+    begin = time.monotonic()
+    while True:
+        elapsed = time.monotonic() - begin
+        rest(seen, min(0.1, max(0.0, seconds - elapsed)))
+        for frame in seen.poll(elapsed):
+            view.frame(frame)
+            shown += 1
+            if shown == wanted:
+                return
+        over = elapsed >= seconds or seen.finished
+        if not shown and not hinted and (elapsed > PATIENCE or over):
+            hinted = True
+            view.hint(what_to_check(seen))
+        if over:
+            return

@@ -1,0 +1,141 @@
+"""`sandbox touches send`: a capture's packets as they were, or any device's touches as TUIO."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import socket
+import time
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+from rich.console import Console
+from rich.progress import Progress
+from rich.text import Text
+
+from models.errors import InputError
+from sandbox.cli.common.touch_opening import open_any, rest
+from sandbox.devices.tuio.touch_capture import read_capture
+from sandbox.devices.tuio.tuio_sender import TuioOutput, connected, send_packet
+from sandbox.options.touch_devices import TouchOptions
+
+
+@dataclass(frozen=True)
+class Send(TouchOptions):
+    """Sends touches to other programs.
+
+    --to sends a capture's packets over UDP as they were recorded, as if its tablet were here. With
+    `sandbox touches show` running in another terminal:
+
+        sandbox touches send touches.jsonl --to 127.0.0.1:3333
+
+    --tuio sends what any device or file says as TUIO 1.1 (2Dcur), for programs that understand it:
+
+        sandbox touches send --device web --tablet --tuio 127.0.0.1:3333
+    """
+
+    file: Annotated[tyro.conf.Positional[Path | None], tyro.conf.arg(metavar="FILE")] = None
+    """A file to send; with --tuio, a device may be named instead."""
+
+    to: Annotated[str, tyro.conf.arg(metavar="HOST:PORT")] = ""
+    """Where the packets of a capture are sent."""
+
+    tuio: Annotated[str, tyro.conf.arg(metavar="HOST:PORT")] = ""
+    """Where TUIO is sent."""
+
+    speed: float = 1.0
+    """Of a file: 2 is twice as fast as recorded."""
+
+    seconds: float = math.inf
+    """Stop after this many seconds."""
+
+
+def send(options: Send) -> int:
+    """Sends packets or frames."""
+    if bool(options.to) == bool(options.tuio):
+        raise InputError(
+            "where to is not clear", where="--to, --tuio", expected="one of the two: HOST:PORT"
+        )
+    if not 0.0 < options.speed < math.inf:
+        raise InputError(
+            "this is no speed", where="--speed", got=options.speed, expected="more than 0"
+        )
+    if options.tuio:
+        return _send_tuio(options)
+    if options.file is None:
+        raise InputError("there is no file to send", where="--to", expected="a capture of packets")
+    return _send_packets(options.file, options.to, options.speed)
+
+
+def _send_tuio(options: Send) -> int:
+    """Sends the frames of a device or file."""
+    chosen = options if options.file is None else replace(options, device=str(options.file))
+    opened = open_any(chosen, options.seconds)
+    if opened is None:
+        return 0
+    console = Console(stderr=True)
+    frames = 0
+    device = opened.device
+    try:
+        with contextlib.closing(TuioOutput(options.tuio, opened.surface)) as output:
+            console.print(Text(f"sending TUIO 1.1 to {options.tuio}; Ctrl-C ends"))
+            begin = time.monotonic()
+            with contextlib.suppress(KeyboardInterrupt):
+                while True:
+                    elapsed = time.monotonic() - begin
+                    rest(device, min(0.1, max(0.0, options.seconds - elapsed)))
+                    came = device.poll(elapsed * options.speed)
+                    output.send(came, elapsed)
+                    frames += len(came)
+                    if device.finished or elapsed >= options.seconds:
+                        break
+        reached_end = device.finished
+    finally:
+        device.close()
+    report = f"sent {frames} frames in {output.packets} packets to {options.tuio}"
+    if output.refused:
+        report += f"; while nobody listened there: {output.refused}"
+    console.print(Text(report), soft_wrap=True)
+    damage = getattr(device, "damage", None)
+    if damage is not None and reached_end:
+        raise damage
+    return 0
+
+
+def _send_packets(file: Path, to: str, speed: float) -> int:
+    """Sends a capture's packets at their times; every sender in it has a socket of its own."""
+    capture = read_capture(file)
+    console = Console(stderr=True)
+    refused = sent = 0
+    channels: dict[str, socket.socket] = {}
+    with contextlib.ExitStack() as closing, _progress(console) as bar:
+        channels[""] = closing.enter_context(connected(to))
+        job = bar.add_task(f"sending to {to}", total=len(capture.packets))
+        begin = time.monotonic()
+        for packet in capture.packets:
+            due = begin + (packet.time - capture.packets[0].time) / speed
+            time.sleep(max(0.0, due - time.monotonic()))
+            bar.advance(job)
+            if packet.data is None:
+                continue  # UDP has no connections that could end
+            if packet.peer not in channels:
+                channels[packet.peer] = closing.enter_context(connected(to))
+            if send_packet(channels[packet.peer], packet.data, to):
+                if not refused:
+                    bar.print(Text(f"nobody listens at {to} yet: `sandbox touches show` does"))
+                refused += 1
+            sent += 1
+    took = time.monotonic() - begin
+    report = f"sent {sent} packets in {took:.1f} s to {to}"
+    if refused:
+        report += f"; while nobody listened there: {refused}"
+    console.print(Text(report))
+    if capture.damage is not None:
+        raise capture.damage
+    return 0
+
+
+def _progress(console: Console) -> Progress:
+    return Progress(console=console, transient=True, disable=not console.is_terminal)

@@ -1,0 +1,206 @@
+"""How `sandbox touches show` shows frames: JSON lines for programs, a table for people."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import socket
+import sys
+from typing import Any, Protocol, Self
+
+from rich.console import Console, Group
+from rich.live import Live
+from rich.table import Table
+from rich.text import Text
+
+from models.frames import TouchFrame
+from models.surface import Surface
+from sandbox.devices.files.frame_file import frame_record
+from sandbox.devices.tuio.tuio import TuioDevice
+from sandbox.devices.tuio.tuio_senders import Statistics
+from sandbox.session.device import Device
+
+
+class View(Protocol):
+    """Where frames are shown; entered once it is known what is listened to."""
+
+    def __enter__(self) -> Self: ...
+
+    def __exit__(self, *error: object) -> None: ...
+
+    def frame(self, frame: TouchFrame) -> None: ...
+
+    def hint(self, text: str) -> None: ...
+
+
+class JsonView:
+    """Frames as JSON lines on stdout, events as JSON lines on stderr."""
+
+    def __init__(self, seen: Device) -> None:
+        self._seen = seen
+        self._frames = 0
+
+    def __enter__(self) -> Self:
+        address = getattr(self._seen, "address", None)
+        if address is not None:
+            self._event("listening", address=address)
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        counts = counts_of(self._seen)
+        self._event("end", **(dataclasses.asdict(counts) if counts else {"frames": self._frames}))
+
+    def frame(self, frame: TouchFrame) -> None:
+        self._frames += 1
+        print(json.dumps(frame_record(frame)), flush=True)
+
+    def hint(self, text: str) -> None:
+        self._event("warning", message=text)
+
+    def _event(self, kind: str, **facts: object) -> None:
+        print(json.dumps({"event": kind, **facts}), file=sys.stderr, flush=True)
+
+
+class TextView:
+    """A table of the touches of this moment; one line a frame where stdout is no terminal."""
+
+    def __init__(self, seen: Device, surface: Surface) -> None:
+        self._seen, self._surface = seen, surface
+        self._last: TouchFrame | None = None
+        self._hint = ""
+        self._frames = 0
+        self._stderr = Console(stderr=True, highlight=False)
+        stdout = Console()
+        self._live = (
+            Live(console=stdout, get_renderable=self._render) if stdout.is_terminal else None
+        )
+
+    def __enter__(self) -> Self:
+        self._say(_title(self._seen, self._surface))
+        if self._live is not None:
+            self._live.start()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        if self._live is not None:
+            self._live.stop()
+        self._say(self._summary())
+
+    def frame(self, frame: TouchFrame) -> None:
+        self._last, self._hint = frame, ""
+        self._frames += 1
+        if self._live is None:
+            touches = "  ".join(
+                f"{c['finger'] or c['id']}: {c['x']:.2f}, {c['y']:.2f}" for c in _contacts(frame)
+            )
+            print(f"{frame.time:9.3f} s  {touches or 'no touch'}", flush=True)
+
+    def hint(self, text: str) -> None:
+        self._hint = text
+        if self._live is None:
+            self._say(text)
+
+    def _say(self, text: str) -> None:
+        self._stderr.print(Text(text), soft_wrap=True)
+
+    def _render(self) -> Group:
+        table = Table("id", "x, in", "y, in", "size, in", "finger")
+        for c in _contacts(self._last) if self._last else ():
+            size = f"{c['size']:.2f}" if "size" in c else ""
+            row = (f"{c['x']:.2f}", f"{c['y']:.2f}", size, c["finger"] or "")
+            table.add_row(str(c["id"]), *row)
+        lines = [self._summary()]
+        if isinstance(self._seen, TuioDevice):
+            for source in self._seen.sources:
+                state = "silent" if source.stale else _touches(source.touches)
+                lines.append(f"{source.name or 'unnamed'} at {source.peer}: {state}")
+        return Group(table, Text("\n".join(lines)), Text(self._hint, style="yellow"))
+
+    def _summary(self) -> str:
+        counts = counts_of(self._seen)
+        return _summary(counts) if counts else f"{self._frames} frames"
+
+
+def counts_of(seen: Device) -> Statistics | None:
+    """What a device that takes packets has counted."""
+    counts = getattr(seen, "statistics", None)
+    return counts if isinstance(counts, Statistics) else None
+
+
+def _touches(count: int) -> str:
+    return "1 touch" if count == 1 else f"{count} touches"
+
+
+def _contacts(frame: TouchFrame) -> list[dict[str, Any]]:
+    """Contacts in inches from the top left corner of the surface."""
+    contacts: list[dict[str, Any]] = frame_record(frame)["contacts"]
+    return contacts
+
+
+def _title(seen: Device, surface: Surface) -> str:
+    size = f"surface {surface.width_in:.2f} x {surface.height_in:.2f} in"
+    if not surface.calibrated:
+        size += " (a guess: give --surface)"
+    if not isinstance(seen, TuioDevice):
+        what = getattr(seen, "title", seen.name)
+        return f"{'playing a file' if hasattr(seen, 'damage') else what}; {size}; Ctrl-C ends"
+    if "://" in seen.address:
+        return f"calling {seen.address}; {size}; Ctrl-C ends"
+    reach = ""
+    if seen.bind == "0.0.0.0":
+        reach = f", from the network at {_network_address()}:{seen.port}"
+    how = f"TUIO over {seen.transports}"
+    return f"listening on {seen.address}{reach} ({how}); {size}; Ctrl-C ends"
+
+
+def _summary(counts: Statistics) -> str:
+    """The counters in a line; what is zero is not worth a word."""
+    text = f"{counts.packets} packets, {counts.frames} frames"
+    for number, what, detail in (
+        (counts.malformed, "malformed", counts.malformed_reason),
+        (counts.late, "late", counts.late_reason),
+        (counts.unfinished, "frames never closed", ""),
+        (counts.refused, "connections refused", counts.refused_reason),
+        (counts.ignored, "messages ignored", counts.ignored_address),
+        (counts.dropped, "frames dropped", "shown too slowly"),
+    ):
+        if number:
+            text += f", {number} {what}" + (f" (last: {detail})" if detail else "")
+    return text
+
+
+def what_to_check(seen: Device) -> str:
+    """Why no frame may have come, from what has."""
+    counts = counts_of(seen)
+    if counts and counts.packets:
+        return (
+            f"Packets come, but no touches in them: {_summary(counts)}. "
+            "Check that the sender is set to TUIO 1.1, cursors (2Dcur), or TUIO 2.0, pointers."
+        )
+    if not isinstance(seen, TuioDevice):
+        return "Nothing has come yet." if not hasattr(seen, "damage") else "It begins with a pause."
+    if "://" in seen.address:
+        return f"{seen.address} has not answered, or is silent: touch the surface."
+    where = f"{_network_address()} port {seen.port}"
+    checks = [
+        "Nothing has arrived yet. Touch the surface: an idle sender is silent.",
+        f"Check that the sender's host and port are {where}, its protocol TUIO over "
+        f"{seen.transports},",
+        f"that both are in the same network, and that the firewall lets port {seen.port} in.",
+    ]
+    if seen.bind.startswith("127."):
+        checks[1] = f"Only this machine reaches {seen.address}; for a tablet add --bind 0.0.0.0."
+        checks[2] = (
+            "`sandbox touches send CAPTURE --to " + seen.address + "` sends recorded touches."
+        )
+    return " ".join(checks)
+
+
+def _network_address() -> str:
+    """This machine's address as others in the network see it, as far as it has one."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.connect(("192.0.2.1", 9))  # a documentation address (RFC 5737); nothing is sent
+            return str(probe.getsockname()[0])
+        except OSError:
+            return "this machine's address"

@@ -1,0 +1,1 @@
+"""Touch screens and trackpads of a Linux machine."""

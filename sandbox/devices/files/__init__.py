@@ -1,0 +1,1 @@
+"""Files of recorded touch frames and hand frames."""

@@ -1,0 +1,193 @@
+"""Touches and hand frames that were recorded together: a folder with one host clock.
+
+    touches.jsonl   as `sandbox touches record` writes it, every line with "host"
+    hands.jsonl     Leap messages, one a line, every one with "host"
+    about.json      whose hand, the surface, what the devices were
+
+"host" is when the frame arrived, s on the clock of the machine that wrote both. Each file plays as
+a device by itself; one without "host" has its own clock.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.errors import RecordingError
+from models.frames import SIDES, HandFrame, TouchFrame
+from models.surface import Surface
+from sandbox.devices.files.frame_file import frame_record, header_record
+from sandbox.devices.files.line_file import LineFile
+from sandbox.devices.leap.leap_file import read_leap
+from sandbox.devices.leap.leap_json import LeapDecoder
+from sandbox.devices.leap.leap_write import leap_message
+from sandbox.session.closing import Closing
+
+Array = NDArray[np.float64]
+
+TOUCHES, HANDS, ABOUT = "touches.jsonl", "hands.jsonl", "about.json"
+
+
+def check_new(folder: Path) -> None:
+    """Refuses a folder that holds a session, before one is made for it.
+
+    Raises:
+        RecordingError: It does.
+    """
+    if any((folder / name).exists() for name in (TOUCHES, HANDS, ABOUT)):
+        raise RecordingError(
+            "there is a session already, and it is not written over", where=str(folder)
+        )
+
+
+class TogetherWriter(Closing):
+    """Writes a session as it comes; a program that dies loses at most two lines.
+
+    Args:
+        folder: Is made; it must not hold a session already.
+        surface: Of the touch device.
+        about: What is known: `side`, `subject`, `simulated` and what else there is; JSON values.
+
+    Raises:
+        RecordingError: The folder cannot be written to, or holds a session.
+    """
+
+    def __init__(self, folder: Path, surface: Surface, about: dict[str, Any]) -> None:
+        self.touches = self.hands = 0
+        check_new(folder)
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            (folder / ABOUT).write_text(json.dumps(about, indent=1) + "\n", encoding="utf-8")
+        except OSError as error:
+            raise RecordingError("cannot be written", where=str(folder), got=str(error)) from None
+        self._touches, self._hands = LineFile(folder / TOUCHES), LineFile(folder / HANDS)
+        self._touches.write(header_record(surface, str(about.get("touches", "touches"))))
+
+    def touch(self, frame: TouchFrame, host: float) -> None:
+        """A frame of the touch device that arrived at `host`, s.
+
+        Raises:
+            RecordingError: It cannot be written; what came before it is.
+        """
+        self._touches.write(frame_record(frame) | {"host": host})
+        self.touches += 1
+
+    def hand(self, frame: HandFrame, host: float) -> None:
+        """A frame of the Leap that arrived at `host`, s.
+
+        Raises:
+            RecordingError: It cannot be written; what came before it is.
+        """
+        self._hands.write(leap_message(frame, self.hands + 1) | {"host": host})
+        self.hands += 1
+
+    def close(self) -> None:
+        """Closes both files; may be called twice."""
+        self._touches.close()
+        self._hands.close()
+
+
+@dataclass(frozen=True)
+class HandsFile:
+    """Hand frames of a file.
+
+    Attributes:
+        frames: In order.
+        time: (n,) s, on the device's clock.
+        host: (n,) s, when they arrived; None where the file does not say.
+        damage: What ended the file early; empty where it is whole.
+    """
+
+    frames: tuple[HandFrame, ...]
+    time: Array
+    host: Array | None
+    damage: str
+
+
+def read_hands(path: Path) -> HandsFile:
+    """Any Leap recording, with the arrival of its frames where it has them.
+
+    Raises:
+        RecordingError: It cannot be read, or holds no usable frame.
+    """
+    recording = read_leap(path)
+    decoder = LeapDecoder(path.name)
+    frames, host = [], []
+    for message in recording.messages:
+        frame = decoder.feed(message)
+        if frame is not None:
+            frames.append(frame)
+            host.append(_number(message.get("host")))
+    arrived = np.array(host)
+    return HandsFile(
+        tuple(frames),
+        np.array([f.time for f in frames]),
+        arrived if np.isfinite(arrived).all() else None,
+        str(recording.damage) if recording.damage else "",
+    )
+
+
+def arrivals(path: Path, count: int) -> Array | None:
+    """(count,) s, when the frames of a file of touches arrived; None where it does not say."""
+    host: list[float] = []
+    with path.open("rb") as file:
+        for line in file:
+            try:
+                record = json.loads(line)
+            except ValueError:
+                break
+            if isinstance(record, dict) and "contacts" in record:
+                host.append(_number(record.get("host")))
+    found = np.array(host[:count])
+    return found if len(found) == count and np.isfinite(found).all() else None
+
+
+def first_line_with_host(path: Path) -> float | None:
+    """s, when the first frame of a file arrived; None where it does not say, or is no file."""
+    if not path.is_file():
+        return None
+    with path.open("rb") as file:
+        for line, _ in zip(file, range(2), strict=False):
+            try:
+                record = json.loads(line)
+            except ValueError:
+                return None
+            host = _number(record.get("host")) if isinstance(record, dict) else math.nan
+            if math.isfinite(host):
+                return host
+    return None
+
+
+def read_about(folder: Path) -> dict[str, Any]:
+    """What is known of a session.
+
+    Raises:
+        RecordingError: The folder holds none, or it is damaged.
+    """
+    path = folder / ABOUT
+    try:
+        about = json.loads(path.read_text(encoding="utf-8"))
+    except OSError:
+        raise RecordingError(
+            "this is no folder of `sandbox capture record`",
+            where=str(folder),
+            expected=f"{TOUCHES}, {HANDS} and {ABOUT}",
+        ) from None
+    except ValueError as error:
+        raise RecordingError(f"it is damaged: {error}", where=str(path)) from None
+    if not isinstance(about, dict) or about.get("side") not in SIDES:
+        raise RecordingError(
+            "it does not say whose hand it is", where=str(path), expected='"side": right or left'
+        )
+    return about
+
+
+def _number(value: object) -> float:
+    sound = isinstance(value, (int, float)) and not isinstance(value, bool)
+    return float(value) if sound and math.isfinite(value) else math.nan  # type: ignore[arg-type]

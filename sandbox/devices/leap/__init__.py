@@ -1,0 +1,1 @@
+"""The Leap Motion controller: live, from files, and written."""

@@ -1,0 +1,219 @@
+"""The Leap device, live over leapd's WebSocket or from a recording. It says hand frames.
+
+leapd and the Ultraleap bridge serve `ws://127.0.0.1:6437/v6.json`; frames flow without being asked.
+The bridge compares commands as exact strings of up to 31 bytes into a buffer of 32, so ours are
+compact and short. Frames are decoded in the connection's thread, so that 290 of them a second never
+wait for whoever polls; what nobody fetches is dropped, oldest first, and counted.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import Counter, deque
+from collections.abc import Callable, Iterator, Sequence
+
+import msgspec
+from websockets.exceptions import WebSocketException
+from websockets.sync.client import connect
+
+from models.errors import DeviceError
+from models.frames import HandFrame
+from sandbox.devices.leap.leap_file import LeapRecording
+from sandbox.devices.leap.leap_json import LeapDecoder
+
+DEFAULT_ADDRESS = "ws://127.0.0.1:6437/v6.json"
+
+KEPT = 600
+"""Frames that wait to be fetched, two seconds at the device's fastest."""
+
+LARGEST_MESSAGE = 1 << 20
+"""Bytes; a frame of two hands in the newest dialect has 11 thousand."""
+
+SILENCE = 5.0
+"""s without a frame after which a service that is followed counts as gone."""
+START_IT = "Start leapd or the Ultraleap bridge, or try `sandbox leap fake FILE`"
+
+BACKGROUND = '{"background":true}'
+"""Asks leapd to send frames although its own window has no focus. 19 bytes."""
+
+_LOOK = 0.05
+"""s between two looks whether anything came."""
+_FIRST_PAUSE, _LONGEST_PAUSE = 0.1, 2.0
+"""s, between attempts to connect; doubled each time."""
+
+
+class LeapFileDevice:
+    """Plays a recording as the device it was taken from; time 0 is its first frame.
+
+    Args:
+        recording: Read by `read_leap`.
+
+    Attributes:
+        damage: What ended the file early; None where it is whole.
+    """
+
+    name = "leap recording"
+    has_lift = True
+
+    def __init__(self, recording: LeapRecording) -> None:
+        self._recording = recording
+        self.damage = recording.damage
+        self._next = 0
+
+    @property
+    def counts(self) -> Counter[str]:
+        """What the decoder used and left out of the whole recording."""
+        return self._recording.counts
+
+    @property
+    def finished(self) -> bool:
+        """True after the last frame."""
+        return self._next >= len(self._recording.frames)
+
+    def poll(self, now: float) -> Sequence[HandFrame]:
+        """The frames due by `now`, oldest first."""
+        frames, first = self._recording.frames, self._next
+        while not self.finished and frames[self._next].time - frames[0].time <= now:
+            self._next += 1
+        return frames[first : self._next]
+
+    def close(self) -> None:
+        """Ends the play."""
+        self._next = len(self._recording.frames)
+
+
+class LeapDevice:
+    """A running leapd or bridge; connects again for as long as it is open.
+
+    Args:
+        address: WebSocket URL.
+
+    Raises:
+        DeviceError: The address is none.
+    """
+
+    name = "leap"
+    has_lift = True
+    finished = False
+
+    def __init__(self, address: str = DEFAULT_ADDRESS) -> None:
+        if not address.startswith(("ws://", "wss://")):
+            raise DeviceError(
+                "this is no WebSocket address", where="--leap", got=address, expected="ws://..."
+            )
+        self.url = address
+        self._decoder = LeapDecoder("leap")
+        self._frames: deque[HandFrame] = deque()
+        self._news = threading.Condition()
+        self._stop = threading.Event()
+        self.connected = threading.Event()
+        self.trouble: str | None = None
+        self._thread = threading.Thread(target=self._run, name="leap", daemon=True)
+        self._thread.start()
+
+    @property
+    def counts(self) -> Counter[str]:
+        """Messages used, refused and dropped, connections made."""
+        with self._news:
+            return Counter(self._decoder.counts)
+
+    @property
+    def version(self) -> str | None:
+        """What the service says its version is."""
+        return self._decoder.version
+
+    def wait(self, seconds: float) -> bool:
+        """Waits until there is a frame to fetch; False where none came in time."""
+        with self._news:
+            return self._news.wait_for(lambda: bool(self._frames), seconds)
+
+    def poll(self, now: float) -> Sequence[HandFrame]:
+        """All frames that have come since the last call."""
+        with self._news:
+            frames = tuple(self._frames)
+            self._frames.clear()
+        return frames
+
+    def follow(
+        self, hear: Callable[[], object] = lambda: None, remedy: str = START_IT
+    ) -> Iterator[HandFrame]:
+        """Frames as they come, for ever.
+
+        Args:
+            hear: Called again and again meanwhile; what it raises ends it.
+            remedy: Said where the service falls silent.
+
+        Raises:
+            DeviceError: Nothing came for `SILENCE`.
+        """
+        heard = time.monotonic()
+        while True:
+            hear()
+            for frame in self.poll(0.0):
+                heard = time.monotonic()
+                yield frame
+            if not self.wait(_LOOK) and time.monotonic() - heard > SILENCE:
+                raise self.silent(SILENCE, remedy)
+
+    def silent(self, seconds: float, remedy: str = START_IT) -> DeviceError:
+        """The error of a service that has said nothing for so long."""
+        got = self.trouble or f"no frame for {seconds:g} s"
+        return DeviceError("the Leap service says nothing", where=self.url, got=got, remedy=remedy)
+
+    def close(self) -> None:
+        """Ends the connection and its thread."""
+        self._stop.set()
+        self._thread.join(timeout=5.0)
+
+    def _run(self) -> None:
+        pause = _FIRST_PAUSE
+        while not self._stop.is_set():
+            heard = self._decoder.counts["frames"]
+            try:
+                self._listen()
+            except (OSError, WebSocketException) as error:
+                self.trouble = f"{type(error).__name__}: {error}"[:200]
+            finally:
+                self.connected.clear()
+            if self._decoder.counts["frames"] > heard:
+                pause = _FIRST_PAUSE
+            self._stop.wait(pause)
+            pause = min(2.0 * pause, _LONGEST_PAUSE)
+
+    def _listen(self) -> None:
+        with connect(
+            self.url,
+            open_timeout=3.0,
+            close_timeout=1.0,
+            max_size=LARGEST_MESSAGE,
+            compression=None,
+            proxy=None,
+        ) as channel:
+            channel.send(BACKGROUND)
+            with self._news:
+                self._decoder.counts["connections"] += 1
+            self.connected.set()
+            while not self._stop.is_set():
+                try:
+                    message = channel.recv(timeout=0.2)
+                except TimeoutError:
+                    continue
+                self._take(message)
+
+    def _take(self, message: str | bytes) -> None:
+        try:
+            decoded = msgspec.json.decode(message)
+        except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
+            with self._news:
+                self._decoder.counts["messages that are no JSON"] += 1
+            return
+        with self._news:
+            frame = self._decoder.feed(decoded)
+            if frame is None:
+                return
+            if len(self._frames) == KEPT:
+                self._frames.popleft()
+                self._decoder.counts["frames nobody fetched"] += 1
+            self._frames.append(frame)
+            self._news.notify_all()

@@ -1,0 +1,65 @@
+"""`HandFrame` -> a Leap JSON message, v1 or with joints (v3): the inverse of `leap_json`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from models.frames import HandFrame, SeenFinger, SeenHand, Vector
+from sandbox.devices.leap.leap_json import METRES_PER_MM, SECONDS_PER_US
+
+
+def leap_message(frame: HandFrame, number: int) -> dict[str, Any]:
+    """The message a Leap service would have sent; fingers with joints make it v3, others v1.
+
+    Args:
+        frame: What the device sees.
+        number: The frame's id.
+    """
+    return {
+        "id": number,
+        "timestamp": round(frame.time / SECONDS_PER_US),
+        "hands": [_hand(h) for h in frame.hands],
+        "pointables": [_pointable(h, f) for h in frame.hands for f in h.fingers],
+    }
+
+
+def _hand(hand: SeenHand) -> dict[str, Any]:
+    record: dict[str, Any] = {
+        "id": hand.id,
+        "palmPosition": _place(hand.palm),
+        "palmNormal": _axes(hand.normal),
+        "direction": _axes(hand.direction),
+    }
+    if hand.sphere_radius is not None:
+        record["sphereRadius"] = hand.sphere_radius / METRES_PER_MM
+    if hand.side is not None:
+        record |= {"type": hand.side, "confidence": hand.confidence}
+    if hand.wrist is not None:
+        record["wrist"] = _place(hand.wrist)
+    return record
+
+
+def _pointable(hand: SeenHand, finger: SeenFinger) -> dict[str, Any]:
+    record: dict[str, Any] = {
+        "id": finger.id,
+        "handId": hand.id,
+        "tool": False,
+        "tipPosition": _place(finger.tip),
+        "direction": _axes(finger.direction),
+        "length": finger.length / METRES_PER_MM,
+    }
+    if finger.joints is not None:
+        mcp, pip, dip, _ = finger.joints
+        record |= {"mcpPosition": _place(mcp), "pipPosition": _place(pip)}
+        record |= {"dipPosition": _place(dip), "type": finger.finger}
+    if finger.extended is not None:
+        record["extended"] = finger.extended
+    return record
+
+
+def _axes(v: Vector) -> list[float]:
+    return [v[0], v[2], -v[1]]
+
+
+def _place(v: Vector) -> list[float]:
+    return [c / METRES_PER_MM for c in _axes(v)]

@@ -1,0 +1,142 @@
+"""One Leap over which two hands move: each hand of the scene gets the frames of its own side."""
+
+from __future__ import annotations
+
+from collections import Counter, deque
+from collections.abc import Sequence
+from dataclasses import replace
+from math import inf
+from typing import Any
+
+from encoders.paalm.hand_reconstructor import SAID
+from encoders.paalm.palm import stacked
+from encoders.paalm.sides import HandSides
+from models.frames import HandFrame
+from sandbox.session.device import HandDevice
+from sandbox.session.messages import Snapshot
+
+KEPT = 600
+"""Frames that wait for a hand that does not fetch them, as in `sandbox.devices.leap.leap`."""
+
+
+class SharedLeap:
+    """Splits the hands of a device by side.
+
+    A frame in which one hand is above the other shows neither: the device cannot tell their fingers
+    apart.
+
+    Args:
+        device: Sees both hands.
+        sides: Of the scene's hands, one `right` and one `left`.
+
+    Attributes:
+        parts: A device for each hand, in the order of the sides.
+        counts: How many frames showed no hand because one was above the other.
+        hidden: s, when that was last; minus infinity for never.
+    """
+
+    def __init__(self, device: HandDevice, sides: tuple[str, str]) -> None:
+        self.device = device
+        self.counts: Counter[str] = Counter()
+        self.hidden = -inf
+        self._choose = HandSides(sides)
+        self.parts = tuple(LeapPart(self, i, side) for i, side in enumerate(sides))
+
+    def fetch(self, now: float) -> None:
+        """Deals out what has come."""
+        for frame in self.device.poll(now):
+            hands = frame.hands
+            hidden = any(stacked(a, b) for i, a in enumerate(hands) for b in hands[:i])
+            self.counts["one hand above the other"] += hidden
+            self.hidden = now if hidden else self.hidden
+            chosen = {} if hidden else self._choose.choose(frame)
+            for part in self.parts:
+                hand = chosen.get(part.side)
+                seen = () if hand is None else (replace(hand, side=part.side),)
+                part.waiting.append(replace(frame, hands=seen))
+
+
+class LeapPart:
+    """One hand's frames.
+
+    Args:
+        shared: Where they come from.
+        index: Which hand of the scene.
+        side: Its side.
+    """
+
+    has_lift = True
+
+    def __init__(self, shared: SharedLeap, index: int, side: str) -> None:
+        self._shared, self.side = shared, side
+        self.name = f"{shared.device.name}, {side} hand"
+        self.waiting: deque[HandFrame] = deque(maxlen=KEPT)
+        self._now = 0.0
+        if index == 0 and hasattr(shared.device, "show"):
+            # Whoever looks has to be shown things once.
+            self.show: Any = shared.device.show
+
+    @property
+    def finished(self) -> bool:
+        """Whether nothing more can come for this hand."""
+        return self._shared.device.finished and not self.waiting
+
+    @property
+    def notice(self) -> str:
+        """A word to the people whose hands are not told apart; empty while they are."""
+        if self._now - self._shared.hidden >= SAID:
+            return ""
+        return "one hand is above the other: hold them apart"
+
+    def poll(self, now: float) -> Sequence[HandFrame]:
+        """This hand's frames."""
+        self._now = now
+        self._shared.fetch(now)
+        frames = tuple(self.waiting)
+        self.waiting.clear()
+        return frames
+
+    def close(self) -> None:
+        """Closes the device."""
+        self._shared.device.close()
+
+
+class BothOver:
+    """Two devices as one that sees the hands of both: two simulated people over one Leap.
+
+    Args:
+        devices: They tell a frame each, for the same times.
+    """
+
+    name = "simulated leap"
+    has_lift = True
+
+    def __init__(self, devices: Sequence[Any]) -> None:
+        self.devices = tuple(devices)
+
+    @property
+    def finished(self) -> bool:
+        """Whether any of the two has ended."""
+        return any(d.finished for d in self.devices)
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Lets both look at the screen."""
+        for device in self.devices:
+            device.show(snapshot)
+
+    def poll(self, now: float) -> Sequence[HandFrame]:
+        """Frames with the hands of both, numbered apart."""
+        return [
+            replace(
+                frames[0],
+                hands=tuple(
+                    replace(h, id=2 * h.id + i) for i, f in enumerate(frames) for h in f.hands
+                ),
+            )
+            for frames in zip(*(d.poll(now) for d in self.devices), strict=True)
+        ]
+
+    def close(self) -> None:
+        """Closes both."""
+        for device in self.devices:
+            device.close()

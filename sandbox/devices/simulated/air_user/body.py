@@ -1,0 +1,118 @@
+"""The hand of a simulated person in the air: from where a pinch is wanted to where joints are.
+
+The palm faces down; thumb, index and middle finger reach down from it and meet, ring and little
+finger stay stretched, out of the way. Every seed is another person, with bones and with a coupling
+of the last joints of their own, as in `encoders.paalm.simulated.air`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.paalm.angles import FRAMES, joints_of_angles
+from encoders.paalm.chain import FINGER_LIMITS, THUMB_LIMITS, FingerChain
+from encoders.paalm.coupling import Coupling
+from encoders.paalm.simulated.air import FROZEN_AIR, body_of
+
+Array = NDArray[np.float64]
+
+AXIS = float(np.deg2rad(52.0))
+"""rad in the palm, from its x, direction from the thumb's tip to the fingers' that the resting
+thumb of `models.skeleton` faces."""
+CENTRE = (-0.038, 0.047, -0.055)
+"""m in palm coordinates, of an average hand: where the tips meet."""
+PITCH = 0.019
+"""m between the tips of index and middle finger."""
+STRETCHED = {3: (8.0, -4.0, 12.0, 8.0), 4: (8.0, -12.0, 12.0, 8.0)}
+"""Degrees, of ring and little finger."""
+PINCHING = (0, 1, 2)
+"""Fingers that hold."""
+
+
+@dataclass(frozen=True)
+class Pinch:
+    """What a hand is to do.
+
+    Attributes:
+        centre: (3,) m, in the world, the middle between thumb and fingers.
+        yaw: rad, turn of the hand about the vertical.
+        gap: m between the tips' centres of thumb and fingers.
+        bent: (3, 3) m, in palm axes, by which the tips of thumb, index and middle are moved.
+    """
+
+    centre: Array
+    yaw: float
+    gap: float
+    bent: Array
+
+    @property
+    def vector(self) -> Array:
+        """(14,) all of it, for movements from one to another."""
+        return np.concatenate([self.centre, [self.yaw, self.gap], self.bent.ravel()])
+
+    @classmethod
+    def of(cls, vector: Array) -> Pinch:
+        """Inverse of `vector`."""
+        return cls(vector[:3], float(vector[3]), float(vector[4]), vector[5:].reshape(3, 3))
+
+    @property
+    def rotation(self) -> Array:
+        """(3, 3) world from palm."""
+        c, s = np.cos(self.yaw), np.sin(self.yaw)
+        return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+    def tips(self) -> Array:
+        """(3, 3) m, in the world, where the tips of thumb, index and middle are to be, unbent."""
+        return self.centre + pinching_tips(self.gap) @ self.rotation.T
+
+
+def pinching_tips(gap: float) -> Array:
+    """(3, 3) m about the pinch's middle, in palm axes."""
+    axis = np.array([np.cos(AXIS), np.sin(AXIS), 0.0])
+    beside = np.array([np.sin(AXIS), -np.cos(AXIS), 0.0])
+    return np.array(
+        [
+            -gap / 2 * axis,
+            gap / 2 * axis - PITCH / 2 * beside,
+            gap / 2 * axis + PITCH / 2 * beside,
+        ]
+    )
+
+
+class Body:
+    """A person's right hand.
+
+    Args:
+        seed: Whose.
+    """
+
+    def __init__(self, seed: int) -> None:
+        rng = np.random.default_rng([seed, 0xB0D4])
+        self.knuckles, self.lengths = body_of(rng, FROZEN_AIR)
+        coupling = Coupling(rng.normal(*FROZEN_AIR.slope), rng.normal(*FROZEN_AIR.offset))
+        self._chains = {
+            f: FingerChain(
+                tuple(self.lengths[f].tolist()), coupling, FINGER_LIMITS if f else THUMB_LIMITS
+            )
+            for f in PINCHING
+        }
+        size = float(np.linalg.norm(self.knuckles[2]) / np.linalg.norm([-0.004, 0.036, 0.007]))
+        self.middle = np.multiply(CENTRE, np.clip(size, 0.8, 1.25))
+
+    def joints(self, pinch: Pinch) -> tuple[Array, Array, Array]:
+        """Palm centre (3,) and rotation (3, 3) in the world; joints (5, 4, 3) in the palm."""
+        wanted = self.middle + pinching_tips(pinch.gap) + pinch.bent
+        angles = np.zeros((5, 4))
+        for f in PINCHING:
+            x, y, z = ((wanted[f] - self.knuckles[f]) @ FRAMES[f]).tolist()
+            bend = self._chains[f].solve((x, y, z))
+            angles[f] = bend.flexion, bend.spread, bend.pip, bend.dip
+        angles[0, 3] = 0.0
+        for f, row in STRETCHED.items():
+            angles[f] = row
+        rotation = pinch.rotation
+        origin = pinch.centre - rotation @ self.middle
+        return origin, rotation, joints_of_angles(angles, self.knuckles, self.lengths)

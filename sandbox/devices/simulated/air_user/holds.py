@@ -1,0 +1,131 @@
+"""What of a thing a hand in the air closes on, and what is left to do with the thing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.errors import InputError
+from models.objects import Box, Thing, Wrench
+from models.tray import Tray
+from tasks.goals import flat_yaw
+from tasks.task import Goal
+from tasks.user import SeenObject
+
+Array = NDArray[np.float64]
+
+_STEP = float(np.deg2rad(25.0))
+"""rad of one movement with a thing that turns about a bolt."""
+_GRIP = 0.040
+"""m along the handle of a wrench of size 1, where it is held: far out, for a long lever."""
+
+
+@dataclass(frozen=True)
+class Hold:
+    """A block that is pinched.
+
+    Attributes:
+        position: (3,) m, its middle.
+        yaw: rad, direction across which fingers close on it.
+        width: m between the faces that are pinched.
+        top: m, height of its upper side.
+        quarter: Any two opposite faces will do.
+    """
+
+    position: Array
+    yaw: float
+    width: float
+    top: float
+    quarter: bool
+
+    @property
+    def half(self) -> float:
+        """m from its middle to its upper side."""
+        return self.top - float(self.position[2])
+
+    def half_above(self, low: float) -> float:
+        """m by which its middle is above where it was when its middle was at `low`."""
+        return float(self.position[2]) - low
+
+
+def check(thing: Thing) -> None:
+    """Refuses what nobody in the air knows to hold.
+
+    Raises:
+        InputError: It is no box, wrench or tray.
+    """
+    if not isinstance(thing, Box | Wrench | Tray):
+        raise InputError(
+            "the simulated user in the air does not know such a thing", got=thing.name,
+            expected="boxes, wrenches and trays", remedy="--device leap for a hand of your own",
+        )  # fmt: skip
+
+
+def hold_of(seen: SeenObject, near: Array) -> Hold:
+    """Where to take hold of a thing.
+
+    Args:
+        seen: The thing.
+        near: (2,) m; of a tray, the handle nearer to it is taken.
+    """
+    shape, position, yaw = seen.shape, seen.position, flat_yaw(seen.rotation)
+    if isinstance(shape, Box):
+        half = shape.half_size[2]
+        return Hold(position, yaw, 2.0 * shape.half_size[0], float(position[2]) + half, True)
+    along = np.array([np.cos(seen.yaw), np.sin(seen.yaw), 0.0])
+    across = seen.yaw + np.pi / 2
+    if isinstance(shape, Tray):
+        along = seen.rotation[:, 0]
+        ends = [position + side * shape.grip * along for side in (1.0, -1.0)]
+        place = min(ends, key=lambda e: float(np.linalg.norm(e[:2] - near)))
+        _, half_width, half_height = shape.handle
+        return Hold(place, across, 2.0 * half_width, float(place[2]) + half_height, False)
+    assert isinstance(shape, Wrench)
+    out = shape.size * _GRIP if shape.bolt is not None else sum(shape.handle) / 2.0
+    place = position + out * along
+    top = float(place[2]) + shape.thickness / 2.0
+    return Hold(place, across, shape.handle_width, top, False)
+
+
+def missing(seen: SeenObject, goal: Goal) -> tuple[Array, float]:
+    """Shift (2,) m and turn, rad, that a thing still needs."""
+    off = np.asarray(goal.position[:2]) - seen.position[:2]
+    if isinstance(seen.shape, Box):
+        return off, quarter_turn(goal.yaw - flat_yaw(seen.rotation))
+    return off, float((goal.yaw - seen.yaw + np.pi) % (2 * np.pi) - np.pi)
+
+
+def carried(seen: SeenObject, goal: Goal, pinch: Array) -> tuple[Array, float]:
+    """Movement (2,) m and turn, rad, of a pinch (2,) that brings a held thing to its goal."""
+    off, turn = missing(seen, goal)
+    pivot, shape = seen.position[:2], seen.shape
+    if isinstance(shape, Wrench) and shape.bolt is not None:
+        pivot, off = np.array(shape.bolt_place(pivot, seen.yaw)), np.zeros(2)
+        turn = float(np.clip(turn, -_STEP, _STEP))
+    arm, (c, s) = pinch - pivot, (np.cos(turn), np.sin(turn))
+    return off + np.array([[c, -s], [s, c]]) @ arm - arm, turn
+
+
+def stays_down(shape: Thing) -> bool:
+    """Whether it is drawn or turned over the table rather than lifted."""
+    return isinstance(shape, Wrench)
+
+
+def there(seen: SeenObject, goal: Goal) -> bool:
+    """Whether a thing is where it belongs, as far as one sees."""
+    off, turn = missing(seen, goal)
+    if isinstance(seen.shape, Wrench):
+        near = seen.shape.bolt is not None or float(np.linalg.norm(off)) < 0.006
+        return near and abs(turn) < np.deg2rad(4.0)
+    height = abs(float(seen.position[2]) - goal.position[2])
+    if goal.on is not None:
+        assert isinstance(seen.shape, Box)
+        return bool(np.linalg.norm(off) < 0.4 * seen.shape.half_size[0] and height < 0.004)
+    return bool(np.linalg.norm(off) < 0.008 and height < 0.004 and abs(turn) < np.deg2rad(8.0))
+
+
+def quarter_turn(angle: float) -> float:
+    """rad, the same to a cube, and smallest."""
+    return float((angle + np.pi / 4) % (np.pi / 2) - np.pi / 4)

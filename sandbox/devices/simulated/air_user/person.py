@@ -1,0 +1,379 @@
+"""A person who brings things to their goals with a hand in the air: above, around, pinch, lift,
+carry, lower, let go, look again.
+
+They see what the screen shows a reaction time ago, and nothing else: where the drawn fingertips
+are, and where things are. What the drawn hand does wrong is corrected by moving the own one.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, replace
+from enum import Enum, auto
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sandbox.devices.simulated.air_user.body import AXIS, PINCHING, STRETCHED, Body, Pinch
+from sandbox.devices.simulated.air_user.holds import (
+    Hold,
+    carried,
+    hold_of,
+    missing,
+    stays_down,
+    there,
+)
+from sandbox.devices.simulated.air_user.motion import Motion
+from tasks.simulated_user.eye import Eye
+from tasks.task import Goal
+from tasks.user import SeenObject, Sight, UserConfiguration
+
+Array = NDArray[np.float64]
+
+_ASIDE = 0.025
+"""m beside the line from the drawn thumb to the fingers at which a thing has slipped out."""
+_ROOM, _ROOM_WEIGHT = 0.018, 40.0
+"""m that a fingertip wants beside another thing, and rad of turning that each m less is worth."""
+
+
+@dataclass(frozen=True)
+class AirHabits:
+    """What a hand in the air does otherwise than one on a screen. Lengths in m.
+
+    Attributes:
+        over: Height of the tips over things while the hand goes about.
+        opening: By which each side of the open hand is away from what it is going to hold.
+        squeeze: By which each side closes beyond its faces.
+        grip: Height of the tips over the middle of what is lifted.
+        clear: Height of the tips over the table beside what stays down: fingers that push high up
+            on a flat thing ride over it.
+        lift: Height over everything around at which things are carried.
+        good: Error of the drawn tips at which the user is content before closing.
+        placed, straight: Error of what is carried, m and rad, at which it is lowered.
+        press: By which it is lowered below its place.
+        looks: Corrections before the user goes on all the same.
+        attempts: Grasps before giving up.
+        share: Of an error that one correction takes away.
+        follows, stuck: Share of an error that is still there after a correction, and m, of both,
+            from which on a drawn hand is taken to be held up by something.
+        settle: s that the user watches what a movement has done, beyond the reaction time; they go
+            by the mean of what they saw of their fingers.
+    """
+
+    over: float = 0.035
+    opening: float = 0.012
+    squeeze: float = 0.008
+    grip: float = 0.004
+    clear: float = 0.002
+    lift: float = 0.020
+    good: float = 0.005
+    placed: float = 0.004
+    straight: float = float(np.deg2rad(5.0))
+    press: float = 0.002
+    looks: int = 7
+    attempts: int = 10
+    share: float = 0.8
+    follows: float = 0.8
+    stuck: float = 0.012
+    settle: float = 0.12
+
+
+class Stage(Enum):
+    """What a person in the air has done last."""
+
+    LOOKING = auto()
+    ABOVE = auto()
+    AROUND = auto()
+    CLOSED = auto()
+    LIFTED = auto()
+    LOWERED = auto()
+    OPENED = auto()
+    CONTENT = auto()
+
+
+class AirPerson:
+    """Brings boxes to their goals, on the table or on each other.
+
+    Args:
+        configuration: Reaction, speed, tremor.
+        seed: Whose hand, and all that is chance.
+        radius: (5,) m, of the drawn fingertips, as they know them by sight.
+        habits: How they work.
+        home: (2,) m in the world as they see it, where their hand is at home; of two handles they
+            take the nearer one.
+
+    Attributes:
+        grasps: How often they have gone for a thing.
+    """
+
+    def __init__(
+        self,
+        configuration: UserConfiguration,
+        seed: int,
+        radius: Array,
+        habits: AirHabits | None = None,
+        home: tuple[float, float] = (0.0, 0.0),
+    ) -> None:
+        rng = np.random.default_rng([seed, 7_011])
+        self.body = Body(seed)
+        self.habits = habits or AirHabits()
+        self._eye = Eye(float(rng.uniform(*configuration.reaction)))
+        self._lately: deque[Sight] = deque()
+        self._home = np.array(home)
+        start = Pinch(np.array([home[0], home[1] - 0.03, 0.10]), 0.0, 0.09, np.zeros((3, 3)))
+        self._motion = Motion(start, configuration, rng)
+        self._radius = radius
+        self._stage, self._until = Stage.LOOKING, 0.6
+        self._name: str | None = None
+        self._tries = self.grasps = 0
+        self._kind, self._rng = configuration.kind, rng
+        self._held = self._stood = self._gap = self._off = 0.0
+        self._bent = start.bent
+        # By how much the own pinch is off from where the drawn one is wanted.
+        self._offset = np.zeros(3)
+
+    @property
+    def carrying(self) -> bool:
+        """Whether they are on the way with something they hold."""
+        return self._stage is Stage.LIFTED
+
+    def look(self, sight: Sight) -> None:
+        """Takes in what is on the screen now."""
+        self._eye.look(sight)
+        self._lately.append(sight)
+
+    def hand(self, now: float) -> tuple[Array, Array, Array]:
+        """Palm centre (3,), rotation (3, 3) and joints (5, 4, 3) of the own hand now."""
+        sight = self._eye.at(now)
+        if sight is not None and now >= self._until - 1e-9 and self._kind != "idle":
+            self._act(self._watched(sight), now) if self._kind == "skilled" else self._anywhere(now)
+        return self.body.joints(self._motion.at(now))
+
+    def _watched(self, sight: Sight) -> Sight:
+        """A sight with fingertips where they were on average while what a movement had done was
+        watched: nobody goes by single pictures of a hand that trembles."""
+        seen = self._lately
+        while seen[0].time < sight.time - self.habits.settle:
+            seen.popleft()
+        watched = [s.tips for s in seen if s.time <= sight.time]
+        tips = {f: np.mean([t[f] for t in watched], axis=0) for f in sight.tips}
+        return replace(sight, tips=tips)
+
+    def _act(self, sight: Sight, now: float) -> None:
+        act = {
+            Stage.LOOKING: self._choose,
+            Stage.ABOVE: self._above,
+            Stage.AROUND: self._around,
+            Stage.CLOSED: self._lift,
+            Stage.LIFTED: self._carry,
+            Stage.LOWERED: self._lower,
+            Stage.OPENED: self._leave,
+            Stage.CONTENT: lambda *_: None,
+        }
+        act[self._stage](sight, now)
+
+    def _anywhere(self, now: float) -> None:
+        """What a control arm does: moves, opens and closes at random over the table."""
+        low, high = (-0.10, -0.08, 0.01), (0.10, 0.08, 0.10)
+        centre = self._rng.uniform(low, high) + np.append(self._home, 0.0)
+        yaw, gap = self._rng.uniform((-0.8, 0.02), (0.8, 0.09)).tolist()
+        self._go(Pinch(centre, yaw, gap, np.zeros((3, 3))), Stage.LOOKING, now)
+
+    # What is to be done next.
+
+    def _choose(self, sight: Sight, now: float) -> None:
+        wrong = [g for g in sight.goals if not there(sight.objects[g.object], g)]
+        if sight.done or not wrong or self.grasps >= self.habits.attempts:
+            self._until = now + 0.2
+            return
+        self._name = wrong[0].object
+        self.grasps += 1
+        self._tries = 0
+        hold = self._hold(sight)
+        yaw = self._comfortable(hold, sight)
+        # The correction of the drawn fingers that was learned stays.
+        bent = self._bent = self._motion.aim.bent
+        self._gap = hold.width + 2.0 * self.habits.opening
+        over = self._highest(sight) + self.habits.over
+        centre = np.array([*hold.position[:2], over]) + self._offset
+        self._go(Pinch(centre, yaw, self._centres(self._gap), bent), Stage.ABOVE, now)
+
+    def _above(self, sight: Sight, now: float) -> None:
+        hold = self._hold(sight)
+        wanted = np.array([*hold.position[:2], self._highest(sight) + self.habits.over])
+        if self._correct(sight, wanted, 2.0 * self.habits.good, now):
+            return
+        self._tries = 0
+        aim = self._motion.aim
+        z = self._grip(hold, sight)[2] + self._offset[2]
+        self._go(replace(aim, centre=np.array([*aim.centre[:2], z])), Stage.AROUND, now)
+
+    def _around(self, sight: Sight, now: float) -> None:
+        hold = self._hold(sight)
+        wanted = self._grip(hold, sight)
+        if self._correct(sight, wanted, self.habits.good, now):
+            return
+        aim = self._motion.aim
+        if self._off > self.habits.stuck:
+            # Something is in the way: up again, with the hand as it was.
+            self._offset = np.zeros(3)
+            centre = np.array([*wanted[:2], self._highest(sight) + self.habits.over])
+            self._go(replace(aim, centre=centre, bent=self._bent), Stage.LOOKING, now)
+            return
+        gap = self._centres(hold.width - 2.0 * self.habits.squeeze)
+        self._offset = aim.centre - wanted
+        self._go(replace(aim, gap=gap), Stage.CLOSED, now, 1.3)
+
+    def _lift(self, sight: Sight, now: float) -> None:
+        hold, goal = self._hold(sight), self._goal(sight)
+        self._stood, self._held, self._tries = float(hold.position[2]), 0.0, 0
+        if stays_down(self._thing(sight).shape):
+            self._stage = Stage.LIFTED
+            self._carry(sight, now)
+            return
+        top = max(self._highest(sight, others=True), goal.position[2] - hold.half)
+        self._held = top + self.habits.lift - (float(hold.position[2]) - hold.half)
+        aim = self._motion.aim
+        self._go(replace(aim, centre=aim.centre + _up(self._held)), Stage.LIFTED, now, 1.2)
+
+    def _carry(self, sight: Sight, now: float) -> None:
+        thing, goal, habits = self._thing(sight), self._goal(sight), self.habits
+        aim, hold = self._motion.aim, self._hold(sight)
+        pinch = aim.centre - self._offset
+        if float(hold.position[2]) - self._stood < 0.5 * self._held or self._slipped(hold, sight):
+            self._open(now)
+            return
+        off, turn = missing(thing, goal)
+        near = float(np.linalg.norm(off)) < habits.placed and abs(turn) < habits.straight
+        if near or self._tries >= habits.looks:
+            self._tries, self._stage = 0, Stage.LOWERED
+            self._lower(sight, now)
+            return
+        self._tries += 1
+        # The thing turns about the pinch, not about its own middle.
+        shift, turn = carried(thing, goal, pinch[:2])
+        centre = aim.centre + np.append(shift, 0.0)
+        self._go(replace(aim, centre=centre, yaw=aim.yaw + turn), Stage.LIFTED, now, 1.2)
+
+    def _slipped(self, hold: Hold, sight: Sight) -> bool:
+        """Whether what is moved over the table is no longer between the drawn fingers."""
+        if self._held > 0.0:
+            return False
+        thumb, fingers = _pads(sight)
+        gap, way = (fingers - thumb)[:2], (hold.position - thumb)[:2]
+        share = float(way @ gap) / max(float(gap @ gap), 1e-9)
+        aside = float(np.linalg.norm(way - share * gap))
+        return not 0.0 < share < 1.0 or aside > _ASIDE
+
+    def _lower(self, sight: Sight, now: float) -> None:
+        above = float(self._thing(sight).position[2]) - self._goal(sight).position[2]
+        if above < 0.003 or self._tries >= self.habits.looks or self._held == 0.0:
+            self._open(now)
+            return
+        self._tries += 1
+        aim = self._motion.aim
+        centre = aim.centre - _up(above + self.habits.press)
+        self._go(replace(aim, centre=centre), Stage.LOWERED, now, 1.2)
+
+    def _open(self, now: float) -> None:
+        aim = self._motion.aim
+        self._go(replace(aim, gap=self._centres(self._gap)), Stage.OPENED, now, 1.3)
+
+    def _leave(self, sight: Sight, now: float) -> None:
+        aim = self._motion.aim
+        top = max(self._highest(sight) + self.habits.over, float(aim.centre[2]))
+        self._go(replace(aim, centre=np.array([*aim.centre[:2], top + 0.02])), Stage.LOOKING, now)
+
+    # How the drawn hand is brought where it is wanted.
+
+    def _correct(self, sight: Sight, wanted: Array, good: float, now: float) -> bool:
+        """Begins a correction of the drawn tips; False where none is needed, or helps."""
+        aim = self._motion.aim
+        rotation = aim.rotation
+        ideal = replace(aim, centre=wanted).tips()
+        error = (ideal - np.array([sight.tips[f] for f in PINCHING])) @ rotation
+        before, self._off = self._off, float(np.linalg.norm(error, axis=1).max())
+        # A drawn hand that does not follow is held up by something: pushing on does not help.
+        stuck = (
+            self._tries > 1
+            and min(self._off, before) > self.habits.stuck
+            and self._off > self.habits.follows * before
+        )
+        if self._off < good or stuck or self._tries >= self.habits.looks:
+            return False
+        self._tries += 1
+        error *= self.habits.share
+        common = (error[0] + error[1:].mean(axis=0)) / 2.0
+        bent = np.clip(aim.bent + error - common, -0.03, 0.03)
+        centre = aim.centre + rotation @ common
+        self._go(replace(aim, centre=centre, bent=bent), self._stage, now)
+        return True
+
+    def _go(self, aim: Pinch, stage: Stage, now: float, slowness: float = 1.0) -> None:
+        self._stage = stage
+        self._until = self._motion.go(aim, now, slowness) + self._eye.delay + self.habits.settle
+
+    # What is seen.
+
+    def _thing(self, sight: Sight) -> SeenObject:
+        assert self._name is not None
+        return sight.objects[self._name]
+
+    def _hold(self, sight: Sight) -> Hold:
+        return hold_of(self._thing(sight), self._home)
+
+    def _grip(self, hold: Hold, sight: Sight) -> Array:
+        """(3,) m, where the middle between the tips is wanted when they close."""
+        x, y, z = hold.position.tolist()
+        if stays_down(self._thing(sight).shape):
+            return np.array([x, y, float(self._radius[list(PINCHING)].max()) + self.habits.clear])
+        return np.array([x, y, z + self.habits.grip])
+
+    def _goal(self, sight: Sight) -> Goal:
+        return next(g for g in sight.goals if g.object == self._name)
+
+    def _highest(self, sight: Sight, others: bool = False) -> float:
+        """m, the top of what is around; of other things than the own one only."""
+        seen = [o for name, o in sight.objects.items() if not others or name != self._name]
+        return max((hold_of(o, self._home).top for o in seen), default=0.0)
+
+    def _centres(self, width: float) -> float:
+        """m between the tips' centres for pads that are so far apart."""
+        return width + float(self._radius[0] + self._radius[1:3].mean())
+
+    def _comfortable(self, hold: Hold, sight: Sight) -> float:
+        """rad, turn of a hand that closes on it; where there is room, and little to turn."""
+        _, turn = missing(self._thing(sight), self._goal(sight))
+        best = (np.inf, 0.0)
+        for side in range(0, 4, 1 if hold.quarter else 2):
+            hand = (hold.yaw + side * np.pi / 2 - AXIS + np.pi) % (2 * np.pi) - np.pi
+            gap = self._centres(hold.width + 2.0 * self.habits.opening)
+            tips = Pinch(hold.position, hand, gap, np.zeros((3, 3))).tips()
+            tips = np.concatenate([tips, hold.position + self._others(sight, hand)])
+            room = min(
+                (
+                    float(np.min(o.shape.clearance(tips, o.position, o.rotation)))
+                    for name, o in sight.objects.items()
+                    if name != self._name
+                ),
+                default=1.0,
+            )
+            cost = max(abs(hand), abs(hand + turn)) + _ROOM_WEIGHT * max(_ROOM - room, 0.0)
+            best = min(best, (cost, hand))
+        return best[1]
+
+    def _others(self, sight: Sight, yaw: float) -> Array:
+        """(2, 3) m from the pinch's middle to the tips that do not hold, of a hand turned so."""
+        thumb, fingers = _pads(sight)
+        pinch = (thumb + fingers) / 2.0
+        turn = replace(self._motion.aim, yaw=yaw - self._motion.aim.yaw).rotation
+        return np.array([turn @ (sight.tips[f] - pinch) for f in STRETCHED])
+
+
+def _pads(sight: Sight) -> tuple[Array, Array]:
+    """(3,) m each, the drawn thumb, and the middle of the two fingers that face it."""
+    return sight.tips[0], (sight.tips[1] + sight.tips[2]) / 2.0
+
+
+def _up(height: float) -> Array:
+    return np.array([0.0, 0.0, height])

@@ -1,0 +1,71 @@
+"""What may go wrong over a simulated Leap beyond what its frozen configuration does."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from math import isfinite
+
+from encoders.paalm.simulated.eye import DIALECTS
+from encoders.paalm.simulated.forward import LeapConfiguration
+from models.errors import InputError
+
+_NOISY = (
+    "tip", "joint", "length_white", "length_slow", "direction", "palm_place", "palm_turn",
+    "lost_rate",
+)  # fmt: skip
+MOST_NOISE, LONGEST = 20.0, 10.0
+"""Times the frozen noise, and s, beyond which nobody could do anything."""
+
+
+@dataclass(frozen=True)
+class LeapTrouble:
+    """Added to a simulated device.
+
+    Attributes:
+        noise: Times as much noise in places, lengths and directions, and as many lost fingers.
+        lose: s for which the whole hand leaves the device's view, once, while it carries something;
+            0 never.
+    """
+
+    noise: float = 1.0
+    lose: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name, most in (("noise", MOST_NOISE), ("lose", LONGEST)):
+            value = getattr(self, name)
+            if not (isfinite(value) and 0.0 <= value <= most):
+                raise InputError(
+                    "a simulated Leap cannot be like that", where=name, got=value,
+                    expected=f"0 to {most:g}",
+                )  # fmt: skip
+
+    def applied(self, to: LeapConfiguration) -> LeapConfiguration:
+        """The configuration with its noise."""
+        if self.noise == 1.0:
+            return to
+        return replace(to, **{name: self.noise * getattr(to, name) for name in _NOISY})
+
+
+def parse_simulated(text: str) -> tuple[str, LeapTrouble]:
+    """Dialect and trouble of the text after `leap-simulated:`, such as `v1,noise=2,lose=1`.
+
+    Raises:
+        InputError: There is no such dialect, or no such trouble.
+    """
+    dialect, values = DIALECTS[0], {}
+    known = [f.name for f in fields(LeapTrouble)]
+    for part in filter(None, text.split(",")):
+        name, equals, value = part.partition("=")
+        try:
+            if not equals and name in DIALECTS:
+                dialect = name
+                continue
+            if not equals or name not in known:
+                raise ValueError
+            values[name] = float(value)
+        except ValueError:
+            raise InputError(
+                "no such simulated Leap", where="--device", got=f"leap-simulated:{text}",
+                expected=f"leap-simulated:{{{','.join(DIALECTS)}}}, with noise=TIMES or lose=S",
+            ) from None  # fmt: skip
+    return dialect, LeapTrouble(**values)

@@ -1,0 +1,331 @@
+"""TUIO over connections: TCP with a length before each packet, and WebSockets.
+
+One thread with its own event loop. It listens, or calls one sender and calls again when that hangs
+up: the reference implementations of senders wait to be called. Nobody proves who he is, as TUIO
+knows no passwords; but a page in this machine's browser must not be able to play the touch table.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import ipaddress
+import logging
+import queue
+import threading
+from http import HTTPStatus
+from typing import NamedTuple, Protocol
+from urllib.parse import urlsplit
+
+from websockets.asyncio.client import connect
+from websockets.asyncio.connection import Connection
+from websockets.asyncio.server import ServerConnection, serve
+from websockets.exceptions import WebSocketException
+from websockets.frames import CloseCode
+from websockets.http11 import Request, Response
+
+from models.errors import DeviceError
+from sandbox.devices.tuio.osc import MAX_PACKET_BYTES
+
+DEFAULT_WEBSOCKET_PORT = 8080
+"""The port of TUIO over WebSockets unless told otherwise."""
+
+MAX_CONNECTIONS = 32
+"""At once; a sender needs one."""
+
+_TICK = 0.1
+_REDIAL = 0.5
+"""s between two calls of a sender that does not answer."""
+_LENGTH = 4
+"""Bytes of a packet's length in a TCP stream, most significant first."""
+
+
+class Receiver(Protocol):
+    """Where packets go."""
+
+    def receive(self, data: bytes, peer: str) -> None:
+        """Takes in a packet."""
+
+    def hung_up(self, peer: str) -> None:
+        """Hears that a connection has ended."""
+
+    def look(self) -> None:
+        """Looks for those who have fallen silent."""
+
+    def refuse(self, reason: str, packet: bool = False) -> None:
+        """Counts what was not let in."""
+
+    def fail(self, error: Exception, where: str) -> None:
+        """Hears that nothing will come any more."""
+
+
+class Target(NamedTuple):
+    """A sender to call; `scheme` is tcp, ws or wss."""
+
+    scheme: str
+    host: str
+    port: int
+    url: str
+
+
+def parse_target(text: str) -> Target:
+    """Reads `tcp://HOST:PORT` or `ws://HOST:PORT`.
+
+    Raises:
+        DeviceError: It is neither.
+    """
+    try:
+        parts = urlsplit(text)
+        scheme, host, port = parts.scheme, parts.hostname or "", parts.port
+    except ValueError:
+        scheme, host, port = "", "", None
+    if scheme not in ("tcp", "ws", "wss") or not host or port == 0:
+        raise DeviceError(
+            "this is no sender that can be called",
+            got=text,
+            expected="tcp://HOST:PORT or ws://HOST:PORT",
+        )
+    usual = 3333 if scheme == "tcp" else DEFAULT_WEBSOCKET_PORT
+    url = text if port else text.replace(parts.netloc, f"{parts.netloc}:{usual}", 1)
+    return Target(scheme, host, port or usual, url)
+
+
+class Streams:
+    """Connections of senders, in a thread.
+
+    Args:
+        receiver: Where packets go.
+        bind: Address to listen on.
+        tcp_port: None does not listen to TCP; 0 takes a free port.
+        websocket_port: Likewise.
+        target: A sender to call instead.
+
+    Raises:
+        DeviceError: An address or port cannot be had.
+    """
+
+    def __init__(
+        self,
+        receiver: Receiver,
+        bind: str = "127.0.0.1",
+        tcp_port: int | None = None,
+        websocket_port: int | None = None,
+        target: Target | None = None,
+    ) -> None:
+        self._receiver = receiver
+        self.bind, self.tcp_port, self.websocket_port = bind, tcp_port, websocket_port
+        self._target = target
+        self._connections = 0
+        self._ready: queue.Queue[Exception | None] = queue.Queue()
+        self._loop = asyncio.new_event_loop()
+        self._closing = asyncio.Event()
+        self._thread = threading.Thread(target=self._run, name="tuio-streams", daemon=True)
+        self._thread.start()
+        problem = self._ready.get()
+        if problem is not None:
+            self._thread.join()
+            raise DeviceError(
+                f"this address cannot be listened on: {problem}",
+                where=f"TCP {bind}, ports {tcp_port} and {websocket_port}",
+                expected="an IPv4 address of this machine and free ports from 0 to 65535",
+                remedy="Close the program that has the port, or choose another with --port",
+            ) from problem
+
+    def is_alive(self) -> bool:
+        """Whether anything can still come."""
+        return self._thread.is_alive()
+
+    def close(self) -> None:
+        """Ends all connections and the thread; may be called twice."""
+        with contextlib.suppress(RuntimeError):  # the loop is closed already
+            self._loop.call_soon_threadsafe(self._closing.set)
+        self._thread.join(timeout=10.0)
+
+    # -- everything below runs in the thread ---------------------------------------------------
+
+    def _run(self) -> None:
+        asyncio.set_event_loop(self._loop)
+        try:
+            self._loop.run_until_complete(self._work())
+        except Exception as error:  # a thread must not die unheard
+            self._receiver.fail(error, "TCP")
+        finally:
+            self._loop.close()
+
+    async def _work(self) -> None:
+        async with contextlib.AsyncExitStack() as stack:
+            try:
+                await self._listen(stack)
+            except (OSError, OverflowError, UnicodeError) as error:
+                self._ready.put(error)
+                return
+            self._ready.put(None)
+            calling = asyncio.create_task(self._call()) if self._target else None
+            while not self._closing.is_set():
+                self._receiver.look()
+                with contextlib.suppress(TimeoutError):
+                    await asyncio.wait_for(self._closing.wait(), _TICK)
+            tasks = [t for t in asyncio.all_tasks() if t is not asyncio.current_task()]
+            if calling is not None:
+                calling.cancel()
+            for task in tasks:
+                if task.get_name() == "tuio-tcp":
+                    task.cancel()
+            await asyncio.gather(*([calling] if calling else []), return_exceptions=True)
+
+    async def _listen(self, stack: contextlib.AsyncExitStack) -> None:
+        if self.tcp_port is not None:
+            tcp = await asyncio.start_server(self._answer_tcp, self.bind, self.tcp_port)
+            stack.callback(tcp.close)
+            self.tcp_port = tcp.sockets[0].getsockname()[1]
+        if self.websocket_port is not None:
+            web = await serve(
+                self._answer_websocket,
+                self.bind,
+                self.websocket_port,
+                process_request=self._judge,
+                compression=None,
+                max_size=MAX_PACKET_BYTES,
+                max_queue=64,
+                open_timeout=5,
+                ping_interval=5,
+                ping_timeout=5,
+                close_timeout=1,
+                server_header=None,
+                logger=_silent_logger(),
+            )
+            await stack.enter_async_context(web)
+            self.websocket_port = next(iter(web.sockets)).getsockname()[1]
+
+    async def _call(self) -> None:
+        """Calls the sender, and again whenever it hangs up."""
+        target = self._target
+        assert target is not None
+        while True:
+            with contextlib.suppress(OSError, WebSocketException, TimeoutError):
+                if target.scheme == "tcp":
+                    reader, writer = await asyncio.wait_for(
+                        asyncio.open_connection(target.host, target.port), 5.0
+                    )
+                    await self._read_tcp(reader, writer, f"tcp {target.host}:{target.port}")
+                else:
+                    async with connect(
+                        target.url, compression=None, max_size=MAX_PACKET_BYTES, open_timeout=5,
+                        ping_interval=5, ping_timeout=5, close_timeout=1, proxy=None,
+                        logger=_silent_logger(),
+                    ) as connection:  # fmt: skip
+                        await self._read_websocket(connection, f"{target.host}:{target.port}")
+            await asyncio.sleep(_REDIAL)
+
+    async def _answer_tcp(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        task = asyncio.current_task()
+        assert task is not None
+        task.set_name("tuio-tcp")
+        host, port = writer.get_extra_info("peername")[:2]
+        if self._connections >= MAX_CONNECTIONS:
+            self._receiver.refuse("too many connections")
+            writer.close()
+            return
+        self._connections += 1
+        try:
+            # Cancelled when we are closed; asyncio's own server would print a trace.
+            with contextlib.suppress(asyncio.CancelledError):
+                await self._read_tcp(reader, writer, f"tcp {host}:{port}")
+        finally:
+            self._connections -= 1
+
+    async def _read_tcp(
+        self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter, peer: str
+    ) -> None:
+        """Takes packets until the connection ends or what comes is no TUIO."""
+        try:
+            with contextlib.suppress(asyncio.IncompleteReadError, OSError):  # the usual end
+                while True:
+                    size = int.from_bytes(await reader.readexactly(_LENGTH), "big")
+                    if not 0 < size <= MAX_PACKET_BYTES:
+                        # Where the next packet begins can no longer be known.
+                        self._receiver.refuse(f"a packet of {size} bytes in a stream", packet=True)
+                        break
+                    self._receiver.receive(await reader.readexactly(size), peer)
+        finally:
+            self._receiver.hung_up(peer)
+            writer.close()
+
+    async def _answer_websocket(self, connection: ServerConnection) -> None:
+        host, port = connection.remote_address[:2]
+        await self._read_websocket(connection, f"{host}:{port}")
+
+    async def _read_websocket(self, connection: Connection, address: str) -> None:
+        peer = f"ws {address}"
+        self._connections += 1
+        try:
+            with contextlib.suppress(WebSocketException, OSError):
+                async for packet in connection:
+                    if isinstance(packet, str):
+                        self._receiver.refuse("a text message on a WebSocket", packet=True)
+                    else:
+                        self._receiver.receive(packet, peer)
+            ended = connection.protocol.close_sent
+            if ended is not None and ended.code == CloseCode.MESSAGE_TOO_BIG:
+                self._receiver.refuse("a message is too large", packet=True)
+        finally:
+            self._connections -= 1
+            self._receiver.hung_up(peer)
+
+    def _judge(self, connection: ServerConnection, request: Request) -> Response | None:
+        """Decides who may open a WebSocket."""
+        hosts, origins = request.headers.get_all("Host"), request.headers.get_all("Origin")
+        reason = refusal(hosts, origins)
+        if not reason and self._connections >= MAX_CONNECTIONS:
+            reason = "too many connections"
+        if not reason:
+            return None
+        self._receiver.refuse(reason)
+        return connection.respond(HTTPStatus.FORBIDDEN, "This address takes TUIO.\n")
+
+
+def refusal(hosts: list[str], origins: list[str]) -> str:
+    """Why a request for a WebSocket is refused; empty: it may pass.
+
+    A name that is neither an address nor localhost has been rebound by somebody else; an `Origin`
+    from elsewhere is a page that the browser of this machine has open. Programs send none.
+
+    Args:
+        hosts: Values of the `Host` header.
+        origins: Values of the `Origin` header.
+    """
+    if len(hosts) != 1 or not _is_address(_host_of(f"//{hosts[0]}")):
+        return "a foreign host name"
+    if len(origins) > 1:
+        return "a foreign origin"
+    if origins and _host_of(origins[0]) not in (
+        "localhost",
+        "127.0.0.1",
+        _host_of(f"//{hosts[0]}"),
+    ):
+        return "a foreign origin"
+    return ""
+
+
+def _host_of(url: str) -> str:
+    try:
+        return urlsplit(url).hostname or ""
+    except ValueError:
+        return ""
+
+
+def _is_address(host: str) -> bool:
+    if host == "localhost":
+        return True
+    try:
+        ipaddress.ip_address(host)
+    except ValueError:
+        return False
+    return True
+
+
+def _silent_logger() -> logging.Logger:
+    """A logger that says nothing: what goes wrong with strangers is counted, not printed."""
+    logger = logging.Logger("hand_sandbox.tuio")
+    logger.addHandler(logging.NullHandler())
+    return logger

@@ -1,0 +1,1 @@
+"""Devices around other devices: merged, split, spoiled, with a lift control."""

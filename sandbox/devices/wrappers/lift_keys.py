@@ -1,0 +1,66 @@
+"""Two keys as a lift control, for devices that have none of their own."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Sequence
+from dataclasses import replace
+
+from models.frames import TouchFrame
+from sandbox.devices.wrappers.around import Around
+from sandbox.session.device import Device
+
+SPEED = 0.45
+"""Of the whole lift per second, while a key is held."""
+
+
+class LiftKeys(Around):
+    """A device with a lift control beside it. Safe to use from two threads.
+
+    Args:
+        device: Where the touches come from.
+        leader: Whose lift this one's is: of two hands, the same keys lift both.
+
+    Attributes:
+        has_lift: It has a lift control, by name as in other devices.
+    """
+
+    has_lift = True
+
+    def __init__(self, device: Device, leader: LiftKeys | None = None) -> None:
+        super().__init__(device)
+        self._leader = leader
+        self._lock = threading.Lock()
+        self._direction = 0.0
+        self._tapped = 0.0
+        self._lift = 0.0
+        self._now = 0.0
+        self._last = TouchFrame(0.0)
+
+    def hold(self, direction: float) -> None:
+        """A key goes down: 1 lifts, -1 lowers; 0: no key is held any more."""
+        with self._lock:
+            self._direction = direction
+            # A key that is tapped between two polls does something all the same.
+            self._tapped = direction or self._tapped
+
+    def follow(self, lift: float) -> None:
+        """Another control has moved the hand; the keys go on from there. Tells no frame."""
+        with self._lock:
+            self._lift = lift
+
+    def poll(self, now: float) -> Sequence[TouchFrame]:
+        """The device's frames with the lift in them, and one more where only the lift changed."""
+        with self._lock:
+            direction, self._tapped = self._direction or self._tapped, 0.0
+        passed, self._now = max(now - self._now, 0.0), now
+        before = self._lift
+        self._lift = min(max(before + direction * SPEED * passed, 0.0), 1.0)
+        if self._leader is not None:
+            self._lift = self._leader._lift
+        frames = [replace(frame, lift=self._lift) for frame in self.device.poll(now)]
+        if not frames and self._lift != before:
+            frames = [replace(self._last, lift=self._lift, cancelled=frozenset())]
+        if frames:
+            self._last = frames[-1]
+        return frames

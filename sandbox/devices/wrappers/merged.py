@@ -1,0 +1,102 @@
+"""Several devices as one, such as the mouse in the window and fingers on the page beside it."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Sequence
+from dataclasses import replace
+
+from models.frames import Contact, TouchFrame
+from sandbox.devices.wrappers.lift_keys import LiftKeys
+from sandbox.session.device import Device
+
+
+class MergedDevice:
+    """Touches of several devices on one surface, under ids that no two of them share.
+
+    Args:
+        devices: Theirs are the touches; frames keep the times of their own clocks.
+
+    Attributes:
+        devices: As given.
+        has_lift: Whether any of them has a lift control; where several have, the one that was
+            moved last counts.
+        news: Is set when one that tells so has something new.
+        lift: Of the last frame; None where no control has been moved.
+    """
+
+    def __init__(self, devices: Sequence[Device]) -> None:
+        self.devices = tuple(devices)
+        self.name = "+".join(device.name for device in devices)
+        self.has_lift = any(getattr(device, "has_lift", False) for device in devices)
+        self.news = threading.Event()
+        for device in devices:
+            # A lift control beside a device is no part of it.
+            inner = device.device if isinstance(device, LiftKeys) else device
+            if hasattr(inner, "news"):
+                inner.news = self.news
+        self.lift: float | None = None
+        self._lifts: list[float | None] = [None] * len(devices)
+        self._contacts: list[tuple[Contact, ...]] = [()] * len(devices)
+        self._ids: list[dict[int, int]] = [{} for _ in devices]
+        self._next = 0
+
+    @property
+    def finished(self) -> bool:
+        """True when all of them have come to their end."""
+        return all(device.finished for device in self.devices)
+
+    def poll(self, now: float) -> Sequence[TouchFrame]:
+        """One frame for each of theirs, with what the others hold down in it."""
+        found = [
+            (frame.time, i, frame)
+            for i, device in enumerate(self.devices)
+            for frame in device.poll(now)
+        ]
+        found.sort(key=lambda entry: entry[0])
+        return [self._taken_in(i, frame) for _, i, frame in found]
+
+    def close(self) -> None:
+        """Closes all of them."""
+        for device in self.devices:
+            device.close()
+
+    def _taken_in(self, i: int, frame: TouchFrame) -> TouchFrame:
+        known, ids = self._ids[i], {}
+        for contact in frame.contacts:
+            ids[contact.id] = known[contact.id] if contact.id in known else self._new()
+        self._ids[i] = ids
+        self._contacts[i] = tuple(replace(c, id=ids[c.id]) for c in frame.contacts)
+        if frame.lift is not None and frame.lift != self._lifts[i]:
+            self._move_lift(i, frame.lift)
+        return replace(
+            frame,
+            contacts=tuple(contact for contacts in self._contacts for contact in contacts),
+            lift=self.lift,
+            cancelled=frozenset(known[c] for c in frame.cancelled if c in known and c not in ids),
+        )
+
+    def _move_lift(self, i: int, lift: float) -> None:
+        first, self._lifts[i] = self._lifts[i] is None, lift
+        if first and self.lift is not None and lift == 0.0:
+            # A control that shows itself for the first time has not been moved.
+            return
+        self.lift = lift
+        for k, other in enumerate(self.devices):
+            if k != i and isinstance(other, LiftKeys):
+                other.follow(lift)
+                self._lifts[k] = lift
+
+    def _new(self) -> int:
+        self._next += 1
+        return self._next - 1
+
+
+def parts_of(device: object) -> list[object]:
+    """A device with all that are within it: merged, spoiled, measured or beside a lift control."""
+    found: list[object] = [device]
+    inner = vars(device).get("device") if hasattr(device, "__dict__") else None
+    for part in (inner, *getattr(device, "devices", ())):
+        if part is not None and all(part is not other for other in found):
+            found += parts_of(part)
+    return found

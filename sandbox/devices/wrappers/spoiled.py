@@ -1,0 +1,137 @@
+"""A device whose touches are worse than they were: noisy, lost, invented, or late."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.frames import Contact, TouchFrame
+from models.surface import Surface
+from sandbox.devices.wrappers.around import Around
+from sandbox.devices.wrappers.drop_outs import DropOuts
+from sandbox.session.device import Device
+from sandbox.session.messages import Snapshot
+from tasks.variation import Variation
+
+Array = NDArray[np.float64]
+
+GHOST_LENGTH = 0.1
+"""s for which a ghost touch stays, as long as a lost one is away."""
+FIRST_GHOST = 2_000_000_000
+"""Ids from here on are given to ghost touches."""
+
+_SLACK = 1e-9
+"""s; times are sums of control periods."""
+
+
+class Noise:
+    """White noise on the coordinates of touches.
+
+    Args:
+        deviation: m, of either coordinate.
+        seed: Of the noise.
+    """
+
+    def __init__(self, deviation: float, seed: int) -> None:
+        self._deviation = deviation
+        self._rng = np.random.default_rng([seed, 7_006])
+
+    def spoil(self, frame: TouchFrame) -> TouchFrame:
+        """The frame with every contact a little beside its place."""
+        shifts = self._deviation * self._rng.standard_normal((len(frame.contacts), 2))
+        contacts = tuple(
+            replace(c, x=c.x + float(dx), y=c.y + float(dy))
+            for c, (dx, dy) in zip(frame.contacts, shifts, strict=True)
+        )
+        return replace(frame, contacts=contacts)
+
+
+class Ghosts:
+    """Touches that nobody makes, anywhere on the surface.
+
+    Args:
+        rate: How many appear in a second.
+        size: (2,) m, of the surface.
+        seed: Of when and where.
+    """
+
+    def __init__(self, rate: float, size: Array, seed: int) -> None:
+        self._rate, self._size = rate, size
+        self._rng = np.random.default_rng([seed, 7_007])
+        self._alive: dict[int, tuple[Contact, float]] = {}
+        self._next = FIRST_GHOST
+        self._time = 0.0
+
+    def spoil(self, frame: TouchFrame) -> TouchFrame:
+        """The frame with ghosts among its contacts, after the real ones."""
+        dt, self._time = frame.time - self._time, frame.time
+        for _ in range(self._rng.poisson(self._rate * max(dt, 0.0))):
+            x, y = (self._rng.uniform(0.0, 1.0, 2) * self._size).tolist()
+            self._alive[self._next] = Contact(self._next, x, y), frame.time + GHOST_LENGTH
+            self._next += 1
+        # A device that has such ids itself keeps them.
+        taken = {c.id for c in frame.contacts} | frame.cancelled
+        self._alive = {
+            i: (contact, until)
+            for i, (contact, until) in self._alive.items()
+            if frame.time < until - _SLACK and i not in taken
+        }
+        ghosts = tuple(contact for contact, _ in self._alive.values())
+        return replace(frame, contacts=frame.contacts + ghosts)
+
+
+class SpoiledDevice(Around):
+    """Any device, with what a variation says done to its touches. Frames get session time.
+
+    Args:
+        device: To be spoiled.
+        variation: How.
+        surface: For where ghosts are.
+        seed: Of all chance in it.
+    """
+
+    def __init__(self, device: Device, variation: Variation, surface: Surface, seed: int) -> None:
+        super().__init__(device)
+        self._noise = Noise(variation.noise, seed)
+        self._drop_outs = DropOuts(variation.dropped, seed)
+        self._ghosts = Ghosts(variation.ghosts, surface.size, seed)
+        self._latency = variation.latency
+        self._on_the_way: deque[tuple[float, TouchFrame]] = deque()
+
+    def poll(self, now: float) -> Sequence[TouchFrame]:
+        """Frames that have arrived by now."""
+        for frame in self.device.poll(now):
+            frame = self._noise.spoil(replace(frame, time=now))
+            frame = self._ghosts.spoil(self._drop_outs.spoil(frame))
+            self._on_the_way.append((now + self._latency, frame))
+        arrived = []
+        while self._on_the_way and self._on_the_way[0][0] <= now + _SLACK:
+            arrived.append(replace(self._on_the_way.popleft()[1], time=now))
+        return arrived
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Shows a device that looks what there is to see, with its own ids for its touches."""
+        show = getattr(self.device, "show", None)
+        if show is None:
+            return
+        hands = tuple(
+            replace(
+                hand,
+                contacts=tuple(
+                    replace(c, id=self._drop_outs.own_id(c.id))
+                    for c in hand.contacts
+                    if c.id < FIRST_GHOST
+                ),
+            )
+            for hand in snapshot.hands
+        )
+        show(replace(snapshot, hands=hands))
+
+    @property
+    def finished(self) -> bool:
+        """Whether no further frame can come, and none is on its way."""
+        return self.device.finished and not self._on_the_way

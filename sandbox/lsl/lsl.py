@@ -1,0 +1,213 @@
+"""Lab Streaming Layer: touches, poses and markers for other instruments (extra `lsl`).
+
+Three streams, and two more where there is a second hand:
+
+- `sandbox_touch`, irregular: a sample for every touch frame, when it takes effect;
+- `sandbox_hand`, 62.5 Hz: the commanded pose of every control period;
+- `sandbox_markers`, irregular: JSON texts.
+
+The session's loop only puts things on a queue; another thread sends them. Stamps are taken in the
+loop, by our monotonic clock, and moved to LSL's by an offset that is measured again and again.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import threading
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from queue import SimpleQueue
+from typing import Any
+from uuid import uuid4
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.errors import DeviceError
+from models.frames import Frame, TouchFrame
+from models.pose import POSE_SIZE
+from models.scene import CONTROL_PERIOD
+from sandbox.recording.versions import versions
+
+Array = NDArray[np.float64]
+
+CONTACTS = 10
+"""Contacts of one touch sample; more than ten fingers are not told."""
+PER_CONTACT = ("id", "x", "y", "size", "finger")
+TOUCH_CHANNELS = ("step", "time", *(f"{name}_{i}" for i in range(CONTACTS) for name in PER_CONTACT))
+HAND_CHANNELS = ("step", "time", *(f"q_{i}" for i in range(POSE_SIZE)))
+KINDS: dict[str, tuple[str, tuple[str, ...], float]] = {
+    "touch": ("Touch", TOUCH_CHANNELS, 0.0),
+    "hand": ("MoCap", HAND_CHANNELS, 1.0 / CONTROL_PERIOD),
+    "markers": ("Markers", ("json",), 0.0),
+}
+"""By kind of stream: LSL's type, channels, samples per second (0: irregular)."""
+NAMES = ("sandbox_touch", "sandbox_hand", "sandbox_markers")
+TRIES = 9
+"""Measurements of the clocks' offset, of which the quickest counts."""
+
+
+def touch_sample(step: int, time_: float, frame: TouchFrame) -> Array:
+    """A touch frame as numbers, as `TOUCH_CHANNELS` names them; NaN where there is nothing."""
+    sample = np.full(len(TOUCH_CHANNELS), np.nan)
+    sample[:2] = step, time_
+    for i, contact in enumerate(sorted(frame.contacts, key=lambda c: c.id)[:CONTACTS]):
+        size = np.nan if contact.size is None else contact.size
+        finger = np.nan if contact.label is None else contact.label
+        at = 2 + len(PER_CONTACT) * i
+        sample[at : at + len(PER_CONTACT)] = contact.id, contact.x, contact.y, size, finger
+    return sample
+
+
+def hand_sample(step: int, time_: float, q: Array) -> Array:
+    """A pose as numbers, as `HAND_CHANNELS` names them."""
+    return np.concatenate([[step, time_], q])
+
+
+class LslOutlets:
+    """Streams of this program; implements `sandbox.lsl.lsl_listening.Listener`.
+
+    Raises:
+        DeviceError: pylsl or its library is not there.
+    """
+
+    def __init__(self) -> None:
+        self._lsl = _pylsl()
+        self.source = f"hand-sandbox-{uuid4()}"
+        self._streams: dict[str, Any] = {}
+        for name in NAMES:
+            self._open(name)
+        self._queue: SimpleQueue[tuple[str, Any, float] | None] = SimpleQueue()
+        self._offset = self._measure()
+        self._lost, self._why = 0, ""
+        self._thread = threading.Thread(target=self._send, name="lsl", daemon=True)
+        self._thread.start()
+
+    def wait_for_consumers(self, seconds: float) -> bool:
+        """Waits until somebody listens to the markers; whether somebody does."""
+        return bool(self._streams[NAMES[-1]].wait_for_consumers(seconds))
+
+    def close(self) -> None:
+        """Sends what is left, and ends the streams.
+
+        Raises:
+            DeviceError: Something could not be sent; everything else was.
+        """
+        self._queue.put(None)
+        self._thread.join()
+        # An outlet ends with its object.
+        self._streams.clear()
+        if self._lost:
+            raise DeviceError("Lab Streaming Layer did not take everything", where="--lsl",
+                              got=f"{self._lost} samples or markers lost: {self._why}",
+                              remedy="Recordings and journals have all of it")  # fmt: skip
+
+    def begin(self, header: Mapping[str, Any]) -> None:
+        """See `Listener`."""
+        settings = header.get("settings", {})
+        about = {k: settings[k] for k in ("task", "seed", "encoder") if k in settings}
+        self.event("trial_start", {**about, **header.get("study", {})})
+
+    def input(self, step: int, time: float, hand: int, frame: Frame) -> None:
+        """See `Listener`; hands in the air have no touches, and are told by their poses alone."""
+        if isinstance(frame, TouchFrame):
+            self._put(_named("touch", hand), (touch_sample, step, time, frame))
+
+    def pose(self, step: int, time: float, hand: int, q: Array) -> None:
+        """See `Listener`."""
+        self._put(_named("hand", hand), (hand_sample, step, time, q))
+
+    def event(self, what: str, details: Mapping[str, Any]) -> None:
+        """See `Listener`."""
+        self._put(NAMES[-1], {"event": what, **details})
+
+    def clock(self) -> dict[str, float]:
+        """LSL's clock less ours, s, and ours at that moment."""
+        self._offset = self._measure()
+        return {"lsl_minus_monotonic_s": self._offset, "monotonic_s": round(time.monotonic(), 6)}
+
+    def _put(self, stream: str, what: Any) -> None:
+        self._queue.put((stream, what, time.monotonic()))
+
+    def _send(self) -> None:
+        while (waiting := self._queue.get()) is not None:
+            try:
+                self._push(*waiting)
+            except Exception as error:  # what cannot be sent must not end what can; `close` says so
+                self._lost, self._why = self._lost + 1, self._why or str(error)
+
+    def _push(self, stream: str, what: Any, stamp: float) -> None:
+        if isinstance(what, tuple):
+            make, *values = what
+            sample = make(*values)
+        else:
+            sample = [json.dumps(what, ensure_ascii=False)]
+        if stream not in self._streams:
+            # A second hand is known of when it is there.
+            self._open(stream)
+        self._streams[stream].push_sample(sample, stamp + self._offset)
+
+    def _measure(self) -> float:
+        """LSL's clock less ours, s: the quickest of some measurements."""
+        found = []
+        for _ in range(TRIES):
+            before = time.monotonic()
+            theirs = self._lsl.local_clock()
+            after = time.monotonic()
+            found.append((after - before, theirs - (before + after) / 2))
+        return round(min(found)[1], 9)
+
+    def _open(self, name: str) -> None:
+        kind = name.split("_")[1]
+        type_, channels, rate = KINDS[kind]
+        form = self._lsl.cf_string if kind == "markers" else self._lsl.cf_double64
+        info = self._lsl.StreamInfo(name, type_, len(channels), rate, form,
+                                    f"{self.source}-{name.removeprefix('sandbox_')}")  # fmt: skip
+        about = info.desc()
+        about.append_child_value("manufacturer", "Hand Sandbox")
+        about.append_child_value("version", versions()["hand-sandbox"])
+        told = about.append_child("channels")
+        for label in channels:
+            channel = told.append_child("channel")
+            channel.append_child_value("label", label)
+            channel.append_child_value("unit", _unit(label))
+        self._streams[name] = self._lsl.StreamOutlet(info)
+
+
+def _named(kind: str, hand: int) -> str:
+    return f"sandbox_{kind}" if hand == 0 else f"sandbox_{kind}_{hand + 1}"
+
+
+def _unit(channel: str) -> str:
+    name = channel.split("_", maxsplit=1)[0]
+    if name == "q":
+        return "m" if int(channel[2:]) < 3 else "rad"
+    return {"time": "s", "x": "m", "y": "m", "size": "m"}.get(name, "")
+
+
+def _pylsl() -> Any:
+    """pylsl, with its library."""
+    try:
+        import pylsl
+    except ImportError:
+        raise DeviceError("Lab Streaming Layer needs pylsl", where="--lsl",
+                          remedy="pip install 'hand-sandbox[lsl]'") from None  # fmt: skip
+    except RuntimeError as error:
+        # Its wheel for older systems comes without the library, and says so only now.
+        raise DeviceError("pylsl has no library", where="--lsl", got=str(error).splitlines()[0],
+                          remedy="Install liblsl from github.com/sccn/liblsl/releases, or set "
+                                 "PYLSL_LIB to its file") from None  # fmt: skip
+    if not any(path.is_file() for path in _settings_files()):
+        # Where nobody has settings of their own, it tells errors only.
+        pylsl.set_config_content("[log]\nlevel = -2\n")
+    return pylsl
+
+
+def _settings_files() -> list[Path]:
+    """Where liblsl looks for its settings."""
+    name = "lsl_api.cfg"
+    given = os.environ.get("LSLAPICFG")
+    return [*([Path(given)] if given else []), Path(name), Path.home() / "lsl_api" / name,
+            Path("/etc/lsl_api") / name]  # fmt: skip

@@ -1,0 +1,143 @@
+"""Who else is told what a recording is told: other instruments, while a session runs.
+
+A listener hears exactly what the recorder hears, from the same calls. It must return at once: the
+session's loop waits for it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.frames import Frame
+from models.scene import CONTROL_PERIOD
+
+if TYPE_CHECKING:
+    from sandbox.session.session import Recorder, Session
+
+Array = NDArray[np.float64]
+
+CLOCK_PERIOD = 10.0
+"""s of simulated time between two comparisons of clocks in a recording."""
+STATES_PER_CLOCK = round(CLOCK_PERIOD / CONTROL_PERIOD)
+
+
+class Listener(Protocol):
+    """Hears sessions."""
+
+    def begin(self, header: Mapping[str, Any]) -> None:
+        """A trial begins; the header of its recording."""
+        ...
+
+    def input(self, step: int, time: float, hand: int, frame: Frame) -> None:
+        """A frame takes effect at a physics step, s of simulated time."""
+        ...
+
+    def pose(self, step: int, time: float, hand: int, q: Array) -> None:
+        """(48,) commanded pose of a hand in the period that ended at a physics step."""
+        ...
+
+    def event(self, what: str, details: Mapping[str, Any]) -> None:
+        """Something else has happened."""
+        ...
+
+    def clock(self) -> dict[str, float]:
+        """How the listener's clock stands against ours; JSON values for the recording."""
+        ...
+
+
+_LISTENERS: list[Listener] = []
+
+
+@contextmanager
+def listened_to(listener: Listener) -> Iterator[None]:
+    """All trials that are kept inside of this are told to a listener, too."""
+    _LISTENERS.append(listener)
+    try:
+        yield
+    finally:
+        _LISTENERS.remove(listener)
+
+
+def tell(what: str, details: Mapping[str, Any]) -> None:
+    """Tells all listeners of something outside of trials, such as a break."""
+    for listener in _LISTENERS:
+        listener.event(what, details)
+
+
+def with_listeners(recorder: Recorder, header: Mapping[str, Any]) -> Recorder:
+    """A recorder that also tells the listeners of now; the same one where there are none."""
+    return Told(recorder, tuple(_LISTENERS), header) if _LISTENERS else recorder
+
+
+class Told:
+    """A recorder, and listeners beside it.
+
+    Args:
+        recorder: Gets everything first.
+        listeners: Hear of it.
+        header: Of the recording.
+    """
+
+    def __init__(
+        self, recorder: Recorder, listeners: Sequence[Listener], header: Mapping[str, Any]
+    ) -> None:
+        self._recorder, self._listeners = recorder, tuple(listeners)
+        self._session: Session | None = None
+        self._states, self._posed = 0, 0
+        for listener in self._listeners:
+            listener.begin(header)
+
+    def watch(self, session: Session) -> None:
+        """Says whose poses are told."""
+        self._session = session
+
+    def input(self, step: int, hand: int, frame: Frame, state_hash: str) -> None:
+        """See `Recorder`."""
+        self._recorder.input(step, hand, frame, state_hash)
+        for listener in self._listeners:
+            listener.input(step, frame.time, hand, frame)
+
+    def event(self, step: int, what: str, **details: Any) -> None:
+        """See `Recorder`."""
+        self._recorder.event(step, what, **details)
+        for listener in self._listeners:
+            listener.event(what, {"step": step, **details})
+
+    def state(
+        self, step: int, state: Array, state_hash: str, qpos: Array,
+        solid: Sequence[frozenset[int]],
+    ) -> None:  # fmt: skip
+        """See `Recorder`."""
+        self._recorder.state(step, state, state_hash, qpos, solid)
+        if self._states % STATES_PER_CLOCK == 0:
+            self._compare_clocks(step)
+        self._states += 1
+        self._pose()
+
+    def end(self, result: Mapping[str, Any]) -> None:
+        """The trial is over."""
+        self._pose()
+        if self._session is not None:
+            self._compare_clocks(self._session.step)
+        told = {k: result[k] for k in ("status", "success", "time_s", "state_hash") if k in result}
+        for listener in self._listeners:
+            listener.event("trial_end", told)
+
+    def _pose(self) -> None:
+        """Tells the poses of the period that has just ended."""
+        session = self._session
+        if session is None or session.step == self._posed:
+            return
+        self._posed = session.step
+        for hand, reconstruction in enumerate(session.reconstructions):
+            for listener in self._listeners:
+                listener.pose(session.step, session.time, hand, reconstruction.q)
+
+    def _compare_clocks(self, step: int) -> None:
+        for listener in self._listeners:
+            self._recorder.event(step, "clock", **listener.clock())

@@ -1,0 +1,62 @@
+"""A recording as a device: it gives each frame at the very step at which it took effect."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from models.scene import CONTROL_PERIOD
+from sandbox.recording.recording import Recording
+
+
+class RecordedDevice:
+    """Plays one hand of a recording.
+
+    Args:
+        recording: Read by `load_recording`.
+        hand: Whose frames.
+    """
+
+    has_lift = True
+
+    def __init__(self, recording: Recording, hand: int = 0) -> None:
+        self.name = str(recording.path)
+        self._timestep = float(recording.header["settings"]["timestep"])
+        self._inputs = recording.inputs.get(hand, [])
+        self._switches = [e for e in recording.events if e.what == "contact"]
+        self._next = self._next_switch = 0
+        self._now = 0.0
+        last = max(recording.hashes, default=0)
+        period = round(CONTROL_PERIOD / self._timestep)
+        # The last control period begins one period before the end.
+        self._last = recording.end["step"] - period if recording.end else last
+
+    def poll(self, now: float) -> Sequence[Any]:
+        """Frames that took effect since the last call, up to now; of touches or of 3-D hands."""
+        self._now = now
+        step = round(now / self._timestep)
+        frames = []
+        while self._next < len(self._inputs) and self._inputs[self._next].step <= step:
+            frames.append(self._inputs[self._next].frame)
+            self._next += 1
+        return frames
+
+    def switches(self, now: float) -> Sequence[str]:
+        """Contact modes that were asked for since the last call, up to now."""
+        step = round(now / self._timestep)
+        modes = []
+        while (
+            self._next_switch < len(self._switches)
+            and self._switches[self._next_switch].step <= step
+        ):
+            modes.append(str(self._switches[self._next_switch].details.get("mode")))
+            self._next_switch += 1
+        return modes
+
+    @property
+    def finished(self) -> bool:
+        """Whether the recorded trial is over."""
+        return round(self._now / self._timestep) >= self._last
+
+    def close(self) -> None:
+        """Nothing to give back."""

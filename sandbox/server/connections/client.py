@@ -1,0 +1,162 @@
+"""One page at the other end of a socket: what it may be sent, and what it may send."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections import deque
+from collections.abc import Callable, Sequence
+
+from websockets.exceptions import ConnectionClosed
+
+from models.errors import InputError
+from sandbox.server.connections.attentive import Attentive
+from sandbox.server.connections.counters import Counters
+from sandbox.server.connections.rate import Allowance
+from sandbox.server.protocol.frames import number_frame
+from sandbox.server.protocol.protocol import CREDIT, Hello, Screen, Up, decode
+
+MESSAGES_PER_SECOND, BURST = 240.0, 240.0
+"""Touches at 120 Hz, acknowledgements at 60 Hz and beats are 185 a second."""
+PATIENCE = 240
+"""Messages that are refused before the connection is closed."""
+MOST_WORDS = 512
+"""Messages that may wait for a page that does not read: echoes for minutes. Then it is let go."""
+
+
+class Client:
+    """A connection, its credit and its place in the stream of frames.
+
+    Args:
+        connection: Open.
+        counters: Where refusals are counted.
+        clock: s, monotonic.
+
+    Attributes:
+        hello: What the page said of itself; None before.
+        screen: Its size now.
+        player: Whether its touches count.
+        heard: When it last sent anything, s.
+    """
+
+    def __init__(
+        self, connection: Attentive, counters: Counters, clock: Callable[[], float]
+    ) -> None:
+        self.connection = connection
+        self.hello: Hello | None = None
+        self.screen: Screen | None = None
+        self.player = False
+        self.heard = clock()
+        self._clock = clock
+        self._counters = counters
+        self._allowance = Allowance(MESSAGES_PER_SECOND, BURST, self.heard)
+        self._refused = 0
+        self._words: deque[tuple[bytes, bool]] = deque()
+        self._skins: tuple[bytes, ...] = ()
+        self._newest: bytearray | None = None
+        self._deaf = False
+        self._sent = self._acknowledged = 0
+        self._full = asyncio.Event()
+        self._parting: asyncio.Task[None] | None = None
+        self.sent_at: dict[int, float] = {}
+
+    @property
+    def stale(self) -> int:
+        """Frames that are on their way."""
+        return self._sent - self._acknowledged
+
+    def say(self, message: bytes, text: bool = True) -> None:
+        """Queues a JSON message, or bytes; all are sent, in order, before any later frame."""
+        if len(self._words) < MOST_WORDS:
+            self._words.append((message, text))
+            self._flush()
+        elif not self._deaf:
+            self._deaf = True
+            self._counters.add("page that does not read")
+            self.connection.transport.abort()
+
+    def dress(self, skins: Sequence[bytes]) -> None:
+        """Queues the hands' skins that the page does not have already."""
+        for skin in skins:
+            if skin and skin not in self._skins:
+                self.say(skin, text=False)
+        self._skins = tuple(skins)
+
+    def offer(self, frame: bytearray | None) -> None:
+        """The newest frame, in place of an older one that has not been sent."""
+        self._newest = frame
+        self._flush()
+
+    def got(self, number: int) -> float | None:
+        """Gives back the credit of a frame and of those before it; s since it was sent."""
+        if not self._acknowledged < number <= self._sent:
+            return None
+        self._acknowledged = number
+        at = self.sent_at.get(number)
+        self.sent_at = {n: t for n, t in self.sent_at.items() if n > number}
+        self._flush()
+        return None if at is None else self._clock() - at
+
+    @property
+    def parted(self) -> bool:
+        """Whether we have said goodbye."""
+        return self._parting is not None
+
+    def part(self, code: int, reason: str) -> None:
+        """Says goodbye, without waiting for an answer."""
+        if self._parting is None:
+            self._parting = asyncio.create_task(self.connection.close(code, reason))
+
+    async def write(self) -> None:
+        """Sends, for ever, what had to wait; a page that does not read stops only itself."""
+        with contextlib.suppress(ConnectionClosed):
+            while True:
+                await self._full.wait()
+                self._full.clear()
+                while following := self._following():
+                    message, text = following
+                    await self.connection.send(message, text=text)
+
+    def _flush(self) -> None:
+        """Sends what there is to send, as far as the socket takes it at once."""
+        while self.connection.free:
+            following = self._following()
+            if following is None:
+                return
+            self.connection.send_now(*following)
+        self._full.set()
+
+    def _following(self) -> tuple[bytes, bool] | None:
+        """What is to be sent next, and whether it is text; None: nothing now."""
+        if self._words:
+            return self._words.popleft()
+        if self._newest is None or self.stale >= CREDIT:
+            return None
+        frame, self._newest = self._newest, None
+        self._sent += 1
+        self.sent_at[self._sent] = self._clock()
+        return number_frame(frame, self._sent), False
+
+    def read(self, message: str | bytes) -> Up | None:
+        """A message, checked; None if it is refused.
+
+        Raises:
+            InputError: Too many were refused: whoever is there is no page of ours.
+        """
+        self.heard = self._clock()
+        reason, up = "", None
+        if not self._allowance.take(self.heard):
+            reason = "too many messages"
+        elif isinstance(message, bytes):
+            reason = "binary message"
+        else:
+            try:
+                up = decode(message)
+            except InputError:
+                reason = "malformed message"
+        if reason:
+            self._counters.add(reason)
+            self._refused += 1
+            if self._refused > PATIENCE:
+                raise InputError("the client sends nonsense", got=reason)
+        return up

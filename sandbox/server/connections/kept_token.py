@@ -1,0 +1,56 @@
+"""The token of a page that is served on a fixed port: kept, so that a tablet finds back.
+
+A program that is started anew on the same port is the same place to a tablet, which tries to find
+back for as long as its page is open. The token lies where only this user can read it; delete the
+file, and the next start makes another one.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import secrets
+from pathlib import Path
+
+from models.errors import InputError
+from sandbox.server.connections.access import TOKEN_BYTES
+
+_TOKEN = re.compile(r"[A-Za-z0-9_-]{20,64}")
+
+
+def kept_token(path: Path) -> str:
+    """The token in a file, which is made if there is none.
+
+    Raises:
+        InputError: The file holds something else, can be read by others, or cannot be written.
+    """
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        fresh = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+    except FileExistsError:
+        return _read(path)
+    except OSError as error:
+        raise InputError(
+            "the page's token cannot be kept", where=str(path), got=error.strerror,
+            remedy="Leave --page-port out: then every start has a token of its own",
+        ) from None  # fmt: skip
+    with os.fdopen(fresh, "w", encoding="ascii") as file:
+        token = secrets.token_urlsafe(TOKEN_BYTES)
+        file.write(token + "\n")
+    return token
+
+
+def _read(path: Path) -> str:
+    remedy = "Delete the file: the next start makes another one"
+    try:
+        text, mode = path.read_text(encoding="ascii").strip(), path.stat().st_mode
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or "it is not text"
+        raise InputError(
+            "the page's token cannot be read", where=str(path), got=reason, remedy=remedy
+        ) from None
+    if os.name == "posix" and mode & 0o077:
+        raise InputError("others can read the page's token", where=str(path), remedy=remedy)
+    if not _TOKEN.fullmatch(text):
+        raise InputError("this is no token", where=str(path), remedy=remedy)
+    return text

@@ -1,0 +1,191 @@
+"""A scene and its moments as the page gets them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from models.scene import Scene as SimulatedScene
+from models.surface import Surface
+from sandbox.server.protocol.protocol import (
+    ContactState,
+    Geom,
+    GoalState,
+    HandState,
+    Scene,
+    State,
+    SurfaceView,
+)
+from sandbox.server.protocol.senses import HandSense
+from sandbox.session.messages import ContactView, HandView, Snapshot
+from tasks.task import Task
+
+_KINDS: dict[Any, Any] = {
+    mujoco.mjtGeom.mjGEOM_PLANE: "plane",
+    mujoco.mjtGeom.mjGEOM_SPHERE: "sphere",
+    mujoco.mjtGeom.mjGEOM_CAPSULE: "capsule",
+    mujoco.mjtGeom.mjGEOM_ELLIPSOID: "ellipsoid",
+    mujoco.mjtGeom.mjGEOM_CYLINDER: "cylinder",
+    mujoco.mjtGeom.mjGEOM_BOX: "box",
+}
+
+
+def describe_scene(
+    number: int,
+    scene: SimulatedScene,
+    task: Task,
+    surface: Surface,
+    hand: str,
+    caption: str,
+    in_air: bool = False,
+) -> Scene:
+    """The scene's shapes, task and touch rectangle.
+
+    Args:
+        number: Of the scene, counted by the server.
+        scene: Compiled.
+        task: Drawn.
+        surface: Placed in the world.
+        hand: `right` or `left`.
+        caption: Who plays what, where that has to be said.
+        in_air: Hands move over a 3-D device.
+    """
+    model = scene.model
+    things = {thing.name for thing in task.objects}
+    geoms = []
+    for i in range(model.ngeom):
+        kind = _KINDS.get(mujoco.mjtGeom(int(model.geom_type[i])))
+        if kind is None or model.geom_rgba[i, 3] == 0:
+            continue
+        root = model.body(int(model.body_rootid[model.geom_bodyid[i]])).name
+        geoms.append(
+            Geom(
+                int(model.geom_bodyid[i]),
+                kind,
+                _floats(model.geom_size[i]),
+                _floats(model.geom_pos[i]),
+                _floats(model.geom_quat[i]),
+                _floats(model.geom_rgba[i]),
+                _part(scene, root, things),
+            )
+        )
+    return Scene(
+        number,
+        task.name,
+        summary(type(task)),
+        task.seed,
+        "left" if hand == "left" else "right",
+        # A hand in the air lifts itself.
+        0.0 if in_air else float(getattr(task, "lift_range", 0.0)),
+        task.time_limit,
+        SurfaceView(
+            surface.width_in,
+            surface.height_in,
+            surface.origin,
+            _floats(surface.rotation.ravel()),
+            surface.calibrated,
+        ),
+        [model.body(i).name for i in range(model.nbody)],
+        geoms,
+        caption,
+        in_air,
+    )
+
+
+def summary(task: type[Task]) -> str:
+    """The first line of a task's page."""
+    return (task.__doc__ or task.name).strip().splitlines()[0]
+
+
+def state_of(
+    snapshot: Snapshot, paused: bool, senses: Sequence[HandSense] = (), own: int | None = None
+) -> State:
+    """What a moment says besides poses; without senses, hands press nothing and are sure.
+
+    Args:
+        snapshot: The moment.
+        paused: Whether time stands still.
+        senses: Of every hand.
+        own: The hand whose contacts come from the page; those of others get ids that no finger of
+            the page has. None: all contacts come from one place.
+    """
+    score = snapshot.score
+    senses = senses or [HandSense()] * len(snapshot.hands)
+    return State(
+        snapshot.time,
+        score.status.value,
+        score.progress,
+        score.reason,
+        score.final,
+        score.held,
+        [
+            _hand(hand, sense, own in (None, i))
+            for i, (hand, sense) in enumerate(zip(snapshot.hands, senses, strict=True))
+        ],
+        [GoalState(g.object, _floats(g.position), float(g.yaw)) for g in snapshot.goals],
+        snapshot.notice,
+        paused,
+    )
+
+
+class BodyPoses:
+    """Poses of all bodies of a scene at given joint positions; has its own state."""
+
+    def __init__(self, scene: SimulatedScene) -> None:
+        self._model = scene.model
+        self._data = mujoco.MjData(scene.model)
+        self._out = np.empty((scene.model.nbody, 7), np.float32)
+
+    def __call__(self, qpos: NDArray[np.float64]) -> NDArray[np.float32]:
+        """(bodies, 7) position (m) and quaternion (w, x, y, z) in the world."""
+        self._data.qpos[:] = qpos
+        mujoco.mj_kinematics(self._model, self._data)
+        self._out[:, :3], self._out[:, 3:] = self._data.xpos, self._data.xquat
+        return self._out
+
+
+def _hand(hand: HandView, sense: HandSense, own: bool) -> HandState:
+    contacts = [
+        ContactState(
+            int(c.id) if own else -1 - int(c.id),
+            _label(c),
+            _state(c),
+            _force(sense, c.label),
+            _floats(c.position),
+        )
+        for c in hand.contacts
+    ]
+    solid = sorted(int(f) for f in hand.solid)
+    return HandState(hand.phase, solid, contacts, round(sense.probability, 3))
+
+
+def _label(contact: ContactView) -> int | None:
+    return None if contact.label is None else int(contact.label)
+
+
+def _state(contact: ContactView) -> Any:
+    return contact.state
+
+
+def _force(sense: HandSense, label: int | None) -> float:
+    return 0.0 if label is None else round(float(sense.forces[label]), 2)
+
+
+def _part(scene: SimulatedScene, root: str, things: set[str]) -> Any:
+    if root in things or any(root == f"{name}_bolt" for name in things):
+        return "object"
+    hands = {h.element_name("palm") for h in scene.spec.hands}
+    return (
+        "hand"
+        if root in hands or any(root.startswith(h.name) for h in scene.spec.hands)
+        else "scenery"
+    )
+
+
+def _floats(values: object) -> Any:
+    """A tuple as long as the message wants it."""
+    return tuple(round(v, 7) for v in np.asarray(values, float).ravel().tolist())

@@ -1,0 +1,90 @@
+"""Binary frames: where everything is, 60 times a second.
+
+Little-endian: a header of 32 bytes, one pose of seven float32 per body (position in m, quaternion
+w, x, y, z), and the rest (score, contacts, goals) as JSON of `protocol.State`.
+
+    offset  type     what
+    0       uint8    PROTOCOL
+    1       uint8    KIND, 1
+    2       uint16   number of bodies
+    4       uint32   number of the scene
+    8       uint32   number of the frame, from 1
+    12      uint32   low half of the newest touch message's seq that took effect in it
+    16      float64  s, simulated time
+    24      uint32   length of the JSON, bytes
+    28      uint32   0
+"""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from models.errors import InputError
+from sandbox.server.protocol.protocol import PROTOCOL, State, encode
+
+KIND = 1
+_HEADER = struct.Struct("<BBHIIIdII")
+POSE_BYTES = 7 * 4
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A frame taken apart.
+
+    Attributes:
+        scene: Number of its scene.
+        number: Its own.
+        touch: Seq of the newest touch message that took effect in it; 0 before the first.
+        time: s, simulated.
+        poses: (bodies, 7) float32.
+        state: The rest.
+    """
+
+    scene: int
+    number: int
+    touch: int
+    time: float
+    poses: NDArray[np.float32]
+    state: State
+
+
+def pack(
+    scene: int, touch: int, time: float, poses: NDArray[np.float32], state: State
+) -> bytearray:
+    """A frame without its number, which each client's connection sets by `number_frame`."""
+    tail = encode(state)
+    head = _HEADER.pack(
+        PROTOCOL, KIND, len(poses), scene, 0, touch & 0xFFFFFFFF, time, len(tail), 0
+    )
+    return bytearray(head + np.ascontiguousarray(poses, "<f4").tobytes() + tail)
+
+
+def number_frame(frame: bytearray, number: int) -> bytes:
+    """The frame with its number set."""
+    struct.pack_into("<I", frame, 8, number & 0xFFFFFFFF)
+    return bytes(frame)
+
+
+def unpack(data: bytes) -> Frame:
+    """Takes a frame apart, for clients in Python.
+
+    Raises:
+        InputError: It is no frame of this protocol.
+    """
+    try:
+        protocol, kind, bodies, scene, number, touch, time, length, _ = _HEADER.unpack_from(data)
+        end = _HEADER.size + bodies * POSE_BYTES
+        if (protocol, kind) != (PROTOCOL, KIND) or len(data) != end + length:
+            raise ValueError
+        state = msgspec.json.decode(data[end:], type=State)
+    except (struct.error, ValueError, msgspec.MsgspecError):
+        raise InputError(
+            "this is no frame", got=bytes(data[:16]), expected="see frames.py"
+        ) from None
+    poses = np.frombuffer(data, "<f4", bodies * 7, _HEADER.size).reshape(bodies, 7)
+    return Frame(scene, number, touch, time, poses, state)

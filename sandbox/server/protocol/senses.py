@@ -1,0 +1,72 @@
+"""What a hand feels and how sure its labels are, for a page; read in the session's own thread."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from weakref import WeakKeyDictionary
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from models.frames import FINGERS
+from models.scene import Scene
+from sandbox.session.session import Session
+
+NOTHING = (0.0,) * len(FINGERS)
+
+
+@dataclass(frozen=True)
+class HandSense:
+    """One hand.
+
+    Attributes:
+        forces: N, what each finger's last link presses things with, thumb first.
+        probability: How sure the labels are, 0 to 1.
+    """
+
+    forces: tuple[float, ...] = NOTHING
+    probability: float = 1.0
+
+
+def senses(session: Session) -> list[HandSense]:
+    """Of every hand of a session, now."""
+    return [
+        HandSense(tuple(forces), reconstruction.probability)
+        for forces, reconstruction in zip(
+            press(session.scene, session.data), session.reconstructions, strict=True
+        )
+    ]
+
+
+def press(scene: Scene, data: mujoco.MjData) -> list[list[float]]:
+    """N, what each finger of each hand presses things with, in a state that was just reached."""
+    model = scene.model
+    found = [[0.0] * len(FINGERS) for _ in scene.spec.hands]
+    if not data.ncon:
+        return found
+    owner = _owners(scene)
+    wrench = np.zeros(6)
+    for k, pair in enumerate(owner[data.contact.geom].tolist()):
+        for i, finger in (divmod(part, len(FINGERS)) for part in pair if part >= 0):
+            mujoco.mj_contactForce(model, data, k, wrench)
+            found[i][finger] += float(np.linalg.norm(wrench[:3]))
+    return found
+
+
+_OWNERS: WeakKeyDictionary[Scene, NDArray[np.int64]] = WeakKeyDictionary()
+
+
+def _owners(scene: Scene) -> NDArray[np.int64]:
+    """(geoms,) five times the hand plus the finger that a shape belongs to; -1: to none.
+
+    Worked out once per scene: names are looked up in strings, sixty times a second too slowly.
+    """
+    if scene not in _OWNERS:
+        bodies = np.full(scene.model.nbody, -1)
+        for i, hand in enumerate(scene.spec.hands):
+            for bone in hand.skeleton.bones:
+                body = scene.model.body(hand.element_name(bone.name)).id
+                bodies[body] = len(FINGERS) * i + bone.finger
+        _OWNERS[scene] = bodies[scene.model.geom_bodyid]
+    return _OWNERS[scene]

@@ -1,0 +1,111 @@
+"""The web page as a touch device: its pixels become metres here, and nowhere else."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import deque
+from collections.abc import Sequence
+
+from models.frames import Contact, TouchFrame
+from models.surface import METRES_PER_INCH, Surface
+from sandbox.server.protocol.protocol import Screen, Touches
+from sandbox.session.latency import LatencyLog
+
+QUEUE_FRAMES = 1024
+"""Messages that wait for the session: 8 s at 120 Hz. Of more, the oldest go."""
+
+
+class WebDevice:
+    """Our page in a browser, on this machine or a tablet: fingers, or a mouse.
+
+    The server's thread puts touches in, the session's takes them out.
+
+    A touch outside of the touch rectangle is none; a finger that is dragged out stays at the
+    border, as on a tablet that ends there.
+
+    Args:
+        surface: The touch rectangle.
+        latency: Where it is noted how long touches waited for the session.
+
+    Attributes:
+        latency: As given; a server puts its own in.
+        news: Is set when something has come in; a session may wait for it.
+        applied: Seq of the newest message that the session has taken in.
+    """
+
+    name = "web"
+    has_lift = True
+
+    def __init__(self, surface: Surface, latency: LatencyLog | None = None) -> None:
+        self._size = surface.size
+        self.latency = latency or LatencyLog()
+        self._lock = threading.Lock()
+        self._frames: deque[tuple[TouchFrame, int, float]] = deque(maxlen=QUEUE_FRAMES)
+        self._inside: set[int] = set()
+        self._present: frozenset[int] = frozenset()
+        self._lift: float | None = None
+        self._closed = False
+        self.news = threading.Event()
+        self.applied = 0
+
+    @property
+    def finished(self) -> bool:
+        """Never, before it is closed: the person may come back."""
+        return self._closed
+
+    @property
+    def touched(self) -> bool:
+        """Whether a finger is down."""
+        with self._lock:
+            return bool(self._present)
+
+    def push(self, touches: Touches, screen: Screen) -> None:
+        """Takes in a message of the page; called from the server's thread."""
+        metres = METRES_PER_INCH / screen.px_per_in
+        with self._lock:
+            contacts, ids = [], set()
+            for i, x_px, y_px, width_px in touches.contacts:
+                x, y = x_px * metres, y_px * metres
+                inside = 0.0 <= x <= self._size[0] and 0.0 <= y <= self._size[1]
+                if i in ids or not (inside or i in self._inside):
+                    continue
+                ids.add(i)
+                x, y = min(max(x, 0.0), self._size[0]), min(max(y, 0.0), self._size[1])
+                # Where a browser tells no width it says one pixel, or none.
+                size = width_px * metres if width_px > 1.0 else None
+                contacts.append(Contact(i, float(x), float(y), size))
+            self._inside = ids
+            self._lift = touches.lift if touches.lift is not None else self._lift
+            gone = frozenset(touches.cancelled) & (self._present - ids)
+            self._put(tuple(contacts), gone, touches.seq)
+
+    def cancel_all(self) -> None:
+        """The page has gone or fallen silent: its fingers were taken away, not lifted."""
+        with self._lock:
+            if self._present:
+                self._inside = set()
+                self._put((), self._present, self.applied)
+
+    def poll(self, now: float = 0.0) -> Sequence[TouchFrame]:
+        """Every frame since the last call, oldest first; `now` is ignored."""
+        with self._lock:
+            self.news.clear()
+            waiting = list(self._frames)
+            self._frames.clear()
+        at = time.monotonic()
+        for _, seq, arrived in waiting:
+            self.applied = max(self.applied, seq)
+            self.latency.add("waited", 1000.0 * (at - arrived))
+        return [frame for frame, _, _ in waiting]
+
+    def close(self) -> None:
+        """Nothing comes any more."""
+        self._closed = True
+
+    def _put(self, contacts: tuple[Contact, ...], gone: frozenset[int], seq: int) -> None:
+        now = time.monotonic()
+        frame = TouchFrame(now, contacts, self._lift, gone, "page")
+        self._present = frozenset(c.id for c in contacts)
+        self._frames.append((frame, seq, now))
+        self.news.set()

@@ -1,0 +1,1 @@
+"""The session: the one loop, and what it tells and asks."""

@@ -1,0 +1,154 @@
+"""When a hand is solid: only once it is down and no fingertip is inside an object.
+
+Until then it is a ghost that passes through things. A finger that became solid inside an object
+would throw it across the room; a person who sees a ghost moves the finger out instead.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.reconstruction.touch_reconstructor import Reconstruction
+from models.one_pose import OnePose
+from models.scene import CONTROL_PERIOD, BodyPoses, Scene
+
+Array = NDArray[np.float64]
+
+CLEARANCE = 0.0005
+"""m, nearest a fingertip's surface may be to an object when it becomes solid."""
+ARRIVED = 0.008
+"""m, farthest the simulated fingertips may lag behind the commanded ones when they become solid."""
+
+ALONG = np.linspace(0.0, 1.0, 7)
+"""Shares of a last link's length at which its distance to objects is looked at. The thumb's is
+52 mm long: between two places far apart, the corner of a box goes 6 mm deep unseen; between these,
+half a millimetre."""
+
+GHOST: frozenset[int] = frozenset()
+
+STUCK = "a finger is inside an object: the hand passes through things until it is out"
+STUCK_TIME = 1.0
+"""s that a hand stays a ghost over a finger inside an object before the person is told."""
+
+
+@dataclass(frozen=True)
+class SolidityRules:
+    """What may collide, and when.
+
+    Attributes:
+        ghost_until_clear: A hand that is down stays a ghost until its tips are outside all objects.
+        distal_only: Only the last links of touching fingers are ever solid; otherwise every link.
+        links: How many links of a finger are solid, from its tip inwards.
+        together: A hand becomes solid as a whole; otherwise every finger by itself.
+    """
+
+    ghost_until_clear: bool = True
+    distal_only: bool = True
+    links: int = 1
+    together: bool = True
+
+
+class Solidity:
+    """Which fingers of one hand are solid, step by step."""
+
+    def __init__(self, scene: Scene, hand: int, rules: SolidityRules) -> None:
+        self._scene, self._hand, self._rules = scene, hand, rules
+        skeleton = scene.spec.hands[hand].skeleton
+        name = scene.spec.hands[hand].element_name
+        last = {b.finger: b for b in skeleton.bones}
+        self._bodies = np.array([scene.model.body(name(last[f].name)).id for f in sorted(last)])
+        # Two of a finger's links at most are looked at before they become solid.
+        before = [[b for b in skeleton.bones if b.finger == f][-2] for f in sorted(last)]
+        self._before_radius = np.array([b.radius for b in before])
+        self._before = np.array([scene.model.body(name(b.name)).id for b in before])
+        self._reach = np.array([last[f].length for f in sorted(last)])
+        self._radius = skeleton.tip_radius
+        self._commanded = OnePose(skeleton)
+        # What has to be clear of things is all that is going to be solid, up to where it begins: a
+        # finger leans, and may be inside of a high thing with its tip well beside it.
+        end = scene.spec.hands[hand].solid_end
+        self._inner = np.maximum(0.0, 1.0 - (np.inf if end is None else end) / self._reach)
+        self.fingers = GHOST
+        self._inside = 0  # steps in a row that a finger inside an object kept the hand a ghost
+
+    @property
+    def notice(self) -> str:
+        """A word to the person whose hand stays a ghost; empty while all is well."""
+        return STUCK if self._inside * CONTROL_PERIOD > STUCK_TIME else ""
+
+    def tips(self, data: BodyPoses) -> Array:
+        """(5, 3) m, fingertips of the simulated hand."""
+        return self._along(data, 1.0)
+
+    def links(self, data: mujoco.MjData) -> Array:
+        """(35, 3) m, points along what is solid of the last links, all fingers at each place."""
+        shares = self._inner + ALONG[:, None] * (1.0 - self._inner)
+        return np.concatenate([self._along(data, share) for share in shares])
+
+    def update(
+        self,
+        data: mujoco.MjData,
+        reconstruction: Reconstruction,
+        ghost: bool = False,
+    ) -> None:
+        """Chooses the solid fingers for the next step.
+
+        Args:
+            data: The simulation now.
+            reconstruction: What the touches say now.
+            ghost: Nothing is to be solid, whatever the touches say.
+        """
+        wanted = reconstruction.fingers if reconstruction.down and not ghost else GHOST
+        staying = self.fingers & wanted
+        joining = wanted - staying
+        inside = False
+        if joining:
+            target = self._commanded.tips(reconstruction.q)
+            near = np.linalg.norm(self.tips(data) - target, axis=1) < ARRIVED
+            free = near & (self._clear(data) if self._rules.ghost_until_clear else True)
+            fit = frozenset(f for f in joining if free[f])
+            inside = any(near[f] and not free[f] for f in joining)
+            # A hand that comes down becomes solid as a whole: one finger ahead of the others would
+            # push away what they are about to grasp.
+            if staying or not self._rules.together:
+                staying |= fit
+            elif fit == joining:
+                staying = fit
+        self._inside = self._inside + 1 if inside and not staying else 0
+        if staying != self.fingers:
+            rules = self._rules
+            self._scene.set_solid(
+                self._hand, staying, whole=not rules.distal_only, links=rules.links
+            )
+            self.fingers = staying
+
+    def _clear(self, data: mujoco.MjData) -> NDArray[np.bool_]:
+        """(5,) whether each last link is outside all objects."""
+        points = np.concatenate([self.links(data), *self._inner_links(data)])
+        nearest = np.full(len(points), np.inf)
+        for thing in self._scene.spec.objects:
+            position, rotation = self._scene.object_pose(data, thing.name)
+            nearest = np.minimum(nearest, thing.clearance(points, position, rotation))
+        rows = nearest.reshape(-1, len(self._reach))
+        last, inner = rows[: len(ALONG)], rows[len(ALONG) :]
+        clear = last.min(axis=0) - self._radius > CLEARANCE
+        if len(inner):
+            clear &= inner.min(axis=0) - self._before_radius > CLEARANCE
+        return np.asarray(clear)
+
+    def _inner_links(self, data: BodyPoses) -> list[Array]:
+        """(5, 3) m each, points along the links before the last ones, where they are solid."""
+        if self._rules.links == 1:
+            return []
+        start, end = data.xpos.take(self._before, 0), data.xpos.take(self._bodies, 0)
+        return [start + share * (end - start) for share in ALONG]
+
+    def _along(self, data: BodyPoses, share: float | Array) -> Array:
+        """(5, 3) m, points on the last links, from their joints (0) to their tips (1)."""
+        # The middle column of each rotation is a bone's own direction.
+        axis = data.xmat.take(self._bodies, 0)[:, 1::3]
+        return data.xpos.take(self._bodies, 0) + (share * self._reach)[:, None] * axis

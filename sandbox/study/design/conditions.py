@@ -1,0 +1,155 @@
+"""What a combination of levels means for a run: settings of `sandbox run`, by the same names."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from models.errors import HandSandboxError, InputError
+from sandbox.study.design.design import Design, Level
+
+if TYPE_CHECKING:
+    from sandbox.study.design.reading import Reader
+    from sandbox.trial.settings import RunSettings
+
+SETTINGS: dict[str, type | tuple[type, ...]] = {
+    "task": str,
+    "device": str,
+    "encoder": str,
+    "bare": bool,
+    "without": (list, str),
+    "impulse": (str, int, float),
+    "contact": str,
+    "servo": str,
+    "surface": str,
+    "turn": int,
+    "tell_labels": bool,
+    "vary": str,
+    "leap_at": str,
+}
+"""What a design may set, with the kinds of values."""
+
+CHOICES = {
+    "device": ("touch", "leap"),
+    "contact": ("hard", "soft", "none"),
+    "servo": ("orientation", "position"),
+    "turn": (0, 90, 180, 270),
+}
+
+
+def run_settings(
+    values: Mapping[str, Any], seed: int, hand: str = "right", hand_size: float = 1.0
+) -> RunSettings:
+    """Settings of one trial.
+
+    Args:
+        values: By the names of `SETTINGS`.
+        seed: Of the trial.
+        hand: Which hand the participant uses.
+        hand_size: Its length against the trained one.
+
+    Raises:
+        InputError: A value is none of those there are.
+    """
+    from sandbox.options.scene_options import SceneOptions, plan
+
+    given = dict(values)
+    if "impulse" in given:
+        given["impulse"] = str(given["impulse"])
+    if "without" in given:
+        some = given["without"]
+        given["without"] = tuple([some] if isinstance(some, str) else some)
+    # Who plays is decided later; what matters here is that hands in the air have other settings.
+    device = "leap-simulated" if given.pop("device", "touch") == "leap" else "simulated"
+    options = SceneOptions(seed=seed, hand=_hand(hand), device=device, **given)
+    settings = plan(options).settings
+    return replace(settings, hand_size=settings.hand_size * hand_size)
+
+
+def _hand(hand: str) -> Any:
+    return hand
+
+
+def combinations(design: Design) -> Iterator[dict[str, Level]]:
+    """Every combination of levels that occurs."""
+
+    def inner(chosen: dict[str, Level], depth: int) -> Iterator[dict[str, Level]]:
+        if depth == len(design.factors):
+            yield dict(chosen)
+            return
+        factor = design.factors[depth]
+        for level in factor.within(chosen):
+            yield from inner({**chosen, factor.name: level}, depth + 1)
+
+    yield from inner({}, 0)
+
+
+def values_of(design: Design, levels: Mapping[str, Level]) -> dict[str, Any]:
+    """Settings of a combination: those of all trials, then those of its levels."""
+    values = dict(design.settings)
+    for level in levels.values():
+        values |= level.settings
+    return values
+
+
+def check_conditions(design: Design, reader: Reader) -> None:
+    """Tries every combination: its settings, its task on its surface, its encoder."""
+    kinds_wrong = _check_kinds(design, reader)
+    if kinds_wrong:
+        return
+    from sandbox.trial.assembly import load_encoder, place_surface
+    from tasks.registry import draw_task, find_task, hands_of
+
+    seen: set[str] = set()
+    for levels in combinations(design):
+        values = values_of(design, levels)
+        try:
+            settings = run_settings(values, design.seed % 1000)
+            kind = find_task(settings.task)
+            if hands_of(kind) > 1:
+                raise InputError("in a study everybody has one hand, and this task needs two",
+                                 where="task", got=settings.task)  # fmt: skip
+            draw_task(kind, settings.seed, place_surface(settings.surface, kind))
+            load_encoder(settings.encoder)
+        except HandSandboxError as error:
+            if str(error) in seen:
+                continue
+            seen.add(str(error))
+            names = ", ".join(f"{k} = {v.name}" for k, v in levels.items())
+            reader.wrong(_place(design, levels, error), f"{names}: {error}",
+                         "Change a level of this combination")  # fmt: skip
+
+
+def _check_kinds(design: Design, reader: Reader) -> bool:
+    wrong = False
+    given = [(("settings",), design.settings)]
+    given += [(("factors", i, "levels"), level.settings)  # type: ignore[misc]
+              for i, factor in enumerate(design.factors) for level in factor.levels]  # fmt: skip
+    for path, values in given:
+        for name, value in values.items():
+            is_flag = isinstance(value, bool)
+            fits = isinstance(value, SETTINGS[name]) and is_flag == (SETTINGS[name] is bool)
+            options = CHOICES.get(name)
+            if fits and (options is None or value in options):
+                continue
+            wrong = True
+            at = (*path, name) if path == ("settings",) else path
+            remedy = "As for `sandbox run --help`"
+            if options:
+                remedy = "Write one of " + ", ".join(map(str, options))
+            reader.wrong(at, f"{name} cannot be {value!r}", remedy)
+    return wrong
+
+
+def _place(design: Design, levels: Mapping[str, Level], error: HandSandboxError) -> Any:
+    """The factor whose level the error talks of, or all of them."""
+    for i, factor in enumerate(design.factors):
+        level = levels[factor.name]
+        texts = [str(v) for v in level.settings.values()]
+        if any(text and text == str(error.got) for text in texts):
+            return ("factors", i, "levels")
+    for name, value in design.settings.items():
+        if str(value) == str(error.got):
+            return ("settings", name)
+    return ("factors",)

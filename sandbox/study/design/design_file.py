@@ -1,0 +1,289 @@
+"""Reads `design.toml` whole, and names every mistake in it."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from hashlib import blake2b
+from pathlib import Path
+from typing import Any
+
+from models.errors import StudyError
+from sandbox.study.design.conditions import SETTINGS, check_conditions
+from sandbox.study.design.design import (
+    END,
+    ORDERS,
+    SCHEMA,
+    START,
+    Design,
+    Exclusion,
+    Factor,
+    Form,
+    Instruction,
+    Level,
+)
+from sandbox.study.design.orders import MOST_FACTORIAL
+from sandbox.study.design.questionnaires import read_form, read_item
+from sandbox.study.design.reading import DesignError, Mistake, Reader, Table
+from sandbox.study.design.showing import read_showing
+from sandbox.study.measures.measures import OF_RULES
+
+MOST_SESSIONS = 99
+"""Of one person."""
+
+
+def load_design(path: Path, try_out: bool = True) -> Design:
+    """Reads a design; see `parse_design`.
+
+    Raises:
+        DesignError: It has mistakes; all of them are told, with line and remedy.
+        StudyError: It cannot be read.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise StudyError("the design cannot be read", where=str(path), got=error.strerror,
+                         remedy="`sandbox study new FILE` makes one") from None  # fmt: skip
+    except UnicodeDecodeError as error:
+        raise StudyError("the design is no UTF-8 text", where=str(path), got=str(error)) from None
+    return parse_design(text, path, try_out)
+
+
+def parse_design(text: str, path: Path, try_out: bool = True) -> Design:
+    """The design in a text that stands in a file.
+
+    Args:
+        text: All of it.
+        path: Of the file.
+        try_out: Whether every combination of levels is tried; not where a study is only read.
+
+    Raises:
+        DesignError: It has mistakes.
+    """
+    try:
+        values = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        at = re.search(r"line (\d+)", str(error))
+        line = int(at[1]) if at else text.count("\n") + 1
+        raise DesignError(
+            path.name,
+            [
+                Mistake(
+                    line,
+                    "",
+                    str(error),
+                    "Is a quote, a bracket or a = missing? TOML is described at toml.io",
+                )
+            ],
+        ) from None
+    reader = Reader(text)
+    design = _design(Table(reader, values), text, path)
+    tried = not try_out or not reader.mistakes
+    if try_out and tried:
+        check_conditions(design, reader)
+    if reader.mistakes:
+        raise DesignError(path.name, reader.mistakes, tried)
+    return design
+
+
+def _design(top: Table, text: str, path: Path) -> Design:
+    schema = top.raw("schema", SCHEMA)
+    if schema != SCHEMA:
+        top.wrong("schema", f"got {schema!r}", f"This version reads schema {SCHEMA}")
+    sessions = top.number("sessions", 1, 1, MOST_SESSIONS, whole=True)
+    top.reader.sessions = sessions
+    languages = top.strings("languages", ("en",)) or ("en",)
+    top.reader.languages = languages
+    factors = _factors(top)
+    names = [factor.name for factor in factors]
+    trials, breaks, consent = top.table("trials"), top.table("breaks"), top.table("consent")
+    forms = tuple(read_form(t, names, path.parent) for t in top.tables("questionnaires"))
+    design = Design(
+        name=top.name("name"),
+        title=top.string("title", ""),
+        seed=top.number("seed", 0, 0, 2**53, whole=True),
+        participants=top.number("participants", 12, 1, 10_000, whole=True),
+        sessions=sessions,
+        languages=languages,
+        settings=_settings(top.table("settings")),
+        factors=factors,
+        repetitions=trials.number("repetitions", 1, 1, 1000, whole=True),
+        repeat_inside=_factor(trials, "repeat_inside", names),
+        practice=trials.number("practice", 0, 0, 100, whole=True),
+        practice_each=_factor(trials, "practice_each", names),
+        practice_sessions=trials.session_numbers("practice_sessions"),
+        seeds=trials.choice("seeds", ("own", "shared"), "own"),
+        time_limit=float(trials.number("time_limit_s", 600.0, 0.05, 3600.0)),
+        expected=float(trials.number("expected_s", 20.0, 0.05, 3600.0)),
+        break_every=breaks.number("every", 0, 0, 10_000, whole=True),
+        break_time=float(breaks.number("least_s", 30.0, 0.0, 7200.0)),
+        showing=read_showing(top, trials),
+        consent=consent.text("text") if consent.has("text") else {},
+        consent_version=consent.string("version", "1"),
+        instructions=tuple(_instruction(t, factors) for t in top.tables("instructions")),
+        demographics=tuple(read_item(t) for t in top.tables("demographics")),
+        questionnaires=forms,
+        exclusions=tuple(_exclusion(t) for t in top.tables("exclusions")),
+        digest=_digest(text, forms),
+        text=text,
+        path=path,
+    )
+    for table in (trials, breaks, consent, top):
+        table.done()
+    _no_twice(top, "demographics", [item.name for item in design.demographics])
+    _no_twice(top, "questionnaires", [form.name for form in design.questionnaires])
+    return design
+
+
+def _digest(text: str, forms: tuple[Form, ...]) -> str:
+    """Of the design and of all files that belong to it."""
+    found = blake2b(text.encode(), digest_size=16)
+    for name, content in sorted({form.source for form in forms if form.source}):
+        found.update(b"\0" + name.encode() + b"\0" + content.encode())
+    return found.hexdigest()
+
+
+def _no_twice(top: Table, key: str, names: list[str]) -> None:
+    for i, name in enumerate(names):
+        if name and name in names[:i]:
+            top.reader.wrong((key, i, "name"), f"{name!r} is there twice", "Rename one of them")
+
+
+def _factor(table: Table, key: str, names: list[str]) -> str:
+    given = table.has(key)
+    name = table.string(key, "")
+    if given and name not in names:
+        table.wrong(key, f"there is no factor {name!r}", f"Factors are: {', '.join(names)}")
+        return ""
+    return name
+
+
+def _settings(table: Table) -> dict[str, Any]:
+    given = {name: (table.has(name), table.raw(name)) for name in SETTINGS}
+    table.done()
+    return {name: value for name, (there, value) in given.items() if there}
+
+
+def _factors(top: Table) -> tuple[Factor, ...]:
+    tables = top.tables("factors")
+    found: list[Factor] = []
+    for table in tables:
+        factor = _one_factor(table, found)
+        if factor.name in [f.name for f in found]:
+            table.wrong("name", f"{factor.name!r} is there twice", "Rename one of them")
+        found.append(factor)
+    if not tables:
+        top.wrong("", "there is no factor", "Add [[factors]] with name, order and levels")
+    return tuple(found)
+
+
+def _one_factor(table: Table, outer_ones: list[Factor]) -> Factor:
+    name = table.name("name")
+    setting = table.string("setting", name)
+    order = table.choice("order", ORDERS, "blocked")
+    outer = table.string("inside", "")
+    raw = table.raw("levels")
+    nested: dict[str, tuple[Level, ...]] | None = None
+    if outer:
+        above = next((f for f in outer_ones if f.name == outer), None)
+        wanted = [level.name for level in above.levels] if above else []
+        if above is None:
+            table.wrong("inside", f"there is no factor {outer!r} above this one",
+                        "Name a factor that stands above")  # fmt: skip
+        elif not isinstance(raw, dict) or set(raw) != set(wanted):
+            table.wrong("levels", f"levels are needed for every level of {outer}",
+                        f"Write levels = {{{', '.join(f'{w} = [...]' for w in wanted)}}}"
+                        )  # fmt: skip
+        else:
+            nested = {k: _levels(table, v, setting) for k, v in raw.items()}
+        if order == "between":
+            table.wrong("order", "a nested factor cannot be between participants",
+                        "Choose another order")  # fmt: skip
+        lists = list(nested.values()) if nested else []
+        levels = tuple({level.name: level for some in lists for level in some}.values())
+    else:
+        levels = _levels(table, raw, setting)
+        lists = [levels]
+    one_a_session = table.flag("one_a_session")
+    if one_a_session:
+        _check_one_a_session(table, bool(outer_ones), bool(outer), order, len(levels))
+    if order == "factorial" and max(map(len, lists), default=0) > MOST_FACTORIAL:
+        table.wrong("order", f"{len(levels)} levels have too many orders",
+                    f"Use latin, or at most {MOST_FACTORIAL} levels")  # fmt: skip
+    table.done()
+    return Factor(name, order, levels, outer, nested, one_a_session)
+
+
+def _check_one_a_session(table: Table, inner: bool, nested: bool, order: str, count: int) -> None:
+    sessions = table.reader.sessions
+    if inner or nested:
+        table.wrong("one_a_session", "only the outermost factor can have one level a session",
+                    "Put it first")  # fmt: skip
+    elif order == "between":
+        table.wrong("one_a_session", "between participants everybody has the same level always",
+                    "Choose another order, or leave it out")  # fmt: skip
+    elif count != sessions:
+        table.wrong("one_a_session", f"{count} levels, and {sessions} sessions",
+                    f"Write sessions = {count} at the top, or leave it out")  # fmt: skip
+
+
+def _levels(table: Table, raw: Any, setting: str) -> tuple[Level, ...]:
+    if not isinstance(raw, list) or not raw:
+        table.wrong("levels", "levels are missing", 'Write a list such as levels = ["a", "b"]')
+        return ()
+    found = []
+    for value in raw:
+        if isinstance(value, dict):
+            settings = dict(value)
+            name = settings.pop("name", "")
+            if not isinstance(name, str) or not name or not settings:
+                table.wrong("levels", f"got {value!r}",
+                            'Write {name = "soft", contact = "soft"}')  # fmt: skip
+                continue
+        else:
+            name, settings = str(value), {setting: value}
+        unknown = sorted(set(settings) - set(SETTINGS))
+        if unknown:
+            table.wrong("levels" if isinstance(value, dict) else "setting",
+                        f"there is no setting {unknown[0]!r}",
+                        "Settings are: " + ", ".join(SETTINGS))  # fmt: skip
+            if not isinstance(value, dict):
+                return ()
+            continue
+        found.append(Level(name, settings))
+    if len({level.name for level in found}) < len(found):
+        table.wrong("levels", "a level is there twice", "Leave it out, or name them differently")
+    return tuple(found)
+
+
+def _instruction(table: Table, factors: tuple[Factor, ...]) -> Instruction:
+    at = table.choice("at", (START, END, *(f.name for f in factors)), START)
+    level = table.string("level", "")
+    names = next(([x.name for x in f.levels] for f in factors if f.name == at), [])
+    if level and level not in names:
+        table.wrong("level", f"{at} has no level {level!r}",
+                    f"Levels: {', '.join(names)}" if names else "Set `at` to a factor")  # fmt: skip
+    found = Instruction(table.text("text"), at, level, table.session_numbers("sessions"))
+    table.done()
+    return found
+
+
+def _exclusion(table: Table) -> Exclusion:
+    found = Exclusion(
+        table.name("name"),
+        table.choice("of", ("trial", "participant"), "trial"),
+        table.choice("measure", OF_RULES, OF_RULES[0]),
+        _bound(table, "below"),
+        _bound(table, "above"),
+    )
+    if found.below is None and found.above is None:
+        table.wrong("", "the rule has no bound", "Add below = NUMBER or above = NUMBER")
+    table.done()
+    return found
+
+
+def _bound(table: Table, key: str) -> float | None:
+    if not table.has(key):
+        table.raw(key)
+        return None
+    return float(table.number(key, 0.0, -1e9, 1e9))

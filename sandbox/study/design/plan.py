@@ -1,0 +1,303 @@
+"""What one participant does, step by step, and how long it takes.
+
+A plan follows from the design and the participant's number alone: nothing of it need be stored, and
+an interrupted session goes on with the very same steps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from hashlib import blake2b
+from math import lcm
+from typing import Any
+
+from sandbox.study.design.conditions import values_of
+from sandbox.study.design.design import END, START, Design, Factor, Form, Instruction, Level
+from sandbox.study.design.orders import cycle, order_of
+from sandbox.study.design.questionnaires import arranged
+
+READING = 20.0
+"""s for a page of instructions."""
+CONSENT = 60.0
+"""s."""
+ANSWERING = 7.0
+"""s for a question."""
+CALIBRATING = 30.0
+"""s for measuring a hand that works over a Leap."""
+CHANGING = 4.0
+"""s between two trials."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """Something that happens once, and is finished or not.
+
+    Attributes:
+        id: Within the session; equal for equal design and participant.
+    """
+
+    id: str
+
+
+@dataclass(frozen=True)
+class ConsentStep(Step):
+    """The participant agrees, or goes home."""
+
+
+@dataclass(frozen=True)
+class InstructionStep(Step):
+    """A text to be read."""
+
+    instruction: Instruction
+
+
+@dataclass(frozen=True)
+class CalibrationStep(Step):
+    """The participant's hand is measured, since some of their trials are over a Leap."""
+
+
+@dataclass(frozen=True)
+class FormStep(Step):
+    """Questions to be answered; `block` is the one they are about, 0 for none."""
+
+    form: Form
+    block: int
+    levels: dict[str, str]
+
+
+@dataclass(frozen=True)
+class BreakStep(Step):
+    """A rest of at least so many seconds."""
+
+    least: float
+
+
+@dataclass(frozen=True)
+class TrialStep(Step):
+    """A trial.
+
+    Attributes:
+        number: 1, 2, ... over the session, practice included.
+        block: 1, 2, ...; a block ends where a level changes.
+        in_block: 1, 2, ...
+        repetition: 1, 2, ... of the combination; 0 in practice.
+        practice: It does not count.
+        levels: By factor.
+        values: Settings, by the names of `conditions.SETTINGS`.
+        seed: Of the trial.
+        session: 1, 2, ...
+    """
+
+    number: int
+    block: int
+    in_block: int
+    repetition: int
+    practice: bool
+    levels: dict[str, str]
+    values: dict[str, Any]
+    seed: int
+    session: int = 1
+
+
+def session_plan(design: Design, participant: int, session: int = 1) -> list[Step]:
+    """All steps of one of a participant's sessions.
+
+    Consent and what is asked about the person are parts of the first one. In a later one orders by
+    rows are those that the next participant had in the session before, random ones are drawn anew,
+    and starts and goals are others, unless all share them.
+
+    Args:
+        design: Of the study.
+        participant: 0, 1, ... in order of arrival; decides on orders.
+        session: 1, 2, ... up to `design.sessions`.
+    """
+    steps = list(_Plan(design, participant, session).steps())
+    if any(in_the_air(step.values) for step in trials_of(steps)):
+        return steps
+    return [step for step in steps if not isinstance(step, CalibrationStep)]
+
+
+def in_the_air(values: Mapping[str, Any]) -> bool:
+    """Whether a trial with such settings is played over a Leap."""
+    return values.get("device") == "leap"
+
+
+def trials_of(steps: list[Step]) -> list[TrialStep]:
+    """The trials among steps."""
+    return [step for step in steps if isinstance(step, TrialStep)]
+
+
+def duration(design: Design, steps: list[Step]) -> float:
+    """s that a session is expected to take."""
+    total = 0.0
+    for step in steps:
+        match step:
+            case TrialStep():
+                total += min(design.expected, design.time_limit) + CHANGING
+            case BreakStep():
+                total += step.least
+            case FormStep():
+                total += ANSWERING * len(step.form.items)
+            case InstructionStep():
+                total += READING
+            case ConsentStep():
+                total += CONSENT
+            case CalibrationStep():
+                total += CALIBRATING
+    return total
+
+
+def whole_cycle(design: Design) -> int:
+    """Participants after which every factor's orders have been used equally often."""
+    return lcm(*(cycle(f.order, len(levels)) for f in design.factors
+                 for levels in (f.nested.values() if f.nested else [f.levels])))  # fmt: skip
+
+
+class _Plan:
+    def __init__(self, design: Design, participant: int, session: int) -> None:
+        self._design, self._participant, self._session = design, participant, session
+        # What chance in a later session follows from, too; of a first one, that was never told.
+        self._later: tuple[object, ...] = () if session == 1 else ("session", session)
+        self._trial = self._block = self._in_block = self._count = 0
+        self._levels: dict[str, Level] = {}
+        inside = [f.name for f in design.factors]
+        # Repetitions go round inside of this many factors.
+        self._round = (
+            inside.index(design.repeat_inside) + 1 if design.repeat_inside else len(inside)
+        )
+
+    def steps(self) -> Iterator[Step]:
+        design = self._design
+        if design.consent and self._session == 1:
+            yield ConsentStep("consent")
+        if design.demographics and self._session == 1:
+            title = dict.fromkeys(design.languages, "")
+            form = Form("demographics", title, design.demographics, START)
+            yield FormStep("form:demographics", form, 0, {})
+        yield from self._instructions(START)
+        yield from self._forms(START)
+        yield CalibrationStep("calibration")
+        if design.practice and not design.practice_each:
+            yield from self._practice()
+        yield from self._factor(0, self._first_place(0), 0)
+        yield from self._forms(END)
+        yield from self._instructions(END)
+
+    def _now(self, sessions: tuple[int, ...]) -> bool:
+        """Whether something belongs to this session."""
+        return not sessions or self._session in sessions
+
+    def _first_place(self, depth: int) -> int:
+        """Place at which a factor's levels begin: another one in every session."""
+        return 0 if self._design.factors[depth].one_a_session else self._session - 1
+
+    def _factor(self, depth: int, place: int, repetition: int) -> Iterator[Step]:
+        """All that happens inside of the levels chosen so far; `place` counts their places."""
+        design = self._design
+        if depth == self._round and not repetition:
+            for again in range(1, design.repetitions + 1):
+                yield from self._factor(depth, place + again - 1, again)
+            return
+        if depth == len(design.factors):
+            yield from self._rest()
+            yield self._make_trial(repetition)
+            return
+        factor = design.factors[depth]
+        levels = self._ordered(factor, place, depth, repetition)
+        first = self._session - 1 if factor.one_a_session else 0
+        for position, level in enumerate(levels, first):
+            self._levels[factor.name] = level
+            if depth < self._round:
+                self._block += 1
+                self._in_block = 0
+            yield from self._instructions(factor.name, level.name)
+            if design.practice_each == factor.name:
+                yield from self._practice()
+            yield from self._factor(depth + 1, place + position, repetition)
+            if depth < self._round:
+                yield from self._forms(factor.name)
+            self._levels.pop(factor.name)
+
+    def _ordered(self, factor: Factor, place: int, depth: int, repetition: int) -> list[Level]:
+        levels = factor.within(self._levels)
+        p = self._participant
+        row = (
+            p if factor.order == "between" else p + place + self._shift(factor, len(levels), depth)
+        )
+        chosen = ",".join(f"{k}={v.name}" for k, v in self._levels.items())
+        later = () if factor.one_a_session else self._later
+        seed = _seed(self._design.seed, "order", p, factor.name, chosen, repetition, *later)
+        ordered = [levels[i] for i in order_of(factor.order, len(levels), row, (seed,))]
+        return [ordered[self._session - 1]] if factor.one_a_session else ordered
+
+    def _shift(self, factor: Factor, count: int, depth: int) -> int:
+        """By how many rows a participant's inner orders are shifted against outer ones: from cycle
+        to cycle of both, so that within a cycle every row is used equally often."""
+        if not depth:
+            return 0
+        outer = self._design.factors[depth - 1]
+        around = cycle(outer.order, len(outer.levels))
+        return self._participant // lcm(around, cycle(factor.order, count)) if around > 1 else 0
+
+    def _make_trial(self, repetition: int, practice: int = 0) -> TrialStep:
+        design = self._design
+        self._trial += 1
+        self._in_block += 1
+        levels = {name: level.name for name, level in self._levels.items()}
+        values = values_of(design, self._levels)
+        who = "everybody" if design.seeds == "shared" else self._participant
+        # Shared starts are the same in all conditions, too; only task and repetition tell.
+        what = values.get("task", "") if design.seeds == "shared" else sorted(levels.items())
+        later = () if design.seeds == "shared" else self._later
+        seed = _seed(design.seed, "trial", who, what, repetition, practice, *later)
+        return TrialStep(f"trial:{self._trial}", self._trial, self._block, self._in_block,
+                         repetition, practice > 0, levels, values, seed % 2**31,
+                         self._session)  # fmt: skip
+
+    def _practice(self) -> Iterator[Step]:
+        """Practice with the levels chosen so far, and the first of those that are not."""
+        design = self._design
+        if not self._now(design.practice_sessions):
+            return
+        missing = [f for f in design.factors if f.name not in self._levels]
+        for number in range(1, design.practice + 1):
+            for factor in missing:
+                depth = design.factors.index(factor)
+                levels = self._ordered(factor, self._first_place(depth), depth, 0)
+                self._levels[factor.name] = levels[(number - 1) % len(levels)]
+            yield self._make_trial(0, number)
+            for factor in missing:
+                self._levels.pop(factor.name)
+        self._in_block = 0
+
+    def _rest(self) -> Iterator[Step]:
+        done = self._count
+        self._count += 1
+        if self._design.break_every and done and done % self._design.break_every == 0:
+            yield BreakStep(f"break:{done}", self._design.break_time)
+
+    def _instructions(self, at: str, level: str = "") -> Iterator[Step]:
+        for i, instruction in enumerate(self._design.instructions):
+            here = instruction.at == at and instruction.level in ("", level)
+            if here and self._now(instruction.sessions):
+                yield InstructionStep(f"instruction:{i}:{at}:{self._trial}", instruction)
+
+    def _forms(self, at: str) -> Iterator[Step]:
+        levels = {name: level.name for name, level in self._levels.items()}
+        if at in levels:
+            # A form is about the level that has just ended, and those around it.
+            names = [f.name for f in self._design.factors]
+            levels = {k: v for k, v in levels.items() if names.index(k) <= names.index(at)}
+        for form in self._design.questionnaires:
+            if form.at == at and self._now(form.sessions):
+                block = self._block if at not in (START, END) else 0
+                step = f"form:{form.name}:{self._trial}"
+                seed = _seed(self._design.seed, "form", self._participant, step, *self._later)
+                yield FormStep(step, arranged(form, seed), block, levels)
+
+
+def _seed(*parts: object) -> int:
+    """A number of 63 bits that follows from some values."""
+    text = "\0".join(map(str, parts))
+    return int.from_bytes(blake2b(text.encode(), digest_size=8).digest()) >> 1

@@ -1,0 +1,58 @@
+"""What a trial on the page shows, when its time begins, and what happens if the tablet is gone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from sandbox.study.design.reading import Table, Text
+
+SHOWS = ("task", "goal", "time", "progress", "fingers", "sound")
+"""`fingers`: the rings under them tell names (in English), colours and forces, too."""
+STARTS = ("touch", "shown")
+"""`touch`: time begins with the first touch; `shown`: as soon as the scene is seen."""
+WHEN_GONE = ("pause", "repeat", "mark")
+"""`pause`: time stands still until the page is back and touched; `repeat`: the attempt is broken
+off and the trial begins anew; `mark`: time goes on. The results say how long it was gone."""
+
+
+@dataclass(frozen=True)
+class Showing:
+    """How trials on the page go.
+
+    Attributes:
+        shows: Which of `SHOWS` participants see, or hear.
+        starts: One of `STARTS`.
+        when_gone: One of `WHEN_GONE`.
+        names, goals: What a task is called, and what is to be done, by task.
+    """
+
+    shows: tuple[str, ...] = ("task", "goal")
+    starts: str = "touch"
+    when_gone: str = "pause"
+    names: dict[str, Text] = field(default_factory=dict)
+    goals: dict[str, Text] = field(default_factory=dict)
+
+
+def read_showing(top: Table, trials: Table) -> Showing:
+    """Reads it.
+
+    Args:
+        top: The design; `[[tasks]]` is taken out of it.
+        trials: Its `[trials]`.
+    """
+    plain = Showing()
+    shows = trials.strings("shows", plain.shows)
+    for unknown in sorted(set(shows) - set(SHOWS)):
+        trials.wrong("shows", f"got {unknown!r}", f"Choose among {', '.join(SHOWS)}")
+    names, goals = {}, {}
+    for table in top.tables("tasks"):
+        task = table.string("task")
+        names[task], goals[task] = table.text("name"), table.text("goal")
+        table.done()
+    return Showing(
+        shows,
+        trials.choice("starts", STARTS, plain.starts),
+        trials.choice("when_gone", WHEN_GONE, plain.when_gone),
+        names,
+        goals,
+    )

@@ -1,0 +1,169 @@
+"""All measures of a trial, from its result and its 60 Hz table: a pure function of the two."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.frames import FINGERS
+from models.scene import CONTROL_PERIOD
+from sandbox.study.measures.columns import Columns
+from sandbox.study.measures.handling import drops, grasps, handled, stretches
+from sandbox.study.measures.labels import Named, label_errors, label_switches
+from sandbox.study.measures.movement import STILL, efficiency, path_length, sparc, speeds, straight
+from sandbox.study.measures.throughput import along
+
+VERSION = 1
+"""Of the definitions: measures that another version made are made again."""
+
+JUMP = 0.05
+"""m in one control period: no thing moves so far, but one that is put back does."""
+
+DOWN = "down"
+
+Array = NDArray[np.float64]
+Values = dict[str, Any]
+
+
+def measure_trial(table: Columns, result: Mapping[str, Any], truth: str = "") -> Values:
+    """The measures of a trial by name; those that do not apply are missing, or None.
+
+    Args:
+        table: Its 60 Hz table.
+        result: Its result, as its recording ends with it.
+        truth: Who tells the `true_*` columns.
+    """
+    table = table.until(float(result["time_s"]))
+    success = bool(result["success"])
+    found: Values = {"completion_s": float(result["time_s"]) if success else None}
+    if len(table) == 0:
+        return found
+    found |= _palm(table) | _objects(table) | _labels(table, truth)
+    handling = _handling(table)
+    if handling:
+        clean = not (handling["regrasps"] or handling["drops"] or result.get("respawned"))
+        handling["first_attempt_success"] = success and clean
+    return found | handling
+
+
+def _palm(table: Columns) -> Values:
+    """Path, speed and smoothness of the commanded palm."""
+    places = table.numbers("q_position_x", "q_position_y", "q_position_z")
+    stays = stretches([phase == DOWN for phase in table.words("phase")])
+    down = np.concatenate([places[first : last + 1] for first, last in stays] or [places[:0]])
+    if len(down) < 2:
+        return {}
+    parts = [speeds(places[first : last + 1], CONTROL_PERIOD) for first, last in stays]
+    length = path_length(down)
+    longest = max(parts, key=len)
+    moves = longest.sum() * CONTROL_PERIOD >= STILL
+    return {
+        "palm_path_m": length,
+        "palm_efficiency": efficiency(straight(down), length),
+        "palm_peak_m_s": float(max(part.max(initial=0.0) for part in parts)),
+        "palm_sparc": sparc(longest, CONTROL_PERIOD) if moves else None,
+    }
+
+
+def _objects(table: Columns) -> Values:
+    """Path, speed, smoothness and place of the things that have a goal."""
+    names = [name for name in table.things() if f"{name}_goal_x" in table]
+    if not names:
+        return {}
+    places = {name: table.numbers(*(f"{name}_{axis}" for axis in "xyz")) for name in names}
+    goals = {name: table.numbers(*(f"{name}_goal_{axis}" for axis in "xyz")) for name in names}
+    parts = {name: _unbroken(places[name]) for name in names}
+    lengths = {name: sum(path_length(part) for part in parts[name]) for name in names}
+    speed = {name: [speeds(part, CONTROL_PERIOD) for part in parts[name]] for name in names}
+    length = sum(lengths.values())
+    found: Values = {
+        "object_path_m": length,
+        "object_efficiency": efficiency(
+            sum(straight(part) for some in parts.values() for part in some), length
+        ),
+        "object_peak_m_s": float(max(s.max(initial=0.0) for some in speed.values() for s in some)),
+        "placement_error_m": float(
+            np.mean([np.linalg.norm(places[name][-1] - goals[name][-1]) for name in names])
+        ),
+        "placement_error_deg": float(
+            np.rad2deg(np.mean([abs(table.numbers(f"{name}_off_rad")[-1, 0]) for name in names]))
+        ),
+    }
+    farthest = max(names, key=lambda name: lengths[name])
+    begin = _first_push(table)
+    if begin is not None and lengths[farthest] >= STILL and len(parts[farthest]) == 1:
+        found["object_sparc"] = sparc(speed[farthest][0][begin:], CONTROL_PERIOD)
+    if len(names) == 1:
+        found |= _move(places[names[0]], goals[names[0]])
+    return found
+
+
+def _move(places: Array, goals: Array) -> Values:
+    """How far a thing was moved along its way, where its goal stays where it is."""
+    if np.ptp(goals, axis=0).max() > STILL:
+        return {}
+    move = along(places[0], goals[-1], places[-1])
+    return {} if move is None else {"move_amplitude_m": move[0], "move_error_m": move[1]}
+
+
+def _unbroken(places: Array) -> list[Array]:
+    """The parts (n, 3) of a path between those moments at which a thing was put back."""
+    far = np.linalg.norm(np.diff(places, axis=0), axis=1) > JUMP
+    return np.split(places, np.flatnonzero(far) + 1)
+
+
+def _handled(table: Columns, name: str) -> list[tuple[int, int]]:
+    grip = table.numbers(f"{name}_grip_N")[:, 0]
+    return handled(table.words(f"{name}_digits"), np.nan_to_num(grip), CONTROL_PERIOD)
+
+
+def _known(table: Columns) -> list[str]:
+    """Things of which it is known who pushes them."""
+    return [name for name in table.things() if all(table.words(f"{name}_grip_N"))]
+
+
+def _first_push(table: Columns) -> int | None:
+    """Row in which the hand first pushes anything."""
+    runs = [run for name in _known(table) for run in _handled(table, name)]
+    return min((first for first, _ in runs), default=None)
+
+
+def _handling(table: Columns) -> Values:
+    """Grasps and drops; nothing where it is not known who pushes what."""
+    names = _known(table)
+    if not names:
+        return {}
+    held = []
+    dropped = 0
+    for name in names:
+        digits = table.words(f"{name}_digits")
+        held.append(grasps(digits, _handled(table, name)))
+        free = [not d and not by for d, by in zip(digits, table.words(f"{name}_by"), strict=True)]
+        dropped += drops(free, table.numbers(f"{name}_z")[:, 0])
+    first = _first_push(table)
+    return {
+        "first_push_s": None if first is None else float(table.numbers("time_s")[first, 0]),
+        "grasps": sum(held),
+        "regrasps": sum(max(number - 1, 0) for number in held),
+        "drops": dropped,
+    }
+
+
+def _labels(table: Columns, truth: str) -> Values:
+    """How labels change, and how right they are."""
+    named = _by_contact(table, "touch")
+    found: Values = {"label_switches": label_switches(named)}
+    errors = label_errors(named, _by_contact(table, "true"), CONTROL_PERIOD)
+    return found | ({**errors, "label_truth": truth} if errors else {})
+
+
+def _by_contact(table: Columns, kind: str) -> list[Named]:
+    """Fingers by contact, row by row."""
+    columns = [table.whole(f"{kind}_{finger}") for finger in FINGERS]
+    return [
+        {contact: finger for finger, contact in enumerate(row) if contact is not None}
+        for row in zip(*columns, strict=True)
+    ]

@@ -1,0 +1,1 @@
+"""What a study keeps: folders, journals, recordings and names of participants."""

@@ -1,0 +1,56 @@
+"""What a study is locked to: the program that computes its trials, and what encoders learned."""
+
+from __future__ import annotations
+
+from functools import cache
+from hashlib import blake2b
+from pathlib import Path
+from typing import Any
+
+from sandbox.study.design.conditions import combinations, run_settings, values_of
+from sandbox.study.design.design import Design
+
+COMPUTES = ("models", "encoders", "tasks", "sandbox", "sandbox/devices", "sandbox/study")
+"""Folders whose modules take part in a trial; views, servers and commands do not."""
+SHALLOW = ("sandbox", "sandbox/devices", "sandbox/study")
+LIBRARIES = ("hand-sandbox", "mujoco", "numpy", "scipy", "python")
+
+
+@cache
+def code_digest() -> str:
+    """Digest of the modules that take part in a trial, whatever their version calls itself."""
+    root = Path(__file__).resolve().parents[3]
+    found = blake2b(digest_size=8)
+    for folder in COMPUTES:
+        paths = (root / folder).glob("*.py" if folder in SHALLOW else "**/*.py")
+        for path in sorted(paths):
+            found.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes())
+    return found.hexdigest()
+
+
+def build_of(design: Design) -> dict[str, Any]:
+    """Versions, the program's digest and those of all encoders in a design."""
+    from sandbox.recording.versions import versions
+    from sandbox.trial.assembly import digests
+
+    here = versions()
+    learned: dict[str, dict[str, str]] = {}
+    for levels in combinations(design):
+        settings = run_settings(values_of(design, levels), 0)
+        learned.setdefault(f"{settings.encoder}, labels {settings.labels}", digests(settings))
+    return {
+        **{name: here[name] for name in LIBRARIES},
+        "program": code_digest(),
+        "encoders": learned,
+        "design": design.digest,
+    }
+
+
+def changes(locked: dict[str, Any], here: dict[str, Any]) -> list[str]:
+    """What differs, in words."""
+    found = []
+    for name in sorted(set(locked) | set(here)):
+        if locked.get(name) != here.get(name):
+            values = "" if name == "encoders" else f" ({locked.get(name)} -> {here.get(name)})"
+            found.append(f"{name}{values}")
+    return found

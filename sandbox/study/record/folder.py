@@ -1,0 +1,241 @@
+"""The folder of a study: who takes part, and what it is locked to.
+
+OUT/EXPERIMENT/            real data; EXPERIMENT-pilot and EXPERIMENT-simulated are others
+  study.json               what the study is locked to
+  study.jsonl              journal: participants, upgrades
+  design.toml              as it is locked
+  participants.csv  trial_results.csv  questionnaires.csv  codebook.csv     (derived)
+  PPID/S001/               a session, laid out as UXF's users know it
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from uuid import uuid4
+
+from models.errors import StudyError
+from sandbox.study.design.design import Design
+from sandbox.study.record.build import build_of, changes
+from sandbox.study.record.files import explain, locked, make_folder, sweep, write_atomically
+from sandbox.study.record.journal import Journal, Record, now, read_journal
+from sandbox.study.record.pseudonym import new_pseudonym
+
+SCHEMA = 1
+"""Version of the folder's layout."""
+
+REAL, PILOT, SIMULATED = "real", "pilot", "simulated"
+"""What a folder's data are. Each has a folder of its own, says so in every row, and is never opened
+as another."""
+
+
+@dataclass(frozen=True)
+class Participant:
+    """Somebody who takes part.
+
+    Attributes:
+        ppid: Pseudonym.
+        number: 0, 1, ...: decides on orders.
+        hand, hand_size: Which hand touches, and its length against the trained one.
+        language: Of the texts.
+        user: The simulated user's configuration; None for a person.
+    """
+
+    ppid: str
+    number: int
+    hand: str = "right"
+    hand_size: float = 1.0
+    language: str = "en"
+    user: dict[str, Any] | None = None
+
+
+class StudyFolder:
+    """A study's folder, opened; made where there is none.
+
+    Args:
+        out: Where studies are kept.
+        design: Of this one.
+        mode: `REAL`, `PILOT` or `SIMULATED`.
+        upgrade: Why the study goes on with another program, encoder or design than it began with;
+            empty refuses that.
+
+    Raises:
+        StudyError: It is locked to something else, of another mode, or cannot be written.
+    """
+
+    def __init__(self, out: Path, design: Design, mode: str, upgrade: str = "") -> None:
+        self.design, self.mode = design, mode
+        self.path = folder_of(out, design.name, mode)
+        self._about: dict[str, Any] = {}
+        make_folder(self.path)
+        with self.lock():
+            sweep(self.path)
+            self._lock_to(build_of(design), upgrade)
+            write_design(self.path, design)
+
+    @classmethod
+    def at(cls, path: Path) -> StudyFolder:
+        """A study that is there, for reading, keeping and tables, whatever program runs here.
+
+        Raises:
+            StudyError: The folder is none of a study, or its design cannot be read.
+        """
+        from sandbox.study.design.design_file import load_design
+
+        if not (path / "study.json").is_file():
+            raise StudyError("this is no folder of a study", where=str(path),
+                             expected="a folder with study.json, such as studies/NAME")  # fmt: skip
+        found = cls.__new__(cls)
+        found._about = read_about(path / "study.json")
+        found.path, found.mode = path, str(found._about["mode"])
+        found.design = load_design(path / "design.toml", try_out=False)
+        return found
+
+    @property
+    def about(self) -> dict[str, Any]:
+        """`study.json`."""
+        return dict(self._about)
+
+    @property
+    def id(self) -> str:
+        """Of this study and no other, in every session."""
+        return str(self._about["study"])
+
+    @property
+    def build(self) -> dict[str, Any]:
+        """What the study is locked to."""
+        return dict(self._about["build"])
+
+    @contextmanager
+    def lock(self) -> Iterator[None]:
+        """Nobody else changes the study's own files; others' sessions go on."""
+        with locked(self.path / ".lock", wait=True, what="the study"):
+            yield
+
+    def participants(self) -> list[Participant]:
+        """Everybody so far, in order of arrival."""
+        path = self.path / "study.jsonl"
+        return participants_of(read_journal(path)) if path.exists() else []
+
+    def find(self, ppid: str) -> Participant:
+        """A participant.
+
+        Raises:
+            StudyError: There is none of that name.
+        """
+        known = self.participants()
+        found = next((p for p in known if p.ppid == ppid), None)
+        if found is None:
+            raise StudyError("there is no such participant", where=str(self.path), got=ppid,
+                             expected=", ".join(p.ppid for p in known[-8:]) or "new",
+                             remedy="`--participant new` makes one")  # fmt: skip
+        return found
+
+    def add(self, number: int | None = None, **about: Any) -> Participant:
+        """A new participant, who gets the first number that nobody has, or a given one.
+
+        Args:
+            number: Whose; where somebody has it already, it is they who are returned.
+            about: What else is known: attributes of `Participant`.
+        """
+        with self.lock(), self._journal() as journal:
+            people = participants_of(journal.records)
+            released = {r["ppid"] for r in journal.records if r["kind"] == "released"}
+            taken = {p.number: p for p in people if p.ppid not in released}
+            if number in taken:
+                return taken[number]
+            if number is None:
+                number = next(i for i in range(len(people) + 1) if i not in taken)
+            names = {p.ppid for p in people}
+            ppid = new_pseudonym()
+            while ppid in names or (self.path / ppid).exists():
+                ppid = new_pseudonym()
+            person = Participant(ppid, number, **about)
+            journal.append("participant", durable=True, **vars(person))
+            return person
+
+    def release(self, ppid: str, reason: str) -> None:
+        """Gives a participant's number, and with it their orders, to the next newcomer."""
+        with self.lock(), self._journal() as journal:
+            journal.append("released", durable=True, ppid=ppid, reason=reason)
+
+    @contextmanager
+    def _journal(self) -> Iterator[Journal]:
+        journal = Journal(self.path / "study.jsonl")
+        try:
+            yield journal
+        finally:
+            journal.close()
+
+    def _lock_to(self, build: dict[str, Any], upgrade: str) -> None:
+        path = self.path / "study.json"
+        if not path.exists():
+            self._about = {"schema": SCHEMA, "study": str(uuid4()), "experiment": self.design.name,
+                           "mode": self.mode, "created": now(), "build": build}  # fmt: skip
+            write_atomically(path, _json(self._about))
+            return
+        self._about = read_about(path)
+        if self._about["mode"] != self.mode:
+            raise StudyError(f"this folder holds {self._about['mode']} data", where=str(self.path),
+                             got=self.mode, remedy="Give another folder with --out")  # fmt: skip
+        different = changes(self._about["build"], build)
+        if not different:
+            return
+        if not upgrade:
+            raise StudyError("the study is locked to what it began with, and this is not that",
+                             where=str(self.path), got=", ".join(different),
+                             remedy='Go back to that, or go on with --force-upgrade "REASON", '
+                                    "which is logged")  # fmt: skip
+        with self._journal() as journal:
+            journal.append("upgrade", durable=True, reason=upgrade, changed=different,
+                           before=self._about["build"], after=build)  # fmt: skip
+        self._about = {**self._about, "build": build}
+        write_atomically(path, _json(self._about))
+
+
+def write_design(folder: Path, design: Design) -> None:
+    """Puts a design, and the questionnaires' files that belong to it, into a study's folder."""
+    write_atomically(folder / "design.toml", design.text.encode())
+    for form in design.questionnaires:
+        if form.source:
+            make_folder((folder / form.source[0]).parent)
+            write_atomically(folder / form.source[0], form.source[1].encode())
+
+
+def folder_of(out: Path, name: str, mode: str) -> Path:
+    """Where a study's data of one kind are."""
+    return out / (name if mode == REAL else f"{name}-{mode}")
+
+
+def participants_of(records: list[Record]) -> list[Participant]:
+    """Those whom a study's journal tells."""
+    names = Participant.__dataclass_fields__
+    return [Participant(**{k: v for k, v in r.items() if k in names})
+            for r in records if r["kind"] == "participant"]  # fmt: skip
+
+
+def read_about(path: Path) -> dict[str, Any]:
+    """`study.json`.
+
+    Raises:
+        StudyError: It cannot be read, or another version wrote it.
+    """
+    try:
+        about = json.loads(path.read_bytes())
+    except OSError as error:
+        raise explain(error, path, "the study cannot be read") from None
+    except ValueError as error:
+        raise StudyError("the study cannot be read", where=str(path), got=str(error),
+                         remedy="Take this file back from a backup") from None  # fmt: skip
+    if not isinstance(about, dict) or about.get("schema") != SCHEMA:
+        raise StudyError("another version's study", where=str(path),
+                         expected=f"schema {SCHEMA}")  # fmt: skip
+    return about
+
+
+def _json(value: Any) -> bytes:
+    return json.dumps(value, indent=1, ensure_ascii=False).encode() + b"\n"

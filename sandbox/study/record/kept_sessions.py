@@ -1,0 +1,84 @@
+"""Sessions as they lie in a study's folder, for whoever reads them and changes nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from sandbox.study.design.plan import Step, session_plan, trials_of
+from sandbox.study.record.folder import Participant, StudyFolder
+from sandbox.study.record.journal import Record, read_journal
+from sandbox.study.record.state import SessionState
+
+JOURNAL = "journal.jsonl"
+SESSIONS = "S[0-9][0-9][0-9]"
+"""Pattern of the names of sessions' folders."""
+
+
+@dataclass(frozen=True)
+class KeptSession:
+    """A session that was begun.
+
+    Attributes:
+        person: Who takes part.
+        number: 1, 2, ...
+        path: Its folder.
+        records: Of its journal.
+        state: What they say.
+    """
+
+    person: Participant
+    number: int
+    path: Path
+    records: list[Record]
+    state: SessionState
+
+
+def session_path(study: Path, ppid: str, session: int = 1) -> Path:
+    """Folder of a session."""
+    return study / ppid / f"S{session:03d}"
+
+
+def session_folders(person: Path) -> list[Path]:
+    """Folders of all sessions of a participant, in order; none has to have begun."""
+    return sorted(person.glob(SESSIONS))
+
+
+def sessions_of(study: StudyFolder, person: Participant) -> list[KeptSession]:
+    """The sessions that somebody has begun, in order.
+
+    Raises:
+        StudyError: A journal is damaged.
+    """
+    found = []
+    for path in session_folders(study.path / person.ppid):
+        journal = path / JOURNAL
+        records = read_journal(journal) if journal.exists() else []
+        state = SessionState.of(records)
+        if state.start:
+            found.append(KeptSession(person, int(path.name[1:]), path, records, state))
+    return found
+
+
+def all_sessions(study: StudyFolder) -> Iterator[tuple[Participant, list[KeptSession]]]:
+    """Everybody who has begun, in order of arrival, with their sessions.
+
+    Raises:
+        StudyError: A journal is damaged.
+    """
+    for person in study.participants():
+        sessions = sessions_of(study, person)
+        if sessions:
+            yield person, sessions
+
+
+def plan_of(study: StudyFolder, session: KeptSession) -> list[Step]:
+    """All steps of a session."""
+    return session_plan(study.design, session.person.number, session.number)
+
+
+def planned_trials(study: StudyFolder, person: Participant) -> int:
+    """How many trials somebody has in all their sessions, practice included."""
+    plans = (session_plan(study.design, person.number, s + 1) for s in range(study.design.sessions))
+    return sum(len(trials_of(plan)) for plan in plans)

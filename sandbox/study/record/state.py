@@ -1,0 +1,138 @@
+"""What a journal says: which steps are finished, which attempt counts, what is left out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from sandbox.study.design.plan import Step, TrialStep
+
+Record = dict[str, Any]
+
+
+@dataclass
+class Attempt:
+    """One attempt of a trial.
+
+    Attributes:
+        start: Its `trial_start` record.
+        end: Its `trial_end` record; None where it was broken off.
+        set_aside: Why it does not count although it was finished; empty if it may.
+    """
+
+    start: Record
+    end: Record | None = None
+    set_aside: str = ""
+
+
+@dataclass
+class SessionState:
+    """A session as its journal tells it.
+
+    Attributes:
+        start: The `session_start` record; empty before there is one.
+        finished: Ids of finished or skipped steps.
+        attempts: By trial number, in order.
+        skipped: Reason by step.
+        excluded: Reason by trial number.
+        excluded_participant: Reason; empty while the participant counts.
+        answers: Records of forms, in order; the last one of a step counts.
+        drafts: By step, what was filled in of a form so far.
+        consent: Whether the participant agreed; None while not asked.
+        calibration: Of a hand over a Leap, as `sandbox paalm calibrate` writes it; None for an
+            average one.
+        complete: The session came to its planned end.
+    """
+
+    start: Record = field(default_factory=dict)
+    finished: set[str] = field(default_factory=set)
+    attempts: dict[int, list[Attempt]] = field(default_factory=dict)
+    skipped: dict[str, str] = field(default_factory=dict)
+    excluded: dict[int, str] = field(default_factory=dict)
+    excluded_participant: str = ""
+    answers: dict[str, Record] = field(default_factory=dict)
+    drafts: dict[str, dict[str, Any]] = field(default_factory=dict)
+    consent: bool | None = None
+    calibration: dict[str, Any] | None = None
+    complete: bool = False
+
+    @classmethod
+    def of(cls, records: Iterable[Record]) -> SessionState:
+        """The state after some records."""
+        state = cls()
+        for record in records:
+            state.take(record)
+        return state
+
+    def take(self, record: Record) -> None:
+        """Takes in one more record; kinds that a later version added are passed over."""
+        match record["kind"]:
+            case "session_start":
+                self.start = record
+            case "trial_start":
+                self.attempts.setdefault(record["trial"], []).append(Attempt(record))
+            case "trial_end":
+                self._attempt(record).end = record
+                self.finished.add(record["step"])
+            case "repeat":
+                self._set_aside(record)
+            case "skip":
+                self.skipped[record["step"]] = record["reason"]
+                self.finished.add(record["step"])
+            case "exclude":
+                self._exclude(record)
+            case "draft":
+                self.drafts.setdefault(record["step"], {})[record["item"]] = record["answer"]
+            case "answers":
+                self.answers[record["step"]] = record
+                self.finished.add(record["step"])
+            case "step_done":
+                self.finished.add(record["step"])
+            case "consent":
+                self.consent = bool(record["agreed"])
+                if self.consent:
+                    self.finished.add(record["step"])
+            case "calibration":
+                # An anonymous copy says only that there was one.
+                self.calibration = record.get("calibration")
+                self.finished.add(record["step"])
+            case "session_end":
+                self.complete = bool(record["complete"])
+
+    def counted(self, trial: int) -> Attempt | None:
+        """The attempt of a trial that counts: the last finished one that was not set aside."""
+        found = [a for a in self.attempts.get(trial, []) if a.end is not None and not a.set_aside]
+        return found[-1] if found else None
+
+    def open_attempt(self) -> Attempt | None:
+        """The last attempt, if it was neither finished nor broken off on purpose."""
+        started = [a for some in self.attempts.values() for a in some]
+        last = max(started, key=lambda a: a.start["n"], default=None)
+        return last if last and last.end is None else None
+
+    def next_step(self, steps: Sequence[Step]) -> Step | None:
+        """The first step that is not finished; None at the end."""
+        return next((step for step in steps if step.id not in self.finished), None)
+
+    def done(self, steps: Sequence[Step]) -> tuple[int, int]:
+        """How many of the trials are finished or skipped, and how many there are."""
+        trials = [step for step in steps if isinstance(step, TrialStep)]
+        return sum(step.id in self.finished for step in trials), len(trials)
+
+    def _attempt(self, record: Record) -> Attempt:
+        return self.attempts[record["trial"]][record["attempt"] - 1]
+
+    def _set_aside(self, record: Record) -> None:
+        for attempt in self.attempts.get(record["trial"], []):
+            attempt.set_aside = attempt.set_aside or record["reason"] or "repeated"
+        self.finished.discard(record["step"])
+        self.skipped.pop(record["step"], None)
+        self.excluded.pop(record["trial"], None)
+        self.complete = False
+
+    def _exclude(self, record: Record) -> None:
+        if record.get("trial") is None:
+            self.excluded_participant = record["reason"]
+        else:
+            self.excluded[record["trial"]] = record["reason"]

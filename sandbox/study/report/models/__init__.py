@@ -1,0 +1,1 @@
+"""The numbers of a report: data, statistical models and summaries."""

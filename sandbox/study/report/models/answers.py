@@ -1,0 +1,159 @@
+"""Questionnaires: scores and single scales, by level of the factor that they were asked about."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from sandbox.study.report.models.comparisons import Difference, Pair, t_difference
+from sandbox.study.report.models.data import Factor, StudyData, to_numbers
+from sandbox.study.report.models.intervals import Estimate, holm, mean_interval, within_intervals
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+ALL = "all"
+"""Level of what was asked about the whole session."""
+
+
+@dataclass(frozen=True)
+class Scale:
+    """A scale of a questionnaire, by level.
+
+    Attributes:
+        questionnaire, scale: Names.
+        score: It was computed from several answers; else it is one answer.
+        factor: The levels' factor; None for one asked once.
+        levels: That were answered about.
+        values: (people, levels); nan for what is missing.
+        means, within: As in `Summary`.
+        differences: Of all pairs of levels, within people or between.
+    """
+
+    questionnaire: str
+    scale: str
+    score: bool
+    factor: Factor | None
+    levels: tuple[str, ...]
+    values: np.ndarray
+    means: tuple[Estimate, ...]
+    within: tuple[Estimate, ...]
+    differences: tuple[Difference, ...]
+
+    @property
+    def title(self) -> str:
+        """For people."""
+        if self.scale.lower() in (self.questionnaire.lower(), "score", "total", ""):
+            return self.questionnaire
+        return f"{self.questionnaire}: {self.scale}"
+
+
+def scales(data: StudyData) -> list[Scale]:
+    """Scores first, then answers that are numbers."""
+    return [*_scores(data), *_items(data)]
+
+
+def _scores(data: StudyData) -> list[Scale]:
+    table = data.scores.rename(columns={"participant": "ppid", "questionnaire": "instrument"})
+    if not {"instrument", "scale", "score", "ppid"} <= set(table.columns):
+        return []
+    return _each(data, table, "instrument", "scale", "score", True)
+
+
+def _items(data: StudyData) -> list[Scale]:
+    if not {"ppid", "instrument", "item", "answer"} <= set(data.answers.columns):
+        return []
+    table = data.answers[data.answers["instrument"] != "demographics"]
+    return _each(data, table, "instrument", "item", "answer", False)
+
+
+def _each(
+    data: StudyData, table: DataFrame, form: str, item: str, value: str, score: bool
+) -> list[Scale]:
+    table = table[~table["ppid"].isin(_left_out(data))]
+    found = []
+    for (name, scale), rows in table.groupby([form, item], sort=False):
+        numbers = to_numbers(rows[value])
+        given = rows[value].astype(str).str.strip() != ""
+        # A text that looks like a number once is none; every answer has to be one.
+        if not given.any() or numbers[given].isna().any():
+            continue
+        found.append(_scale(data, str(name), str(scale), score, rows, numbers.to_numpy(float)))
+    return found
+
+
+def _left_out(data: StudyData) -> list[str]:
+    """Participants of whom no trial is used although they have some that count."""
+    main = data.trials[(data.trials["counted"] == 1) & (data.trials["practice"] != 1)]
+    return sorted(set(main["ppid"]) - set(data.used["ppid"]))
+
+
+def _scale(
+    data: StudyData, name: str, scale: str, score: bool, rows: DataFrame, numbers: np.ndarray
+) -> Scale:
+    factor, level = _level(data, rows)
+    levels = tuple(x for x in (factor.levels if factor else (ALL,)) if x in set(level))
+    people = list(dict.fromkeys(rows["ppid"]))
+    who = rows["ppid"].to_numpy()
+    values = np.full((len(people), len(levels)), np.nan)
+    for i, ppid in enumerate(people):
+        for j, x in enumerate(levels):
+            mine = numbers[(who == ppid) & (level == x)]
+            mine = mine[np.isfinite(mine)]
+            if len(mine):
+                values[i, j] = mine.mean()
+    return Scale(name, scale, score, factor, levels, values,
+                 tuple(mean_interval(list(column)) for column in values.T),
+                 tuple(within_intervals(values)),
+                 tuple(_differences(factor, levels, values)))  # fmt: skip
+
+
+def _level(data: StudyData, rows: DataFrame) -> tuple[Factor | None, np.ndarray]:
+    """The innermost factor that the questions were about, and its level in every row."""
+    for factor in reversed(data.factors):
+        if factor.column in rows.columns and rows[factor.column].isin(factor.levels).all():
+            return factor, rows[factor.column].to_numpy()
+    if "at" in rows.columns:
+        for factor in reversed(data.factors):
+            # `encoder=best`, or the level's name alone.
+            named = rows["at"].str.split(r"[;,] ?", regex=True).map(
+                lambda parts, f=factor: next((x for p in parts for x in f.levels
+                                              if p in (x, f"{f.name}={x}")), ""))  # fmt: skip
+            if len(named) and (named != "").all():
+                return factor, named.to_numpy()
+    return None, np.full(len(rows), ALL)
+
+
+def _differences(
+    factor: Factor | None, levels: tuple[str, ...], values: np.ndarray
+) -> list[Difference]:
+    found = []
+    for j in range(len(levels)):
+        for k in range(j + 1, len(levels)):
+            assert factor is not None
+            pair = Pair(factor, levels[j], levels[k], ())
+            a, b = values[:, j], values[:, k]
+            if factor.within:
+                d = b - a
+                d = d[np.isfinite(d)]
+                error = float(d.std(ddof=1) / np.sqrt(len(d))) if len(d) > 1 else np.nan
+                found.append(t_difference(pair, float(d.mean()) if len(d) else np.nan, error,
+                                          len(d) - 1.0))  # fmt: skip
+                continue
+            a, b = a[np.isfinite(a)], b[np.isfinite(b)]
+            if len(a) < 2 or len(b) < 2:
+                continue
+            va, vb = a.var(ddof=1) / len(a), b.var(ddof=1) / len(b)
+            # Welch's degrees of freedom.
+            freedom = ((va + vb) ** 2 / (va**2 / (len(a) - 1) + vb**2 / (len(b) - 1))
+                       if va + vb > 0.0 else 0.0)  # fmt: skip
+            found.append(t_difference(pair, float(b.mean() - a.mean()), float(np.sqrt(va + vb)),
+                                      float(freedom)))  # fmt: skip
+    return found
+
+
+def adjusted(scale: Scale) -> list[float]:
+    """P values of a scale's pairs, adjusted for how many they are."""
+    return holm([d.p for d in scale.differences])

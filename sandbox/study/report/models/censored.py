@@ -1,0 +1,171 @@
+"""Completion times when some were not seen: a trial without success took longer than it lasted.
+
+Whoever leaves such trials out makes slow conditions look fast. Here log time is normal around a
+mean by condition and practice, and an unsuccessful trial says that its time is longer than its
+`time_s` (a Tobit or lognormal accelerated failure time model). People are the units of chance:
+errors are by the jackknife that leaves one person out, so that whatever goes on within a person is
+allowed for. In R: `survreg(Surv(time_s, success) ~ 0 + condition + log2_position,
+dist = "lognormal")`.
+
+The likelihood is concave in the parameters of Olsen 1978, and so has one maximum.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from sandbox.study.report.models.comparisons import Difference, freedom_of, pairs_of, t_difference
+from sandbox.study.report.models.data import StudyData
+from sandbox.study.report.models.mixed import FEWEST_PEOPLE, fixed_effects
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+TOLERANCE = 1e-9
+"""Largest last step of a parameter in units of the residual's standard deviation."""
+
+
+@dataclass(frozen=True)
+class Censored:
+    """A fitted model.
+
+    Attributes:
+        present: Numbers of the conditions that it has: those in which somebody succeeded.
+        names: Of all coefficients, as in `Mixed`.
+        coefficients: On the log scale.
+        replicates: (people, coefficients) without each person; nan where they cannot be told.
+        sigma: Standard deviation of log time around its mean, between people and within.
+        people, trials, unseen: How many it saw; trials whose time is only known to be longer.
+    """
+
+    present: tuple[int, ...]
+    names: tuple[str, ...]
+    coefficients: np.ndarray
+    replicates: np.ndarray
+    sigma: float
+    people: int
+    trials: int
+    unseen: int
+
+    def error(self, weights: np.ndarray) -> float:
+        """Standard error of a weighted sum of coefficients."""
+        values = self.replicates[:, weights != 0] @ weights[weights != 0]
+        count = len(values)
+        return float(np.sqrt((count - 1) / count * ((values - values.mean()) ** 2).sum()))
+
+
+def tobit(X: np.ndarray, y: np.ndarray, seen: np.ndarray, start: np.ndarray | None = None
+          ) -> np.ndarray | None:  # fmt: skip
+    """Most likely parameters of a normal variable of which some values are only lower bounds.
+
+    Args:
+        X: (n, k) design matrix of full rank.
+        y: (n,) values or bounds.
+        seen: (n,) whether it is a value.
+        start: (k + 1,) to begin with, as returned.
+
+    Returns:
+        (k + 1,) coefficients over the standard deviation, then one over that; None where there is
+        no maximum.
+    """
+    from scipy.special import log_ndtr
+
+    k = X.shape[1]
+    Z = np.column_stack([X, -y])
+    bounds = Z[~seen]
+    values = Z[seen]
+    count = int(seen.sum())
+    if start is None:
+        start = np.zeros(k + 1)
+        spread = float(y.std())
+        if not spread > 0.0:
+            return None
+        start[:k] = np.linalg.lstsq(X, y, rcond=None)[0] / spread
+        start[k] = 1.0 / spread
+    theta = start.copy()
+
+    def likelihood(p: np.ndarray) -> float:
+        if p[k] <= 0.0:
+            return -np.inf
+        return float(count * np.log(p[k]) - 0.5 * ((values @ p) ** 2).sum()
+                     + log_ndtr(bounds @ p).sum())  # fmt: skip
+
+    now = likelihood(theta)
+    for _ in range(100):
+        at = bounds @ theta
+        # The normal's hazard at -at; from logarithms, so that far tails do not vanish.
+        hazard = np.exp(-0.5 * at * at - 0.5 * np.log(2 * np.pi) - log_ndtr(at))
+        gradient = -values.T @ (values @ theta) + bounds.T @ hazard
+        gradient[k] += count / theta[k]
+        curvature = values.T @ values + (bounds.T * (hazard * (at + hazard))) @ bounds
+        curvature[k, k] += count / theta[k] ** 2
+        try:
+            step = np.linalg.solve(curvature, gradient)
+        except np.linalg.LinAlgError:
+            return None
+        size = 1.0
+        while (then := likelihood(theta + size * step)) < now - 1e-12 and size > 1e-6:
+            size /= 2
+        theta, now = theta + size * step, max(now, then)
+        if np.abs(size * step).max() < TOLERANCE * max(1.0, np.abs(theta).max()):
+            return theta
+    return None
+
+
+def fit_censored(data: StudyData) -> Censored | str:
+    """Fits the model to all used trials, or says why not."""
+    rows = data.used[data.used["time_s"] > 0.0]
+    succeeded = set(rows.loc[~rows["censored"], "cell"])
+    # Where nobody succeeded, times have no upper end.
+    rows = rows[rows["cell"].isin(succeeded)]
+    people = rows["ppid"].nunique()
+    if people < FEWEST_PEOPLE:
+        return f"at least {FEWEST_PEOPLE} participants are needed, and here are {people}"
+    X, names, present = fixed_effects(rows, data.conditions)
+    y = np.log(rows["time_s"].to_numpy(float))
+    seen = ~rows["censored"].to_numpy(bool)
+    if seen.sum() <= X.shape[1] + 1:
+        return f"{int(seen.sum())} successes are too few for {X.shape[1]} coefficients"
+    found = tobit(X, y, seen)
+    if found is None:
+        return "the model has no most likely parameters here"
+    who = rows["ppid"].to_numpy()
+    replicates = np.array([_without(X, y, seen, who != ppid, found)
+                           for ppid in dict.fromkeys(who)])  # fmt: skip
+    return Censored(tuple(present), tuple(names), found[:-1] / found[-1], replicates,
+                    float(1.0 / found[-1]), people, len(rows), int((~seen).sum()))  # fmt: skip
+
+
+def _without(
+    X: np.ndarray, y: np.ndarray, seen: np.ndarray, keep: np.ndarray, start: np.ndarray
+) -> np.ndarray:
+    """Coefficients from some of the trials; nan for conditions in which none of them succeeded."""
+    told = (X[keep & seen] != 0.0).any(axis=0)
+    # Trials of a condition without success have no finite mean, and go with it.
+    mine = keep & (X[:, ~told] == 0.0).all(axis=1)
+    out = np.full(X.shape[1], np.nan)
+    part = tobit(X[mine][:, told], y[mine], seen[mine], start[np.append(told, True)])
+    if part is not None:
+        out[told] = part[:-1] / part[-1]
+    return out
+
+
+def censored_differences(data: StudyData, model: Censored) -> list[Difference]:
+    """All pairs of levels, by the model: of log times."""
+    used = data.used
+    found = []
+    for pair in pairs_of(data, model.present):
+        weights = np.zeros(len(model.names))
+        weights[: len(model.present)] = pair.weights(len(data.conditions))[list(model.present)]
+        freedom = freedom_of(pair.factor, zip(used["ppid"], used[pair.factor.column], strict=True))
+        value = float(weights @ model.coefficients)
+        found.append(t_difference(pair, value, model.error(weights), freedom))
+    return found
+
+
+def rows_of(data: StudyData) -> DataFrame:
+    """The used trials that the mixed model of completion times sees: those that succeeded."""
+    return data.used[~data.used["censored"] & (data.used["time_s"] > 0.0)]

@@ -1,0 +1,110 @@
+"""Which conditions are compared: pairs of levels, averaged over what else was varied."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass
+from itertools import combinations
+from math import nan
+
+import numpy as np
+
+from sandbox.study.report.models.data import Factor, StudyData
+from sandbox.study.report.models.intervals import Estimate, t_quantile
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two levels of a factor: `second` against `first`.
+
+    Attributes:
+        factor: That has them.
+        first, second: Levels; the first is the earlier one in the design.
+        cells: For each combination of the other factors that both occur with: the number of the
+            condition with the first level, and of that with the second.
+    """
+
+    factor: Factor
+    first: str
+    second: str
+    cells: tuple[tuple[int, int], ...]
+
+    @property
+    def title(self) -> str:
+        """For tables."""
+        return f"{self.second} against {self.first}"
+
+    def weights(self, conditions: int) -> np.ndarray:
+        """(conditions,) weights whose sum with their means is the difference."""
+        w = np.zeros(conditions)
+        for first, second in self.cells:
+            w[first] -= 1.0 / len(self.cells)
+            w[second] += 1.0 / len(self.cells)
+        return w
+
+
+def pairs_of(data: StudyData, present: Collection[int] | None = None) -> list[Pair]:
+    """All pairs of levels that occur under equal circumstances.
+
+    Args:
+        data: Of the study.
+        present: Numbers of conditions that may be used; all unless told.
+    """
+    names = [f.column for f in data.factors]
+    seen = data.used[["cell", *names]].drop_duplicates("cell")
+    found = []
+    for factor in data.factors:
+        others = [name for name in names if name != factor.column]
+        where: dict[str, dict[tuple[str, ...], int]] = {}
+        for row in seen.to_dict("records"):
+            if present is None or row["cell"] in present:
+                rest = tuple(row[name] for name in others)
+                where.setdefault(row[factor.column], {})[rest] = int(row["cell"])
+        for first, second in combinations(factor.levels, 2):
+            one, two = where.get(first, {}), where.get(second, {})
+            cells = tuple((one[rest], two[rest]) for rest in one if rest in two)
+            if cells:
+                found.append(Pair(factor, first, second, cells))
+    return found
+
+
+@dataclass(frozen=True)
+class Difference:
+    """How much a pair of levels differs.
+
+    Attributes:
+        pair: Which levels.
+        estimate: Of the second less the first, on the model's scale.
+        error: Standard error.
+        freedom: Degrees of freedom of the t distribution.
+        p: That there is no difference, for this pair alone; nan where it cannot be told.
+    """
+
+    pair: Pair
+    estimate: Estimate
+    error: float
+    freedom: float
+    p: float
+
+
+def t_difference(pair: Pair, value: float, error: float, freedom: float) -> Difference:
+    """A difference whose estimate is t distributed."""
+    from scipy import stats
+
+    if not (np.isfinite(value) and np.isfinite(error) and freedom > 0):
+        return Difference(pair, Estimate(value, nan, nan), nan, freedom, nan)
+    half = t_quantile(freedom) * error
+    p = nan if error <= 0 else float(2 * stats.t.sf(abs(value) / error, freedom))
+    return Difference(pair, Estimate(value, value - half, value + half), error, freedom, p)
+
+
+def freedom_of(factor: Factor, people: Iterable[tuple[str, str]]) -> float:
+    """Degrees of freedom of a comparison: those of a paired t test over people, or of one between.
+
+    Args:
+        factor: That is compared.
+        people: Everybody's pseudonym and level, as often as wanted.
+    """
+    seen = set(people)
+    count = len({ppid for ppid, _ in seen})
+    return count - 1.0 if factor.within else float(count - len({level for _, level in seen}))

@@ -1,0 +1,83 @@
+"""What the report is not about: everything that was left out, why, and what remains."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from sandbox.study.report.models.data import StudyData, to_numbers
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+
+@dataclass(frozen=True)
+class Step:
+    """A step from everything to what is used.
+
+    Attributes:
+        what: Taken away, or there.
+        participants, trials: How many; a participant is gone with the last trial.
+        remains: It is a sum, not something taken away.
+    """
+
+    what: str
+    participants: int
+    trials: int
+    remains: bool = False
+
+
+def flow(data: StudyData) -> list[Step]:
+    """From all finished attempts to the trials used, step by step."""
+    trials = data.trials
+    steps = [Step("began", len(data.people), 0, True),
+             Step("finished attempts", trials["ppid"].nunique(), len(trials), True)]  # fmt: skip
+    rest = trials
+    for what, gone in (
+        ("replaced by a later attempt", trials["counted"] != 1),
+        ("practice", trials["practice"] == 1),
+    ):
+        rest = _take(steps, rest, rest[gone.reindex(rest.index)], what)
+    steps.append(Step("trials that count", rest["ppid"].nunique(), len(rest), True))
+    reasons = rest.get("exclusion_reason")
+    excluded = rest["excluded"] == 1
+    if reasons is None:
+        rest = _take(steps, rest, rest[excluded], "excluded")
+    else:
+        for reason in dict.fromkeys(rest.loc[excluded, "exclusion_reason"]):
+            mine = rest[(rest["excluded"] == 1) & (rest["exclusion_reason"] == reason)]
+            rest = _take(steps, rest, mine, f"excluded, {reason or 'without a reason'}")
+    rest = _take(steps, rest, rest[~rest["success"].isin([0, 1])], "without a result")
+    steps.append(Step("used here", rest["ppid"].nunique(), len(rest), True))
+    return steps
+
+
+def _take(steps: list[Step], rest: DataFrame, gone: DataFrame, what: str) -> DataFrame:
+    left = rest.drop(gone.index)
+    if len(gone):
+        lost = rest["ppid"].nunique() - left["ppid"].nunique()
+        steps.append(Step(what, lost, len(gone)))
+    return left
+
+
+def unfinished(data: StudyData) -> list[str]:
+    """Participants who have not come to the end of their session, as far as is known."""
+    if "complete" not in data.people.columns:
+        return []
+    done = to_numbers(data.people["complete"])
+    return [str(p) for p in data.people.loc[done != 1, "ppid"]]
+
+
+def endings(data: StudyData) -> dict[str, dict[str, int]]:
+    """How used trials ended: by condition, then by status."""
+    used = data.used
+    if "status" not in used.columns:
+        status = used["success"].map({1.0: "success", 0.0: "no success"})
+    else:
+        status = used["status"].mask(used["success"] == 1, "success")
+        status = status.mask((status == "") | (status == "held"), "no success")
+    kinds = ["success", *sorted(set(status) - {"success"})]
+    table = {name: dict.fromkeys(kinds, 0) for name in data.conditions}
+    for name, kind in zip(used["condition"], status, strict=True):
+        table[name][kind] += 1
+    return table

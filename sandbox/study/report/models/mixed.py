@@ -1,0 +1,210 @@
+"""The linear mixed model: a measure by condition and practice, with people as random effects.
+
+    y = condition + practice * log2(trial) + person + person x level of each factor + residual
+
+It is fitted by restricted maximum likelihood with statsmodels; the same in R is
+`lmer(y ~ 0 + condition + log2_position + (1 | ppid) + (1 | ppid:factor) + ...)`. Degrees of freedom
+are those of a paired t test over people, which is a little cautious.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from sandbox.study.report.models.comparisons import (
+    Difference,
+    freedom_of,
+    pairs_of,
+    t_difference,
+)
+from sandbox.study.report.models.data import Factor, StudyData
+from sandbox.study.report.models.intervals import t_quantile
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+FEWEST_PEOPLE = 3
+"""Below, a spread between people cannot be told."""
+PRACTICE = "log2_position"
+
+
+@dataclass(frozen=True)
+class Mixed:
+    """A fitted model.
+
+    Attributes:
+        present: Numbers of the conditions that it has, in order of its coefficients.
+        names: Of all coefficients: conditions, then practice where it could be told.
+        coefficients, covariance: Of the fixed effects.
+        spreads: Standard deviations: person, person x factor, residual.
+        people, trials: How many it saw.
+        left_out: Terms that the data do not suffice for, in words.
+        converged: The optimiser was content.
+    """
+
+    present: tuple[int, ...]
+    names: tuple[str, ...]
+    coefficients: np.ndarray
+    covariance: np.ndarray
+    spreads: dict[str, float]
+    people: int
+    trials: int
+    left_out: tuple[str, ...]
+    converged: bool
+
+
+def fixed_effects(
+    rows: DataFrame, conditions: Sequence[str]
+) -> tuple[np.ndarray, list[str], list[int]]:
+    """The design matrix of conditions and practice.
+
+    Returns:
+        (trials, coefficients) matrix, names, numbers of the conditions present.
+    """
+    present = sorted(set(rows["cell"]))
+    columns = [(rows["cell"] == cell).to_numpy(float) for cell in present]
+    names = [conditions[cell] for cell in present]
+    practice = np.log2(rows["position"].to_numpy(float))
+    # Centred, so that a condition's coefficient is its mean amid the session.
+    columns.append(practice - practice.mean())
+    X = np.column_stack(columns)
+    if np.linalg.matrix_rank(X) < X.shape[1] or len(X) <= X.shape[1]:
+        return X[:, :-1], names, present
+    return X, [*names, PRACTICE], present
+
+
+def random_factors(rows: DataFrame, factors: Sequence[Factor]) -> tuple[list[Factor], list[str]]:
+    """Factors whose effect can be told to vary from person to person, and what others lack."""
+    usable, lacking = [], []
+    for factor in factors:
+        if not factor.within or len(factor.levels) < 2:
+            continue
+        groups = rows.groupby(["ppid", factor.column]).ngroups
+        if groups < len(rows) and groups > rows["ppid"].nunique():
+            usable.append(factor)
+        else:
+            lacking.append(f"person x {factor.name}: one trial of each level")
+    return usable, lacking
+
+
+def fit_mixed(data: StudyData, rows: DataFrame, y: np.ndarray) -> Mixed | str:
+    """Fits the model, with fewer random effects where the data do not suffice for all.
+
+    Args:
+        data: Of the study.
+        rows: Those of `data.used` that are modelled.
+        y: (rows,) measure, on the scale on which effects add up.
+
+    Returns:
+        The model, or why there is none.
+    """
+    people = rows["ppid"].nunique()
+    if people < FEWEST_PEOPLE:
+        return f"a mixed model needs at least {FEWEST_PEOPLE} participants, and here are {people}"
+    X, names, present = fixed_effects(rows, data.conditions)
+    if len(rows) <= X.shape[1] + people:
+        return f"{len(rows)} trials are too few for {X.shape[1]} coefficients and {people} people"
+    if not np.ptp(y) > 0.0:
+        return "all values are equal"
+    left_out = [] if PRACTICE in names else ["practice: it cannot be told from conditions"]
+    factors, lacking = random_factors(rows, data.factors)
+    left_out += lacking
+    while True:
+        found = _fit(rows, y, X, factors)
+        if found is not None:
+            break
+        if not factors:
+            return "the mixed model cannot be fitted to these data"
+        left_out.append(f"person x {factors[-1].name}: it cannot be fitted")
+        factors = factors[:-1]
+    spreads, converged = found
+    covariance, coefficients = _generalised(rows, y, X, factors, spreads)
+    return Mixed(tuple(present), tuple(names), coefficients, covariance, spreads, people,
+                 len(rows), tuple(left_out), converged)  # fmt: skip
+
+
+def _fit(
+    rows: DataFrame, y: np.ndarray, X: np.ndarray, factors: Sequence[Factor]
+) -> tuple[dict[str, float], bool] | None:
+    """Standard deviations of all random effects, and whether the optimiser was content."""
+    import pandas as pd
+    from statsmodels.regression.mixed_linear_model import MixedLM
+
+    # Names of people's own choice are no formula's business.
+    table = pd.DataFrame({"y": y, "who": rows["ppid"].to_numpy()})
+    for i, column in enumerate(X.T):
+        table[f"x{i}"] = column
+    for i, factor in enumerate(factors):
+        table[f"f{i}"] = rows[factor.column].to_numpy()
+    with warnings.catch_warnings():
+        # A spread of zero is a result, and no reason for a warning.
+        warnings.simplefilter("ignore")
+        try:
+            model = MixedLM.from_formula(
+                "y ~ 0 + " + " + ".join(f"x{i}" for i in range(X.shape[1])),
+                table,
+                groups="who",
+                re_formula="1",
+                vc_formula={f"f{i}": f"0 + C(f{i})" for i in range(len(factors))} or None,
+            )
+            fit = model.fit(reml=True, method=["lbfgs", "powell"])
+        except (np.linalg.LinAlgError, ValueError):
+            return None
+    names = [f"person x {f.name}" for f in factors]
+    residual = float(np.sqrt(fit.scale))
+    person = float(np.sqrt(max(0.0, np.asarray(fit.cov_re)[0, 0])))
+    shares = [float(np.sqrt(max(0.0, v))) for v in fit.vcomp]
+    if not np.isfinite([residual, person, *shares]).all() or residual <= 0.0:
+        return None
+    spreads = {"person": person, **dict(zip(names, shares, strict=True)), "residual": residual}
+    return spreads, bool(fit.converged)
+
+
+def _generalised(
+    rows: DataFrame, y: np.ndarray, X: np.ndarray, factors: Sequence[Factor],
+    spreads: dict[str, float],
+) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+    """Covariance and values of the fixed effects, given all spreads: generalised least squares."""
+    information = np.zeros((X.shape[1], X.shape[1]))
+    score = np.zeros(X.shape[1])
+    who = rows["ppid"].to_numpy()
+    for ppid in dict.fromkeys(who):
+        mine = who == ppid
+        V = np.full((mine.sum(), mine.sum()), spreads["person"] ** 2)
+        V[np.diag_indices_from(V)] += spreads["residual"] ** 2
+        for factor in factors:
+            levels = rows[factor.column].to_numpy()[mine]
+            V += spreads[f"person x {factor.name}"] ** 2 * (levels[:, None] == levels[None, :])
+        solved = np.linalg.solve(V, np.column_stack([X[mine], y[mine]]))
+        information += X[mine].T @ solved[:, :-1]
+        score += X[mine].T @ solved[:, -1]
+    covariance = np.linalg.inv(information)
+    return covariance, covariance @ score
+
+
+def mixed_differences(data: StudyData, rows: DataFrame, model: Mixed) -> list[Difference]:
+    """All pairs of levels, by the model."""
+    found = []
+    for pair in pairs_of(data, model.present):
+        weights = np.zeros(len(model.names))
+        weights[: len(model.present)] = pair.weights(len(data.conditions))[list(model.present)]
+        freedom = freedom_of(pair.factor, zip(rows["ppid"], rows[pair.factor.column], strict=True))
+        error = float(np.sqrt(weights @ model.covariance @ weights))
+        value = float(weights @ model.coefficients)
+        found.append(t_difference(pair, value, error, freedom))
+    return found
+
+
+def practice_effect(model: Mixed) -> tuple[float, float, float] | None:
+    """Change with every doubling of trials done, with its interval."""
+    if PRACTICE not in model.names:
+        return None
+    i = model.names.index(PRACTICE)
+    value, error = float(model.coefficients[i]), float(np.sqrt(model.covariance[i, i]))
+    half = error * t_quantile(model.people - 1)
+    return value, value - half, value + half

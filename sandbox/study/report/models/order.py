@@ -1,0 +1,138 @@
+"""Whether the order mattered: where levels came, how times change with practice."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from sandbox.study.report.models.data import Factor, StudyData
+from sandbox.study.report.models.intervals import Estimate, mean_interval
+from sandbox.study.report.models.quantities import Quantity, rows_with
+
+POINTS = 24
+"""Of a learning curve at most; more trials are put together."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """A level at a place.
+
+    Attributes:
+        factor, level: Which.
+        place: 1, 2, ...: how many levels of the factor came up to this one, within those around.
+        times: How often it was there.
+        mean: Of the measure, other conditions' differences taken out.
+    """
+
+    factor: str
+    level: str
+    place: int
+    times: int
+    mean: Estimate
+
+
+def places(data: StudyData, what: Quantity, factor: Factor) -> list[Place]:
+    """Every level of a factor at every place at which it was."""
+    rows, y = rows_with(data, what)
+    outer = [f.column for f in data.factors[: data.factors.index(factor)]]
+    place = _place(data, factor, outer)
+    level = rows[factor.column].to_numpy()
+    corrected = _corrected(data, rows["cell"].to_numpy(int), y, level)
+    at = place[rows.index]
+    everywhere = data.used[["ppid", factor.column, *outer]].assign(place=place)
+    often = Counter(zip(*(everywhere.drop_duplicates()[c] for c in (factor.column, "place")),
+                        strict=True))  # fmt: skip
+    found = []
+    for name in factor.levels:
+        for number in sorted({p for x, p in often if x == name}):
+            mine = (level == name) & (at == number)
+            means = _by_person(rows["ppid"].to_numpy()[mine], corrected[mine])
+            found.append(Place(factor.name, name, int(number), often[name, number],
+                               _back(what, mean_interval(means))))  # fmt: skip
+    return found
+
+
+def _place(data: StudyData, factor: Factor, outer: list[str]) -> np.ndarray:
+    used = data.used
+    groups = used.groupby(["ppid", *outer], sort=False)[factor.column]
+    return groups.transform(lambda column: column.map(
+        {x: i + 1 for i, x in enumerate(dict.fromkeys(column))})).to_numpy(int)  # fmt: skip
+
+
+def balanced(found: list[Place], factor: Factor) -> bool:
+    """Whether every level was equally often at every place."""
+    counts = {(p.level, p.place): p.times for p in found}
+    number = len(factor.levels)
+    return len(counts) == number * number and len(set(counts.values())) == 1
+
+
+def neighbours(data: StudyData, factor: Factor) -> dict[tuple[str, str], int]:
+    """How often a level came right after another one."""
+    count: Counter[tuple[str, str]] = Counter()
+    for _, levels in data.used.groupby("ppid", sort=False)[factor.column]:
+        runs = [x for i, x in enumerate(levels) if i == 0 or x != levels.iloc[i - 1]]
+        count.update(pairwise(runs))
+    return dict(count)
+
+
+@dataclass(frozen=True)
+class Learned:
+    """A point of a learning curve.
+
+    Attributes:
+        level: Of the factor.
+        first, last: Trials with this level, 1, 2, ..., that are put together.
+        mean: Of the measure, other conditions' differences taken out.
+        people: That it is from.
+    """
+
+    level: str
+    first: int
+    last: int
+    mean: Estimate
+    people: int
+
+
+def learning(data: StudyData, what: Quantity, factor: Factor | None) -> list[Learned]:
+    """The measure from trial to trial, by level of a factor, or over all."""
+    rows, y = rows_with(data, what)
+    if not len(rows):
+        return []
+    used = data.used
+    keys = ["ppid"] if factor is None else ["ppid", factor.column]
+    # Trials without success were practice, too.
+    number = (used.sort_values(["ppid", "position"]).groupby(keys).cumcount() + 1)[rows.index]
+    level = np.full(len(rows), "all") if factor is None else rows[factor.column].to_numpy()
+    corrected = _corrected(data, rows["cell"].to_numpy(int), y, level)
+    size = int(np.ceil(number.max() / POINTS))
+    step = (number.to_numpy(int) - 1) // size
+    found = []
+    for name in factor.levels if factor else ("all",):
+        for k in sorted(set(step[level == name])):
+            mine = (level == name) & (step == k)
+            means = _by_person(rows["ppid"].to_numpy()[mine], corrected[mine])
+            found.append(Learned(name, int(k) * size + 1, (int(k) + 1) * size,
+                                 _back(what, mean_interval(means)), len(means)))  # fmt: skip
+    return found
+
+
+def _corrected(data: StudyData, cell: np.ndarray, y: np.ndarray, level: np.ndarray) -> np.ndarray:
+    """Values without what conditions differ in besides the level."""
+    out = np.zeros_like(y)
+    cells = {c: float(y[cell == c].mean()) for c in set(cell)}
+    for name in set(level):
+        inside = [cells[c] for c in sorted(set(cell[level == name]))]
+        mine = level == name
+        out[mine] = y[mine] - np.array([cells[c] for c in cell[mine]]) + np.mean(inside)
+    return out
+
+
+def _by_person(ppids: np.ndarray, values: np.ndarray) -> list[float]:
+    return [float(values[ppids == ppid].mean()) for ppid in dict.fromkeys(ppids)]
+
+
+def _back(what: Quantity, e: Estimate) -> Estimate:
+    return Estimate(what.back(e.value), what.back(e.low), what.back(e.high))

@@ -1,0 +1,177 @@
+"""Success: shares of trials, their differences between levels, and odds.
+
+The differences are in shares of trials, which always exist. Everybody's own shares are what
+varies; limits come from Wilson's intervals for clustered trials, and so have a width even where
+everybody always succeeded. P values are of exact or drawn permutations: signs of people's own
+differences, or people's groups. Odds ratios are by generalised estimating equations, where no
+condition is all success or all failure.
+"""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+from itertools import product
+from math import nan
+
+import numpy as np
+
+from sandbox.study.report.models.comparisons import (
+    Difference,
+    Pair,
+    freedom_of,
+    pairs_of,
+    t_difference,
+)
+from sandbox.study.report.models.data import StudyData, to_numbers
+from sandbox.study.report.models.intervals import Estimate, Share, design_effect, difference, share
+from sandbox.study.report.models.mixed import FEWEST_PEOPLE, fixed_effects
+
+EXACT = 12
+"""People up to whom all signs are tried."""
+DRAWS = 10_000
+"""Permutations otherwise."""
+
+
+@dataclass(frozen=True)
+class Successes:
+    """How much a pair of levels differs in success.
+
+    Attributes:
+        pair: Which levels.
+        first, second: Shares over the circumstances in which both occur.
+        estimate: Second less first.
+        p: Of the permutation test; nan with fewer than two people.
+        people: Who did both, or either.
+    """
+
+    pair: Pair
+    first: Share
+    second: Share
+    estimate: Estimate
+    p: float
+    people: int
+
+
+def rates(data: StudyData, name: str = "success") -> tuple[list[str], np.ndarray, np.ndarray]:
+    """Everybody's successes in every condition.
+
+    Args:
+        data: Of the study.
+        name: Of the measure, whose values are 0 and 1.
+
+    Returns:
+        Pseudonyms; (people, conditions) shares, nan where there was no trial; numbers of trials.
+    """
+    people = data.ppids
+    row = {ppid: i for i, ppid in enumerate(people)}
+    done = np.zeros((len(people), len(data.conditions)))
+    won = np.zeros_like(done)
+    values = to_numbers(data.used[name])
+    used = data.used[values.notna()]
+    where = (used["ppid"].map(row).to_numpy(int), used["cell"].to_numpy(int))
+    np.add.at(done, where, 1.0)
+    np.add.at(won, where, values[values.notna()].to_numpy(float))
+    return people, np.divide(won, done, out=np.full_like(done, nan), where=done > 0), done
+
+
+def success_differences(data: StudyData, name: str = "success") -> list[Successes]:
+    """All pairs of levels, in success or in another measure of 0 and 1."""
+    if not len(data.used):
+        return []
+    _, own, done = rates(data, name)
+    usual = design_effect(*_overall(own, done))
+    return [_compare(pair, own, done, usual) for pair in pairs_of(data)]
+
+
+def _overall(own: np.ndarray, done: np.ndarray) -> tuple[list[float], list[int]]:
+    who = done.any(axis=1)
+    return list(np.nanmean(own[who], axis=1)), [int(n) for n in done[who].sum(axis=1)]
+
+
+def _compare(pair: Pair, own: np.ndarray, done: np.ndarray, usual: float) -> Successes:
+    first, second = (np.array(side) for side in zip(*pair.cells, strict=True))
+    a, b, n, m = own[:, first], own[:, second], done[:, first], done[:, second]
+    if pair.factor.within:
+        both = np.isfinite(a) & np.isfinite(b)
+        who = both.any(axis=1)
+        a, b = (np.nanmean(np.where(both, x, nan)[who], axis=1) for x in (a, b))
+        n, m = (np.where(both, x, 0.0)[who].sum(axis=1) for x in (n, m))
+        tied = float(np.corrcoef(a, b)[0, 1]) if len(a) > 1 and a.std() and b.std() else 0.0
+        p, people = sign_test(b - a), len(a)
+    else:
+        one, two = np.isfinite(a).any(axis=1), np.isfinite(b).any(axis=1)
+        a, b = np.nanmean(a[one], axis=1), np.nanmean(b[two], axis=1)
+        n, m = n[one].sum(axis=1), m[two].sum(axis=1)
+        tied, p, people = 0.0, group_test(a, b), len(a) + len(b)
+    low, high = (share(list(x), [int(i) for i in k], usual) for x, k in ((a, n), (b, m)))
+    if people < 2:
+        return Successes(pair, low, high, Estimate(high.value - low.value, nan, nan), nan, people)
+    return Successes(pair, low, high, difference(high, low, tied), p, people)
+
+
+def sign_test(differences: np.ndarray) -> float:
+    """P value that people's own differences are as often on either side, by changing signs."""
+    d = differences[differences != 0.0]
+    if len(differences) < 2:
+        return nan
+    if not len(d):
+        return 1.0
+    if len(d) <= EXACT:
+        signs = np.array(list(product((-1.0, 1.0), repeat=len(d))))
+        extra = 0
+    else:
+        signs = np.random.default_rng(len(d)).choice((-1.0, 1.0), (DRAWS, len(d)))
+        extra = 1
+    found = np.abs(signs @ d) >= abs(d.sum()) - 1e-9
+    return float((found.sum() + extra) / (len(found) + extra))
+
+
+def group_test(a: np.ndarray, b: np.ndarray) -> float:
+    """P value that two groups are alike, by drawing groups anew."""
+    if len(a) < 2 or len(b) < 2:
+        return nan
+    x = np.concatenate([a, b])
+    rng = np.random.default_rng(len(x))
+    drawn = rng.permuted(np.tile(x, (DRAWS, 1)), axis=1)
+    gaps = np.abs(drawn[:, : len(a)].mean(axis=1) - drawn[:, len(a) :].mean(axis=1))
+    return float(((gaps >= abs(a.mean() - b.mean()) - 1e-9).sum() + 1) / (DRAWS + 1))
+
+
+def odds(data: StudyData) -> list[Difference] | str:
+    """Log odds ratios of all pairs by generalised estimating equations, or why there are none.
+
+    Trials of a person are exchangeable; errors are those of Mancl and DeRouen 2001 for few people.
+    """
+    from statsmodels.genmod.cov_struct import Exchangeable
+    from statsmodels.genmod.families import Binomial
+    from statsmodels.genmod.generalized_estimating_equations import GEE
+
+    used = data.used
+    if used["ppid"].nunique() < FEWEST_PEOPLE:
+        return f"odds ratios need at least {FEWEST_PEOPLE} participants"
+    shares = used.groupby("condition")["success"].mean()
+    flat = [name for name in data.conditions if shares[name] in (0.0, 1.0)]
+    if flat:
+        return ("there are no finite odds where all or no trials succeeded: "
+                + "; ".join(flat[:6]))  # fmt: skip
+    X, names, present = fixed_effects(used, data.conditions)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            fit = GEE(used["success"].to_numpy(), X, groups=used["ppid"].to_numpy(),
+                      family=Binomial(), cov_struct=Exchangeable()
+                      ).fit(cov_type="bias_reduced")  # fmt: skip
+        except (np.linalg.LinAlgError, ValueError) as wrong:
+            return f"the equations cannot be solved here: {wrong}"
+    values, covariance = np.asarray(fit.params), np.asarray(fit.cov_params())
+    if not (np.isfinite(values).all() and np.isfinite(covariance).all()):
+        return "the equations have no finite solution here"
+    found = []
+    for pair in pairs_of(data, present):
+        weights = np.zeros(len(names))
+        weights[: len(present)] = pair.weights(len(data.conditions))[present]
+        freedom = freedom_of(pair.factor, zip(used["ppid"], used[pair.factor.column], strict=True))
+        error = float(np.sqrt(weights @ covariance @ weights))
+        found.append(t_difference(pair, float(weights @ values), error, freedom))
+    return found

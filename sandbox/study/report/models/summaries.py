@@ -1,0 +1,137 @@
+"""Means of a measure by condition and by level, over people, with two kinds of interval.
+
+Every person counts once, however many trials there were: values are averaged within a person and
+condition, then over conditions, then over people.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf, nan
+
+import numpy as np
+
+from sandbox.study.report.models.data import Factor, StudyData
+from sandbox.study.report.models.intervals import (
+    Estimate,
+    Share,
+    design_effect,
+    mean_interval,
+    share,
+    within_intervals,
+)
+from sandbox.study.report.models.quantities import SHARE, Quantity, rows_with
+from sandbox.study.report.models.success import rates
+
+
+@dataclass(frozen=True)
+class Summary:
+    """A condition's, or a level's, mean.
+
+    Attributes:
+        name: Of the condition or level.
+        people, trials: That it is from.
+        mean: With the interval of the mean over people.
+        within: With the interval for comparing conditions, without differences between people.
+    """
+
+    name: str
+    people: int
+    trials: int
+    mean: Estimate
+    within: Estimate
+
+
+def person_means(data: StudyData, what: Quantity) -> np.ndarray:
+    """(people, conditions) means on the scale of the measure; nan where there is none."""
+    rows, y = rows_with(data, what)
+    people = {ppid: i for i, ppid in enumerate(data.ppids)}
+    total = np.zeros((len(people), len(data.conditions)))
+    count = np.zeros_like(total)
+    where = (rows["ppid"].map(people).to_numpy(int), rows["cell"].to_numpy(int))
+    np.add.at(total, where, y)
+    np.add.at(count, where, 1.0)
+    return np.divide(total, count, out=np.full_like(total, nan), where=count > 0)
+
+
+def trials_of(data: StudyData, what: Quantity) -> np.ndarray:
+    """(conditions,) trials that have the measure."""
+    rows, _ = rows_with(data, what)
+    return np.bincount(rows["cell"].to_numpy(int), minlength=len(data.conditions))
+
+
+def cells_of(data: StudyData, factor: Factor) -> list[tuple[str, list[int]]]:
+    """Each level of a factor with the numbers of its conditions."""
+    seen = data.used[["cell", factor.column]].drop_duplicates()
+    return [(level, [int(c) for c in seen.loc[seen[factor.column] == level, "cell"]])
+            for level in factor.levels if (seen[factor.column] == level).any()]  # fmt: skip
+
+
+def summaries(data: StudyData, what: Quantity, factor: Factor | None = None) -> list[Summary]:
+    """Means by condition, or by level of a factor.
+
+    Args:
+        data: Of the study.
+        what: The measure.
+        factor: Its levels; without one, all conditions.
+    """
+    if not len(data.used):
+        return []
+    groups = ([(name, [i]) for i, name in enumerate(data.conditions)] if factor is None
+              else cells_of(data, factor))  # fmt: skip
+    own, trials = person_means(data, what), trials_of(data, what)
+    table = np.column_stack([_mean(own[:, cells]) for _, cells in groups])
+    people = np.isfinite(table).sum(axis=0)
+    within = [_back(what, e) for e in within_intervals(table)]
+    if what.scale == SHARE:
+        shares = _shares(data, what, groups, table)
+        means = [Estimate(s.value, s.low, s.high) for s in shares]
+        within = [Estimate(m.value, max(0.0, w.low), min(1.0, w.high)) if np.isfinite(w.low) else w
+                  for m, w in zip(means, within, strict=True)]  # fmt: skip
+    else:
+        means = [_back(what, mean_interval(list(column))) for column in table.T]
+    return [
+        Summary(name, int(n), int(trials[cells].sum()), mean, inner)
+        for (name, cells), n, mean, inner in zip(groups, people, means, within, strict=True)
+    ]
+
+
+def _mean(values: np.ndarray) -> np.ndarray:
+    """(people,) means of what there is."""
+    known = np.isfinite(values)
+    total = np.where(known, values, 0.0).sum(axis=1)
+    count = known.sum(axis=1)
+    return np.divide(total, count, out=np.full(len(values), nan), where=count > 0)
+
+
+def _back(what: Quantity, e: Estimate) -> Estimate:
+    return Estimate(what.back(e.value), what.back(e.low), what.back(e.high))
+
+
+def _shares(data: StudyData, what: Quantity, groups: list[tuple[str, list[int]]],
+            table: np.ndarray) -> list[Share]:  # fmt: skip
+    _, own, done = rates(data, what.name)
+    who = done.any(axis=1)
+    usual = design_effect(list(_mean(own)[who]), [int(n) for n in done[who].sum(axis=1)])
+    found = []
+    for (_, cells), column in zip(groups, table.T, strict=True):
+        known = np.isfinite(column)
+        found.append(share(list(column[known]),
+                           [int(n) for n in done[:, cells].sum(axis=1)[known]], usual))  # fmt: skip
+    return found
+
+
+def median_with_unseen(data: StudyData, cell: int) -> float:
+    """Median time of a condition's trials, those without success being longer than any other.
+
+    Infinite where half of the trials, or more, did not succeed.
+    """
+    rows = data.used[data.used["cell"] == cell]
+    if not len(rows):
+        return nan
+    times = np.where(rows["censored"], inf, rows["time_s"])
+    ordered = np.sort(times)
+    middle = len(ordered) // 2
+    if len(ordered) % 2:
+        return float(ordered[middle])
+    return float((ordered[middle - 1] + ordered[middle]) / 2)

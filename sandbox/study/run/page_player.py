@@ -1,0 +1,198 @@
+"""Trials on the participant's page."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+
+import msgspec
+
+from models.errors import StudyError
+from models.surface import Surface
+from sandbox.server.protocol.describe import describe_scene
+from sandbox.server.protocol.rectangle import rectangle
+from sandbox.server.protocol.skins import pack_skin
+from sandbox.server.publishing import publish
+from sandbox.server.web import WebDevice
+from sandbox.session.messages import Snapshot
+from sandbox.session.session import Session
+from sandbox.study.design.showing import Showing
+from sandbox.study.run.players import Ask, Played, Trial
+from sandbox.study.run.study_page import TICK, StudyPage, inches, lacks_room
+from sandbox.trial.assembly import build
+from sandbox.trial.headless import no_search_for_garbage, trial_header
+from sandbox.trial.keeping import Keeping
+from sandbox.trial.live import LiveSession
+from sandbox.trial.settings import RunSettings
+
+AFTER = 1.2
+"""s for which the end of a trial is seen."""
+SILENCE = 1.0
+"""s without a word that are written down; the page beats twice a second."""
+
+
+class PagePlayer:
+    """Plays on the page, at real time; implements `sandbox.study.run.players.Player`.
+
+    Args:
+        page: The participant's.
+        showing: What is seen, and when time begins and stands still.
+        language: The participant's.
+    """
+
+    def __init__(self, page: StudyPage, showing: Showing, language: str) -> None:
+        self._page, self._showing, self._language = page, showing, language
+
+    def play(self, ask: Ask) -> Played:
+        self._page.server.latency.reset()
+        self._page.device = None  # trials over a Leap have none
+        keeping = Keeping(trial_header(ask.settings, ask.about), ask.record)
+        trial = Trial(ask)
+        try:
+            session = build(ask.settings, ask.make_device, keeping.recorder)
+            device = self._page.device
+            news = device.news if device else None
+            live = LiveSession(session, self._on_step(session, trial), news=news)
+            watching = _Watching(self._page, device, self._showing)
+            live.pause(True)
+            self._show(session, ask)
+            live.start()
+            try:
+                with no_search_for_garbage():
+                    while not live.over and not trial.broken:
+                        still = watching.still(trial)
+                        live.pause(still)
+                        if still:
+                            self._page.server.publish(session.snapshot(), True)
+                        time.sleep(TICK)
+            finally:
+                live.stop()
+                session.close()
+            if live.failure:
+                raise live.failure
+            played = trial.end(session, keeping, live.lost, watching.measures())
+            self._page.server.publish(session.snapshot(), False)
+            if not played.broken:
+                time.sleep(AFTER)
+            return played
+        finally:
+            keeping.close()
+            self._page.wait()
+
+    def close(self) -> None:
+        """The page stays open: forms are on it, too."""
+
+    def _show(self, session: Session, ask: Ask) -> None:
+        server, scene = self._page.server, session.scene
+        surface = session.rigs[0].reconstructor.surface
+        told = describe_scene(server.next_scene(), scene, session.task, surface, ask.settings.hand,
+                              "")  # fmt: skip
+        showing, name = self._showing, ask.settings.task
+        goal = showing.goals.get(name, {}).get(self._language, told.goal)
+        title = showing.names.get(name, {}).get(self._language, _words(told.task))
+        told = msgspec.structs.replace(told, task=title, goal=goal)
+        server.show_scene(told, scene, self._page.device, [pack_skin(h) for h in scene.spec.hands])
+        self._page.reveal()
+
+    def _on_step(self, session: Session, trial: Trial) -> Callable[[Snapshot], None]:
+        def on_step(snapshot: Snapshot) -> None:
+            trial.step(session, snapshot)
+            publish(self._page.server, session, snapshot)
+
+        return on_step
+
+
+class _Watching:
+    """Whether time stands still because nobody has touched yet, or the page is gone."""
+
+    def __init__(self, page: StudyPage, device: WebDevice | None, showing: Showing) -> None:
+        self._page, self._device, self._showing = page, device, showing
+        self._shown = time.monotonic()
+        self._waiting = device is not None and showing.starts == "touch"
+        self._waited: float | None = None if self._waiting else 0.0
+        self._away = 0.0
+        self._last, self._times = self._shown, 0
+        self._silent = self._halted = False
+
+    def still(self, trial: Trial) -> bool:
+        """Whether time is to stand still now; may break the trial off."""
+        self._page.look()
+        self._pause(trial.halted())
+        now = time.monotonic()
+        self._count(now)
+        if self._page.gone:
+            if self._showing.when_gone == "repeat" and self._waited is not None:
+                trial.broken = trial.broken or "the participant's page was gone"
+            elif self._showing.when_gone == "pause":
+                self._waiting = True
+        elif self._waiting and not self._halted and (not self._device or self._device.touched):
+            self._waiting = False
+            if self._waited is None:
+                self._waited = now - self._shown
+        return self._waiting or self._halted
+
+    def _count(self, now: float) -> None:
+        """Adds up how long the page said nothing."""
+        silent = self._page.server.silence
+        was, self._silent = self._silent, silent > SILENCE
+        if self._silent:
+            # The time that it took to notice counts as well.
+            self._away += now - self._last if was else silent
+            self._times += not was
+        self._last = now
+
+    def _pause(self, halted: bool) -> None:
+        """Takes the scene out of sight while the experimenter pauses; then a touch goes on."""
+        if halted == self._halted:
+            return
+        self._halted = halted
+        if halted:
+            self._waiting = True
+            self._page.wait("paused")
+        else:
+            self._page.reveal()
+
+    def measures(self) -> dict[str, float | int | None]:
+        """s from the scene being seen to the first touch, and how long and often nothing was
+        heard of the page meanwhile."""
+        waited = None if self._waited is None else round(self._waited, 3)
+        return {"waited_s": waited, "away_s": round(self._away, 3), "away": self._times}
+
+
+def page_settings(page: StudyPage, settings: RunSettings, designed: bool) -> RunSettings:
+    """A trial's settings on the screen that the participant has.
+
+    Args:
+        page: Open.
+        settings: Of the design.
+        designed: The design says how large the touch rectangle is; otherwise it is the screen.
+
+    Raises:
+        StudyError: There is no room for it on the screen.
+    """
+    screen = page.server.screen
+    assert screen is not None, "the page is open"
+    if not designed:
+        return replace(settings, **rectangle(screen))
+    wanted = settings.surface_in
+    if lacks_room(screen, wanted):
+        raise StudyError(
+            "the screen is too small for the design's touch rectangle",
+            where="surface" if screen.calibrated else "surface; the screen was not measured",
+            got=f"{inches(screen)} of screen",
+            expected=f"{wanted[0]:g} x {wanted[1]:g} in",
+            remedy="Turn it, use a larger one or a full screen, or leave `surface` out of the "
+            "design; the session resumes at this trial",
+        )
+    return replace(settings, surface_calibrated=screen.calibrated)
+
+
+def page_device(page: StudyPage, surface: Surface) -> WebDevice:
+    """The device of a trial on the page."""
+    return page.opened(WebDevice(surface, page.server.latency))
+
+
+def _words(task: str) -> str:
+    words = task.replace("-", " ").replace("_", " ")
+    return words[:1].upper() + words[1:]

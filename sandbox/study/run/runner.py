@@ -1,0 +1,311 @@
+"""Runs one session, step by step, whoever plays and whoever asks: simulated and real alike."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from hashlib import blake2b
+from typing import Any
+
+from models.errors import InputError, StudyError
+from sandbox.study.design.conditions import run_settings
+from sandbox.study.design.plan import (
+    BreakStep,
+    CalibrationStep,
+    ConsentStep,
+    FormStep,
+    InstructionStep,
+    Step,
+    TrialStep,
+)
+from sandbox.study.record.pack import pack
+from sandbox.study.record.session_folder import SessionFolder
+from sandbox.study.run.answers import Draft
+from sandbox.study.run.controls import Command, Controls
+from sandbox.study.run.forms import Forms, Ready
+from sandbox.study.run.players import TICK, Ask, Played, Player
+from sandbox.study.tables.frames import missing, rebuild
+from sandbox.study.tables.tables import rebuild_session, rebuild_study
+from sandbox.trial.assembly import DeviceMaker
+from sandbox.trial.settings import RunSettings
+
+MakeDevice = Callable[[TrialStep, RunSettings], DeviceMaker]
+"""How the device of a trial is opened."""
+Fit = Callable[[TrialStep, RunSettings, Ready], RunSettings]
+"""How a trial's settings are fitted to what the participant touches; may wait for it."""
+Calibrate = Callable[[Ready], dict[str, Any] | None]
+"""Measures the participant's hand over a Leap; None: it is taken for an average one."""
+
+
+class Outcome(StrEnum):
+    """How a run of a session ended."""
+
+    COMPLETE = "complete"
+    STOPPED = "stopped"
+    NO_CONSENT = "no consent"
+
+
+class _StepOver(Exception):  # noqa: N818 - it is no error, but the way out of a form
+    """The experimenter wants to leave a form."""
+
+
+@dataclass
+class SessionRunner:
+    """Runs a session.
+
+    Attributes:
+        session: Opened.
+        player: Plays the trials.
+        make_device: See `MakeDevice`.
+        forms: Asks the participant.
+        controls: Of the experimenter.
+        say: Tells the experimenter something.
+        device: Name of the device, for recordings.
+        fit: See `Fit`.
+        calibrate: See `Calibrate`.
+    """
+
+    session: SessionFolder
+    player: Player
+    make_device: MakeDevice
+    forms: Forms
+    controls: Controls
+    say: Callable[[str], object]
+    device: str = "simulated"
+    fit: Fit = lambda trial, settings, ready: settings
+    calibrate: Calibrate = lambda ready: None
+
+    def __post_init__(self) -> None:
+        self._left = self._why = ""
+        self._step: Step | None = None
+        self._last: TrialStep | None = None
+
+    def run(self) -> Outcome:
+        """From the first unfinished step to the end, or until somebody stops it.
+
+        Raises:
+            StudyError: The journal or a recording cannot be written; what is written is safe.
+        """
+        session = self.session
+        self._tables()
+        while (step := session.state.next_step(session.steps)) is not None:
+            self._step, self._left = step, ""
+            self._hear()
+            self._wait_while_paused()
+            if self._left == "s":
+                session.write("skip", step=step.id, reason=self._why)
+            elif not self._left:
+                self._do(step)
+            if self._left == "q":
+                self._tables()
+                return Outcome.STOPPED
+            if session.state.consent is False:
+                session.write("session_end", durable=True, complete=False, why="no consent")
+                self._tables()
+                return Outcome.NO_CONSENT
+        if not session.state.complete:
+            session.write("session_end", durable=True, complete=True)
+        self._tables()
+        return Outcome.COMPLETE
+
+    def _do(self, step: Step) -> None:
+        if isinstance(step, TrialStep):
+            self._trial(step)
+            return
+        language, session = self.session.person.language, self.session
+        design = session.study.design
+        try:
+            match step:
+                case ConsentStep():
+                    agreed = self.forms.consent(design.consent[language], self._ready)
+                    read = blake2b(design.consent[language].encode(), digest_size=16)
+                    session.write("consent", durable=True, step=step.id, agreed=agreed,
+                                  version=design.consent_version, language=language,
+                                  text=read.hexdigest())  # fmt: skip
+                case InstructionStep():
+                    self.forms.instruct(step.instruction.text[language], self._ready)
+                    session.write("step_done", step=step.id)
+                case CalibrationStep():
+                    found = self.calibrate(self._ready)
+                    session.write("calibration", durable=True, step=step.id,
+                                  hand=session.person.hand, calibration=found)  # fmt: skip
+                case FormStep():
+                    began = time.monotonic()
+                    self.say(f"{session.person.ppid}  form {step.form.name}")
+                    draft = Draft(
+                        dict(session.state.drafts.get(step.id, {})),
+                        lambda item, answer: session.write("draft", step=step.id, item=item,
+                                                           answer=answer),
+                        step.id,
+                    )  # fmt: skip
+                    answers = self.forms.ask(step.form, language, self._ready, draft)
+                    session.write("answers", durable=True, step=step.id, form=step.form.name,
+                                  block=step.block, levels=step.levels, answers=answers,
+                                  seconds=round(time.monotonic() - began, 3))  # fmt: skip
+                case BreakStep():
+                    self.forms.rest(step.least, self._ready)
+                    session.write("step_done", step=step.id)
+        except _StepOver:
+            self.say("it is left")
+
+    def _trial(self, trial: TrialStep) -> None:
+        session, person = self.session, self.session.person
+        settings = run_settings(trial.values, trial.seed, person.hand, person.hand_size)
+        if settings.in_air is not None and session.state.calibration is not None:
+            measured = replace(settings.in_air, calibration=session.state.calibration)
+            settings = replace(settings, in_air=measured)
+        try:
+            settings = self.fit(trial, settings, self._ready)
+        except _StepOver:
+            self.say("it is left")
+            return
+        done, of = session.state.done(session.steps)
+        levels = ", ".join(trial.levels.values())
+        kind = "  practice" if trial.practice else ""
+        self.say(f"{person.ppid}  trial {done + 1} of {of}  {levels}{kind}")
+        record = session.begin(trial)
+        start = session.state.attempts[trial.number][-1].start
+        about = {
+            "device": self.device,
+            **({"user": person.user} if person.user is not None else {}),
+            "study": {"experiment": session.study.design.name, "mode": session.study.mode,
+                      "ppid": person.ppid, "session": session.number, "trial": trial.number,
+                      "attempt": start["attempt"], "practice": trial.practice,
+                      "levels": trial.levels},
+        }  # fmt: skip
+        try:
+            played = self.player.play(
+                Ask(settings, self.make_device(trial, settings), record, about,
+                    session.study.design.time_limit, self._watch, lambda: self.controls.paused)
+            )  # fmt: skip
+        except InputError as error:
+            self._broken(trial, str(error))
+            raise
+        except KeyboardInterrupt:
+            self._broken(trial, "interrupted")
+            raise
+        self._commit(trial, played)
+
+    def _commit(self, trial: TrialStep, played: Played) -> None:
+        session = self.session
+        if played.broken:
+            session.break_off(trial, played.broken)
+            if self._left == "s":
+                session.write("skip", step=trial.id, trial=trial.number, reason=played.broken)
+            return
+        session.finish(trial, played.result)
+        self._last = trial
+        self.say(f"  {_told(played.result)}")
+        file = session.state.attempts[trial.number][-1].start["file"]
+        stem = file.removeprefix("trials/").removesuffix(".jsonl")
+        try:
+            played.table.write(session.path / "trackers", stem, played.result)
+            pack(session.path / file)
+            rebuild_session(session)
+            rebuild_study(session.study)
+        except StudyError as error:
+            # The trial is safe in journal and recording; tables are made again from them.
+            self.say(str(error))
+
+    def _broken(self, trial: TrialStep, why: str) -> None:
+        """Marks a broken attempt, if the disk still takes it; else the next opening does."""
+        try:
+            self.session.break_off(trial, why)
+        except StudyError as error:
+            self.say(str(error))
+
+    def _tables(self) -> None:
+        """Makes all tables, those of trials too where a kill came between trial and table."""
+        session = self.session
+        trackers = session.path / "trackers"
+        try:
+            for attempts in session.state.attempts.values():
+                for attempt in attempts:
+                    recording = session.path / attempt.start["file"]
+                    if attempt.end is None:
+                        continue
+                    if missing(trackers, recording.stem):
+                        rebuild(recording, trackers)
+                    pack(recording)
+            rebuild_session(session)
+            rebuild_study(session.study)
+        except InputError as error:
+            self.say(f"tables are not up to date: {error}")
+
+    def _watch(self) -> str:
+        """For players: hears the experimenter, and says why a trial is left."""
+        self._hear()
+        return self._why if self._left else ""
+
+    def _ready(self) -> None:
+        """For forms."""
+        self._hear()
+        if self._left:
+            if self._left == "s" and self._step is not None:
+                self.session.write("skip", step=self._step.id, reason=self._why)
+            raise _StepOver
+
+    def _wait_while_paused(self) -> None:
+        while self.controls.paused and not self._left:
+            time.sleep(TICK)
+            self._hear()
+
+    def _hear(self) -> None:
+        for command in self.controls.take():
+            self._obey(command)
+
+    def _obey(self, command: Command) -> None:
+        session, words = self.session, command.words
+        running = self._step if isinstance(self._step, TrialStep) else None
+        began = running is not None and running.number in session.state.attempts
+        trial = running if began else self._last
+        match command.key:
+            case "p":
+                self.controls.paused = not self.controls.paused
+                session.write("pause" if self.controls.paused else "go_on")
+                self.say("paused; p goes on" if self.controls.paused else "going on")
+            case "i":
+                self.say(self._where())
+            case "n":
+                session.write("note", text=words, trial=trial.number if trial else None)
+                self.say("noted")
+            case "X":
+                session.write("exclude", durable=True, trial=None, reason=words)
+                session.study.release(session.person.ppid, words)
+                self.say("the participant is excluded; nothing is deleted")
+            case "x" if trial is not None:
+                session.write("exclude", durable=True, trial=trial.number, reason=words)
+                self.say(f"trial {trial.number} is excluded; nothing is deleted")
+            case "r" if began and running is not None and self._under_way(running):
+                self._left, self._why = "r", words or "repeated"
+            case "r" if self._last is not None:
+                session.write("repeat", durable=True, step=self._last.id,
+                              trial=self._last.number, reason=words)  # fmt: skip
+                self._left, self._why = "r", words or "repeated"
+                self.say(f"trial {self._last.number} is repeated")
+            case "s" | "q":
+                self._left, self._why = command.key, words or "the experimenter's wish"
+            case _:
+                self.say("there was no trial yet")
+
+    def _where(self) -> str:
+        """Where the session is."""
+        done, of = self.session.state.done(self.session.steps)
+        left = [s for s in self.session.steps if s.id not in self.session.state.finished]
+        now = self._step.id if self._step else "the beginning"
+        pause = ", paused" if self.controls.paused else ""
+        return f"{self.session.person.ppid}: {done} of {of} trials, at {now}{pause}; {len(left)} " \
+               "steps left, this one included"  # fmt: skip
+
+    def _under_way(self, trial: TrialStep) -> bool:
+        attempt = self.session.state.attempts[trial.number][-1]
+        return attempt.end is None and self.session.journal.records[-1]["kind"] != "trial_broken"
+
+
+def _told(result: dict[str, Any]) -> str:
+    """A trial's end, for the experimenter."""
+    away = result.get("measures", {}).get("away_s")
+    gone = f"; the page was gone for {away:.1f} s" if away else ""
+    return f"{result['status']}, {result['time_s']:.1f} s{gone}"

@@ -1,0 +1,132 @@
+"""Simulated participants of different skill and hand size, who go through a whole study."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import asdict, replace
+from typing import Any, cast
+
+import numpy as np
+
+from models.errors import StudyError
+from models.surface import Surface
+from sandbox.devices.simulated.leap_user import SimulatedLeap
+from sandbox.devices.simulated.simulated import SimulatedDevice
+from sandbox.devices.wrappers.spoiled import SpoiledDevice
+from sandbox.session.device import Device
+from sandbox.study.design.design import Design
+from sandbox.study.design.plan import TrialStep
+from sandbox.study.record.folder import Participant, StudyFolder
+from sandbox.study.record.session_folder import SessionFolder
+from sandbox.study.run.controls import Controls
+from sandbox.study.run.forms import SimulatedForms
+from sandbox.study.run.players import HeadlessPlayer
+from sandbox.study.run.runner import Outcome, SessionRunner
+from sandbox.study.tables.tables import rebuild_study
+from sandbox.trial.assembly import DeviceMaker
+from sandbox.trial.settings import RunSettings
+from tasks.task import Task
+from tasks.user import UserConfiguration
+
+HAND_SPREAD = 0.07
+"""Standard deviation of hand lengths over people against their mean: about that of adults of both
+sexes together."""
+LEFT = 0.1
+"""Share of people whose left hand is the better one."""
+
+_STREAM = 7_106
+DAYS = 16
+"""Bits of a seed below those that tell sessions apart."""
+
+
+def simulated_person(design: Design, number: int) -> dict[str, Any]:
+    """What a simulated participant is like: hand, its size, and a configuration of the user.
+
+    Skill goes from 0 to 1; at 0.5 somebody is the simulated user that regression runs use.
+
+    Args:
+        design: Its seed decides.
+        number: Of the participant.
+    """
+    rng = np.random.default_rng([design.seed, number, _STREAM])
+    skill = float(rng.beta(3.0, 3.0))
+    size = float(np.clip(rng.normal(1.0, HAND_SPREAD), 0.8, 1.2))
+    plain = UserConfiguration()
+    slow = 2.0 ** (1.0 - 2.0 * skill)
+    user = replace(
+        plain,
+        fingers=int(rng.integers(2, 4)),
+        reaction=(round(plain.reaction[0] * slow, 4), round(plain.reaction[1] * slow, 4)),
+        peak_speed=round(plain.peak_speed / slow, 4),
+        movement_base=round(plain.movement_base * slow, 4),
+        movement_slope=round(plain.movement_slope * slow, 4),
+        end_noise=round(plain.end_noise * slow, 4),
+        aim_error=round(plain.aim_error * slow**0.5, 5),
+    )
+    told = {**asdict(user), "reaction": list(user.reaction), "skill": round(skill, 4)}
+    return {
+        "hand": "left" if rng.uniform() < LEFT else "right",
+        "hand_size": round(size, 4),
+        "language": design.languages[number % len(design.languages)],
+        "user": told,
+    }
+
+
+def simulated_device(person: Participant) -> Callable[[TrialStep, RunSettings], DeviceMaker]:
+    """Opens the device that a simulated participant touches."""
+    values = {k: v for k, v in (person.user or {}).items() if k != "skill"}
+    user = UserConfiguration(**{**values, "reaction": tuple(values["reaction"])})
+
+    def of_trial(trial: TrialStep, settings: RunSettings) -> DeviceMaker:
+        def make(task: Task, surface: Surface) -> Device:
+            # Another stream than the task's own: equal starts are met with other luck.
+            # A later session is another day.
+            seed = trial.seed ^ (person.number + 1) ^ ((trial.session - 1) << DAYS)
+            tell = settings.labels == "device"
+            if settings.in_air is not None:
+                place, whose = settings.in_air.at, settings.person
+                return cast(Device, SimulatedLeap(task, user, seed, place, person=whose))
+            device = SimulatedDevice(task, user, surface, seed, tell, person=settings.person)
+            if settings.variation.spoils:
+                return SpoiledDevice(device, settings.variation, surface, seed)
+            return device
+
+        return make
+
+    return of_trial
+
+
+def run_simulated(
+    study: StudyFolder, number: int, say: Callable[[str], object], controls: Controls | None = None
+) -> Outcome:
+    """All of a participant's sessions, or what is left of them, up to one that is not finished."""
+    person = study.add(number, **simulated_person(study.design, number))
+    outcome = Outcome.COMPLETE
+    for n in range(1, study.design.sessions + 1):
+        with SessionFolder(study, person, n) as session:
+            forms = SimulatedForms((study.design.seed % 2**31 + number) ^ ((n - 1) << DAYS))
+            outcome = SessionRunner(session, HeadlessPlayer(), simulated_device(person), forms,
+                                    controls or Controls(say), say).run()  # fmt: skip
+        if outcome is not Outcome.COMPLETE:
+            break
+    return outcome
+
+
+def simulate(
+    study: StudyFolder, participants: int, resume: bool, say: Callable[[str], object]
+) -> dict[str, int]:
+    """Lets so many simulated participants go through a study, one after another.
+
+    Returns:
+        See `rebuild_study`.
+
+    Raises:
+        StudyError: There are some already, and nobody said to go on with them.
+    """
+    if study.participants() and not resume:
+        raise StudyError("there are simulated participants already", where=str(study.path),
+                         remedy="--resume goes on with them; or use another --out")  # fmt: skip
+    for number in range(participants):
+        outcome = run_simulated(study, number, say)
+        say(f"participant {number + 1} of {participants}: {outcome}")
+    return rebuild_study(study)

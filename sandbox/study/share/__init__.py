@@ -1,0 +1,1 @@
+"""Copies of a study: anonymous, as Motion-BIDS, backed up, merged; and withdrawal."""

@@ -1,0 +1,171 @@
+"""One archive of a whole study, read back and compared before it gets its name.
+
+A backup may be made while sessions run. Journals are taken first: whatever they call finished had
+its recording on the disk before, so the archive holds every trial that its journals know.
+"""
+
+from __future__ import annotations
+
+import gzip
+import io
+import os
+import tarfile
+import zlib
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from hashlib import sha256
+from pathlib import Path, PurePosixPath
+
+from models.errors import StudyError
+from sandbox.recording.recording_file import SUFFIX, stored
+from sandbox.study.record.files import TEMPORARY, explain, make_folder, sync_file, sync_folder
+from sandbox.study.record.folder import StudyFolder
+from sandbox.study.record.journal import parse_records
+from sandbox.study.share.export_folder import refuse_existing
+
+SUMS = "SHA256SUMS"
+"""Name of the list of digests in an archive; `sha256sum --check` reads it, too."""
+
+Say = Callable[[str], object]
+
+
+@dataclass(frozen=True)
+class Checked:
+    """What a backup holds: participants, files, bytes, and finished trials."""
+
+    ppids: tuple[str, ...]
+    files: int
+    bytes: int
+    trials: int
+
+
+def back_up(study: StudyFolder, out: Path) -> Checked:
+    """Writes a study into an archive, and reads it back.
+
+    Args:
+        study: Whose.
+        out: The archive, .tar.gz; nothing may be there.
+
+    Raises:
+        StudyError: Something is there, it cannot be written, or what was read back is not what was
+            written; then there is no archive of that name.
+    """
+    refuse_existing(out)
+    if study.path.resolve() in out.resolve().parents:
+        raise StudyError("a backup inside of what it is a backup of", where=str(out),
+                         remedy="Put it on another disk")  # fmt: skip
+    make_folder(out.parent)
+    work = out.parent / f"{TEMPORARY}{os.getpid()}-{out.name}"
+    try:
+        _write(study.path, work)
+        found = check_backup(work)
+        sync_file(work)
+        refuse_existing(out)
+        work.rename(out)
+        sync_folder(out.parent)
+    except OSError as error:
+        raise explain(error, out, "the backup cannot be written") from None
+    finally:
+        work.unlink(missing_ok=True)
+    return found
+
+
+def check_backup(path: Path) -> Checked:
+    """Reads an archive whole: every file against its digest, every finished trial's recording.
+
+    Raises:
+        StudyError: It is damaged or incomplete, or no backup.
+    """
+    sums, found = "", {}
+    journals: dict[str, bytes] = {}
+    size = 0
+    try:
+        with tarfile.open(path, "r:gz") as archive:
+            for member in archive:
+                stream = archive.extractfile(member)
+                data = stream.read() if stream else b""
+                inside = str(PurePosixPath(*PurePosixPath(member.name).parts[1:]))
+                if inside == SUMS:
+                    sums = data.decode()
+                    continue
+                found[inside] = sha256(data).hexdigest()
+                size += len(data)
+                if inside.endswith("journal.jsonl"):
+                    journals[inside] = data
+            # What comes after the last file is only read to be compared with gzip's own sum.
+            while archive.fileobj and archive.fileobj.read(1 << 20):
+                pass
+    except (OSError, EOFError, tarfile.TarError, ValueError, zlib.error) as error:
+        raise StudyError("the backup is damaged", where=str(path), got=str(error)[:120],
+                         remedy="Make another one; the study itself is untouched"
+                         ) from None  # fmt: skip
+    listed = {line[66:]: line[:64] for line in sums.splitlines()}
+    wrong = sorted(n for n in {*listed, *found} if listed.get(n) != found.get(n))
+    if not listed or wrong or "study.json" not in found:
+        raise StudyError("the backup is damaged" if listed else "this is no backup of a study",
+                         where=str(path), got=", ".join(wrong[:5]) or None,
+                         expected="every file as it is listed in " + SUMS)  # fmt: skip
+    trials = sum(_finished(name, data, found, path) for name, data in journals.items())
+    ppids = tuple(sorted({PurePosixPath(name).parts[0] for name in journals}))
+    return Checked(ppids, len(found), size, trials)
+
+
+def _finished(name: str, data: bytes, found: dict[str, str], path: Path) -> int:
+    """How many trials a journal calls finished; all of their recordings are there."""
+    records, _ = parse_records(data, Path(name))
+    ended = [r["file"] for r in records if r["kind"] == "trial_end"]
+    here = PurePosixPath(name).parent
+    lost = [f for f in ended if not {str(here / f), str(here / (f + SUFFIX))} & found.keys()]
+    if lost:
+        raise StudyError("recordings of finished trials are missing", where=str(path),
+                         got=", ".join(lost[:5]))  # fmt: skip
+    return len(ended)
+
+
+def _write(folder: Path, work: Path) -> None:
+    sums = []
+    # No time of day in the gzip header and plain owners: equal studies make equal archives.
+    with (
+        work.open("wb") as file,
+        gzip.GzipFile("", "wb", 6, file, mtime=0) as packed,
+        tarfile.open(fileobj=packed, mode="w") as archive,
+    ):
+        for name, data in _contents(folder):
+            sums.append(f"{sha256(data).hexdigest()}  {name}\n")
+            _add(archive, f"{folder.resolve().name}/{name}", data)
+        _add(archive, f"{folder.resolve().name}/{SUMS}", "".join(sums).encode())
+
+
+def _contents(folder: Path) -> Iterator[tuple[str, bytes]]:
+    """Names and contents of all files, journals first."""
+    # All journals are read before the first look at what else there is: a trial that ends meanwhile
+    # is in no journal here, and its recording does no harm.
+    journals = {path: path.read_bytes() for path in
+                sorted((*folder.glob("*.jsonl"), *folder.glob("*/S*/journal.jsonl")))}  # fmt: skip
+    for path, data in journals.items():
+        yield path.relative_to(folder).as_posix(), data
+    listed = sorted(path for path in folder.rglob("*") if not path.is_dir())
+    told = set(journals)
+    for listing in listed:
+        # A recording may have been compressed since it was listed.
+        path = stored(listing)
+        temporary = path.name == ".lock" or path.name.startswith(TEMPORARY)
+        if path in told or temporary or path.is_symlink() or not path.is_file():
+            continue
+        told.add(path)
+        try:
+            data = path.read_bytes()
+        except FileNotFoundError:
+            path = path.with_name(path.name + SUFFIX)
+            if path in told or not path.is_file():
+                continue
+            told.add(path)
+            data = path.read_bytes()
+        yield path.relative_to(folder).as_posix(), data
+
+
+def _add(archive: tarfile.TarFile, name: str, data: bytes) -> None:
+    entry = tarfile.TarInfo(name)
+    entry.size = len(data)
+    entry.mode = 0o644
+    archive.addfile(entry, io.BytesIO(data))

@@ -1,0 +1,311 @@
+"""A study as Motion-BIDS (Jeung et al., Scientific Data 2024; BIDS 1.9 and later).
+
+One run for every trial that counts and is no practice: the commanded pose of the hand and the
+places of all things at 62.5 Hz, as they are in the study's 60 Hz tables, and an event for the trial
+and for every touch. Rotations are quaternions, those of joints against the bone before.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.errors import StudyError
+from models.rotations import quaternion_exp
+from models.scene import CONTROL_PERIOD
+from models.skeleton import ADULT
+from sandbox.recording.versions import versions
+from sandbox.study.design.design import Design
+from sandbox.study.measures.columns import Columns
+from sandbox.study.record.folder import SIMULATED, StudyFolder
+from sandbox.study.record.kept_sessions import KeptSession, all_sessions, planned_trials
+from sandbox.study.share.export_folder import new_folder
+from sandbox.study.tables.codebook import COLUMNS
+from sandbox.study.tables.exclusions import exclude_person
+from sandbox.study.tables.tables import Row, person_columns, person_row, trial_rows
+
+TRACKSYS = "handsandbox"
+QUATERNION = ("quat_w", "quat_x", "quat_y", "quat_z")
+
+Array = NDArray[np.float64]
+Say = Callable[[str], object]
+
+
+@dataclass(frozen=True)
+class Channel:
+    """A column of a motion file; see the BIDS specification for the words."""
+
+    name: str
+    component: str
+    type: str
+    tracked_point: str
+    units: str
+    reference_frame: str
+
+
+def export_bids(study: StudyFolder, out: Path, say: Say) -> int:
+    """Writes a data set.
+
+    Args:
+        study: Whose; who did not agree is left out.
+        out: The data set's folder; nothing may be there.
+        say: Hears what is being done.
+
+    Returns:
+        How many runs were written.
+
+    Raises:
+        StudyError: A table is missing or there is nothing to write, or it cannot be written.
+    """
+    people: list[Row] = []
+    runs = 0
+    with new_folder(out) as work:
+        for person, sessions in all_sessions(study):
+            states = [session.state for session in sessions]
+            if any(state.consent is False for state in states):
+                continue
+            rows = [trial_rows(study.design, state) for state in states]
+            mine = [row for some in rows for row in some]
+            exclude_person(study.design, states, mine)
+            written = sum(_session(study, session, work, some)
+                          for session, some in zip(sessions, rows, strict=True))  # fmt: skip
+            if not written:
+                continue
+            runs += written
+            people.append(person_row(study.design, states, planned_trials(study, person), mine,
+                                     study.design.sessions))  # fmt: skip
+            say(f"sub-{person.ppid}: {written} runs")
+        if not runs:
+            raise StudyError("there is no trial that counts", where=str(study.path))
+        _about(study, work, people)
+    return runs
+
+
+def task_label(task: str) -> str:
+    """A task's name in letters and digits: `box-to-goal` is `boxToGoal`."""
+    words = re.findall(r"[A-Za-z0-9]+", task)
+    return words[0] + "".join(word[:1].upper() + word[1:] for word in words[1:])
+
+
+def _session(study: StudyFolder, session: KeptSession, work: Path, rows: Sequence[Row]) -> int:
+    """Writes the runs of a session; BIDS names it only where there are several."""
+    entities = [f"sub-{session.person.ppid}"]
+    if study.design.sessions > 1:
+        entities.append(f"ses-{session.number:02d}")
+    folder = work.joinpath(*entities, "motion")
+    counts: dict[str, int] = {}
+    for row in rows:
+        if not row["counted"] or row["practice"]:
+            continue
+        folder.mkdir(parents=True, exist_ok=True)
+        label = task_label(str(row["task"]))
+        counts[label] = counts.get(label, 0) + 1
+        named = "_".join([*entities, f"task-{label}", f"tracksys-{TRACKSYS}"])
+        _run(session.path, folder, f"{named}_run-{counts[label]}", row)
+    return sum(counts.values())
+
+
+def _run(session: Path, folder: Path, stem: str, row: Row) -> None:
+    frames = _table(session / row["hand_pose_location_0"])
+    channels, data = motion(frames)
+    start = float(frames.numbers("time_s")[0, 0])
+    touches = _table(session / row["touches_location_0"])
+    events = [_trial_event(row, start), *touch_events(touches, start)]
+    _tsv(folder / f"{stem}_motion.tsv", None, np.char.mod("%.6g", data).tolist())
+    _tsv(folder / f"{stem}_channels.tsv", list(Channel.__dataclass_fields__),
+         [list(vars(channel).values()) for channel in channels])  # fmt: skip
+    factors = [name for name in row if name.startswith("factor_")]
+    columns = [*event_columns(), *factors]
+    _tsv(folder / f"{stem}_events.tsv", columns, [[e.get(c) for c in columns] for e in events])
+    _json(folder / f"{stem}_motion.json",
+          motion_about(row, channels, len(data), 1.0 / CONTROL_PERIOD, TRACKSYS))  # fmt: skip
+    _json(folder / f"{stem}_channels.json", channel_frames())
+    _json(folder / f"{stem}_events.json",
+          {**event_columns(), **{f: {"Description": "level of this factor"} for f in factors}}
+          )  # fmt: skip
+
+
+def motion(frames: Columns) -> tuple[list[Channel], Array]:
+    """Channels of a trial, and their (frames, channels) values: m, and 1 for quaternions."""
+    channels = [Channel(f"hand_pos_{a}", a, "POS", "hand", "m", "world") for a in "xyz"]
+    parts = [frames.numbers(*(f"q_position_{a}" for a in "xyz"))]
+    for bone in ("rotation", *(b.name for b in ADULT.bones)):
+        point, frame = ("hand", "world") if bone == "rotation" else (bone, "parent")
+        channels += _orientation(point, frame)
+        parts.append(quaternion_exp(frames.numbers(*(f"q_{bone}_{a}" for a in "xyz"))))
+    for name in _things(frames):
+        channels += [Channel(f"{name}_pos_{a}", a, "POS", name, "m", "world") for a in "xyz"]
+        channels += _orientation(name, "world")
+        columns = (*(f"{name}_{a}" for a in "xyz"), *(f"{name}_q{a}" for a in "wxyz"))
+        parts.append(frames.numbers(*columns))
+    return channels, np.hstack(parts)
+
+
+def touch_events(touches: Columns, start: float) -> list[Row]:
+    """One event for every contact, from its first to its last moment; its last name counts."""
+    times = touches.numbers("time_s")[:, 0]
+    found: dict[str, Row] = {}
+    for i, (contact, finger) in enumerate(
+        zip(touches.words("contact"), touches.words("finger"), strict=True)
+    ):
+        onset = found.setdefault(contact, {"onset": times[i] - start, "trial_type": "touch"})
+        onset |= {"duration": times[i] - start - onset["onset"], "contact": contact,
+                  "finger": finger or onset.get("finger")}  # fmt: skip
+    return sorted(found.values(), key=lambda event: float(event["onset"]))
+
+
+def _trial_event(row: Row, start: float) -> Row:
+    factors = {name: value for name, value in row.items() if name.startswith("factor_")}
+    told = {"success": int(row["success"]), "excluded": int(row["excluded"])}
+    return {"onset": -start, "duration": row["time_s"], "trial_type": "trial", **told, **factors}
+
+
+def _orientation(point: str, frame: str) -> list[Channel]:
+    return [Channel(f"{point}_{part}", part, "ORNT", point, "n/a", frame) for part in QUATERNION]
+
+
+def _things(frames: Columns) -> list[str]:
+    """Things that have a place and a rotation."""
+    return [name.removesuffix("_qw") for name in frames.texts if name.endswith("_qw")]
+
+
+def _table(path: Path) -> Columns:
+    try:
+        return Columns.read(path.read_bytes())
+    except OSError:
+        raise StudyError("a trial's table is missing", where=str(path),
+                         remedy="Opening the session makes it again: `sandbox study run`, or "
+                                "`simulate --resume`") from None  # fmt: skip
+
+
+def _about(study: StudyFolder, work: Path, people: Sequence[Row]) -> None:
+    _json(work / "dataset_description.json", dataset_description(study))
+    (work / "README").write_text(readme(study), encoding="utf-8")
+    asked = person_columns(study.design)
+    used = [name for name in ("hand", "hand_size", "language", "simulated", "complete", "excluded")
+            if name in asked] + [item.name for item in study.design.demographics]  # fmt: skip
+    rows = [[f"sub-{p['ppid']}", *(p.get(name) for name in used)] for p in people]
+    _tsv(work / "participants.tsv", ["participant_id", *used], rows)
+    _json(work / "participants.json", participant_columns(study.design, used))
+
+
+def _tsv(path: Path, head: Sequence[str] | None, rows: Sequence[Sequence[Any]]) -> None:
+    lines = ["\t".join(head)] if head else []
+    lines += ["\t".join(map(_cell, row)) for row in rows]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def _cell(value: Any) -> str:
+    if value is None or value == "":
+        return "n/a"
+    if isinstance(value, bool):
+        return str(int(value))
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    return re.sub(r"\s+", " ", str(value))
+
+
+def _json(path: Path, value: Any) -> None:
+    path.write_text(json.dumps(value, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+
+
+VERSION = "1.10.0"
+"""Of the specification."""
+NO_CHANNELS = ("ACCEL", "ANGACCEL", "GYRO", "JNTANG", "LATENCY", "MAGN", "MISC", "VEL")
+
+
+def dataset_description(study: StudyFolder) -> dict[str, Any]:
+    """`dataset_description.json`."""
+    title = study.design.title or study.design.name
+    kind = " (simulated participants)" if study.mode == SIMULATED else ""
+    return {
+        "Name": title + kind,
+        "BIDSVersion": VERSION,
+        "DatasetType": "raw",
+        "GeneratedBy": [{"Name": "Hand Sandbox", "Version": versions()["hand-sandbox"],
+                         "Description": f"sandbox study export --bids; {study.mode} data"}],
+    }  # fmt: skip
+
+
+def readme(study: StudyFolder) -> str:
+    """`README`."""
+    whose = {
+        SIMULATED: "Nobody took part: all of it was made by simulated participants.",
+        "pilot": "These are data of a pilot.",
+    }.get(study.mode, "")
+    return f"""{study.design.title or study.design.name}
+
+People touched a surface with the fingers of one hand, and a simulated hand of 48 degrees of freedom
+followed. Motion files hold the commanded pose of that hand and the places of all things, 62.5 times
+a second of simulated time. The world is right-handed: x to the right, y away from the person, z up.
+Rotations are unit quaternions, w x y z: of the hand and of things in the world, of joints against
+the bone before. events.tsv holds the trial, with its conditions, and every touch.
+{whose}
+"""
+
+
+def motion_about(
+    row: Mapping[str, Any], channels: Sequence[Channel], frames: int, rate: float, tracksys: str
+) -> dict[str, Any]:
+    """`_motion.json` of a trial."""
+    kinds = [channel.type for channel in channels]
+    return {
+        "TaskName": str(row["task"]),
+        "TaskDescription": f"trial {row['trial_num']}, block {row['block_num']}, repetition "
+                           f"{row['repetition']}, encoder {row['encoder']}, seed {row['seed']}",
+        "SamplingFrequency": rate,
+        "SamplingFrequencyEffective": rate,
+        "TrackingSystemName": tracksys,
+        "Manufacturer": "Hand Sandbox",
+        "SoftwareVersions": versions()["hand-sandbox"],
+        "RecordingDuration": round(frames / rate, 6),
+        "RecordingType": "continuous",
+        "MotionChannelCount": len(channels),
+        "POSChannelCount": kinds.count("POS"),
+        "ORNTChannelCount": kinds.count("ORNT"),
+        **{f"{kind}ChannelCount": 0 for kind in NO_CHANNELS},
+        "MissingValues": "n/a",
+        "TrackedPointsCount": len({channel.tracked_point for channel in channels}),
+        "SpatialAxes": "RAS",
+    }  # fmt: skip
+
+
+def channel_frames() -> dict[str, Any]:
+    """`_channels.json`: the frames in which channels are."""
+    return {"reference_frame": {
+        "Description": "frame in which position and rotation are told",
+        "Levels": {
+            "world": {"SpatialAxes": "RAS", "RotationOrder": "n/a", "RotationRule": "right-hand",
+                      "Description": "x right, y away from the person, z up"},
+            "parent": {"SpatialAxes": "n/a", "RotationOrder": "n/a", "RotationRule": "right-hand",
+                       "Description": "the bone before, in the open flat hand"},
+        },
+    }}  # fmt: skip
+
+
+def event_columns() -> dict[str, Any]:
+    """Columns of `_events.tsv`, described."""
+    return {
+        "onset": {"Description": "since the first frame of the motion file", "Units": "s"},
+        "duration": {"Description": "of the trial until it was decided, or of the touch",
+                     "Units": "s"},
+        "trial_type": {"Description": "what it is",
+                       "Levels": {"trial": "the whole trial", "touch": "a finger on the surface"}},
+        "success": {"Description": COLUMNS["success"][1], "Levels": {"0": "no", "1": "yes"}},
+        "excluded": {"Description": COLUMNS["excluded"][1], "Levels": {"0": "no", "1": "yes"}},
+        "contact": {"Description": "id of the touch"},
+        "finger": {"Description": "which finger it was taken for, at last"},
+    }  # fmt: skip
+
+
+def participant_columns(design: Design, used: Sequence[str]) -> dict[str, Any]:
+    """`participants.json`."""
+    asked = {item.name: item.ask[design.languages[0]] for item in design.demographics}
+    return {name: {"Description": asked.get(name) or COLUMNS[name][1]} for name in used}

@@ -1,0 +1,49 @@
+"""A new folder that is there whole or not at all, and never in the place of another."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from models.errors import StudyError
+from sandbox.study.record.files import TEMPORARY, explain, make_folder, sync_folder
+
+
+@contextmanager
+def new_folder(out: Path) -> Iterator[Path]:
+    """A folder to be filled, which gets its name when everything in it is done.
+
+    Args:
+        out: Where it will be; nothing may be there.
+
+    Raises:
+        StudyError: Something is there already, or it cannot be made.
+    """
+    refuse_existing(out)
+    make_folder(out.parent)
+    work = out.parent / f"{TEMPORARY}{os.getpid()}-{out.name}"
+    try:
+        shutil.rmtree(work, ignore_errors=True)
+        work.mkdir()
+        yield work
+        refuse_existing(out)
+        work.rename(out)
+        sync_folder(out.parent)
+    except OSError as error:
+        raise explain(error, out, "the folder cannot be written") from None
+    finally:
+        shutil.rmtree(work, ignore_errors=True)
+
+
+def refuse_existing(out: Path) -> None:
+    """Nothing is ever written over.
+
+    Raises:
+        StudyError: Something is there.
+    """
+    if out.exists() or out.is_symlink():
+        raise StudyError("it exists already, and nothing is written over", where=str(out),
+                         remedy="Choose another name with --out")  # fmt: skip

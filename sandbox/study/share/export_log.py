@@ -1,0 +1,61 @@
+"""What a study was copied to: who withdraws is to be removed there, too."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from sandbox.study.record.folder import StudyFolder
+from sandbox.study.record.journal import Journal, read_journal
+
+COPIES = "copies.jsonl"
+
+
+@dataclass(frozen=True)
+class Copy:
+    """A copy of a study's data.
+
+    Attributes:
+        what: `backup`, `export`, `bids`, `merge`, or `site`: a folder that was merged into this.
+        path: Where it was written.
+        time: When.
+        ppids: Whose data are in it.
+        there: It is still where it was.
+    """
+
+    what: str
+    path: Path
+    time: str
+    ppids: tuple[str, ...]
+    there: bool
+
+
+def remember_copy(study: StudyFolder, what: str, path: Path, ppids: Sequence[str]) -> None:
+    """Writes down that a copy was made.
+
+    Raises:
+        StudyError: It cannot be written.
+    """
+    with study.lock():
+        journal = Journal(study.path / COPIES)
+        try:
+            journal.append(what, durable=True, path=str(path.resolve()), ppids=list(ppids))
+        finally:
+            journal.close()
+
+
+def copies(study: StudyFolder, ppid: str | None = None) -> list[Copy]:
+    """Copies that were made here, of everybody or with somebody in them.
+
+    Raises:
+        StudyError: The list is damaged.
+    """
+    path = study.path / COPIES
+    if not path.exists():
+        return []
+    found = [
+        Copy(r["kind"], Path(r["path"]), r["time"], tuple(r["ppids"]), Path(r["path"]).exists())
+        for r in read_journal(path) if r["kind"] != "recovered"
+    ]  # fmt: skip
+    return [copy for copy in found if ppid is None or ppid in copy.ppids]

@@ -1,0 +1,242 @@
+"""Two sites' folders of one study become one; neither is changed, and nothing is written over.
+
+Sites may have given one pseudonym to two people: the second one gets another. A participant who is
+in both folders, as where one is an older copy of the other, is taken once, with the longer journal.
+Numbers stay, since orders follow from them, so two sites may have equal ones; `sites.csv` says who
+comes from where.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+from uuid import uuid4
+
+from models.errors import StudyError
+from sandbox.recording.recording_file import SUFFIX, packed, read_stored
+from sandbox.study.record.build import changes
+from sandbox.study.record.files import TEMPORARY, locked, write_atomically
+from sandbox.study.record.folder import SCHEMA, StudyFolder, write_design
+from sandbox.study.record.journal import Record, now, read_journal
+from sandbox.study.record.kept_sessions import JOURNAL, session_folders, sessions_of
+from sandbox.study.record.pseudonym import new_pseudonym
+from sandbox.study.record.trial_files import TRIALS
+from sandbox.study.share.export_folder import new_folder
+from sandbox.study.share.privacy import lines
+from sandbox.study.share.withdraw import SITES, WITHDRAWN, withdrawn
+from sandbox.study.tables.export_tables import rebuild_all
+from sandbox.study.tables.tables import csv_bytes
+
+Say = Callable[[str], object]
+
+
+@dataclass
+class Merged:
+    """What a merge did.
+
+    Attributes:
+        people: How many participants there are now.
+        renamed: New pseudonym of those whose old one was taken, by site and old one.
+        both: Pseudonyms of those who were in both folders.
+        left_out: Pseudonyms of those who have withdrawn at one of the sites.
+    """
+
+    people: int = 0
+    renamed: dict[str, str] = field(default_factory=dict)
+    both: list[str] = field(default_factory=list)
+    left_out: list[str] = field(default_factory=list)
+
+
+def merge(first: StudyFolder, second: StudyFolder, out: Path, force: str = "") -> Merged:
+    """Writes the study of two sites.
+
+    Args:
+        first, second: The sites' folders.
+        out: The new folder; nothing may be there.
+        force: Why they are merged although program or encoders differ; it is logged.
+
+    Raises:
+        StudyError: They are not of one study, a session is open, somebody went on at both sites, or
+            the folder cannot be written.
+    """
+    different = _check(first, second, force)
+    sites = {"A": first, "B": second}
+    found = Merged()
+    new_id = str(uuid4())
+    chosen = _choose(sites, found)
+    with new_folder(out) as work:
+        about = {"schema": SCHEMA, "study": new_id, "experiment": first.design.name,
+                 "mode": first.mode, "created": now(), "build": first.build}  # fmt: skip
+        write_atomically(work / "study.json", json.dumps(about, indent=1).encode() + b"\n")
+        write_design(work, first.design)
+        _write_journal(work, sites, chosen, different, force)
+        for (site, old), new in chosen.items():
+            _copy(sites[site].path, old, work, new, new_id)
+        rows = [{"ppid": new, "site": site} for (site, _), new in chosen.items()]
+        write_atomically(work / SITES, csv_bytes(rows, ["ppid", "site"]))
+        rebuild_all(StudyFolder.at(work))
+        (work / ".lock").unlink(missing_ok=True)
+    found.people = len(chosen)
+    return found
+
+
+def _check(first: StudyFolder, second: StudyFolder, force: str) -> list[str]:
+    """Refuses what is not one study; what else is different."""
+    if first.path.resolve() == second.path.resolve():
+        raise StudyError("both folders are the same one", where=str(first.path))
+    for what, mine, other in (
+        ("data of one kind", first.mode, second.mode),
+        ("one design", first.design.digest, second.design.digest),
+    ):
+        if mine != other:
+            raise StudyError(f"these are not {what}", where=str(second.path), got=other,
+                             expected=mine,
+                             remedy="Only folders of one and the same study are merged"
+                             )  # fmt: skip
+    different = changes(first.build, second.build)
+    if different and not force:
+        raise StudyError("the sites ran with different programs", where=str(second.path),
+                         got=", ".join(different),
+                         remedy='Merge nevertheless with --force-different "REASON", which is '
+                                "logged")  # fmt: skip
+    return different
+
+
+def _choose(sites: Mapping[str, StudyFolder], found: Merged) -> dict[tuple[str, str], str]:
+    """Who is taken from where, and under which pseudonym."""
+    gone = set().union(*(withdrawn(study) for study in sites.values()))
+    chosen: dict[tuple[str, str], str] = {}
+    taken = gone | {p.ppid for study in sites.values() for p in study.participants()}
+    for site, study in sites.items():
+        for person in study.participants():
+            ppid = person.ppid
+            if ppid in gone:
+                # A copy of somebody who has withdrawn since is no other person.
+                found.left_out.append(ppid)
+            elif ("A", ppid) in chosen and site == "B":
+                longer = _same_person(sites["A"], study, ppid)
+                if longer is None:
+                    chosen[site, ppid] = new = _fresh(taken)
+                    found.renamed[f"{site} {ppid}"] = new
+                    continue
+                found.both.append(ppid)
+                if longer is study:
+                    del chosen["A", ppid]
+                    chosen[site, ppid] = ppid
+            else:
+                chosen[site, ppid] = ppid
+    return chosen
+
+
+def _same_person(first: StudyFolder, second: StudyFolder, ppid: str) -> StudyFolder | None:
+    """Where somebody is who is in both went further; None: they are two people."""
+    journals = [_records(study, ppid) for study in (first, second)]
+    if not all(journals):
+        # Somebody who has not begun has nothing but a pseudonym.
+        return first if journals[0] or not journals[1] else second
+    one, other = ([_plain(r) for r in journal] for journal in journals)
+    if one[0] != other[0]:
+        return None
+    shared = min(len(one), len(other))
+    if one[:shared] != other[:shared]:
+        raise StudyError("a participant went on at both sites", where=str(second.path), got=ppid,
+                         remedy="Decide which folder holds the right data, and remove the other"
+                         )  # fmt: skip
+    return first if len(one) >= len(other) else second
+
+
+def _plain(record: Record) -> Record:
+    """A record without the study's id, which an earlier merge has changed."""
+    return {key: value for key, value in record.items() if key != "study"}
+
+
+def _records(study: StudyFolder, ppid: str) -> list[Record]:
+    """All that the journals of somebody's sessions say, in order."""
+    return [
+        record for session in sessions_of(study, study.find(ppid)) for record in session.records
+    ]
+
+
+def _fresh(taken: set[str]) -> str:
+    name = new_pseudonym()
+    while name in taken:
+        name = new_pseudonym()
+    taken.add(name)
+    return name
+
+
+def _write_journal(
+    work: Path, sites: Mapping[str, StudyFolder], chosen: Mapping[tuple[str, str], str],
+    different: list[str], force: str,
+) -> None:  # fmt: skip
+    """The study's journal: where everything comes from, then both sites' records."""
+    of = {site: [new for (s, _), new in chosen.items() if s == site] for site in sites}
+    records: list[Record] = [{
+        "time": now(), "clock": 0.0, "kind": "merged",
+        "sites": {site: {"study": study.id, "ppids": of[site]} for site, study in sites.items()},
+        **({"reason": force, "changed": different} if different else {}),
+    }]  # fmt: skip
+    tombs: set[str] = set()
+    for site, study in sites.items():
+        path = study.path / "study.jsonl"
+        for record in read_journal(path) if path.exists() else []:
+            ppid = record.get("ppid")
+            if record["kind"] == WITHDRAWN:
+                if ppid not in tombs:
+                    records.append(record)
+                tombs.add(str(ppid))
+            elif ppid is None:
+                records.append(record)
+            elif (site, ppid) in chosen:
+                records.append({**record, "ppid": chosen[site, ppid]})
+    write_atomically(work / "study.jsonl", lines([{**r, "n": n} for n, r in enumerate(records)]))
+
+
+def _copy(source: Path, old: str, work: Path, new: str, study: str) -> None:
+    """A participant's folder, under a new pseudonym and a new study's id where they have one."""
+    if not (source / old).exists():
+        return
+    with ExitStack() as stack:
+        for session in session_folders(source / old):
+            if os.access(session, os.W_OK):
+                what = f"participant {old}"
+                stack.enter_context(locked(session / ".lock", wait=False, what=what))
+        shutil.copytree(source / old, work / new, ignore=_ignored)
+    for session in session_folders(work / new):
+        if (session / JOURNAL).exists():
+            _rename(session, new if new != old else "", study)
+
+
+def _rename(session: Path, new: str, study: str) -> None:
+    """Puts another study's id into a copied session, and a new pseudonym if there is one."""
+    path = session / JOURNAL
+    renamed = {"study": study} | ({"ppid": new} if new else {})
+    records = [{k: renamed.get(k, v) if r["kind"].startswith("session_") else v
+                for k, v in r.items()} for r in read_journal(path)]  # fmt: skip
+    write_atomically(path, lines(records), durable=False)
+    for recording in (session / TRIALS).glob("*.jsonl*") if new else ():
+        kept = [_renamed(line, new) for line in read_stored(recording).data.split(b"\n")]
+        data = b"\n".join(kept)
+        small = recording.suffix == SUFFIX
+        write_atomically(recording, packed(data) if small else data, durable=False)
+
+
+def _renamed(line: bytes, new: str) -> bytes:
+    """A recording's line with another pseudonym, where it tells one."""
+    if not line.startswith((b'{"kind":"header"', b'{"kind":"end"')):
+        return line
+    values: dict[str, Any] = json.loads(line)
+    about = values if values["kind"] == "header" else values["result"]
+    if isinstance(about.get("study"), dict):
+        about["study"]["ppid"] = new
+    return json.dumps(values, separators=(",", ":"), ensure_ascii=False).encode()
+
+
+def _ignored(folder: str, names: list[str]) -> list[str]:
+    return [name for name in names if name == ".lock" or name.startswith(TEMPORARY)]

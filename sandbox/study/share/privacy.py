@@ -1,0 +1,237 @@
+"""An anonymous copy of a study: new pseudonyms, no dates, no words, no names of folders.
+
+What comes out is a study's folder like any other, made from the journals and recordings alone, so
+that a table cannot tell what they do not. It opens, replays and reports like the original. There is
+no list of old and new pseudonyms; but whoever has the original can match the two, by seeds, hashes
+of states or the results themselves.
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+from uuid import uuid4
+
+from models.errors import StudyError
+from sandbox.recording.recording_file import read_stored, stored
+from sandbox.study.design.design import Design
+from sandbox.study.design.plan import in_the_air
+from sandbox.study.record.files import make_folder, write_atomically
+from sandbox.study.record.folder import StudyFolder, write_design
+from sandbox.study.record.journal import Record
+from sandbox.study.record.kept_sessions import JOURNAL, KeptSession, all_sessions, session_path
+from sandbox.study.record.pseudonym import new_pseudonym
+from sandbox.study.record.state import SessionState
+from sandbox.study.share.export_folder import new_folder
+from sandbox.study.share.privacy_groups import Groups, binned, groups
+from sandbox.study.share.privacy_records import (
+    EPOCH,
+    Disguise,
+    disguised,
+    disguised_line,
+    without_places,
+)
+from sandbox.study.tables.export_tables import rebuild_all
+from sandbox.study.tables.frames import STEMS
+
+DEMOGRAPHICS = "demographics"
+ABOUT = "anonymised.json"
+TABLES = ("csv.gz", "parquet", "json")
+
+Say = Callable[[str], object]
+
+
+@dataclass(frozen=True)
+class Masking:
+    """What an anonymous copy keeps.
+
+    Attributes:
+        words: Answers in words, and what the experimenter typed.
+        drop: Demographic items that are left out.
+        bins: Width by demographic item: numbers are rounded down to its multiples.
+        recordings: Recordings of trials are in it, too.
+        hands: So are those of hands in the air, which hold the lengths of their fingers.
+    """
+
+    words: bool = False
+    drop: tuple[str, ...] = ()
+    bins: Mapping[str, float] | None = None
+    recordings: bool = True
+    hands: bool = False
+
+
+@dataclass(frozen=True)
+class Anonymised:
+    """What came out: how many people, how many were left out for want of consent, the groups, and
+    how many recordings of hands in the air were left out."""
+
+    people: int
+    without_consent: int
+    groups: Groups
+    hands: int = 0
+
+
+def anonymise(study: StudyFolder, out: Path, masking: Masking, say: Say) -> Anonymised:
+    """Writes an anonymous copy.
+
+    Args:
+        study: As it is.
+        out: The copy's folder; nothing may be there.
+        masking: See `Masking`.
+        say: Hears what is being done.
+
+    Raises:
+        StudyError: A journal is damaged, there is nobody, or the copy cannot be written.
+    """
+    _check(study.design, masking)
+    sessions = {person.ppid: found for person, found in all_sessions(study)}
+    agreed = {p: some for p, some in sessions.items()
+              if all(s.state.consent is not False for s in some)}  # fmt: skip
+    if not agreed:
+        raise StudyError("there is nobody to export", where=str(study.path))
+    names = _new_names(agreed)
+    new_id = str(uuid4())
+    with new_folder(out) as work:
+        about = {**study.about, "study": new_id, "created": EPOCH.isoformat()}
+        about["build"] = without_places(study.build)
+        write_atomically(work / "study.json", _json(about))
+        write_design(work, study.design)
+        _write_people(work, agreed, names)
+        for old in sorted(agreed, key=names.__getitem__):
+            answer = _answer(study.design, masking)
+            disguise = Disguise(names[old], new_id, answer, masking.words)
+            for session in agreed[old]:
+                say(f"{names[old]}: {len(session.records)} records")
+                _write_session(work, session, disguise, masking)
+        found = _finish(work, masking, len(sessions) - len(agreed))
+    starts = [r for some in agreed.values() for session in some for r in session.records
+              if r["kind"] == "trial_start"]  # fmt: skip
+    hidden = masking.recordings and not masking.hands
+    return replace(found, hands=sum(hidden and in_the_air(r["values"]) for r in starts))
+
+
+def _check(design: Design, masking: Masking) -> None:
+    known = [item.name for item in design.demographics]
+    for name in (*masking.drop, *(masking.bins or {})):
+        if name not in known:
+            raise StudyError("nobody was asked this", where="--drop or --bins", got=name,
+                             expected=", ".join(known) or "no demographics")  # fmt: skip
+
+
+def _new_names(sessions: Mapping[str, object]) -> dict[str, str]:
+    """New pseudonyms, none of which anybody had before."""
+    names: dict[str, str] = {}
+    for old in sessions:
+        new = new_pseudonym()
+        while new in sessions or new in names.values():
+            new = new_pseudonym()
+        names[old] = new
+    return names
+
+
+def _answer(design: Design, masking: Masking) -> Callable[[str, str, Any], Any]:
+    """What is kept of an answer: no words, and of demographics what was asked for."""
+    kinds = {(form.name, item.name): item.kind for form in design.questionnaires
+             for item in form.items}  # fmt: skip
+    kinds |= {(DEMOGRAPHICS, item.name): item.kind for item in design.demographics}
+
+    def kept(form: str, item: str, value: Any) -> Any:
+        # What the design does not know is treated like words.
+        if kinds.get((form, item), "text") == "text" and not masking.words:
+            return None
+        if form == DEMOGRAPHICS and item in masking.drop:
+            return None
+        if form == DEMOGRAPHICS and masking.bins and item in masking.bins:
+            return binned(value, masking.bins[item])
+        return value
+
+    return kept
+
+
+def _write_people(
+    work: Path, sessions: Mapping[str, list[KeptSession]], names: Mapping[str, str]
+) -> None:
+    """The study's journal: who took part, in the order of the new names, which tells nothing."""
+    records: list[Record] = []
+    for old in sorted(sessions, key=names.__getitem__):
+        start = sessions[old][0].state.start
+        records.append({
+            "n": len(records), "time": EPOCH.isoformat(timespec="milliseconds"), "clock": 0.0,
+            "kind": "participant", "ppid": names[old],
+            **{k: start[k] for k in ("number", "hand", "hand_size", "language")},
+            "user": without_places(start["user"]),
+        })  # fmt: skip
+    write_atomically(work / "study.jsonl", lines(records))
+
+
+def _write_session(work: Path, session: KeptSession, disguise: Disguise, masking: Masking) -> None:
+    source, records = session.path, disguised(session.records, disguise)
+    path = session_path(work, disguise.ppid, session.number)
+    for folder in ("trials", "trackers", "session_info"):
+        make_folder(path / folder)
+    write_atomically(path / JOURNAL, lines(records), durable=False)
+    for attempt in (a for some in SessionState.of(records).attempts.values() for a in some):
+        recording = source / attempt.start["file"]
+        kept = masking.recordings and (masking.hands or not in_the_air(attempt.start["values"]))
+        if kept and stored(recording).exists():
+            copied = b"\n".join(
+                disguised_line(line, disguise) if line else b""
+                for line in _whole_lines(read_stored(recording).data).split(b"\n")
+            )
+            write_atomically(path / attempt.start["file"], copied, durable=False)
+        # What is derived from poses and touches: numbers, and names of fingers and things.
+        for stem in (*STEMS.values(), "measures"):
+            for table in (source / "trackers").glob(f"{stem}_{recording.stem}.*"):
+                if table.name.split(f"_{recording.stem}.", 1)[1] in TABLES:
+                    shutil.copyfile(table, path / "trackers" / table.name)
+
+
+def _whole_lines(data: bytes) -> bytes:
+    """A recording without a line that was half written."""
+    return data[: data.rfind(b"\n") + 1]
+
+
+def _finish(work: Path, masking: Masking, without_consent: int) -> Anonymised:
+    """Makes all tables from what was written, and says in the folder what was done."""
+    copy = StudyFolder.at(work)
+    design = copy.design
+    people: list[dict[str, Any]] = []
+    for sessions in rebuild_all(copy).values():
+        start = sessions[0].state.start
+        asked = [r["answers"] for s in sessions for r in s.state.answers.values()
+                 if r["form"] == DEMOGRAPHICS]  # fmt: skip
+        people.append({"hand": start["hand"], "language": start["language"],
+                       **(asked[-1] if asked else {})})  # fmt: skip
+    columns = ["hand", "language"] + [
+        item.name for item in design.demographics
+        if item.name not in masking.drop and (masking.words or item.kind != "text")
+    ]  # fmt: skip
+    columns = [name for name in columns if len({p.get(name) for p in people}) > 1]
+    found = groups(people, columns)
+    (work / ".lock").unlink(missing_ok=True)
+    write_atomically(work / ABOUT, _json({
+        "participants": len(people), "left_out_without_consent": without_consent,
+        "words_kept": masking.words, "left_out": list(masking.drop),
+        "rounded_down_to": dict(masking.bins or {}), "recordings": masking.recordings,
+        "recordings_of_hands_in_the_air": masking.recordings and masking.hands,
+        "compared": list(found.columns), "smallest_group": found.smallest,
+        "people_in_groups_below_5": found.exposed,
+        "may_still_tell": ["the order of arrival (participant_number)", "hand_size",
+                           "how somebody moves (touches and poses)"],
+    }))  # fmt: skip
+    return Anonymised(len(people), without_consent, found)
+
+
+def lines(records: list[Record]) -> bytes:
+    """Records as a journal holds them."""
+    return b"".join(
+        json.dumps(r, separators=(",", ":"), ensure_ascii=False).encode() + b"\n" for r in records
+    )
+
+
+def _json(value: Any) -> bytes:
+    return json.dumps(value, indent=1, ensure_ascii=False).encode() + b"\n"

@@ -1,0 +1,147 @@
+"""A journal's records and a recording's lines without what could tell who somebody was.
+
+What is kept is listed by kind, so that a kind that a later version adds tells nothing until
+somebody has thought about it.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from datetime import UTC, datetime, timedelta
+from pathlib import PureWindowsPath
+from typing import Any
+
+from sandbox.study.record.journal import Record
+
+EPOCH = datetime(2000, 1, 1, tzinfo=UTC)
+"""When every anonymous session begins: dates and times of day are gone, durations stay."""
+WITHHELD = "(words are left out)"
+"""Stands where the experimenter has typed something."""
+
+_ATTEMPT = ("step", "trial", "attempt", "file")
+KEPT: dict[str, tuple[str, ...]] = {
+    "session_start": ("schema", "experiment", "mode", "design", "session", "versions", "build",
+                      "number", "hand", "hand_size", "language", "user"),
+    "session_end": ("complete",),
+    "consent": ("step", "agreed", "version", "language", "text"),
+    "step_done": ("step",),
+    "calibration": ("step",),
+    "answers": ("step", "form", "block", "levels", "seconds"),
+    "trial_start": (*_ATTEMPT, "block", "in_block", "repetition", "practice", "levels", "values",
+                    "seed"),
+    "trial_end": (*_ATTEMPT, "result", "adopted"),
+    "trial_broken": _ATTEMPT,
+    "repeat": ("step", "trial"),
+    "skip": ("step", "trial"),
+    "exclude": ("trial",),
+    "note": ("trial",),
+    "recovered": ("lost_bytes",),
+    "participant": ("number", "hand", "hand_size", "language", "user"),
+    "upgrade": ("changed", "before", "after"),
+    "released": (),
+    "pause": (),
+    "go_on": (),
+}  # fmt: skip
+KEPT["session_resume"] = KEPT["session_start"]
+WORDS = {"trial_broken": "why", "repeat": "reason", "skip": "reason", "exclude": "reason",
+         "note": "text", "upgrade": "reason", "released": "reason"}  # fmt: skip
+"""By kind: where the experimenter's words are."""
+LEFT_OUT = "left_out"
+"""Stands where a record of another kind was: what was filled in of a form before it was finished,
+and whatever nobody has thought about."""
+NAMED = ("session_start", "session_resume", "participant", "released")
+"""Kinds that name the participant."""
+
+
+@dataclass(frozen=True)
+class Disguise:
+    """How somebody's data are made anonymous.
+
+    Attributes:
+        ppid: The new pseudonym.
+        study: The new id of the study.
+        answer: What is kept of an answer, by form and item; None leaves it out.
+        words: Words that the experimenter has typed are kept.
+    """
+
+    ppid: str
+    study: str
+    answer: Callable[[str, str, Any], Any] = field(default=lambda form, item, value: value)
+    words: bool = False
+
+
+def disguised(records: Iterable[Record], disguise: Disguise) -> list[Record]:
+    """A session's journal, made anonymous: as many records, in the same order."""
+    found: list[Record] = []
+    start: Record | None = None
+    for record in records:
+        start = start or record
+        found.append(_one(record, start, disguise))
+    return found
+
+
+def without_places(value: Any) -> Any:
+    """A JSON value in which paths are names of files: a folder's name may be a person's."""
+    if isinstance(value, Mapping):
+        return {key: without_places(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [without_places(inner) for inner in value]
+    if isinstance(value, str) and _is_path(value):
+        return PureWindowsPath(value).name
+    return value
+
+
+def disguised_line(line: bytes, disguise: Disguise) -> bytes:
+    """A line of a recording; all that is played is as it was."""
+    values = json.loads(line)
+    if values.get("kind") == "header":
+        values = _told(values, disguise)
+    elif values.get("kind") == "end":
+        values["result"] = _told(values["result"], disguise)
+    elif values.get("kind") == "event" and values.get("event") not in ("contact", "respawn"):
+        values = {key: values[key] for key in ("kind", "step", "event") if key in values}
+    else:
+        return line
+    return json.dumps(values, separators=(",", ":"), ensure_ascii=False).encode()
+
+
+def _one(record: Record, start: Record, disguise: Disguise) -> Record:
+    kind = record["kind"] if record["kind"] in KEPT else LEFT_OUT
+    found: Record = {"n": record["n"], "time": _shifted(record["time"], start["time"]),
+                     "clock": round(record["clock"] - start["clock"], 6), "kind": kind}  # fmt: skip
+    found |= {k: without_places(record[k]) for k in KEPT.get(kind, ()) if k in record}
+    if kind in NAMED:
+        found["ppid"] = disguise.ppid
+    if kind in ("session_start", "session_resume"):
+        found["study"] = disguise.study
+    if kind == "answers":
+        found["answers"] = {item: disguise.answer(record["form"], item, value)
+                            for item, value in record["answers"].items()}  # fmt: skip
+    if kind in WORDS:
+        key = WORDS[kind]
+        found[key] = record.get(key, "") if disguise.words else WITHHELD
+    return found
+
+
+def _told(header: dict[str, Any], disguise: Disguise) -> dict[str, Any]:
+    """A recording's header, or its result, which repeats it."""
+    found = without_places(header)
+    if isinstance(found.get("study"), dict):
+        found["study"]["ppid"] = disguise.ppid
+    if "broken_off" in found and not disguise.words:
+        found["broken_off"] = WITHHELD
+        if found.get("reason"):
+            found["reason"] = WITHHELD
+    return dict(found)
+
+
+def _is_path(text: str) -> bool:
+    looks = text.startswith(("/", "~", "../", "..\\", "\\\\")) or text[1:3] in (":\\", ":/")
+    return looks and "\n" not in text
+
+
+def _shifted(time: str, start: str) -> str:
+    past: timedelta = datetime.fromisoformat(time) - datetime.fromisoformat(start)
+    return (EPOCH + past).isoformat(timespec="milliseconds")

@@ -1,0 +1,141 @@
+"""Withdrawal: everything of a participant is deleted, and a tombstone says that something was.
+
+The tombstone keeps the pseudonym, so that a backup that comes back, or another site's copy, can be
+told to hold data that nobody may use any more. It keeps nothing else.
+"""
+
+from __future__ import annotations
+
+import gzip
+import shutil
+import time
+import zlib
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from sandbox.study.record.files import explain, locked, sync_folder, write_atomically
+from sandbox.study.record.folder import StudyFolder
+from sandbox.study.record.journal import Record, now, read_journal
+from sandbox.study.record.kept_sessions import session_folders
+from sandbox.study.share.export_log import COPIES, Copy, copies
+from sandbox.study.share.privacy import lines
+from sandbox.study.tables.tables import rebuild_study
+
+WITHDRAWN, REMOVED = "withdrawn", "removed"
+"""Kinds of records: the tombstone, and what else was about somebody who has withdrawn."""
+SITES = "sites.csv"
+
+
+@dataclass(frozen=True)
+class Withdrawal:
+    """What was deleted, and what could not be.
+
+    Attributes:
+        files: How many files were deleted.
+        before: The data were gone already, and only what was left was looked for.
+        copies: Backups, exports and merged folders that were made with the data in them.
+        still: Files in the study's folder that still hold the pseudonym, such as a report, or may,
+            since they are damaged.
+    """
+
+    files: int
+    before: bool
+    copies: tuple[Copy, ...]
+    still: tuple[Path, ...]
+
+
+def withdraw(study: StudyFolder, ppid: str, reason: str) -> Withdrawal:
+    """Deletes all data of a participant. It may be called again, and then ends what was begun.
+
+    Raises:
+        StudyError: There is no such participant, their session is open, or something cannot be
+            deleted; the tombstone is there then, and another call goes on.
+    """
+    before = ppid in withdrawn(study)
+    if not before and ppid not in {p.ppid for p in study.participants()}:
+        study.find(ppid)
+    with ExitStack() as stack:
+        for session in session_folders(study.path / ppid):
+            stack.enter_context(locked(session / ".lock", wait=False, what=f"participant {ppid}"))
+        with study.lock():
+            _bury(study.path / "study.jsonl", ppid, reason)
+            files = _delete(study.path / ppid)
+            _forget_site(study.path / SITES, ppid)
+    rebuild_study(study)
+    return Withdrawal(files, before, tuple(copies(study, ppid)), tuple(_traces(study, ppid)))
+
+
+def withdrawn(study: StudyFolder) -> set[str]:
+    """Pseudonyms of those who have withdrawn."""
+    path = study.path / "study.jsonl"
+    records = read_journal(path) if path.exists() else []
+    return {r["ppid"] for r in records if r["kind"] == WITHDRAWN}
+
+
+def _bury(path: Path, ppid: str, reason: str) -> None:
+    """Puts the tombstone in the place of who took part, in one step."""
+    records = [_without(record, ppid, reason) for record in read_journal(path)]
+    write_atomically(path, lines(records))
+
+
+def _without(record: Record, ppid: str, reason: str) -> Record:
+    if record["kind"] == WITHDRAWN:
+        return record
+    if record.get("ppid") == ppid:
+        found: Record = {"n": record["n"], "time": now(), "clock": round(time.monotonic(), 6),
+                         "kind": REMOVED}  # fmt: skip
+        if record["kind"] == "participant":
+            found |= {"kind": WITHDRAWN, "ppid": ppid, "reason": reason}
+        return found
+    return {key: _scrubbed(value, ppid) for key, value in record.items()}
+
+
+def _scrubbed(value: Any, ppid: str) -> Any:
+    """A value without a pseudonym in its lists and tables."""
+    if isinstance(value, dict):
+        return {k: _scrubbed(v, ppid) for k, v in value.items() if ppid not in (k, v)}
+    if isinstance(value, list):
+        return [_scrubbed(v, ppid) for v in value if v != ppid]
+    return value
+
+
+def _delete(folder: Path) -> int:
+    if not folder.exists():
+        return 0
+    count = sum(path.is_file() for path in folder.rglob("*") if path.name != ".lock")
+    try:
+        shutil.rmtree(folder)
+        sync_folder(folder.parent)
+    except OSError as error:
+        raise explain(error, folder, "not everything could be deleted") from None
+    return count
+
+
+def _forget_site(path: Path, ppid: str) -> None:
+    if path.exists():
+        kept = [line for line in path.read_bytes().splitlines(keepends=True)
+                if not line.startswith(f"{ppid},".encode())]  # fmt: skip
+        write_atomically(path, b"".join(kept))
+
+
+def _traces(study: StudyFolder, ppid: str) -> list[Path]:
+    """Files of the study that still hold the pseudonym, or may, since they cannot be read whole;
+    those of other participants cannot."""
+    others = {person.ppid for person in study.participants()}
+    own = {study.path / "study.jsonl", study.path / COPIES}
+    found = []
+    for path in sorted(study.path.rglob("*")):
+        inside = path.relative_to(study.path).parts
+        if inside[0] in others or path in own or not path.is_file():
+            continue
+        try:
+            data = path.read_bytes()
+            data = gzip.decompress(data) if path.suffix == ".gz" else data
+        except (OSError, EOFError, zlib.error):
+            found.append(path)
+            continue
+        if ppid.encode() in data or ppid in str(Path(*inside)):
+            found.append(path)
+    return found

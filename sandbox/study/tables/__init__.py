@@ -1,0 +1,1 @@
+"""Tables derived from a study's journals and recordings."""

@@ -1,0 +1,285 @@
+"""The 60 Hz tables of a trial: commanded pose, labels, touches and objects, as CSV and Parquet.
+
+They are derived: made while a trial runs, and made again from its recording where they are missing.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from models.frames import FINGERS
+from models.pose import POSE_SIZE
+from models.rotations import matrix_to_quaternion
+from models.skeleton import ADULT
+from sandbox.study.measures.columns import Columns
+from sandbox.study.measures.touching import Contacts, Pushes, Touching
+from sandbox.study.measures.trial import VERSION, measure_trial
+from sandbox.study.record.files import write_atomically
+from tasks.goals import flat_yaw
+
+if TYPE_CHECKING:
+    from models.frames import Frame
+    from sandbox.session.messages import ObjectView, Snapshot
+    from sandbox.session.session import Session
+    from tasks.task import Goal
+
+STEMS = {"frames": "frames", "touches": "touches"}
+POSE_COLUMNS = tuple(
+    f"q_{name}_{axis}" for name in ("position", "rotation", *(b.name for b in ADULT.bones))
+    for axis in "xyz"
+)  # fmt: skip
+"""The 48 numbers of a pose, in its own order."""
+
+
+class FrameTable:
+    """A view that keeps what the tables tell of every snapshot.
+
+    Attributes:
+        truth: Which finger every contact truly was, where somebody knows: finger by contact.
+        truth_by: Who knows; empty where nobody does.
+    """
+
+    def __init__(self) -> None:
+        self._snapshots: list[Snapshot] = []
+        self._contacts: list[Contacts] = []
+        self._heard: list[Frame] = []
+        self._session: Session | None = None
+        self._touching: Touching | None = None
+        self.truth: dict[int, int] = {}
+        self.truth_by = ""
+
+    @property
+    def first_contact(self) -> float | None:
+        """s, when something first touched; None if nothing did."""
+        return next((s.time for s in self._snapshots if s.hands[0].contacts), None)
+
+    def watch(self, session: Session) -> None:
+        """Says which session the snapshots come from; who pushes what is read there."""
+        if self._session is None:
+            self._session, self._touching = session, Touching(session.scene, session.data)
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Looks at a snapshot; all of them, each before the session goes on."""
+        # It is taken apart after the trial: the session's loop has better things to do.
+        self._snapshots.append(snapshot)
+        if self._session is not None and self._touching is not None:
+            self._heard.append(self._session.heard(0))
+            self._contacts.append(self._touching.copy())
+
+    def forget_contacts(self) -> None:
+        """Makes who pushes what unknown: what was simulated is not what is shown."""
+        self._contacts = []
+
+    def write(self, folder: Path, stem: str, result: Mapping[str, Any] | None = None) -> None:
+        """Writes the tables of a recording `stem`, and the measures.
+
+        Args:
+            folder: Where to.
+            stem: Of the recording's name.
+            result: What the recording ends with; None writes no measures.
+
+        Raises:
+            StudyError: One cannot be written.
+        """
+        if not self.truth:
+            self._believe_the_device()
+        frames = self._frames()
+        if find_spec("pyarrow"):
+            write_atomically(folder / f"frames_{stem}.parquet", _parquet(frames), durable=False)
+        columns = Columns.of(frames)
+        if result is not None:
+            write_measures(folder, stem, columns, result, self.truth_by)
+        touches = Columns.of(self._touches())
+        for name, table in (
+            (f"touches_{stem}.csv.gz", touches),
+            (f"frames_{stem}.csv.gz", columns),
+        ):
+            write_atomically(folder / name, table.csv(), durable=False)
+
+    def _believe_the_device(self) -> None:
+        """Takes what a device says of its touches for true, where nobody knows better."""
+        told = {
+            contact.id: contact.label
+            for frame in self._heard
+            for contact in getattr(frame, "contacts", ())
+            if contact.label is not None
+        }
+        if told:
+            self.truth, self.truth_by = told, "device"
+
+    def _frames(self) -> dict[str, Any]:
+        """Columns by name, a row for every snapshot."""
+        shots = self._snapshots
+        hands = [s.hands[0] for s in shots]
+        poses = np.array([hand.target for hand in hands]).reshape(-1, POSE_SIZE)
+        named = [{c.label: c.id for c in hand.contacts} for hand in hands]
+        true = [{self.truth.get(c.id): c.id for c in hand.contacts} for hand in hands]
+        columns: dict[str, Any] = {
+            "time_s": [s.time for s in shots],
+            "step": [s.step for s in shots],
+            "phase": [hand.phase for hand in hands],
+            "solid": ["".join(FINGERS[f][0] for f in sorted(hand.solid)) for hand in hands],
+            **{f"touch_{name}": [ids.get(i) for ids in named] for i, name in enumerate(FINGERS)},
+            **{f"true_{name}": [ids.get(i) for ids in true] for i, name in enumerate(FINGERS)},
+            **{name: poses[:, i] for i, name in enumerate(POSE_COLUMNS)},
+        }
+        for name in shots[0].objects if shots else ():
+            views = [s.objects[name] for s in shots]
+            places = np.array([view.position for view in views])
+            turns = matrix_to_quaternion(np.array([view.rotation for view in views]))
+            columns |= {f"{name}_{part}": places[:, i] for i, part in enumerate("xyz")}
+            columns |= {f"{name}_q{part}": turns[:, i] for i, part in enumerate("wxyz")}
+        return columns | self._pushes() | self._goals()
+
+    def _pushes(self) -> dict[str, Any]:
+        """Who pushes each thing; empty cells where that is not known."""
+        columns: dict[str, Any] = {}
+        names = self._snapshots[0].objects if self._snapshots else ()
+        rows: list[Mapping[str, Pushes] | None] = [None] * len(self._snapshots)
+        if self._touching is not None and self._contacts:
+            rows = [self._touching.pushes(contacts) for contacts in self._contacts]
+        for name in names:
+            found = [None if row is None else row[name] for row in rows]
+            columns |= {
+                f"{name}_digits": [p.digits if p else None for p in found],
+                f"{name}_grip_N": [p.grip if p else None for p in found],
+                f"{name}_by": [" ".join(p.by) if p else None for p in found],
+                f"{name}_on": [" ".join(p.on) if p else None for p in found],
+            }
+        return columns
+
+    def _goals(self) -> dict[str, Any]:
+        """Where each thing with a goal should be, and how far it is turned against that."""
+        columns: dict[str, Any] = {}
+        alike = self._alike()
+        for i, goal in enumerate(self._snapshots[0].goals if self._snapshots else ()):
+            name = goal.object
+            placed = [s.goals[i] for s in self._snapshots]
+            places = np.array([goal.position for goal in placed])
+            columns |= {f"{name}_goal_{part}": places[:, j] for j, part in enumerate("xyz")}
+            columns[f"{name}_off_rad"] = [
+                turn_off(s.objects[name], goal, alike.get(name, 1))
+                for s, goal in zip(self._snapshots, placed, strict=True)
+            ]
+        return columns
+
+    def _alike(self) -> dict[str, int]:
+        """How often things look the same in a turn about the vertical; 0: at any angle."""
+        things = self._session.task.objects if self._session is not None else ()
+        found = {}
+        for thing in things:
+            half = getattr(thing, "half_size", None)
+            found[thing.name] = int(getattr(thing, "looks_alike", 1))
+            if half is not None:
+                found[thing.name] = 4 if abs(half[0] - half[1]) < 1e-9 else 2
+        return found
+
+    def _touches(self) -> dict[str, Any]:
+        """Columns by name, a row for every contact of every snapshot."""
+        rows = [
+            (s.time, c.id, *map(float, c.position),
+             "" if c.label is None else FINGERS[c.label], c.state)
+            for s in self._snapshots for c in s.hands[0].contacts
+        ]  # fmt: skip
+        names = ("time_s", "contact", "x", "y", "z", "finger", "state")
+        return {name: [row[i] for row in rows] for i, name in enumerate(names)}
+
+
+def turn_off(thing: ObjectView, goal: Goal, alike: int) -> float:
+    """rad about the vertical from a goal to a thing, by the nearest turn that looks the same."""
+    if alike == 0:
+        return 0.0
+    part = 2.0 * np.pi / alike
+    # A box on another of its faces has its x axis upright, and still edges with a direction.
+    yaw = flat_yaw(thing.rotation) if alike > 1 else _yaw(thing.rotation)
+    return float((yaw - goal.yaw + part / 2) % part - part / 2)
+
+
+def _yaw(rotation: Any) -> float:
+    return float(np.arctan2(rotation[1, 0], rotation[0, 0]))
+
+
+def write_measures(
+    folder: Path, stem: str, table: Columns, result: Mapping[str, Any], truth: str
+) -> None:
+    """Writes the measures of a trial.
+
+    Raises:
+        StudyError: They cannot be written.
+    """
+    values = {"version": VERSION, "truth": truth, **measure_trial(table, result, truth)}
+    data = json.dumps(values, indent=1).encode() + b"\n"
+    write_atomically(folder / f"measures_{stem}.json", data, durable=False)
+
+
+def read_measures(folder: Path, stem: str) -> dict[str, Any]:
+    """The measures of a trial; nothing where they are not made, or by other definitions."""
+    try:
+        values = json.loads((folder / f"measures_{stem}.json").read_bytes())
+    except (OSError, ValueError):
+        return {}
+    if not isinstance(values, dict) or values.pop("version", None) != VERSION:
+        return {}
+    return {name: value for name, value in values.items() if name != "truth"}
+
+
+def missing(folder: Path, stem: str) -> bool:
+    """Whether a trial's tables have to be made."""
+    # The CSV of the frames is written last.
+    lacks = not (folder / f"frames_{stem}.csv.gz").exists() or not read_measures(folder, stem)
+    return lacks or (
+        find_spec("pyarrow") is not None and not (folder / f"frames_{stem}.parquet").exists()
+    )
+
+
+def rebuild(recording: Path, folder: Path) -> None:
+    """Makes a trial's tables from its recording, by playing it again.
+
+    Raises:
+        InputError: It cannot be played here, or they cannot be written.
+    """
+    from sandbox.recording.recording import load_recording
+    from sandbox.trial.headless import View
+    from sandbox.trial.replay import replay
+
+    table, loaded = FrameTable(), load_recording(recording)
+
+    def views(session: Session) -> list[View]:
+        table.watch(session)
+        return [table.show]
+
+    _, found = replay(loaded, views)
+    if found.shown_recorded and not found.exact:
+        table.forget_contacts()
+    result = loaded.end["result"] if loaded.end else None
+    if result is not None:
+        table.truth = {int(contact): finger for contact, finger in result.get("fingers", [])}
+        table.truth_by = str(result.get("fingers_by", ""))
+    table.write(folder, recording.stem, result)
+
+
+def _parquet(table: dict[str, Any]) -> bytes:
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    columns = {
+        name: pa.array(values.astype(np.float32)) if isinstance(values, np.ndarray)
+        else pa.array(values, type=getattr(pa, _type(name))())
+        for name, values in table.items()
+    }  # fmt: skip
+    sink = pa.BufferOutputStream()
+    parquet.write_table(pa.table(columns), sink, compression="zstd")
+    return bytes(sink.getvalue())
+
+
+def _type(name: str) -> str:
+    """Type of a column that is a list, also where all of it is empty."""
+    if name == "step" or name.startswith(("touch_", "true_")):
+        return "int64"
+    return "float64" if name == "time_s" or name.endswith(("_N", "_rad")) else "string"

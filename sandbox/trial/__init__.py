@@ -1,0 +1,1 @@
+"""Trials: settings, how a session is put together, run, paced, recorded and replayed."""

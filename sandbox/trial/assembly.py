@@ -1,0 +1,213 @@
+"""Puts a run together from its settings: task, surface, reconstructor, hand, session."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from encoders.correction import CorrectionSettings
+from encoders.labels.belief import builtin_belief
+from encoders.labels.labelling import Labeller, PaperLabels
+from encoders.person.yaw_range import YawRange, YawWatch
+from encoders.reconstruction.arrival import ArrivalSettings
+from encoders.reconstruction.contact_tracker import TrackerSettings
+from encoders.reconstruction.lift import LiftSettings
+from encoders.reconstruction.personal import Reconstructor, personal
+from encoders.reconstruction.touch_reconstructor import ReconstructorSettings, TouchReconstructor
+from encoders.regression.pca_ik import PCA_IK, pca_ik_model
+from encoders.regression.trained import BUILTIN, TrainedModel, builtin, load_model
+from models.errors import CaptureError, InputError
+from models.hand import Hand, finger_armature, is_calm
+from models.limits import GENTLE, RateLimit
+from models.skeleton import ADULT
+from models.surface import Surface
+from sandbox.lsl.lsl_listening import Told
+from sandbox.session.session import Recorder, Rig, Session
+from sandbox.session.solidity import SolidityRules
+from sandbox.trial.settings import RunSettings
+from sandbox.trial.two_hands import DeviceMaker, checked, makers_of, place_all
+from tasks.registry import draw_task, find_task
+from tasks.task import Task
+from tasks.variation import vary
+
+__all__ = [
+    "DeviceMaker",
+    "build",
+    "digests",
+    "load_encoder",
+    "make_labeller",
+    "place_surface",
+    "reconstructor_settings",
+]
+
+BELOW_TABLE = 0.015
+"""m by which an upright surface reaches below the table's top, so that fingers beside a thing that
+lies on the table are on the surface all the same."""
+
+
+UPRIGHT_END = 0.0
+"""m of the last links that are solid before an upright surface: nothing but the balls of the
+fingertips. Fingers reach over what stands below and before what they hold, in a depth that nobody
+sees."""
+
+
+IN_AIR: dict[str, Any] = {"links": 2, "together": True}
+"""What is solid of a hand in the air. A Leap sees where middle links are, and things that go
+through them look wrong; `python -m benchmarks.in_air --links 1` tells the difference."""
+
+
+def load_encoder(name: str) -> TrainedModel:
+    """A built-in encoder by name, or a trained model's file.
+
+    Raises:
+        InputError: It is neither.
+    """
+    if name in BUILTIN:
+        return builtin(name)
+    if name == PCA_IK:
+        return pca_ik_model()
+    if not Path(name).exists():
+        raise InputError(
+            "there is no such encoder",
+            where="--encoder",
+            got=name,
+            expected=", ".join((*BUILTIN, PCA_IK)) + ", or a file made by `sandbox train`",
+        )
+    return load_model(Path(name))
+
+
+def digests(settings: RunSettings) -> dict[str, str]:
+    """Digests of what was learned: the encoder, and the belief over labels where it is used."""
+    labels = "" if settings.labels == "paper" else builtin_belief().trained.digest
+    return {"encoder": load_encoder(settings.encoder).digest, "labels": labels}
+
+
+def reconstructor_settings(settings: RunSettings, lift_range: float = 0.0) -> ReconstructorSettings:
+    """What takes part between touches and pose.
+
+    Args:
+        settings: Of the run.
+        lift_range: m by which the task's lift control raises the hand.
+    """
+    tracker, arrival = TrackerSettings(), ArrivalSettings()
+    if not settings.stitch:
+        tracker = replace(tracker, grace=0.0, cancelled_grace=0.0)
+    if not settings.smoothing:
+        tracker = replace(tracker, low_pass=0.0)
+    if not settings.arrival:
+        arrival = replace(arrival, hover=0.0)
+    chosen = ReconstructorSettings(
+        tracker=tracker,
+        arrival=arrival,
+        # The trained hand rises less than the person's, as it is smaller in all directions.
+        lift=LiftSettings(reach=lift_range / settings.hand_size),
+        correction=CorrectionSettings() if settings.correction else None,
+        encode=settings.encode,
+        rate=GENTLE if is_calm(settings.impulse) else RateLimit(),
+    )
+    return chosen if settings.smoothing else replace(chosen, posture_tau=0.0)
+
+
+def make_labeller(settings: RunSettings, model: TrainedModel) -> Labeller:
+    """Who names the fingers; `device` falls back on history where the device does not know."""
+    return PaperLabels(model) if settings.labels == "paper" else builtin_belief()
+
+
+def place_surface(surface: Surface, task: type[Task]) -> Surface:
+    """A task's surface in the world: flat over the table, or upright before the person.
+
+    Flat or upright, `touch_height` is out of it what it is above the middle of the things: above
+    the table, or in front of world y = 0, the depth at which things of an upright task are.
+    """
+    if task.plane == "front":
+        return surface.stood_up(-task.touch_height, -BELOW_TABLE)
+    return surface.centred_at((0.0, 0.0, task.touch_height))
+
+
+def build(
+    settings: RunSettings,
+    make_device: DeviceMaker,
+    recorder: Recorder | None = None,
+    wear: Callable[[Reconstructor], Reconstructor] | None = None,
+) -> Session:
+    """A session with its hands, ready for its first step.
+
+    Args:
+        settings: How it goes.
+        make_device: Where the touches come from; a `PerHand` where there are two hands.
+        recorder: Writes down inputs and states.
+        wear: Puts another reconstructor in the place of the one that reconstructs from touches.
+    """
+    task_type = find_task(settings.task)
+    placed = place_surface(settings.surface, task_type)
+    whole, surfaces = place_all(placed, settings, task_type)
+    task = vary(draw_task(task_type, settings.seed, whole), settings.variation, whole)
+    persons = settings.persons
+    if placed.upright and any(person.turn for person in persons):
+        raise InputError(
+            "before an upright surface one sits at its lower edge",
+            where="--turn",
+            got=max(person.turn for person in persons),
+            expected=f"0 for {settings.task}",
+        )
+    makers = checked(makers_of(make_device), len(persons), settings.task)
+    model = load_encoder(settings.encoder)
+    hands = _hands(settings, task_type)
+    made: list[Any] = []
+    for person, surface, in_air in zip(persons, surfaces, settings.in_airs, strict=True):
+        if in_air is not None:
+            rate = reconstructor_settings(settings).rate
+            made.append(in_air.reconstructor(person, surface, rate))
+            continue
+
+        def trained_hand(surface: Surface) -> TouchReconstructor:
+            return TouchReconstructor(
+                model,
+                make_labeller(settings, model),
+                ADULT,
+                surface,
+                reconstructor_settings(settings, task.lift_range),
+            )
+
+        reconstructor = personal(person, surface, trained_hand)
+        made.append(wear(reconstructor) if wear else reconstructor)
+    rules = SolidityRules(settings.ghost_until_clear, settings.distal_only)
+    air_rules = replace(rules, **IN_AIR)
+    rigs = [
+        Rig(make(task, surface), reconstructor, hand, None, air_rules)
+        if in_air
+        else Rig(make(task, surface), reconstructor, hand, _yaw_watch(model))
+        for make, surface, reconstructor, hand, in_air in zip(
+            makers, surfaces, made, hands, settings.in_airs, strict=True
+        )
+    ]
+    friction = settings.variation.friction
+    session = Session(task, rigs, rules, settings.timestep, recorder, settings.contact, friction)
+    if isinstance(recorder, Told):
+        recorder.watch(session)
+    return session
+
+
+def _hands(settings: RunSettings, task_type: type[Task]) -> list[Hand]:
+    """The simulated hands."""
+    return [
+        Hand(
+            name,
+            person.skeleton(ADULT),
+            servo=settings.servo,
+            impulse=settings.impulse,
+            finger_armature=finger_armature(settings.impulse),
+            solid_end=UPRIGHT_END if task_type.plane == "front" else None,
+        )
+        for name, person in zip(settings.hand_names, settings.persons, strict=True)
+    ]
+
+
+def _yaw_watch(model: TrainedModel) -> YawWatch | None:
+    """Who notices hands turned further than the model's training; None where it does not tell."""
+    try:
+        return YawWatch(YawRange.of(model.training_u))
+    except CaptureError:
+        return None

@@ -1,0 +1,67 @@
+"""What is kept of a trial: its recording where one is asked for, and how it diverged if it did."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from models.errors import RecordingError
+from sandbox.lsl.lsl_listening import Told, with_listeners
+from sandbox.recording.dump import BlackBox, dump_path
+from sandbox.recording.recording import RecordingWriter
+from sandbox.session.session import Recorder, Session, describe
+
+SCHEMA = 1
+"""Version of a trial's JSON."""
+
+
+class Keeping:
+    """The recorder of one trial, and its result.
+
+    Args:
+        header: What must be known to run the trial again.
+        record: Where to write a recording; None writes none.
+        dump: Folder for the last states of a simulation that diverges; beside a recording they are
+            written in any case.
+
+    Attributes:
+        recorder: To be given to the session.
+
+    Raises:
+        RecordingError: The recording's file exists or cannot be made.
+    """
+
+    def __init__(
+        self, header: dict[str, Any], record: Path | None = None, dump: Path | None = None
+    ) -> None:
+        self._header, self._record, self._dump = header, record, dump
+        self._writer = RecordingWriter(record, header) if record else None
+        self._box = BlackBox(header, self._writer)
+        self.recorder: Recorder = with_listeners(self._box, header)
+
+    def end(self, session: Session, **more: Any) -> dict[str, Any]:
+        """Writes the trial's end; its result with whatever else is given, JSON values.
+
+        After a divergence `dump` in it is the file that shows how. One that cannot be written does
+        not cost the result: `dump` is empty then, and `dump_error` says why.
+        """
+        result = {**describe(session), **self._header, **more, "schema": SCHEMA}
+        path = dump_path(self._dump, self._record, session.task.name, session.task.seed)
+        if session.diverged and path is not None:
+            try:
+                result["dump"] = str(self._box.dump(path, session.step, result))
+            except RecordingError as error:
+                result |= {"dump": "", "dump_error": str(error)}
+        if isinstance(self.recorder, Told):
+            self.recorder.end(result)
+        self._box.end(session.step, result)
+        return result
+
+    def close(self) -> None:
+        """Waits until everything is on disk.
+
+        Raises:
+            RecordingError: Something could not be written; what came before it is safe.
+        """
+        if self._writer:
+            self._writer.close()

@@ -1,0 +1,104 @@
+"""What a recording shows where it cannot be simulated again: its own poses.
+
+Labels, contacts and the commanded pose come from the touches, and are found anew; where hand and
+objects were is taken from the recording's track.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from dataclasses import replace
+
+import mujoco
+
+from models.errors import RecordingError
+from sandbox.recording.recording import Recording
+from sandbox.session.messages import ObjectView, Snapshot
+from sandbox.session.session import Session
+from tasks.goals import place
+from tasks.score import Score, Status
+
+
+class RecordedPoses:
+    """Puts recorded poses into the snapshots of a session.
+
+    Args:
+        session: Plays the recording; it is only read.
+        recording: With a track.
+
+    Raises:
+        RecordingError: Its poses are another scene's.
+    """
+
+    def __init__(self, session: Session, recording: Recording) -> None:
+        self._session, self._recording = session, recording
+        self._track = recording.track
+        self._steps = sorted(self._track.qpos)
+        model = session.scene.model
+        widths = {len(qpos) for qpos in self._track.qpos.values()}
+        hands = {len(solid) for solid in self._track.solid.values()}
+        if widths != {model.nq} or hands != {len(session.rigs)}:
+            raise RecordingError(
+                "its poses are another scene's",
+                where=str(recording.path),
+                got=f"{sorted(widths)} joint positions",
+                expected=str(model.nq),
+                remedy="Use the version of the sandbox that its header names",
+            )
+        self._data = mujoco.MjData(model)
+
+    @property
+    def last(self) -> int:
+        """Physics step of the last pose."""
+        return self._steps[-1]
+
+    def show(self, snapshot: Snapshot, scored: bool) -> Snapshot:
+        """A snapshot as it was.
+
+        Args:
+            snapshot: As it was simulated here.
+            scored: Its score is still the recorded one, since no state has differed so far.
+        """
+        at = self._steps[max(bisect_right(self._steps, snapshot.step) - 1, 0)]
+        scene, data = self._session.scene, self._data
+        data.qpos[:] = self._track.qpos[at]
+        mujoco.mj_normalizeQuat(scene.model, data.qpos)
+        mujoco.mj_kinematics(scene.model, data)
+        objects = {name: ObjectView(*scene.object_pose(data, name)) for name in snapshot.objects}
+        hands = tuple(
+            replace(hand, tips=self._session.tips(i, data), solid=self._track.solid[at][i])
+            for i, hand in enumerate(snapshot.hands)
+        )
+        return replace(
+            snapshot,
+            qpos=data.qpos.copy(),
+            hands=hands,
+            objects=objects,
+            goals=place(self._session.task.goals, objects),
+            score=snapshot.score if scored else self._score(snapshot.step),
+        )
+
+    def _score(self, step: int) -> Score:
+        """The recorded score at the end, and no word of it before."""
+        end = self._recording.end
+        return recorded_score(end["result"]) if end and step >= end["step"] else Score()
+
+
+def recorded_score(result: dict[str, object]) -> Score:
+    """The score that a recording tells.
+
+    Raises:
+        RecordingError: It tells none.
+    """
+    try:
+        return Score(
+            instant=bool(result["instant"]),
+            held=bool(result["held"]),
+            final=bool(result["final"]),
+            status=Status(str(result["status"])),
+            progress=float(str(result["progress"])),
+            reason=str(result["reason"]),
+            time=float(str(result["time_s"])),
+        )
+    except (KeyError, ValueError) as error:
+        raise RecordingError("its end tells no score", got=str(error)) from None

@@ -1,0 +1,106 @@
+"""Plays a recording again and compares the states, hash by hash."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from models.errors import DivergenceError, RecordingError
+from sandbox.recording.recorded_device import RecordedDevice
+from sandbox.recording.recorded_task import recorded_task
+from sandbox.recording.recording import Recording
+from sandbox.recording.versions import versions
+from sandbox.session.session import Session
+from sandbox.trial.assembly import build, digests
+from sandbox.trial.headless import ViewMaker, no_views
+from sandbox.trial.recorded_poses import RecordedPoses
+from sandbox.trial.settings import RunSettings
+from sandbox.trial.two_hands import DeviceMaker, PerHand
+
+
+@dataclass(frozen=True)
+class Verification:
+    """How a replay went.
+
+    Attributes:
+        compared: Hashes that were compared.
+        first_difference: Physics step of the first hash that differs; None when all agree.
+        complete: The recording's end was reached and its last hash compared.
+        same_machine: Versions and kind of processor are the recording's, so that equality is owed.
+        shown_recorded: Views were shown the recorded poses, not those simulated here.
+        diverged: Why the simulation diverged in the replay, too; empty where it did not.
+    """
+
+    compared: int
+    first_difference: int | None
+    complete: bool
+    same_machine: bool
+    shown_recorded: bool = False
+    diverged: str = ""
+
+    @property
+    def exact(self) -> bool:
+        """Whether every state was the recorded one."""
+        return self.first_difference is None and self.compared > 0
+
+
+def settings_of(recording: Recording) -> RunSettings:
+    """The settings a recording was made with.
+
+    Raises:
+        RecordingError: What it was made with has learned something else here.
+    """
+    settings = RunSettings.from_json(recording.header["settings"])
+    settings = replace(settings, task=recorded_task(recording.header, str(recording.path)))
+    here, there = digests(settings), recording.header.get("digests")
+    if here != there:
+        raise RecordingError(
+            "it was made with another encoder, or other labels, of the same name",
+            where=str(recording.path),
+            got=here,
+            expected=str(there),
+            remedy="Use the version of the sandbox that its header names",
+        )
+    return settings
+
+
+def recorded_hands(recording: Recording, hands: int) -> PerHand:
+    """Plays every hand of a recording."""
+
+    def plays(hand: int) -> DeviceMaker:
+        return lambda task, surface: RecordedDevice(recording, hand)
+
+    return PerHand(tuple(plays(hand) for hand in range(hands)))
+
+
+def replay(recording: Recording, make_views: ViewMaker = no_views) -> tuple[Session, Verification]:
+    """Plays a recording to its end, comparing hashes on the way.
+
+    Where it was made with other versions or on another kind of processor, nothing promises the same
+    states: it is simulated and compared all the same, and views are shown the recorded poses.
+    """
+    settings = settings_of(recording)
+    session = build(settings, recorded_hands(recording, len(settings.persons)))
+    same = recording.header["versions"].get("fingerprint") == versions()["fingerprint"]
+    poses = RecordedPoses(session, recording) if recording.track.qpos and not same else None
+    views = make_views(session)
+    compared, difference = 0, None
+    while True:
+        if session.step in recording.hashes:
+            compared += 1
+            if recording.hashes[session.step] != session.state_hash and difference is None:
+                difference = session.step
+        # A score may be won earlier or later elsewhere; what is shown goes on to its end.
+        if session.diverged or (session.over and not (poses and session.step < poses.last)):
+            break
+        try:
+            snapshot = session.advance()
+        except DivergenceError:
+            continue
+        if poses:
+            snapshot = poses.show(snapshot, scored=difference is None)
+        for view in views:
+            view(snapshot)
+    complete = recording.end is not None and session.step == recording.end["step"]
+    return session, Verification(
+        compared, difference, complete, same, poses is not None, session.diverged
+    )

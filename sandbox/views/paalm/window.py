@@ -1,0 +1,91 @@
+"""PAALM's pictures in a window. Belongs to the main thread."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from typing import Any
+
+import glfw
+from PIL import Image
+
+from encoders.paalm.paalm import PaalmFrame
+from models.frames import HandFrame
+from sandbox.session.closing import Closing
+from sandbox.views.paalm.picture import SIZE, PaalmPicture
+from sandbox.views.renderer import LARGEST
+from sandbox.views.window.context import WindowContext
+
+RATE = 30.0
+"""Pictures a second at most; a device says up to 290 frames."""
+
+
+class PaalmWindow(Closing):
+    """Shows the newest frame; dragging turns the hand, Esc closes.
+
+    Args:
+        sides: Of the hands.
+        caption: Where frames come from; a window with a simulated hand has to say so.
+        size: px in the screen's coordinates.
+
+    Raises:
+        GraphicsError: No window can be opened here.
+
+    Attributes:
+        picture: The last one; None before the first.
+    """
+
+    def __init__(
+        self, sides: Sequence[str], caption: str = "", size: tuple[int, int] = SIZE
+    ) -> None:
+        self.picture: Image.Image | None = None
+        self._context = WindowContext("PAALM - Hand Sandbox", size)
+        try:
+            self._drawn = PaalmPicture(sides, self._pixels(), self._context, caption)
+        except BaseException:
+            self._context.free()
+            raise
+        self._due = 0.0
+        self._dragged: tuple[float, float] | None = None
+
+    def show(self, frame: HandFrame, result: PaalmFrame) -> bool:
+        """Draws a frame unless it comes too soon; False once the window is to be closed."""
+        now = time.monotonic()
+        if now < self._due:
+            return True
+        self._due = now + 1.0 / RATE
+        handle: Any = self._context.handle
+        size = self._pixels()
+        if size != self._drawn.size:
+            self._drawn.resize(size)
+        self._turn(handle)
+        self.picture = self._drawn.draw(frame, result)
+        self._drawn.put_on_screen(self.picture)
+        self._context.swap()
+        return self.rest()
+
+    def rest(self) -> bool:
+        """Hears what the person does; False once the window is to be closed."""
+        glfw.poll_events()
+        handle: Any = self._context.handle
+        escape = glfw.get_key(handle, glfw.KEY_ESCAPE) == glfw.PRESS
+        return not (glfw.window_should_close(handle) or escape)
+
+    def close(self) -> None:
+        """Closes the window; may be called twice."""
+        self._drawn.close()
+        self._context.free()
+
+    def _turn(self, handle: Any) -> None:
+        if glfw.get_mouse_button(handle, glfw.MOUSE_BUTTON_LEFT) != glfw.PRESS:
+            self._dragged = None
+            return
+        x, y = glfw.get_cursor_pos(handle)
+        if self._dragged is not None:
+            height = max(1, glfw.get_window_size(handle)[1])
+            self._drawn.turn((x - self._dragged[0]) / height, (y - self._dragged[1]) / height)
+        self._dragged = (x, y)
+
+    def _pixels(self) -> tuple[int, int]:
+        width, height = glfw.get_framebuffer_size(self._context.handle)
+        return min(max(width, 480), LARGEST), min(max(height, 320), LARGEST)

@@ -1,0 +1,391 @@
+"""The window: the scene as it is now, and the mouse as fingers. Belongs to the main thread."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import glfw
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from PIL import Image
+
+from models.errors import HandSandboxError
+from models.scene import Scene
+from models.surface import Surface
+from sandbox.devices.mouse import MouseDevice
+from sandbox.devices.wrappers.lift_keys import LiftKeys
+from sandbox.devices.wrappers.merged import parts_of
+from sandbox.session.closing import Closing
+from sandbox.session.device import Device, HandDevice
+from sandbox.session.messages import Snapshot
+from sandbox.views import palette
+from sandbox.views.cameras import camera_above, window_camera
+from sandbox.views.overlay import Words
+from sandbox.views.renderer import Renderer
+from sandbox.views.window.context import Loan, WindowContext
+from sandbox.views.window.keys import HINT, LEAP, keys
+from sandbox.views.window.plainness import Plainness
+
+Array = NDArray[np.float64]
+
+SIZE = (1024, 680)
+"""px (of the screen's own coordinates), of a new window."""
+RATE = 60.0
+"""Pictures per second at most."""
+LIFT = {glfw.KEY_UP: 1.0, glfw.KEY_DOWN: -1.0}
+MOVES = {glfw.KEY_LEFT: -LEAP, glfw.KEY_RIGHT: LEAP, glfw.KEY_COMMA: -1, glfw.KEY_PERIOD: 1}
+"""Control periods by which the keys go back and on in what is only looked at."""
+
+SPEEDS = {1.0: "", 0.5: "slow motion 1/2", 0.25: "slow motion 1/4", 0.1: "slow motion 1/10"}
+"""Simulated seconds per second, in the order of the key's presses -> what is written meanwhile."""
+
+
+class Window(Closing):
+    """Draws the newest snapshot, and turns mouse and keys into touches.
+
+    Args:
+        scene: What is drawn; it is copied, not used.
+        surface: Where the touches are; the pointer touches the point of it that it covers.
+        title: Of the window.
+        size: px in the screen's coordinates.
+        caption: Who plays what; a window that shows a simulated user has to say so here.
+        in_air: Hands are in the air over a 3-D device, not on a surface.
+
+    Raises:
+        GraphicsError: No window can be opened here.
+
+    Attributes:
+        paused: The person wants simulated time to stand still.
+        speed: Simulated seconds per second that the person wants, one of `SPEEDS`.
+        footer: Lines at the bottom right.
+        help: What the keys do; None tells of those for trials.
+        link: Shown as a code to be photographed; empty shows none.
+        pictures: How many were drawn so far.
+        picture_time: s that the last one took.
+        seen: The snapshot that is on the screen; None before the first.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        surface: Surface,
+        title: str = "Hand Sandbox",
+        size: tuple[int, int] = SIZE,
+        caption: str = "",
+        in_air: bool = False,
+    ) -> None:
+        self.paused, self.speed = False, 1.0
+        self.footer: tuple[str, ...] = ()
+        self.help: tuple[str, ...] | None = None
+        self.link = ""
+        self.pictures, self.picture_time = 0, 0.0
+        self.seen: Snapshot | None = None
+        self._surface = self._touched = surface
+        self._mouse: MouseDevice | None = None
+        self._lift: LiftKeys | None = None
+        self._touching = self._looking = False
+        self._reset = self._help = self._above = self._contact = False
+        self._moves = 0
+        self._shown: object = None
+        self._picture: Image.Image | None = None
+        self._snapshot: Snapshot | None = None
+        self._plainness = Plainness()
+        self._due = 0.0
+        self._cursor = np.zeros(2)
+        self._failure: BaseException | None = None
+        self._context = WindowContext(title, size)
+        self._renderer: Renderer | None = None
+        try:
+            self.show_scene(scene, surface, title, caption, in_air)
+        except BaseException:
+            self._context.free()
+            raise
+        self._listen()
+
+    def show_scene(
+        self,
+        scene: Scene,
+        surface: Surface,
+        title: str,
+        caption: str = "",
+        in_air: bool = False,
+    ) -> None:
+        """Shows another scene in the same window, as for another trial; nothing drives it yet.
+
+        Args:
+            scene: What is drawn; it is copied, not used.
+            surface: Where its touches are.
+            title: Of the window.
+            caption: Who plays what.
+            in_air: Hands are in the air.
+        """
+        self._release()
+        before, self._renderer = self._renderer, None
+        self._in_air = in_air
+        camera = window_camera(surface, in_air)
+        if before is not None:
+            if before.camera is not None and _same(surface, self._surface):
+                # Whoever looks from elsewhere does so for the next trial, too.
+                camera = before.camera
+            before.close()
+        self._surface, self._touched, self._caption = surface, surface, caption
+        self._mouse = self._lift = self._snapshot = self.seen = self._shown = None
+        self.paused = self._reset = self._contact = False
+        glfw.set_window_title(self._context.handle, title)
+        self._renderer = Renderer(
+            scene,
+            surface,
+            self._drawn_size(),
+            camera=camera,
+            context=Loan(self._context),
+            rings_on_table=False,
+            samples=0,
+        )
+        if before is not None:
+            self._renderer.shadows = before.shadows
+
+    def attach(self, device: Device | HandDevice) -> None:
+        """Lets mouse and keys drive a device, as far as it is one that they can drive."""
+        parts = parts_of(device)
+        self._lift = next((part for part in parts if isinstance(part, LiftKeys)), None)
+        self._mouse = next((part for part in parts if isinstance(part, MouseDevice)), None)
+        self._touched = self._mouse.surface if self._mouse else self._surface
+
+    def pump(self, snapshot: Snapshot | None) -> bool:
+        """Takes in what the person did, and draws; False once the window is closed.
+
+        Returns at the screen's rate at most, so that a loop around it does not spin.
+        """
+        if self._renderer is None:
+            return False
+        glfw.poll_events()
+        while (left := self._due - time.monotonic()) > 0.0:
+            # Events go to the session at once; only the next picture waits.
+            glfw.wait_events_timeout(left)
+        self._due = time.monotonic() + 1.0 / RATE
+        if self._failure is not None:
+            failure, self._failure = self._failure, None
+            raise failure
+        if glfw.window_should_close(self._context.handle):
+            self.close()
+            return False
+        if snapshot is not None:
+            self._snapshot = snapshot
+        if min(glfw.get_framebuffer_size(self._context.handle)) > 0:
+            self._show()
+        return True
+
+    def take_reset(self) -> bool:
+        """Whether the person wants to start again; asked once, told once."""
+        asked, self._reset = self._reset, False
+        return asked
+
+    def take_contact(self) -> bool:
+        """Whether the person wants the next contact mode; asked once, told once."""
+        asked, self._contact = self._contact, False
+        return asked
+
+    def take_moves(self) -> int:
+        """Control periods by which the person wants to go on, or back; told once."""
+        moves, self._moves = self._moves, 0
+        return moves
+
+    def screenshot(self) -> Image.Image:
+        """The picture that the window shows now, RGB."""
+        if self._picture is None:
+            return self._blank(glfw.get_framebuffer_size(self._context.handle))
+        return self._picture.copy()
+
+    def pixel_of(self, xy: ArrayLike) -> tuple[float, float]:
+        """Where in the window, in screen coordinates, a surface point (2,) in metres is seen.
+
+        Raises:
+            HandSandboxError: Nothing has been drawn yet.
+        """
+        lens = self._renderer.lens if self._renderer else None
+        if lens is None:
+            raise HandSandboxError("the window has drawn nothing yet", remedy="Call pump first")
+        pixel, _ = lens.project(self._touched.to_world(xy))
+        x, y = pixel / np.array(lens.size) * glfw.get_window_size(self._context.handle)
+        return float(x), float(y)
+
+    def close(self) -> None:
+        """Closes the window; may be called twice."""
+        if self._renderer is not None:
+            self._release()
+            renderer, self._renderer = self._renderer, None
+            renderer.close()
+            self._context.free()
+
+    def _show(self) -> None:
+        """Draws, unless it would be the same picture again."""
+        renderer = self._renderer
+        assert renderer is not None
+        size, window = self._drawn_size(), glfw.get_framebuffer_size(self._context.handle)
+        renderer.words = Words(
+            self._caption,
+            self._keys() if self._help else HINT,
+            "paused" if self.paused else SPEEDS[self.speed] or self._contact_word(),
+            self.footer,
+            self.link,
+        )
+        camera = renderer.camera
+        view = (camera.azimuth, camera.elevation, camera.distance) if camera else None
+        wanted = (id(self._snapshot), size, window, renderer.words, view, renderer.shadows)
+        if wanted == self._shown:
+            return
+        self._shown = wanted
+        begun = time.monotonic()
+        if self._snapshot is None:
+            self._picture = self._blank(window)
+        else:
+            renderer.resize(size)
+            renderer.see_through = self._above or self._surface.upright
+            self._picture = renderer.frame(self._snapshot, stretched=window)
+        renderer.put_on_screen(self._picture)
+        self._context.swap()
+        self.pictures, self.picture_time = self.pictures + 1, time.monotonic() - begun
+        self.seen = self._snapshot
+        self._plainness.took(self.picture_time, renderer)
+
+    def _keys(self) -> tuple[str, ...]:
+        """What the keys do now."""
+        return self.help or keys(self._mouse is not None, self._lift is not None)
+
+    def _contact_word(self) -> str:
+        """How things touch, where that is not as usual."""
+        mode = self._snapshot.contact if self._snapshot else "hard"
+        return "" if mode == "hard" else f"contact: {mode}"
+
+    def _blank(self, size: tuple[int, int]) -> Image.Image:
+        return Image.new("RGB", size, palette.bytes_of(palette.PANEL)[:3])
+
+    def _drawn_size(self) -> tuple[int, int]:
+        return self._plainness.size(*glfw.get_framebuffer_size(self._context.handle))
+
+    def _pick(self, x: float, y: float) -> Array | None:
+        """The surface point (2,) under a place in the window, metres; None where there is none."""
+        lens = self._renderer.lens if self._renderer else None
+        if lens is None:
+            return None
+        share = np.array([x, y]) / np.maximum(glfw.get_window_size(self._context.handle), 1)
+        return lens.pick(share * np.array(lens.size), self._touched)
+
+    def _listen(self) -> None:
+        """Has glfw call us; it would print and forget what goes wrong in there, `pump` tells."""
+        handle = self._context.handle
+        for register, react in (
+            (glfw.set_mouse_button_callback, self._on_button),
+            (glfw.set_cursor_pos_callback, self._on_move),
+            (glfw.set_scroll_callback, self._on_wheel),
+            (glfw.set_key_callback, self._on_key),
+            (glfw.set_window_focus_callback, self._on_focus),
+        ):
+            register(handle, partial(self._guarded, react))
+        glfw.set_window_refresh_callback(handle, self._on_refresh)
+
+    def _guarded(self, react: Callable[..., None], _handle: Any, *details: Any) -> None:
+        try:
+            react(*details)
+        except Exception as error:
+            self._failure = error
+
+    def _on_refresh(self, _handle: Any) -> None:
+        self._shown = None
+
+    def _on_button(self, button: int, action: int, mods: int) -> None:
+        if button == glfw.MOUSE_BUTTON_RIGHT:
+            self._looking = action == glfw.PRESS
+        if button != glfw.MOUSE_BUTTON_LEFT or self._mouse is None:
+            return
+        if action == glfw.RELEASE:
+            self._release()
+            return
+        place = self._pick(*glfw.get_cursor_pos(self._context.handle))
+        if place is not None:
+            self._touching = True
+            self._mouse.press(
+                place,
+                pin=bool(mods & glfw.MOD_SHIFT),
+                together=bool(mods & glfw.MOD_CONTROL),
+            )
+
+    def _on_move(self, x: float, y: float) -> None:
+        step, self._cursor = np.array([x, y]) - self._cursor, np.array([x, y])
+        if self._looking and self._renderer is not None:
+            right, down = step / max(glfw.get_window_size(self._context.handle)[1], 1)
+            self._renderer.turn(float(right), float(down))
+        if self._touching and self._mouse is not None:
+            place = self._pick(x, y)
+            if place is not None:
+                self._mouse.move(place)
+
+    def _on_wheel(self, sideways: float, steps: float) -> None:
+        if self._mouse is not None:
+            # With shift, some systems turn the wheel sideways.
+            self._mouse.wheel(steps or sideways, turn=self._down(glfw.KEY_LEFT_SHIFT))
+
+    def _on_key(self, key: int, _code: int, action: int, _mods: int) -> None:
+        if self._lift is not None and key in LIFT:
+            self._lift.hold(LIFT[key] if action != glfw.RELEASE else 0.0)
+            return
+        if key in MOVES and action != glfw.RELEASE:
+            self._moves += MOVES[key]
+        if action != glfw.PRESS:
+            return
+        if self._mouse is not None and glfw.KEY_1 <= key <= glfw.KEY_5:
+            place = self._pick(*glfw.get_cursor_pos(self._context.handle))
+            self._mouse.hand(key - glfw.KEY_0, self._touched.size / 2 if place is None else place)
+        elif self._mouse is not None and key == glfw.KEY_SPACE:
+            self._mouse.lift()
+        elif key == glfw.KEY_H:
+            self._help = not self._help
+        elif key == glfw.KEY_P:
+            self.paused = not self.paused
+        elif key == glfw.KEY_Q:
+            glfw.set_window_should_close(self._context.handle, True)
+        elif key == glfw.KEY_S:
+            order = list(SPEEDS)
+            self.speed = order[(order.index(self.speed) + 1) % len(order)]
+        elif key == glfw.KEY_R:
+            self._reset = True
+        elif key == glfw.KEY_C:
+            self._contact = True
+        elif key == glfw.KEY_V and self._renderer is not None:
+            self._above = not self._above
+            self._renderer.camera = (
+                camera_above(self._surface)
+                if self._above
+                else window_camera(self._surface, self._in_air)
+            )
+
+    def _on_focus(self, focused: int) -> None:
+        if not focused:
+            # A button's release that goes to another window is never heard of here.
+            self._looking = False
+            self._release()
+            if self._lift is not None:
+                self._lift.hold(0.0)
+
+    def _release(self) -> None:
+        if self._touching and self._mouse is not None:
+            self._mouse.release()
+        self._touching = False
+
+    def _down(self, *keys: int) -> bool:
+        return any(glfw.get_key(self._context.handle, k) == glfw.PRESS for k in keys)
+
+
+def _same(one: Surface, other: Surface) -> bool:
+    """Whether two surfaces lie in the same place."""
+    return all(
+        np.allclose(a, b)
+        for a, b in (
+            (one.size, other.size),
+            (one.origin, other.origin),
+            (one.rotation, other.rotation),
+        )
+    )

@@ -1,0 +1,274 @@
+"""Recordings of a hand whose every pose is known become a capture that says the same."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from encoders.captures.conversion import ConversionReport, JointTrack, TouchLog
+from encoders.captures.conversion.touch_log import sound_contacts
+from encoders.store import load_capture, save_capture
+from models.errors import CaptureError
+from tests.support.hand_recording import (
+    AHEAD,
+    RATE,
+    RULES,
+    converted,
+    played,
+    rows_of,
+    touch_log,
+)
+
+
+@pytest.fixture(scope="module")
+def truth():
+    return played()
+
+
+@pytest.fixture(scope="module")
+def joints(truth):
+    return JointTrack(truth.time, truth.q, truth.skeleton)
+
+
+# --- touches and poses side by side
+
+
+def test_labels_and_poses_come_back_and_single_fingers_do_not(truth, joints):
+    capture, report = converted(touch_log(truth, AHEAD), joints)
+    rows = rows_of(truth, capture)
+    np.testing.assert_array_equal(capture.down, truth.down[rows])
+    np.testing.assert_allclose(capture.q, truth.q[rows], atol=1e-9)
+    off = np.linalg.norm(capture.xy - truth.xy[rows], axis=2)[capture.down]
+    assert off.max() < 0.004
+    fingers = truth.down.sum(axis=1)
+    np.testing.assert_array_equal(np.sort(rows), np.flatnonzero(fingers > 1))
+    assert report.frames == {"with one finger": (fingers == 1).sum()}
+    assert not report.contacts and not report.parts
+
+
+def test_taps_tell_the_offset_of_the_clocks_within_a_frame(truth, joints):
+    capture, report = converted(touch_log(truth, AHEAD), joints, "tap", 0.0)
+    assert abs(report.notes["offset_s"] - AHEAD) < 1 / RATE
+    assert abs(report.notes["offset_s"] - AHEAD) < 5 * report.notes["offset_precision_s"]
+    np.testing.assert_array_equal(capture.down, truth.down[rows_of(truth, capture)])
+
+
+@pytest.mark.parametrize("ahead", (-7.5, 0.0, 0.013, 41.0))
+def test_any_offset_is_found(truth, joints, ahead):
+    _, report = converted(touch_log(truth, ahead), joints, "tap", 0.0)
+    assert abs(report.notes["offset_s"] - ahead) < 0.5 / RATE
+
+
+def test_a_part_of_the_touches_is_enough_to_find_it(truth, joints):
+    log = touch_log(truth, AHEAD)
+    rows = (log.frame > 300) & (log.frame < 800)
+    part = TouchLog(log.time, log.frame[rows], log.ids[rows], log.xy[rows])
+    _, report = converted(part, joints, "tap", 0.0)
+    assert abs(report.notes["offset_s"] - AHEAD) < 1 / RATE
+
+
+def test_taps_in_one_rhythm_are_refused_for_they_fit_many_offsets(joints):
+    q = np.tile(joints.q[0], (1200, 1))
+    time = np.arange(1200) / RATE
+    q[:, 2] += 0.02 * np.abs(np.sin(np.pi * time))  # down once a second
+    steady = JointTrack(time, q, joints.skeleton)
+    frames = np.concatenate([np.arange(i, i + 6) for i in range(180, 720, 60)])
+    place = joints.tips[0, 1, :2] * [1, -1]
+    log = TouchLog(time, frames, frames // 60, np.tile(place, (len(frames), 1)))
+    with pytest.raises(CaptureError, match="do not tell one offset"):
+        converted(log, steady, "tap")
+
+
+def test_touches_of_another_session_are_refused_by_their_taps(joints):
+    other = touch_log(played(8.0, seed=5), 0.0)
+    with pytest.raises(CaptureError, match="offset"):
+        converted(other, joints, "tap")
+
+
+def test_a_hand_that_never_taps_cannot_be_synchronised_by_taps(truth, joints):
+    still = JointTrack(truth.time, np.tile(truth.q[0], (len(truth.q), 1)), truth.skeleton)
+    with pytest.raises(CaptureError, match="no tap"):
+        converted(touch_log(truth), still, "tap")
+
+
+def test_a_wrong_offset_is_noticed(truth, joints):
+    with pytest.raises(CaptureError, match=r"no touch is where|no contact|no frame"):
+        converted(touch_log(truth), joints, "clock", 100.0)
+
+
+def test_the_order_of_contacts_and_their_ids_do_not_matter(truth, joints):
+    log = touch_log(truth, AHEAD)
+    rng = np.random.default_rng(3)
+    order = np.lexsort((rng.random(len(log.frame)), log.frame))
+    other = TouchLog(log.time, log.frame, 1000 - log.ids[order], log.xy[order])
+    first, _ = converted(log, joints)
+    second, _ = converted(other, joints)
+    np.testing.assert_array_equal(second.down, first.down)
+    np.testing.assert_array_equal(second.xy, first.xy)
+
+
+def test_a_capture_keeps_its_report_when_it_is_saved(truth, joints, tmp_path):
+    capture, report = converted(touch_log(truth, AHEAD), joints)
+    save_capture(capture, tmp_path / "c.npz")
+    read = load_capture(tmp_path / "c.npz")
+    np.testing.assert_array_equal(read.q, capture.q)
+    np.testing.assert_array_equal(read.ids, capture.ids)
+    assert read.meta["conversion"] == report.as_json()
+    assert read.meta["rate_hz"] == RATE
+
+
+def test_takes_end_at_pauses_and_before_they_grow_too_long(truth, joints):
+    rules = replace(RULES, longest_take=1.0, pause=0.5)
+    capture, _ = converted(touch_log(truth, AHEAD), joints, rules=rules)
+    assert (np.diff(capture.trial) >= 0).all() and (np.diff(capture.trial) <= 1).all()
+    same = np.diff(capture.trial) == 0
+    assert np.diff(capture.time)[same].max() <= 0.5 + 1e-6
+    for trial in np.unique(capture.trial):
+        times = capture.time[capture.trial == trial]
+        assert times[-1] - times[0] <= 1.0 + 1e-6
+
+
+# --- glitches
+
+
+def with_rows(log, frames, ids, xy):
+    """The log with contacts put into frames."""
+    frame = np.concatenate([log.frame, frames])
+    order = np.argsort(frame, kind="stable")
+    return TouchLog(
+        log.time,
+        frame[order].astype(np.int64),
+        np.concatenate([log.ids, ids])[order].astype(np.int64),
+        np.concatenate([log.xy, xy])[order],
+    )
+
+
+def test_a_contact_that_only_flashes_is_dropped_and_counted(truth, joints):
+    log = touch_log(truth, AHEAD)
+    clean, _ = converted(log, joints)
+    flash = with_rows(log, [200, 500, 501], [900, 901, 901], [[0.1, 0.1]] * 3)
+    capture, report = converted(flash, joints)
+    assert report.contacts == {"shorter than 50 ms": 2}
+    np.testing.assert_array_equal(capture.q, clean.q)
+    np.testing.assert_array_equal(capture.down, clean.down)
+
+
+def test_a_touch_far_from_every_fingertip_is_dropped_and_counted(truth, joints):
+    log = touch_log(truth, AHEAD)
+    clean, _ = converted(log, joints)
+    frames = np.arange(300, 420)
+    palm = with_rows(log, frames, np.full(120, 900), np.tile([0.3, 0.4], (120, 1)))
+    capture, report = converted(palm, joints)
+    assert report.contacts == {"no fingertip within 25 mm": 1}
+    np.testing.assert_array_equal(capture.down, clean.down)
+
+
+def test_a_place_that_jumps_out_and_back_is_replaced_by_a_straight_line(truth, joints):
+    log = touch_log(truth, AHEAD)
+    id_ = np.bincount(log.ids).argmax()
+    rows = np.flatnonzero(log.ids == id_)
+    xy = log.xy.copy()
+    xy[rows[10]] += [0.1, 0.0]
+    clean, _ = converted(log, joints)
+    capture, report = converted(replace(log, xy=xy), joints)
+    assert report.parts == {"places that jumped faster than 3 m/s": 1}
+    np.testing.assert_array_equal(capture.down, clean.down)
+    np.testing.assert_allclose(capture.xy, clean.xy, atol=2e-3)
+
+
+def test_an_id_that_jumps_to_another_finger_is_cut_in_two(truth, joints):
+    log = touch_log(truth, AHEAD)
+    five = np.flatnonzero(truth.down[:, [1, 4]].all(axis=1))
+    # The index finger's id goes on as the little finger's, whose own contact is never seen.
+    run = np.split(five, np.flatnonzero(np.diff(five) > 1) + 1)
+    run = max(run, key=len)
+    half = run[len(run) // 2]
+    tip = {f: truth.xy[:, f] for f in (1, 4)}
+    keep = ~np.isin(log.frame, run)
+    xy = np.where((run < half)[:, None], tip[1][run], tip[4][run])
+    bare = TouchLog(log.time, log.frame[keep], log.ids[keep], log.xy[keep])
+    capture, report = converted(with_rows(bare, run, np.full(len(run), 900), xy), joints)
+    assert report.parts["contacts cut in two at a jump"] == 1
+    rows = rows_of(truth, capture)
+    assert not capture.down[np.isin(rows, run)].any()  # one finger at a time: dropped
+    assert report.frames["with one finger"] >= len(run)
+
+
+def test_frames_that_arrive_in_bunches_cut_no_contact_and_hide_no_jump():
+    """Packets without times of their own, of a network that sleeps: five at once, 80 ms apart."""
+    count = 200
+    even = np.arange(count) / 60.0
+    arrived = even[np.minimum(np.arange(count) // 5 * 5 + 4, count - 1)] + 1e-4 * (
+        np.arange(count) % 5
+    )
+    frame, ids = np.arange(count), np.zeros(count, int)
+    xy = np.stack([0.5 * even, np.zeros(count)], axis=1)  # m at half a metre a second
+    report = ConversionReport()
+    (whole,) = sound_contacts(TouchLog(arrived, frame, ids, xy), RULES, report)
+    assert len(whole.time) == count and not report.parts and not report.contacts
+    # Another finger, 10 cm away, in the middle of a bunch.
+    jumped = np.where(frame[:, None] >= 102, xy + np.array([0.0, 0.1]), xy)
+    parts = sound_contacts(TouchLog(arrived, frame, ids, jumped), RULES, report)
+    assert [len(part.time) for part in parts] == [102, count - 102]
+
+
+def test_a_touch_that_never_ends_is_cut_where_it_came_to_rest(truth, joints):
+    log = touch_log(truth, AHEAD)
+    five = np.flatnonzero(truth.down.all(axis=1))
+    id_ = log.ids[log.frame == five[-1]][0]
+    own = log.ids == id_
+    last, place = log.frame[own][-1], log.xy[own][-1]
+    after = np.arange(last + 1, len(log.time))
+    stuck = with_rows(log, after, np.full(len(after), id_), np.tile(place, (len(after), 1)))
+    capture, report = converted(stuck, joints)
+    clean, _ = converted(log, joints)
+    assert report.parts == {"ends of touches that never ended": 1}
+    # Its last sight, at which it rested already, is the end.
+    assert abs(len(capture) - len(clean)) <= 1
+
+
+def test_frames_whose_time_runs_backwards_are_dropped_and_counted(truth, joints):
+    log = touch_log(truth, AHEAD)
+    time = log.time.copy()
+    time[[400, 401, 700]] -= 1.0
+    capture, report = converted(replace(log, time=time), joints)
+    assert report.parts == {"touch frames whose time ran backwards or stood still": 3}
+    rows = rows_of(truth, capture)
+    np.testing.assert_array_equal(capture.down, truth.down[rows])
+
+
+def test_a_contact_between_two_fingers_is_refused(truth, joints):
+    """A third of its life at another finger is more than the fifth that is allowed."""
+    index = truth.xy[:, 1]
+    frames = np.flatnonzero(truth.down[:, 1] & truth.down[:, 2])
+    frames = max(np.split(frames, np.flatnonzero(np.diff(frames) > 1) + 1), key=len)
+    log = touch_log(truth, AHEAD)
+    keep = ~np.isin(log.frame, frames)
+    share = np.linspace(0, 1, len(frames))[:, None]
+    xy = index[frames] + share * 0.75 * (truth.xy[frames, 2] - index[frames])
+    bare = TouchLog(log.time, log.frame[keep], log.ids[keep], log.xy[keep])
+    _, report = converted(with_rows(bare, frames, np.full(len(frames), 900), xy), joints)
+    assert report.contacts["nearer to another finger for more than 20 % of their time"] == 1
+
+
+def test_two_contacts_of_one_finger_leave_the_nearer(truth, joints):
+    frames = np.flatnonzero(truth.down[:, 1])
+    frames = max(np.split(frames, np.flatnonzero(np.diff(frames) > 1) + 1), key=len)
+    log = touch_log(truth, AHEAD)
+    xy = truth.xy[frames, 1] + [-0.006, 0.0]
+    capture, report = converted(with_rows(log, frames, np.full(len(frames), 900), xy), joints)
+    clean, _ = converted(log, joints)
+    assert report.contacts == {"their finger had a nearer contact": 1}
+    np.testing.assert_array_equal(capture.xy, clean.xy)
+
+
+def test_frames_in_a_gap_of_the_poses_are_dropped_and_counted(truth, joints):
+    keep = np.ones(len(truth.time), bool)
+    keep[400:460] = False
+    gap = JointTrack(truth.time[keep], truth.q[keep], truth.skeleton)
+    capture, report = converted(touch_log(truth, AHEAD), gap)
+    missing = (truth.down[400:460].sum(axis=1) > 1).sum()
+    assert report.frames.get("without a pose", 0) == missing
+    assert not np.isin(rows_of(truth, capture), np.arange(400, 460)).any()

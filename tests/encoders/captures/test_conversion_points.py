@@ -1,0 +1,292 @@
+"""Points on a hand become poses of our skeleton, or are refused with one clear error."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from encoders.captures.conversion import (
+    ConversionReport,
+    JointTrack,
+    TouchLog,
+    capture_from_poses,
+    frame_from_corners,
+    joints_from_points,
+)
+from encoders.captures.conversion.sites import mapped, recognised, sites_of
+from encoders.captures.conversion.surface_frame import frame_from_fingertips
+from models.errors import CaptureError
+from models.pose import joint_vectors
+from models.rotations import exp, geodesic_angle
+from models.skeleton import ADULT
+from tests.support.hand_recording import (
+    AHEAD,
+    QUALISYS,
+    RATE,
+    RULES,
+    SCALE,
+    converted,
+    markers,
+    played,
+    rows_of,
+    touch_log,
+)
+
+SITES = {name: sites_of(ADULT)[site] for name, site in QUALISYS.items()}
+UPRIGHT = frame_from_corners([0, 0, 0], [1, 0, 0], [0, -1, 0])
+
+
+@pytest.fixture(scope="module")
+def truth():
+    return played()
+
+
+@pytest.fixture(scope="module")
+def joints(truth):
+    return JointTrack(truth.time, truth.q, truth.skeleton)
+
+
+@pytest.fixture(scope="module")
+def fitted(truth):
+    """The hand as found from markers, and what was noted."""
+    report = ConversionReport()
+    return joints_from_points(truth.time, markers(truth), SITES, UPRIGHT, ADULT, report), report
+
+
+def joint_error(a, b):
+    """Degrees, mean angle between the joints of poses."""
+    return float(np.rad2deg(geodesic_angle(joint_vectors(a), joint_vectors(b))).mean())
+
+
+def test_markers_give_back_size_and_poses(truth, fitted):
+    """Within 1.5 % of the size, 8 mm of the wrist, 5 mm of the fingertips and 7 degrees a joint:
+    a marker's place on its bone, and a bone's twist, are only known to that."""
+    found, report = fitted
+    assert abs(report.notes["hand_scale"] - SCALE) < 0.015 * SCALE
+    assert report.notes["residual_mm"] < 1.0
+    off = np.linalg.norm(found.q[:, :3] - truth.q[:, :3], axis=1)
+    assert off.mean() < 0.008
+    assert joint_error(found.q, truth.q) < 7.0
+    tips = JointTrack(truth.time, truth.q, truth.skeleton).tips
+    assert np.linalg.norm(found.tips - tips, axis=2).mean() < 0.005
+
+
+def test_markers_and_touches_give_the_same_labels(truth, fitted):
+    capture, report = converted(touch_log(truth, AHEAD), fitted[0], "tap", 0.0)
+    assert abs(report.notes["offset_s"] - AHEAD) < 1 / RATE
+    rows = rows_of(truth, capture)
+    assert (capture.down == truth.down[rows]).all()
+
+
+def test_markers_near_the_surface_are_touches(truth, fitted):
+    capture = capture_from_poses(fitted[0], 0.005, RULES, ConversionReport(), {})
+    rows = rows_of(truth, capture, 0.0)
+    assert (capture.down == truth.down[rows]).all(axis=1).mean() > 0.95
+    assert abs(len(capture) - (truth.down.sum(axis=1) > 1).sum()) < 0.05 * len(capture)
+    both = capture.down & truth.down[rows]
+    assert np.linalg.norm(capture.xy - truth.xy[rows], axis=2)[both].mean() < 0.006
+
+
+def test_the_surface_is_found_from_fingertips_wherever_the_recorder_stands(truth, fitted):
+    turn, shift = exp(np.array([0.7, -1.1, 0.4])), np.array([1.0, -2.0, 0.5])
+    moved = {name: p @ turn.T + shift for name, p in markers(truth).items()}
+    report = ConversionReport()
+    found = joints_from_points(truth.time, moved, SITES, None, ADULT, report)
+    capture = capture_from_poses(found, 0.005, RULES, report, {})
+    rows = rows_of(truth, capture, 0.0)
+    assert (capture.down == truth.down[rows]).all(axis=1).mean() > 0.9
+    # Places and turns within the surface are free; heights, spans and joints are not.
+    height = found.q[:, 2] - truth.q[:, 2]
+    assert np.abs(height).mean() < 0.006
+    assert joint_error(found.q, truth.q) < 7.0
+    capture_span = np.linalg.norm(capture.xy[:, 0] - capture.xy[:, 1], axis=1)
+    true_span = np.linalg.norm(truth.xy[rows, 0] - truth.xy[rows, 1], axis=1)
+    seen = np.isfinite(capture_span) & np.isfinite(true_span)
+    assert seen.sum() > 50
+    assert np.abs(capture_span - true_span)[seen].mean() < 0.006
+
+
+def test_short_gaps_of_markers_are_bridged_and_long_ones_are_no_poses(truth):
+    points = {name: p[:300].copy() for name, p in markers(truth).items()}
+    points["index_tip"][50:54] = np.nan
+    points["index_middle"][50:54] = np.nan  # the finger is not seen for 67 ms
+    points["hand_top"][100:140] = np.nan  # two points are no palm
+    report = ConversionReport()
+    found = joints_from_points(truth.time[:300], points, SITES, UPRIGHT, ADULT, report)
+    assert report.parts == {"poses without enough points": 44}
+    _, known = found.at(truth.time[:300], RULES.gap)
+    np.testing.assert_array_equal(np.flatnonzero(~known), np.arange(100, 140))
+
+
+@pytest.mark.parametrize("pair", (("index_tip", "little_tip"), ("thumb_tip", "hand_top")))
+def test_swapped_markers_are_noticed(truth, pair):
+    points = {name: p[::4] for name, p in markers(truth).items()}
+    a, b = pair
+    points[a], points[b] = points[b], points[a]
+    with pytest.raises(CaptureError, match=f"{a}|{b}"):
+        joints_from_points(truth.time[::4], points, SITES, UPRIGHT, ADULT, ConversionReport())
+
+
+def test_a_hand_of_the_wrong_side_is_noticed(truth):
+    points = {name: p[::4] for name, p in markers(truth).items()}
+    with pytest.raises(CaptureError, match="side"):
+        joints_from_points(
+            truth.time[::4], points, SITES, UPRIGHT, ADULT, ConversionReport(), left=True
+        )
+
+
+def test_a_left_hand_is_found_as_the_right_one_in_the_mirror(truth):
+    seen = {}
+    for side, sign in (("right", 1.0), ("left", -1.0)):
+        points = {name: p[:60] * [sign, 1.0, 1.0] for name, p in markers(truth).items()}
+        seen[side] = joints_from_points(
+            truth.time[:60], points, SITES, UPRIGHT, ADULT, ConversionReport(), left=side == "left"
+        ).q
+    np.testing.assert_allclose(seen["left"], seen["right"], atol=1e-9)
+
+
+def test_a_wrong_unit_is_noticed(truth):
+    points = {name: 10 * p for name, p in markers(truth).items()}
+    with pytest.raises(CaptureError, match="size"):
+        joints_from_points(truth.time, points, SITES, UPRIGHT, ADULT, ConversionReport())
+
+
+# --- frames, names and arrays
+
+
+def test_a_surface_told_by_its_corners_is_the_frame_they_span():
+    turn = exp(np.array([0.3, 0.8, -0.5]))
+    corners = np.array([[0, 0, 0], [0.2, 0, 0], [0, -0.15, 0]]) @ turn.T + [1, 2, 3]
+    frame = frame_from_corners(*corners)
+    points = np.array([[0.05, -0.04, 0.01], [0, 0, 1.0]])
+    np.testing.assert_allclose(frame.points(points @ turn.T + [1, 2, 3]), points, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "corners",
+    (
+        ([0, 0, 0], [1, 0, 0], [2, 0, 0]),
+        ([0, 0, 0], [0, 0, 0], [0, 1, 0]),
+        ([0, 0, np.nan], [1, 0, 0], [0, 1, 0]),
+        ([0, 0], [1, 0], [0, 1]),
+    ),
+)
+def test_corners_that_span_no_plane_are_refused(corners):
+    with pytest.raises(CaptureError, match="corners"):
+        frame_from_corners(*corners)
+
+
+@settings(max_examples=15)
+@given(seed=st.integers(0, 1000))
+def test_fingertips_all_over_the_air_rest_on_no_plane(seed):
+    rng = np.random.default_rng(seed)
+    tips = rng.uniform(-0.1, 0.1, (60, 5, 3))
+    with pytest.raises(CaptureError, match="no plane"):
+        frame_from_fingertips(tips, np.tile([0, 0, 0.2], (60, 1)))
+
+
+@pytest.mark.parametrize("height", (0.0, -0.01, 0.05, np.nan))
+def test_an_impossible_height_of_touch_is_refused(joints, height):
+    with pytest.raises(CaptureError, match="height"):
+        capture_from_poses(joints, height, RULES, ConversionReport(), {})
+
+
+def test_a_hand_in_the_air_touches_nothing(truth):
+    q = truth.q.copy()
+    q[:, 2] += 0.2
+    high = JointTrack(truth.time, q, truth.skeleton)
+    with pytest.raises(CaptureError, match="no contact"):
+        capture_from_poses(high, 0.005, RULES, ConversionReport(), {})
+
+
+@pytest.mark.parametrize(
+    ("names", "expected"),
+    (
+        (list(QUALISYS), QUALISYS),
+        ([f"glove:{n}" for n in QUALISYS], {f"glove:{n}": s for n, s in QUALISYS.items()}),
+    ),
+)
+def test_names_of_glove_markers_are_recognised(names, expected):
+    assert recognised(names, "right", ADULT) == expected
+
+
+def test_names_nobody_told_are_refused_and_listed():
+    with pytest.raises(CaptureError, match="m1, m2"):
+        recognised(["m1", "m2"], "right", ADULT)
+
+
+def test_the_fingers_of_the_other_hand_are_not_taken():
+    names = [
+        f"LeftHand{f}{i}" for f in ("Thumb", "Index", "Middle", "Ring", "Pinky") for i in "123"
+    ]
+    assert len(recognised(["LeftHand", *names], "left", ADULT)) == 16
+    with pytest.raises(CaptureError, match="not recognised"):
+        recognised(["LeftHand", *names], "right", ADULT)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    (
+        ({"m0": "no_such_site"}, "no such place"),
+        ({"unheard": "wrist"}, "no such point"),
+        ({"m0": {"bone": "palm"}}, "no place"),
+        ({"m0": {"bone": "tail", "at": [0, 0, 0]}}, "no place"),
+        ({"m0": {"bone": "palm", "at": [0, 0]}}, "no place"),
+        ({"m0": {"bone": "palm", "at": [0, 0, float("nan")]}}, "no place"),
+        ({"m0": {"bone": "palm", "at": ["a", 0, 0]}}, "no place"),
+        ({"m0": 7}, "no such place"),
+        ({"m0": [1]}, "no such place"),
+        ({"m1": "index_tip_skin"}, "point on the thumb"),
+    ),
+)
+def test_a_mapping_that_makes_no_sense_is_refused(change, message):
+    names = [f"m{i}" for i in range(len(QUALISYS) + 1)]
+    sound = dict(zip(names, QUALISYS.values(), strict=False))
+    thumb = [name for name, site in sound.items() if site.startswith("thumb")]
+    if "m1" in change:
+        sound = {name: site for name, site in sound.items() if name not in thumb}
+    else:
+        assert len(mapped(sound, names, ADULT)) == len(QUALISYS)
+    with pytest.raises(CaptureError, match=message):
+        mapped({**sound, **change}, names, ADULT)
+
+
+@pytest.mark.parametrize(
+    "change",
+    (
+        {"time": np.zeros((5, 2))},
+        {"time": np.array([0.0, np.nan])},
+        {"frame": np.array([1, 0])},
+        {"frame": np.array([0, 2])},
+        {"frame": np.array([-1, 0])},
+        {"frame": np.array([0])},
+        {"ids": np.array([0])},
+        {"xy": np.zeros((2, 3))},
+        {"xy": np.full((2, 2), np.inf)},
+    ),
+)
+def test_a_touch_log_that_breaks_its_contract_is_refused(change):
+    sound = TouchLog(np.array([0.0, 0.1]), np.array([0, 1]), np.array([4, 4]), np.zeros((2, 2)))
+    with pytest.raises(CaptureError, match="touches"):
+        replace(sound, **change)
+
+
+@pytest.mark.parametrize(
+    "change",
+    (
+        {"time": np.array([0.0])},
+        {"time": np.array([0.0, 0.0])},
+        {"time": np.array([1.0, 0.0])},
+        {"time": np.array([0.0, np.inf])},
+        {"q": np.zeros((2, 47))},
+        {"q": np.full((2, 48), np.nan)},
+    ),
+)
+def test_poses_that_break_their_contract_are_refused(change):
+    sound = JointTrack(np.array([0.0, 0.1]), np.zeros((2, 48)), ADULT)
+    with pytest.raises(CaptureError, match="joints"):
+        replace(sound, **change)

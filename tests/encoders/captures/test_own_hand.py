@@ -1,0 +1,78 @@
+"""Who plays over a Leap for the first time is measured, once, and only if they want to be."""
+
+from io import StringIO
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+
+from encoders.paalm.calibration_file import read_calibration
+from models.errors import DeviceError
+from sandbox.cli.play.command import PlayOptions
+from sandbox.devices.leap.leap_fake import FakeLeapd
+from sandbox.devices.leap.leap_write import leap_message
+from sandbox.options.own_hand import is_calibration, measured, own_path, with_own_hand
+from tests.support.leap_hands import take
+
+
+@pytest.fixture(autouse=True)
+def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    monkeypatch.setenv("APPDATA", str(tmp_path))
+    monkeypatch.setenv("HOME", str(tmp_path))
+    return tmp_path
+
+
+def service(seed: int = 0, side: str = "right", first: int = 0) -> FakeLeapd:
+    frames = take(seed, side=side).frames[first:]
+    messages = [leap_message(f, n) for n, f in enumerate(frames)]
+    return FakeLeapd(messages, port=0, rate=1000.0, loop=True)
+
+
+def test_a_hand_is_measured_kept_and_taken_the_next_time():
+    server = service()
+    try:
+        assert measured(server.address, "right", own_path(), Console(file=StringIO()), 60)
+    finally:
+        server.close()
+    assert is_calibration(own_path())
+    said = StringIO()
+    options = with_own_hand(PlayOptions(device="leap"), Console(file=said, width=500), ask=False)
+    assert options.calibration == own_path() and "your right hand" in said.getvalue()
+    # Of the other hand nothing is known.
+    other = PlayOptions(device="leap", hand="left")
+    assert with_own_hand(other, Console(file=StringIO()), ask=False) == other
+
+
+def test_the_other_hand_is_measured_beside_the_first():
+    for side in ("right", "left"):
+        server = service(1, side)
+        try:
+            assert measured(server.address, side, own_path(), Console(file=StringIO()), 60)
+        finally:
+            server.close()
+    assert set(read_calibration(own_path())) == {"right", "left"}
+
+
+def test_who_does_not_want_to_be_measured_is_not():
+    for options in (
+        PlayOptions(device="leap", profile="none"),
+        PlayOptions(device="leap-simulated"),
+        PlayOptions(device="mouse"),
+    ):
+        assert with_own_hand(options, Console(file=StringIO()), ask=True) is options
+    assert not own_path().exists()
+
+
+def test_a_service_that_is_not_there_ends_the_measuring(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr("sandbox.devices.leap.leap.SILENCE", 0.3)
+    with pytest.raises(DeviceError, match="says nothing"):
+        measured("ws://127.0.0.1:1/v6.json", "right", own_path(), Console(file=StringIO()), 60)
+    assert not own_path().exists()
+
+
+@pytest.mark.parametrize("content", ["", "{", "[]", '{"kind": "hand-sandbox profile"}', "\x00"])
+def test_other_files_are_no_calibrations(content: str, tmp_path: Path):
+    path = tmp_path / "file.json"
+    path.write_text(content)
+    assert not is_calibration(path) and not is_calibration(tmp_path / "missing.json")

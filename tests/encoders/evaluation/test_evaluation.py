@@ -1,0 +1,370 @@
+"""What `encoders.evaluation` measures is what it says."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from encoders.capture import Capture
+from encoders.correction import PAD_HEIGHT
+from encoders.evaluation import EncoderMethod, evaluate_method
+from encoders.evaluation.errors import limit_share, pose_errors, tip_errors, variance_shares
+from encoders.evaluation.labels import own_labels
+from encoders.evaluation.measure import OWN, TRUE, Tests
+from encoders.evaluation.report import plain, report
+from encoders.evaluation.smoothness import smoothness
+from encoders.evaluation.subjects import SUBJECTS, subject
+from encoders.evaluation.training import NAMES, Training, check_names
+from encoders.labels.belief import builtin_belief
+from encoders.labels.labelling import Labelling, PaperLabels
+from encoders.regression.polynomial import LinearEncoder
+from encoders.regression.trained import TrainedModel, builtin_capture
+from models.errors import EncoderError
+from models.kinematics import Kinematics
+from models.pose import JOINTS, POSE_SIZE
+from models.rotations import exp, log
+from models.skeleton import ADULT
+
+Contacts = Mapping[int, tuple[float, float]]
+
+RATE = 30.0
+"""Hz of the captures made here."""
+STAGES = ((0, 1), (0, 1, 2), (0, 1, 2, 3, 4), (1, 2, 3, 4))
+"""Fingers that touch, stage by stage, in every take of the captures made here."""
+STAGE_FRAMES = 6
+
+
+def made_capture(takes: int = 3, seed: int = 0) -> Capture:
+    """A capture in which fingers come and go; every contact's place tells which finger it is."""
+    rng = np.random.default_rng(seed)
+    parts = []
+    frames = len(STAGES) * STAGE_FRAMES
+    for take in range(takes):
+        down = np.zeros((frames, 5), bool)
+        for i, fingers in enumerate(STAGES):
+            down[i * STAGE_FRAMES : (i + 1) * STAGE_FRAMES, list(fingers)] = True
+        ids = np.where(down, 100 * take + np.arange(5), -1)
+        xy = np.empty((frames, 5, 2))
+        xy[..., 0] = 0.05 + 0.02 * np.arange(5)
+        xy[..., 1] = 0.08 + 0.001 * np.cumsum(rng.normal(size=(frames, 5)), axis=0)
+        xy[~down] = np.nan
+        q = np.cumsum(rng.normal(0, 0.004, (frames, POSE_SIZE)), axis=0)
+        parts.append((100.0 * take + np.arange(frames) / RATE, np.full(frames, take), ids, xy, q))
+    columns = [np.concatenate(column) for column in zip(*parts, strict=True)]
+    return Capture(*columns, {"simulated": True, "rate_hz": RATE})
+
+
+class Knowing:
+    """A labeller that sees from a contact's place in `made_capture` which finger it is."""
+
+    def __init__(self) -> None:
+        self.resets = 0
+        self.asked: list[list[int]] = []
+
+    def assign(self, contacts: Contacts, fixed: Mapping[int, int]) -> Labelling:
+        self.asked.append(list(contacts))
+        return Labelling({i: round((x - 0.05) / 0.02) for i, (x, _) in contacts.items()}, 1.0)
+
+    def reset(self) -> None:
+        self.resets += 1
+
+
+class ByOrder(Knowing):
+    """A labeller that names contacts in the order in which it is told of them."""
+
+    def assign(self, contacts: Contacts, fixed: Mapping[int, int]) -> Labelling:
+        return Labelling({i: place for place, i in enumerate(contacts)}, 1.0)
+
+
+class ByNumber(Knowing):
+    """A labeller that names contacts in the order of their ids."""
+
+    def assign(self, contacts: Contacts, fixed: Mapping[int, int]) -> Labelling:
+        return Labelling({i: place for place, i in enumerate(sorted(contacts))}, 1.0)
+
+
+class Told(EncoderMethod):
+    """A method that estimates what it was told."""
+
+    def __init__(self, q: np.ndarray, labeller: Callable[[], Knowing] = Knowing) -> None:
+        super().__init__("told", None, labeller, history=True)
+        self.q = q
+
+    def estimate(self, time, trial, xy):
+        return self.q
+
+
+@pytest.fixture(scope="module")
+def capture() -> Capture:
+    return made_capture()
+
+
+@pytest.fixture(scope="module")
+def some() -> Capture:
+    """A few takes of the built-in capture, thinned."""
+    whole = builtin_capture()
+    chosen = np.isin(whole.trial, np.unique(whole.trial)[::6])
+    return whole.select(np.flatnonzero(chosen)[::4])
+
+
+# Errors
+
+
+def test_a_perfect_estimate_has_no_error_at_all(capture):
+    result = evaluate_method(Told(capture.q), Tests([capture]))
+    for labels in (TRUE, OWN):
+        for part in ("wrist", "joints", "components", "turn"):
+            np.testing.assert_allclose(getattr(result.errors[labels], part), 0, atol=1e-5)
+    assert result.right.all() and result.stayed.right.all() and result.first.right.all()
+
+
+def test_a_wrist_one_centimetre_off_is_one_centimetre_off():
+    q = made_capture().q
+    moved = q.copy()
+    moved[:, 1] += 0.01
+    errors = pose_errors(moved, q)
+    np.testing.assert_allclose(errors.wrist, 1.0)
+    np.testing.assert_allclose(errors.angle, 0.0, atol=1e-5)
+
+
+@given(angle=st.floats(0.5, 90), joint=st.integers(0, 13), axis=st.integers(0, 2))
+def test_one_joint_turned_by_an_angle_counts_as_a_fourteenth_of_it(angle, joint, axis):
+    q = made_capture(1, seed=3).q[-1:]
+    turned = q.copy()
+    place = slice(6 + 3 * joint, 9 + 3 * joint)
+    turn = np.zeros(3)
+    turn[axis] = np.deg2rad(angle)
+    turned[0, place] = log(exp(q[0, place]) @ exp(turn))
+    assert pose_errors(turned, q).angle[0] == pytest.approx(angle / 14, abs=1e-6)
+
+
+def test_components_are_judged_one_by_one():
+    q = np.zeros((2, POSE_SIZE))
+    off = q.copy()
+    off[0, 6] = np.deg2rad(4.2)
+    np.testing.assert_allclose(pose_errors(off, q).component, [0.1, 0.0], atol=1e-9)
+
+
+def test_a_touch_right_below_its_fingertip_has_no_tip_error():
+    q = np.zeros((1, POSE_SIZE))
+    kinematics = Kinematics(ADULT)
+    q[0, 2] = PAD_HEIGHT - kinematics.tips(q)[0, 2, 2]
+    tips = kinematics.tips(q)[0]
+    xy = np.full((1, 5, 2), np.nan)
+    xy[0, 2] = tips[2, 0], -tips[2, 1]
+    np.testing.assert_allclose(tip_errors(q, xy), [0.0], atol=1e-9)
+    xy[0, 2, 1] += 0.02
+    np.testing.assert_allclose(tip_errors(q, xy), [2.0], atol=1e-9)
+
+
+def test_the_share_beyond_the_limits_counts_frames_times_components():
+    q = np.zeros((4, POSE_SIZE))
+    assert limit_share(q) == 0
+    q[0, JOINTS] = ADULT.upper + 0.01
+    assert limit_share(q) == pytest.approx(1 / 4)
+
+
+def test_all_components_together_hold_all_variance():
+    vectors = np.random.default_rng(0).normal(size=(200, 6)) * np.arange(1, 7)
+    shares = variance_shares(vectors, (1, 3, 6))
+    assert shares[1] < shares[3] < shares[6] and shares[6] == pytest.approx(100)
+
+
+# Labels
+
+
+@pytest.mark.parametrize("history", (False, True))
+def test_who_knows_the_fingers_names_them_all(capture, history):
+    found = own_labels(capture, Knowing, history)
+    assert found.right.all() and found.stayed.right.all() and found.first.right.all()
+    np.testing.assert_array_equal(found.xy, capture.xy)
+
+
+def test_lone_contacts_are_judged_at_every_change_and_at_every_beginning(capture):
+    found = own_labels(capture, Knowing, history=True)
+    takes = len(np.unique(capture.trial))
+    assert len(found.stayed.right) == takes * sum(len(fingers) for fingers in STAGES)
+    assert len(found.first.right) == takes * len(STAGES[0])
+
+
+@pytest.mark.parametrize("cheat", (ByOrder, ByNumber))
+def test_neither_order_nor_numbers_of_contacts_tell_their_fingers(cheat):
+    """In `made_capture` ids are in the order of the fingers; a take's ids are drawn once."""
+    found = own_labels(made_capture(takes=40), cheat, history=True)
+    five = np.tile(np.repeat([len(f) == 5 for f in STAGES], STAGE_FRAMES), 40)
+    assert found.right[five].mean() < 0.1
+
+
+def test_a_labeller_with_history_is_reset_at_every_take_and_one_without_at_every_frame(capture):
+    for history, wanted in ((True, len(np.unique(capture.trial))), (False, len(capture))):
+        made: list[Knowing] = []
+
+        def make(made: list[Knowing] = made) -> Knowing:
+            made.append(Knowing())
+            return made[-1]
+
+        own_labels(capture, make, history)
+        assert len(made[0].asked) == len(capture)
+        assert wanted <= made[0].resets <= wanted + len(np.unique(capture.trial))
+
+
+@settings(max_examples=4)
+@given(seed=st.integers(1, 2**16))
+def test_shuffling_contacts_changes_no_label(some, seed):
+    few = some.select(np.arange(0, len(some), 9))
+    model = TrainedModel(
+        "", LinearEncoder().fit(some.u, some.relative), np.eye(48), some.u, some.relative
+    )
+    for make, history in ((lambda: PaperLabels(model), False), (builtin_belief, True)):
+        usual, other = own_labels(few, make, history), own_labels(few, make, history, seed)
+        np.testing.assert_array_equal(usual.xy, other.xy)
+        np.testing.assert_array_equal(usual.right, other.right)
+        np.testing.assert_array_equal(usual.stayed.right, other.stayed.right)
+
+
+def test_wrong_labels_move_touches_to_other_fingers_and_nowhere_else(capture):
+    found = own_labels(capture, ByOrder, history=True)
+    assert not found.right.all()
+    for frame in range(0, len(capture), 5):
+        before = capture.xy[frame][capture.down[frame]]
+        after = found.xy[frame][~np.isnan(found.xy[frame, :, 0])]
+        np.testing.assert_array_equal(np.sort(before, axis=0), np.sort(after, axis=0))
+
+
+# Motion
+
+
+def test_steady_motion_has_no_acceleration(capture):
+    q = capture.q.copy()
+    q[:, JOINTS] = (capture.time * 0.2)[:, None]
+    found = smoothness(q, capture)
+    np.testing.assert_allclose(found.acceleration, 0, atol=1e-6)
+    takes, changes = len(np.unique(capture.trial)), len(STAGES) - 1
+    assert len(found.jump) == takes * changes
+    assert len(found.acceleration) == takes * len(STAGES) * (STAGE_FRAMES - 2)
+
+
+def test_a_jump_at_a_change_of_contacts_is_a_jump_and_no_acceleration(capture):
+    q = np.zeros((len(capture), POSE_SIZE))
+    late = np.tile(np.arange(len(STAGES) * STAGE_FRAMES) >= STAGE_FRAMES, 3)
+    q[late, 6] = np.deg2rad(4.2)
+    q[late, 0] = 0.01
+    found = smoothness(q, capture)
+    np.testing.assert_allclose(found.acceleration, 0, atol=1e-9)
+    np.testing.assert_allclose(np.sort(found.jump)[-3:], 0.1)
+    np.testing.assert_allclose(np.sort(found.largest_joint)[-3:], 4.2)
+    np.testing.assert_allclose(np.sort(found.wrist_jump)[-3:], 1.0)
+    assert np.count_nonzero(found.jump > 1e-9) == 3
+
+
+def test_acceleration_is_the_second_derivative(capture):
+    q = np.zeros((len(capture), POSE_SIZE))
+    q[:, JOINTS] = (np.deg2rad(0.5 * 7.0) * (capture.time % 100) ** 2)[:, None]
+    np.testing.assert_allclose(smoothness(q, capture).acceleration, 7.0, rtol=1e-6)
+
+
+# Subjects and methods
+
+
+def test_judged_days_follow_from_the_subject_and_the_seed_alone():
+    person = subject("first")
+    days = person.judged_days(6, 0)
+    assert days == person.judged_days(6, 0) and days[:3] == person.judged_days(3, 0)
+    assert len(set(days) | set(person.judged_days(6, 1))) == 12
+    assert min(days) > 0
+    changed = type(person)(person.name, person.seed, {"other": 1}, person.day)
+    assert not set(days) & set(changed.judged_days(6, 0))
+
+
+def test_a_subject_that_there_is_not_is_refused():
+    with pytest.raises(EncoderError, match="first, second"):
+        subject("third")
+    assert set(SUBJECTS) == {"first", "second"}
+
+
+@pytest.mark.parametrize("names", [("nobody",), ("linear", "linear"), (), ("missing.npz",)])
+def test_names_that_mean_no_method_are_refused_before_anything_is_computed(names):
+    with pytest.raises(EncoderError):
+        check_names(names)
+
+
+@pytest.mark.parametrize("name", [n for n in NAMES if n != "best"])
+def test_every_method_gives_a_pose_and_labels_for_every_frame(name, some):
+    method = Training(some).method(name)
+    few = some.select(np.arange(0, len(some), 25))
+    q = method.estimate(few.time, few.trial, few.xy)
+    assert q.shape == (len(few), POSE_SIZE) and np.isfinite(q).all()
+    found = own_labels(few, method.labeller, method.history)
+    assert (np.isfinite(found.xy[..., 0]).sum(axis=1) == few.down.sum(axis=1)).all()
+
+
+def test_a_method_does_not_see_how_frames_are_split_into_captures(some):
+    method = Training(some).method("linear")
+    few = some.select(np.arange(0, len(some), 6))
+    half = np.unique(few.trial)[: len(np.unique(few.trial)) // 2]
+    parts = [few.select(np.isin(few.trial, half)), few.select(~np.isin(few.trial, half))]
+    whole, split = (evaluate_method(method, Tests(c)) for c in ([few], parts))
+    np.testing.assert_allclose(whole.errors[TRUE].wrist, split.errors[TRUE].wrist, atol=1e-9)
+    np.testing.assert_array_equal(whole.right, split.right)
+    np.testing.assert_array_equal(Tests([few]).block, Tests(parts).block)
+
+
+# The report
+
+
+def test_the_report_has_every_promised_number_and_is_json(some):
+    few = some.select(np.arange(0, len(some), 6))
+    tests = Tests([few])
+    method = Training(some).method("linear")
+    result = evaluate_method(method, tests, some, folds=3)
+    found = report({"linear": result}, tests, some, {"days": [1]})
+    assert json.loads(json.dumps(found, allow_nan=False)) == found
+    assert found["schema"] == 1 and found["configuration"] == {"days": [1]}
+    assert found["simulated"] is True
+    e = found["encoders"]["linear"]
+    for key in ("wrist_cm", "wrist_sem", "angle_deg", "angle_sem", "component_deg"):
+        assert set(e[key]) == {"true_labels", "own_labels"}
+        assert all(value > 0 for value in e[key].values())
+    assert {"1", "2", "3", "4", "5", "all"} <= set(e["labels_percent"])
+    for key in ("us_per_pose", "jump_deg", "tip_cm", "limit_violations", "overfitted_joints"):
+        assert key in e
+    assert e["us_per_pose"] > 0 and e["overfitted_joints"] >= 0
+    for labels in ("true_labels", "own_labels"):
+        low, high = e["wrist_cm_interval"][labels]
+        assert low <= e["wrist_cm"][labels] <= high
+
+
+def test_the_report_of_a_perfect_method_repeats_the_captured_motion(capture):
+    tests = Tests([capture])
+    found = report({"told": evaluate_method(Told(capture.q), tests)}, tests, capture, {})
+    e = found["encoders"]["told"]
+    for key in ("jump_deg", "acceleration_deg_s2", "tip_cm", "limit_violations"):
+        assert e[key] == pytest.approx(found["truth"][key])
+    assert e["labels_percent"]["all"] == 100 and e["overfitted_joints"] is None
+
+
+def test_a_capture_of_lone_contacts_leaves_gaps_and_no_error(capture):
+    ids, xy = capture.ids.copy(), capture.xy.copy()
+    ids[:, 2:], xy[:, 2:] = -1, np.nan
+    ids[:, 0], xy[:, 0] = -1, np.nan
+    keep = ids[:, 1] >= 0
+    lone = Capture(capture.time, capture.trial, ids, xy, capture.q, {}).select(keep)
+    tests = Tests([lone])
+    found = report({"told": evaluate_method(Told(lone.q), tests)}, tests, lone, {})
+    e = found["encoders"]["told"]
+    assert e["labels_percent"]["1"] == 100 and e["labels_percent"]["all"] is None
+    assert e["labels_percent_interval"]["all"] == [None, None]
+    assert found["simulated"] is False
+
+
+def test_numbers_that_are_none_become_null():
+    assert plain({"a": np.nan, "b": (np.float64(1), np.inf), "c": np.bool_(True)}) == {
+        "a": None,
+        "b": [1.0, None],
+        "c": True,
+    }

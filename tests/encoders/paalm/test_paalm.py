@@ -1,0 +1,357 @@
+"""PAALM measures a hand, names its fingers, holds what vanishes, and says what it refuses."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from encoders import Paalm
+from encoders.evaluation.paalm_judge import judged, test_seeds
+from encoders.evaluation.paalm_pair import moved, side_by_side
+from encoders.paalm import PAPER, PaalmOptions
+from encoders.paalm.average import average_calibration
+from encoders.paalm.calibration_file import read_calibration, write_calibration
+from encoders.paalm.palm import palm_of
+from encoders.paalm.simulated.air import simulate_air
+from encoders.paalm.simulated.forward import LeapTake, seen
+from models.errors import EncoderError
+from models.frames import FINGERS, HandFrame, SeenHand
+from models.rotations import exp
+from tests.support.leap_hands import SHORT, calibrated, take
+
+judged_seeds = test_seeds  # Not a test, whatever pytest makes of its name.
+del test_seeds
+
+
+def tables(paalm: Paalm, frames: list[HandFrame], side: str = "right") -> np.ndarray:
+    """(T, 5, 4) degrees of frame after frame."""
+    return np.array([paalm.step(f).hands[side].table for f in frames])
+
+
+def without(frame: HandFrame, *ids: int) -> HandFrame:
+    """The frame with some of its fingers not seen."""
+    (hand,) = frame.hands
+    kept = tuple(f for f in hand.fingers if f.id not in ids)
+    return replace(frame, hands=(replace(hand, fingers=kept),))
+
+
+def mirrored(frame: HandFrame) -> HandFrame:
+    """The frame seen in a mirror across x = 0."""
+
+    def flip(v: tuple[float, ...]) -> tuple[float, ...]:
+        return -v[0], v[1], v[2]
+
+    hands = tuple(
+        replace(
+            h,
+            palm=flip(h.palm),
+            normal=flip(h.normal),
+            direction=flip(h.direction),
+            fingers=tuple(
+                replace(f, tip=flip(f.tip), direction=flip(f.direction)) for f in h.fingers
+            ),
+        )
+        for h in frame.hands
+    )
+    return replace(frame, hands=hands)
+
+
+def turned(hand: SeenHand, rotation: np.ndarray) -> SeenHand:
+    """The hand turned about its palm's centre."""
+    palm = np.array(hand.palm)
+
+    def about(v: tuple[float, ...]) -> tuple[float, ...]:
+        return tuple((palm + rotation @ (np.array(v) - palm)).tolist())
+
+    def along(v: tuple[float, ...]) -> tuple[float, ...]:
+        return tuple((rotation @ v).tolist())
+
+    fingers = tuple(
+        replace(f, tip=about(f.tip), direction=along(f.direction)) for f in hand.fingers
+    )
+    return replace(
+        hand, normal=along(hand.normal), direction=along(hand.direction), fingers=fingers
+    )
+
+
+def test_an_open_hand_has_ratios_of_one_and_an_error_of_a_few_degrees():
+    one = take(1, drop_outs=False)
+    paalm = calibrated(one)
+    ratios = [
+        list(paalm.step(f).hands["right"].ratios.values())
+        for f, held in zip(one.frames, one.open, strict=True)
+        if held
+    ]
+    np.testing.assert_allclose(np.mean(ratios, axis=0), 1.0, atol=0.01)
+
+
+def test_calibration_is_the_mean_length_of_every_finger():
+    one = take(1, drop_outs=False)
+    paalm = Paalm()
+    found = paalm.calibrate(one.frames, "right", 100)["right"]
+    lengths = np.zeros((100, 5))
+    for t in range(100):
+        for finger in one.frames[t].hands[0].fingers:
+            lengths[t, one.fingers[t][finger.id]] = finger.length
+    assert found.frames + found.left_out.get("lengths far from the others", 0) == 100
+    np.testing.assert_allclose(found.standard, lengths.mean(axis=0), rtol=0.01)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_fingers_keep_their_names_where_the_order_by_x_loses_them(seed):
+    figures = judged("", take(seed)).figures
+    assert figures["identity_tracked"] >= 99.5
+    assert figures["identity_paper"] < 97.0
+
+
+def test_joints_that_a_device_separates_are_met_within_the_goals():
+    figures = [judged("", take(seed, "v3")).figures for seed in range(3)]
+    for name, most in (("pip_deg", 8.0), ("dip_deg", 12.0), ("pip_dip_deg", 5.0)):
+        assert np.mean([f[name] for f in figures]) < most
+
+
+def test_the_default_reads_the_paper_no_worse_than_the_paper_reads_itself():
+    one = take(1)
+    default, printed = judged("", one).figures, judged("", one, PAPER).figures
+    for name in ("mcp_deg", "pip_deg", "dip_deg", "jitter_deg"):
+        assert default[name] < printed[name]
+
+
+def test_the_order_in_the_message_says_nothing():
+    one = take(0)
+    again = [
+        replace(f, hands=(replace(f.hands[0], fingers=f.hands[0].fingers[::-1]),))
+        for f in one.frames
+    ]
+    np.testing.assert_array_equal(
+        tables(calibrated(one), list(one.frames)), tables(calibrated(one), again)
+    )
+
+
+def test_a_hand_of_another_size_has_the_same_angles():
+    hand = simulate_air(3, configuration=SHORT)
+    large = replace(hand, joints=1.2 * hand.joints)
+    found = []
+    for one in (seen(hand, 3, drop_outs=False), seen(large, 3, drop_outs=False)):
+        found.append(tables(calibrated(one), list(one.frames)))
+    # Noise has the same size for both, so it is relatively smaller for the larger hand.
+    assert np.abs(found[0] - found[1])[:, 1:, [0, 2]].mean() < 1.5
+
+
+def test_a_left_hand_in_a_mirror_is_a_right_hand():
+    right = take(2)
+    left = LeapTake(
+        tuple(map(mirrored, right.frames)),
+        right.fingers,
+        right.angles,
+        right.open,
+        "left",
+        "v1",
+    )
+    a = tables(calibrated(right), list(right.frames))
+    b = tables(calibrated(left), list(left.frames), "left")
+    np.testing.assert_allclose(a, b, atol=1e-6)
+
+
+def test_both_hands_at_once_are_what_each_is_alone():
+    right, left = take(4), take(5, side="left")
+    both = Paalm()
+    frames = side_by_side(right, left)
+    both.calibrate(frames, "both", 100)
+    both.reset()
+    alone = {"right": Paalm(), "left": Paalm()}
+    for side, one in (("right", right), ("left", left)):
+        alone[side].use({side: both.calibration[side]})
+        steps = tables(alone[side], list(one.frames), side)
+        both.reset()
+        np.testing.assert_allclose(tables(both, frames, side), steps, atol=1e-6)
+
+
+def test_hands_on_top_of_each_other_are_refused_and_held():
+    right, left = take(4), take(5, side="left")
+    paalm = Paalm()
+    frames = side_by_side(right, left)
+    paalm.calibrate(frames, "both", 100)
+    paalm.reset()
+    before = paalm.step(frames[200])
+    upper, lower = frames[201].hands
+    over = replace(frames[201], hands=(moved(upper, (0.28, 0.0, 0.1)), lower))
+    after = paalm.step(over)
+    assert after.refused is not None and paalm.counts[after.refused] == 1
+    for side in ("right", "left"):
+        np.testing.assert_array_equal(after.hands[side].table, before.hands[side].table)
+        assert not after.hands[side].seen
+    assert paalm.step(frames[202]).refused is None
+
+
+def test_a_finger_that_vanished_stays_as_it_was_while_the_palm_turns_and_moves():
+    one = take(1, drop_outs=False)
+    # Without smoothing: what vanishes stays where the device saw it last, not where smoothing was.
+    paalm = calibrated(one, PaalmOptions(smoothing=0.0))
+    for frame in one.frames[:200]:
+        paalm.step(frame)
+    index = next(i for i, f in one.fingers[199].items() if f == 1)
+    before = paalm.step(one.frames[200]).hands["right"]
+    hand = turned(moved(one.frames[201].hands[0], (0.05, 0.02, 0.0)), exp(np.array([0.1, 0.4, 0])))
+    after = paalm.step(without(replace(one.frames[201], hands=(hand,)), index)).hands["right"]
+    assert after.held == {"index"} and after.ids["index"] is None
+    np.testing.assert_array_equal(after.table[1], before.table[1])
+    assert after.ratios["index"] == before.ratios["index"]
+
+
+def test_a_finger_held_in_the_devices_frame_turns_against_the_palm():
+    one = take(1, drop_outs=False)
+    paalm = calibrated(one, PaalmOptions(hold="device"))
+    for frame in one.frames[:200]:
+        paalm.step(frame)
+    index = next(i for i, f in one.fingers[199].items() if f == 1)
+    before = paalm.step(one.frames[200]).hands["right"].table[1, 0]
+    hand = turned(one.frames[201].hands[0], exp(np.array([0.3, 0.0, 0.0])))
+    after = paalm.step(without(replace(one.frames[201], hands=(hand,)), index)).hands["right"]
+    assert after.table[1, 0] - before == pytest.approx(np.rad2deg(0.3), abs=4.0)
+
+
+def test_a_hand_that_is_not_seen_is_held_and_comes_back():
+    one = take(0, drop_outs=False)
+    paalm = calibrated(one)
+    before = paalm.step(one.frames[0]).hands["right"]
+    gone = paalm.step(HandFrame(one.frames[1].time)).hands["right"]
+    assert not gone.seen and gone.held == set(FINGERS)
+    np.testing.assert_array_equal(gone.table, before.table)
+    assert paalm.step(one.frames[2]).hands["right"].seen
+
+
+def test_fingers_that_swap_ids_from_one_frame_to_the_next_keep_their_names():
+    one = take(3, drop_outs=False)
+    paalm = calibrated(one)
+    for number, frame in enumerate(one.frames[:300]):
+        names = one.fingers[number]
+        if number > 150:  # The device has swapped index and ring finger for good.
+            ids = {f: i for i, f in names.items()}
+            swap = {ids[1]: ids[3], ids[3]: ids[1]}
+            (hand,) = frame.hands
+            fingers = tuple(replace(f, id=swap.get(f.id, f.id)) for f in hand.fingers)
+            frame = replace(frame, hands=(replace(hand, fingers=fingers),))
+            names = {swap.get(i, i): f for i, f in names.items()}
+        said = paalm.step(frame).hands["right"].ids
+        assert all(names[i] == f for f, i in enumerate(said.values()) if i is not None)
+
+
+def test_time_that_runs_backwards_changes_nothing_and_is_counted():
+    one = take(0)
+    paalm = calibrated(one)
+    now = paalm.step(one.frames[300]).hands["right"]
+    late = paalm.step(one.frames[100])
+    assert late.refused is not None and sum(paalm.counts[k] for k in (late.refused,)) == 1
+    np.testing.assert_array_equal(late.hands["right"].table, now.table)
+
+
+def test_a_frame_with_too_many_fingers_is_counted_and_holds_the_hand():
+    one = take(0, drop_outs=False)
+    paalm = calibrated(one)
+    before = paalm.step(one.frames[0]).hands["right"]
+    (hand,) = one.frames[1].hands
+    many = hand.fingers + tuple(replace(f, id=f.id + 50) for f in hand.fingers)
+    after = paalm.step(replace(one.frames[1], hands=(replace(hand, fingers=many),)))
+    np.testing.assert_array_equal(after.hands["right"].table, before.table)
+    assert paalm.counts["hands with more than five fingers"] == 1
+
+
+def test_an_unmeasured_hand_is_refused():
+    with pytest.raises(EncoderError, match="calibration"):
+        Paalm().step(take(0).frames[0])
+
+
+def folded(one: LeapTake) -> list[HandFrame]:
+    return [f for f, held in zip(one.frames, one.open, strict=True) if not held]
+
+
+@pytest.mark.parametrize(
+    ("frames", "says"),
+    (
+        (lambda: [], "the frames ended"),
+        (lambda: [HandFrame(0.01 * t) for t in range(50)], "the hand was not seen"),
+        (lambda: [without(f, 1) for f in take(0, drop_outs=False).frames[:60]], "not five"),
+        (lambda: folded(take(0, drop_outs=False)), "varies too much|was not open|not spread"),
+        (lambda: folded(take(1, "v3")), "varies too much|was not open|not spread|was bent"),
+    ),
+)
+def test_a_hand_that_is_not_open_is_not_measured_and_the_reason_is_said(frames, says):
+    with pytest.raises(EncoderError, match=says):
+        Paalm().calibrate(frames(), "right", 50 if says != "varies" else 400)
+
+
+def test_fingers_held_together_are_not_measured():
+    one = take(0, drop_outs=False)
+    near = []
+    for frame in one.frames[:100]:
+        (hand,) = frame.hands
+        palm = np.array(hand.palm)
+        across = np.array(palm_of(hand, "right").across)
+        fingers = tuple(
+            replace(
+                f,
+                tip=tuple((t := np.array(f.tip)) - 0.8 * ((t - palm) @ across) * across),
+            )
+            for f in hand.fingers
+        )
+        near.append(replace(frame, hands=(replace(hand, fingers=fingers),)))
+    with pytest.raises(EncoderError, match="not spread"):
+        Paalm().calibrate(near, "right", 80)
+
+
+def test_whose_hand_it_is_must_be_said():
+    with pytest.raises(EncoderError, match="whose hand"):
+        Paalm().calibrate(take(0).frames, "neither", 10)  # type: ignore[arg-type]
+    with pytest.raises(EncoderError, match="no such choice"):
+        PaalmOptions(identity="guess")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("dialect", ("v1", "v3"))
+def test_a_calibration_written_and_read_reconstructs_the_same(dialect, tmp_path):
+    one, path = take(1, dialect), tmp_path / "hand.json"
+    first = calibrated(one)
+    write_calibration(first.calibration, path)
+    second = Paalm()
+    second.use(read_calibration(path))
+    frames = list(one.frames[100:200])
+    np.testing.assert_array_equal(tables(first, frames), tables(second, frames))
+
+
+@pytest.mark.parametrize(
+    "content", ("", "[]", '{"schema": 1}', '{"schema": 1, "paalm_calibration": {"right": {}}}')
+)
+def test_a_file_that_is_no_calibration_is_refused(content, tmp_path):
+    path = tmp_path / "c.json"
+    path.write_text(content)
+    with pytest.raises(EncoderError, match=r"c\.json"):
+        read_calibration(path)
+
+
+def test_seeds_to_judge_on_follow_from_the_configuration_and_are_no_development_seeds():
+    assert judged_seeds(5) == judged_seeds(8)[:5]
+    assert len(set(judged_seeds(20))) == 20 and min(judged_seeds(20)) > 199
+
+
+def test_an_average_hand_is_rougher_than_the_measured_one_and_joints_need_no_measuring():
+    one, joints = take(2, drop_outs=False), take(2, "v3")
+    errors = {}
+    for name, made in (("v1", one), ("v3", joints)):
+        assumed = Paalm()
+        assumed.use({"right": average_calibration(made.frames, "right")})
+        found = tables(assumed, list(made.frames))
+        errors[name] = np.abs(found - made.angles)[:, 1:, 2].mean()
+    measured = np.abs(tables(calibrated(one), list(one.frames)) - one.angles)[:, 1:, 2].mean()
+    assert errors["v3"] < 8.0
+    assert measured < errors["v1"] < 30.0
+
+
+def test_joints_of_a_hand_that_is_never_open_are_judged_by_its_own_bones():
+    made = take(3, "v3")
+    closed = replace(made, open=np.zeros_like(made.open))
+    figures = judged("", closed).figures
+    assert figures["pip_deg"] < 8.0 and figures["dip_deg"] < 12.0
+    with pytest.raises(EncoderError, match="hardly ever"):
+        judged("", replace(closed, dialect="v1"))

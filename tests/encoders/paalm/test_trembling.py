@@ -1,0 +1,78 @@
+"""A finger is smoothed as much as its device makes it tremble, and no more."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from encoders.evaluation.paalm_judge import judged
+from encoders.paalm import PaalmOptions
+from encoders.paalm.simulated.air import simulate_air
+from encoders.paalm.simulated.forward import FROZEN_LEAP, seen
+from encoders.paalm.trembling import STEADY, Trembling
+from tests.support.leap_hands import SHORT, calibrated, take
+
+DT = 1.0 / 60.0
+FIXED = PaalmOptions(longest=PaalmOptions().smoothing)
+
+
+def followed(places: np.ndarray) -> Trembling:
+    trembling = Trembling()
+    for place in places.tolist():
+        trembling.see(tuple(place))
+    return trembling
+
+
+def constants(places: np.ndarray) -> float:
+    return followed(places).constant(DT, 0.03, 0.15)
+
+
+@given(st.integers(0, 10_000), st.floats(0.2, 5.0))
+@settings(max_examples=40, deadline=None)
+def test_white_noise_asks_for_a_constant_as_its_square_says(seed: int, size: float):
+    noise = np.random.default_rng(seed).standard_normal((400, 3))
+    # Of independent numbers, a second difference has six times the variance.
+    scale = size * STEADY / (np.sqrt(6.0) * np.sqrt(8.0 / np.pi))
+    found = followed(scale * noise)
+    assert 0.6 * size < found.mean / STEADY < 1.6 * size
+    asked = DT * (found.mean / STEADY) ** 2
+    assert found.constant(DT, 0.03, 0.15) == min(max(asked, 0.03), 0.15)
+
+
+@given(st.floats(0.15, 1.0), st.floats(0.01, 0.08), st.tuples(*[st.floats(-1, 1)] * 3))
+@settings(deadline=None)
+def test_movement_is_no_trembling_however_fast_a_person_moves(time: float, far: float, way: tuple):
+    s = np.clip((np.arange(120) * DT - 0.5) / time, 0.0, 1.0)
+    places = (far * (10 * s**3 - 15 * s**4 + 6 * s**5))[:, None] * np.array(way)
+    assert constants(places) == 0.03
+
+
+def test_a_finger_that_is_lost_and_jumps_is_not_taken_for_one_that_trembles():
+    jumps = np.cumsum(np.arange(200) % 40 == 0)[:, None] * np.array([0.05, 0.0, 0.0])
+    assert constants(jumps) == 0.03
+    found = followed(np.zeros((10, 3)))
+    found.interrupt()
+    before = found.mean
+    for _ in range(2):
+        found.see((0.3, 0.0, 0.0))
+    assert found.mean == before, "what is before and after a gap is not compared"
+
+
+def test_a_device_as_quiet_as_it_should_be_is_followed_as_with_a_fixed_constant():
+    one = take(2, drop_outs=False)
+    free, fixed = calibrated(one), calibrated(one, FIXED)
+    for frame in one.frames:
+        np.testing.assert_array_equal(
+            free.step(frame).hands["right"].table, fixed.step(frame).hands["right"].table
+        )
+
+
+def test_of_a_noisy_device_two_fifths_of_the_jitter_go_and_hardly_any_of_the_angles():
+    noisy = replace(FROZEN_LEAP, direction=6.0, length_white=0.0016)
+    one = seen(simulate_air(7, "right", SHORT), 7, "v1", False, noisy)
+    free, fixed = (judged("", one, o, names=False).figures for o in (PaalmOptions(), FIXED))
+    assert free["jitter_deg"] < 0.6 * fixed["jitter_deg"]
+    assert free["pip_deg"] < 1.05 * fixed["pip_deg"]

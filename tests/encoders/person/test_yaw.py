@@ -1,0 +1,229 @@
+"""A hand that is turned further than any trained one is noticed, said once, and not too often."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from encoders.contact_vector import contact_vector
+from encoders.person.yaw_range import YawRange, YawWarning, YawWatch
+from encoders.regression.trained import builtin, builtin_capture
+from models.errors import CaptureError
+from models.frames import Contact, TouchFrame
+from models.person import Person, PersonFrame
+from models.skeleton import ADULT
+from models.surface import METRES_PER_INCH, Surface
+from sandbox.cli import run
+from sandbox.session.messages import Snapshot
+from sandbox.trial.assembly import build
+from sandbox.trial.headless import run_trial
+from sandbox.trial.settings import RunSettings
+from tasks.simulated_user.spreads import spread_layout
+
+RANGE = YawRange.of(builtin_capture().u)
+NATURAL = spread_layout(ADULT, 0.0, 0.0, 0.0) * [1.0, -1.0]
+"""(5, 2) m, x right and y down: fingertips of a relaxed hand, thumb first, about their middle."""
+MIDDLE = float(RANGE.turn(contact_vector(dict(enumerate(map(tuple, NATURAL))))))
+"""rad, how that hand is turned: not quite as the trained hands were on average."""
+
+
+def turned(xy: np.ndarray, angle: float) -> np.ndarray:
+    """Counterclockwise as seen on the screen, whose y points down."""
+    c, s = np.cos(angle), np.sin(angle)
+    return xy @ np.array([[c, -s], [s, c]])
+
+
+def u_of(turn: float, fingers=range(5), names=None) -> np.ndarray:
+    """Contact vector of a hand at a turn, with the names its fingers got."""
+    xy = turned(NATURAL, turn - MIDDLE) / METRES_PER_INCH
+    names = list(fingers) if names is None else names
+    pairs = zip(names, fingers, strict=True)
+    return contact_vector({int(n): (float(xy[f, 0]), float(xy[f, 1])) for n, f in pairs})
+
+
+@given(
+    turn=st.floats(-3.1, 3.1),
+    fingers=st.sampled_from([(0, 1, 2, 3, 4), (0, 1, 2, 3), (0, 1, 2, 4)]),
+    data=st.data(),
+)
+def test_the_turn_of_four_or_five_touches_does_not_depend_on_what_they_are_called(
+    turn, fingers, data
+):
+    names = data.draw(st.permutations(fingers))
+    plain = RANGE.turn(u_of(turn, fingers))
+    # Whoever is leftmost stays so, hence positions are those of the true fingers.
+    assert np.cos(RANGE.turn(u_of(turn, fingers, names)) - plain) == pytest.approx(1.0)
+    assert np.cos(plain - turn) > np.cos(np.deg2rad(20.0))
+
+
+@given(turn=st.floats(-3.1, 3.1), fingers=st.sampled_from([(0, 1), (0, 1, 2), (1, 2, 3), (2, 4)]))
+def test_the_turn_of_two_or_three_touches_is_that_of_their_names(turn, fingers):
+    assert np.cos(RANGE.turn(u_of(turn, fingers)) - turn) > np.cos(np.deg2rad(25.0))
+
+
+def test_one_touch_has_no_turn():
+    assert RANGE.turn(u_of(0.3, (1,))) is None
+
+
+def test_the_range_holds_the_turns_of_the_training_and_is_not_the_whole_circle():
+    assert -np.pi < RANGE.low < -0.5 < 0.5 < RANGE.high < np.pi
+    turns = RANGE.layout.turns
+    beyond = np.array([RANGE.beyond(t) for t in turns])
+    assert np.mean(beyond > 0) < 0.02
+    assert np.mean(beyond > YawWarning().outside) < 0.005
+
+
+@given(turn=st.floats(-3.14, 3.14))
+def test_how_far_a_turn_is_beyond_the_range_is_the_way_to_its_nearer_end(turn):
+    beyond = RANGE.beyond(turn)
+    ends = np.array([RANGE.low, RANGE.high])
+    ways = np.abs((ends - turn + np.pi) % (2 * np.pi) - np.pi)
+    inside = RANGE.low <= turn <= RANGE.high
+    assert beyond == pytest.approx(0.0 if inside else ways.min(), abs=1e-9)
+    assert 0.0 <= beyond <= np.pi
+
+
+def test_a_capture_with_few_frames_of_five_fingers_says_nothing_about_turns():
+    U = builtin_capture().u
+    with pytest.raises(CaptureError, match="five"):
+        YawRange.of(U[U[:, 10:].sum(axis=1) < 5])
+    few = replace(builtin("best"), training_u=U[U[:, 10:].sum(axis=1) < 5])
+    assert few.training_u.shape[0] > 0
+
+
+def watched(turns: list[float], watch: YawWatch | None = None, dt: float = 0.1) -> list[str]:
+    """Notices while a hand takes these turns, one after another."""
+    watch = watch or YawWatch(RANGE)
+    return [watch.step(i * dt, u_of(t)) for i, t in enumerate(turns)]
+
+
+FAR = RANGE.high + np.deg2rad(40.0)
+
+
+def test_a_hand_turned_too_far_is_noticed_once_it_stays_so():
+    notices = watched([0.0] * 5 + [FAR] * 20)
+    assert not any(notices[:8]) and all(notices[10:])
+    assert len(set(notices[10:])) == 1 and "--turn" in notices[-1]
+
+
+def test_a_moment_is_no_warning():
+    assert not any(watched(([0.0] * 5 + [FAR] * 3) * 10))
+
+
+def test_a_turn_that_trembles_at_the_border_gives_one_warning():
+    s = YawWarning()
+    border = RANGE.high + s.outside
+    rng = np.random.default_rng(0)
+    watch = YawWatch(RANGE)
+    turns = [0.0] * 5 + [FAR] * 6 + list(border + rng.uniform(-0.05, 0.05, 600))
+    notices = watched(turns, watch)
+    assert watch.warnings == 1 and all(notices[12:])
+
+
+def test_a_hand_that_turns_back_takes_its_notice_away():
+    notices = watched([FAR] * 10 + [0.0] * 10)
+    assert notices[9] and not notices[-1]
+
+
+def test_warnings_keep_their_distance_in_time():
+    watch = YawWatch(RANGE)
+    # In and out once a second for a minute.
+    turns = ([FAR] * 5 + [0.0] * 5) * 60
+    watched(turns, watch)
+    assert 2 <= watch.warnings <= 60 / YawWarning().apart + 1
+
+
+def test_lifting_and_landing_again_is_no_new_warning():
+    watch = YawWatch(RANGE)
+    for i in range(300):
+        watch.step(0.1 * i, None if i % 10 > 7 else u_of(FAR))
+    assert watch.warnings == 1
+
+
+def natural_touches(turn: float, surface: Surface) -> tuple[Contact, ...]:
+    xy = turned(NATURAL, turn - MIDDLE) + surface.size / 2
+    return tuple(Contact(i, float(x), float(y)) for i, (x, y) in enumerate(xy))
+
+
+class Resting:
+    """A device on which five fingers of a turned hand rest for some seconds."""
+
+    name = "script"
+
+    def __init__(self, surface: Surface, turn: float, seconds: float = 3.0) -> None:
+        self.contacts = natural_touches(turn, surface)
+        self.seconds, self.finished = seconds, False
+
+    def poll(self, now):
+        self.finished = now >= self.seconds
+        return [TouchFrame(now, self.contacts if now > 0.2 else ())]
+
+    def close(self):
+        pass
+
+
+def notices_of(settings: RunSettings, turn: float) -> list[str]:
+    session = build(settings, lambda task, surface: Resting(surface, turn))
+    return [about_turning(session.advance()) for _ in range(150)]
+
+
+def about_turning(snapshot: Snapshot) -> str:
+    """A hand that rests may also be told that it is in the box."""
+    return "; ".join(n for n in snapshot.notices if "--turn" in n)
+
+
+def test_a_person_at_the_far_side_of_the_screen_is_told_of_it_unless_the_seat_is_set():
+    far = notices_of(RunSettings(), np.pi)
+    assert far[-1] and len(set(far) - {""}) == 1
+    assert not any(notices_of(RunSettings(turn=180), np.pi))
+    assert not any(notices_of(RunSettings(), 0.0))
+
+
+def test_a_left_hand_is_judged_in_its_mirror():
+    surface = RunSettings().surface
+    frame = PersonFrame(Person("left"), surface)
+
+    class Left(Resting):
+        def __init__(self, surface: Surface, turn: float) -> None:
+            super().__init__(surface, turn)
+            self.contacts = tuple(
+                replace(c, x=float(x), y=float(y))
+                for c, (x, y) in zip(
+                    self.contacts, frame.outwards([(c.x, c.y) for c in self.contacts]), strict=True
+                )
+            )
+
+    def last(turn: float) -> str:
+        session = build(RunSettings(hand="left"), lambda task, surface: Left(surface, turn))
+        return [about_turning(session.advance()) for _ in range(150)][-1]
+
+    assert last(np.pi) and not last(0.0)
+
+
+def test_the_warning_changes_no_state_of_the_simulation():
+    hashes = []
+    for watched_too in (True, False):
+        session = build(RunSettings(), lambda task, surface: Resting(surface, np.pi))
+        if not watched_too:
+            session.rigs[0].yaw = None
+        for _ in range(100):
+            session.advance()
+        hashes.append(session.state_hash)
+    assert hashes[0] == hashes[1]
+
+
+def test_the_events_of_a_run_hold_one_warning(tmp_path):
+    recorded, events = tmp_path / "far.jsonl", tmp_path / "events.jsonl"
+    run_trial(RunSettings(), lambda task, surface: Resting(surface, np.pi), record=recorded)
+    assert run.main(["--device", str(recorded), "--events", str(events)]) == 0
+    told = [json.loads(line) for line in events.read_text().splitlines()]
+    warnings = [e for e in told if e["event"] == "warning"]
+    assert len({w["what"] for w in warnings}) == len(warnings)
+    warnings = [w for w in warnings if "--turn" in w["what"]]
+    assert len(warnings) == 1
+    assert warnings[0]["time_s"] < 2.0

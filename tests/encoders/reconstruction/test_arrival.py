@@ -1,0 +1,187 @@
+"""A hand comes down from above, over its place and at rest, and never jumps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from encoders.reconstruction.arrival import Arrival, ArrivalSettings, Phase
+
+DT = 0.016
+S = ArrivalSettings()
+LOW = (Phase.COMING_DOWN, Phase.DOWN)
+
+
+@dataclass(frozen=True)
+class Moment:
+    """What a hand is told in one step; by default all is well for coming down."""
+
+    touched: bool = True
+    named: bool = True
+    speed: float = 0.0
+    off: float = 0.0
+
+
+READY = Moment()
+NOTHING = Moment(touched=False, named=False)
+
+moments = st.builds(
+    Moment,
+    st.booleans(),
+    st.booleans(),
+    st.sampled_from([0.0, 0.04, 0.06, 0.5]),
+    st.sampled_from([0.0, 0.005, 0.007, 0.2]),
+)
+stretches = st.lists(st.tuples(moments, st.integers(1, 30)), max_size=10).map(
+    lambda parts: [moment for moment, n in parts for _ in range(n)]
+)
+
+
+def told(arrival: Arrival, moment: Moment, seconds: float = DT, dt: float = DT) -> Arrival:
+    """The same for a while."""
+    for _ in range(round(seconds / dt)):
+        arrival.step(
+            dt,
+            touched=moment.touched,
+            named=moment.named,
+            speed=moment.speed,
+            off=moment.off,
+        )
+    return arrival
+
+
+def a_hand_that_is_down() -> Arrival:
+    arrival = told(Arrival(S), READY, 1.0)
+    assert (arrival.phase, arrival.height) == (Phase.DOWN, 0.0)
+    return arrival
+
+
+@given(history=stretches, dt=st.sampled_from([0.001, 0.008, DT]))
+def test_the_height_never_jumps_and_stays_between_the_place_and_the_hover(history, dt):
+    arrival = Arrival(S)
+    for moment in history:
+        before = arrival.height
+        told(arrival, moment, dt, dt)
+        assert 0.0 <= arrival.height <= S.hover
+        assert -S.down * dt - 1e-12 <= arrival.height - before <= S.up * dt + 1e-12
+
+
+@given(history=stretches)
+def test_a_hand_is_down_only_at_its_place_and_comes_down_only_over_it(history):
+    arrival = Arrival(S)
+    for moment in history:
+        before = arrival.phase
+        told(arrival, moment)
+        if arrival.phase is Phase.DOWN:
+            assert arrival.height == 0.0
+        if arrival.phase in LOW:
+            assert moment.touched
+        if arrival.phase in LOW and before not in LOW:
+            assert moment.off <= S.place
+            assert moment.named
+            assert before is Phase.ABOVE or S.dwell <= DT
+
+
+@given(history=stretches)
+def test_a_hand_that_nothing_touches_is_away_and_rises_to_its_hover(history):
+    arrival = Arrival(S)
+    for moment in history:
+        told(arrival, moment)
+    told(arrival, NOTHING, S.hover / S.up + 2 * DT)
+    assert (arrival.phase, arrival.height) == (Phase.AWAY, S.hover)
+
+
+@given(history=stretches)
+def test_after_a_reset_a_hand_is_as_new(history):
+    used, fresh = Arrival(S), Arrival(S)
+    for moment in history:
+        told(used, moment)
+    used.reset()
+    for _ in range(60):
+        told(used, READY)
+        told(fresh, READY)
+        assert (used.phase, used.height) == (fresh.phase, fresh.height)
+
+
+def test_a_hand_over_resting_touches_dwells_and_then_comes_down_at_its_speed():
+    arrival = Arrival(S)
+    heights, phases = [], []
+    for _ in range(40):
+        told(arrival, READY)
+        heights.append(arrival.height)
+        phases.append(arrival.phase)
+    begun = phases.index(Phase.COMING_DOWN)
+    down = phases.index(Phase.DOWN)
+    assert begun * DT == pytest.approx(S.dwell, abs=DT)
+    assert (down - begun + 1) * DT == pytest.approx(S.hover / S.down, abs=DT)
+    falling = np.diff([S.hover, *heights[begun:down]])
+    np.testing.assert_allclose(falling, -S.down * DT)
+
+
+@pytest.mark.parametrize("dt", [DT / 2, DT / 4, DT / 16])
+def test_a_finer_step_comes_down_at_the_same_time(dt):
+    def time_to_land(step: float) -> float:
+        arrival, n = Arrival(S), 0
+        while arrival.phase is not Phase.DOWN:
+            told(arrival, READY, step, step)
+            n += 1
+        return n * step
+
+    assert time_to_land(dt) == pytest.approx(time_to_land(DT), abs=2.5 * DT)
+
+
+def test_a_hand_away_from_its_place_never_comes_down():
+    arrival = told(Arrival(S), Moment(off=S.place + 0.001), 10.0)
+    assert (arrival.phase, arrival.height) == (Phase.ABOVE, S.hover)
+
+
+def test_moving_touches_keep_a_hand_up_until_its_patience_is_over():
+    moving = Moment(speed=S.rest + 0.01)
+    arrival = told(Arrival(S), moving, S.patience - 2 * DT)
+    assert (arrival.phase, arrival.height) == (Phase.ABOVE, S.hover)
+    assert told(arrival, moving, 3 * DT).phase is Phase.COMING_DOWN
+
+
+def test_a_rest_that_is_broken_begins_anew():
+    arrival = Arrival(S)
+    for _ in range(4):
+        told(arrival, READY, S.dwell - 2 * DT)
+        told(arrival, Moment(speed=1.0))
+        assert arrival.phase is Phase.ABOVE
+    assert told(arrival, READY, S.dwell + DT).phase in LOW
+
+
+def test_unnamed_fingers_keep_a_hand_up():
+    arrival = told(Arrival(S), Moment(named=False), 10.0)
+    assert (arrival.phase, arrival.height) == (Phase.WAITING, S.hover)
+    assert told(arrival, READY).phase is Phase.ABOVE
+
+
+def test_a_finger_that_joins_without_a_name_does_not_send_a_hand_up():
+    arrival = told(a_hand_that_is_down(), Moment(named=False), 1.0)
+    assert (arrival.phase, arrival.height) == (Phase.DOWN, 0.0)
+
+
+def test_a_hand_that_is_down_stays_down_however_its_touches_move():
+    arrival = told(a_hand_that_is_down(), Moment(speed=2.0, off=0.3), 5.0)
+    assert (arrival.phase, arrival.height) == (Phase.DOWN, 0.0)
+
+
+def test_a_touch_on_the_way_up_waits_and_dwells_again():
+    arrival = told(a_hand_that_is_down(), NOTHING, 0.08)
+    assert 0.0 < arrival.height < S.hover
+    assert told(arrival, READY, 2 * DT).phase is Phase.ABOVE
+    assert told(arrival, READY, S.dwell + DT).phase is Phase.COMING_DOWN
+
+
+def test_hands_that_do_not_hover_are_down_as_soon_as_their_fingers_have_names():
+    arrival = Arrival(replace(S, hover=0.0))
+    assert arrival.height == 0.0
+    assert told(arrival, Moment(speed=5.0, off=1.0)).phase is Phase.DOWN
+    assert told(arrival, Moment(named=False)).phase is Phase.AWAY
+    assert told(arrival, NOTHING).phase is Phase.AWAY
+    assert arrival.height == 0.0

@@ -1,0 +1,156 @@
+"""Prepared encoders give the poses of the plain one; compiled ones agree with those in NumPy."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from encoders.contact_vector import contact_vectors
+from encoders.regression.collapsed import SETS, collapse
+from encoders.regression.polynomial import LinearEncoder, PolynomialEncoder, QuadraticEncoder
+from models.errors import EncoderError
+
+SEEDS = st.integers(0, 2**32 - 1)
+FAST = pytest.mark.parametrize("fast", (False, True))
+DEGREES = pytest.mark.parametrize("degree", (1, 2, 3))
+
+
+def layouts(rng: np.random.Generator, frames: int) -> np.ndarray:
+    """(frames, 15) contact vectors of random sets of one to five fingers at random places."""
+    xy = rng.uniform(0, 0.15, (frames, 5, 2))
+    for i, choice in enumerate(rng.integers(0, len(SETS), frames)):
+        xy[i, [f for f in range(5) if f not in SETS[choice]]] = np.nan
+    return contact_vectors(xy)[0]
+
+
+def encoder_of(degree: int, outputs: int, seed: int = 0) -> PolynomialEncoder:
+    encoder = PolynomialEncoder(degree)
+    terms = {1: 16, 2: 136, 3: 816}[degree]
+    return encoder.load(np.random.default_rng(seed).normal(size=(terms, outputs)), 15)
+
+
+@DEGREES
+def test_every_term_is_a_monomial_of_free_coordinates_or_nothing(degree: int) -> None:
+    encoder = encoder_of(degree, 1)
+    U = layouts(np.random.default_rng(degree), 200)
+    for u in U:
+        fingers = tuple(np.flatnonzero(u[10:]).tolist())
+        origin = next(f for f in fingers if u[2 * f] == u[2 * f + 1] == 0)
+        for found in (collapse(fingers, degree), collapse(fingers, degree, origin)):
+            expanded = found.terms(u[None])[0, found.monomial] * found.sign
+            np.testing.assert_allclose(expanded, encoder.terms(u), rtol=1e-14)
+
+
+def test_a_finger_set_leaves_as_many_quadratic_monomials_as_its_coordinates_make() -> None:
+    sets = [(0, 1), (0, 1, 2), (0, 1, 2, 3), (0, 1, 2, 3, 4)]
+    assert [collapse(s, 2).factors.shape[1] for s in sets] == [15, 28, 45, 66]
+    assert [collapse(s, 2, 0).factors.shape[1] for s in sets] == [6, 15, 28, 45]
+
+
+@FAST
+@DEGREES
+@pytest.mark.parametrize("outputs", (1, 12, 48, 60))
+def test_a_prepared_encoder_gives_the_poses_of_the_plain_one(
+    fast: bool, degree: int, outputs: int
+) -> None:
+    encoder = encoder_of(degree, outputs)
+    pose = encoder.for_contacts(fast)
+    U = layouts(np.random.default_rng(1), 150)
+    expected = encoder.predict(U)
+    scale = np.abs(expected).max()
+    np.testing.assert_allclose(pose.predict(U), expected, atol=1e-12 * scale)
+    np.testing.assert_allclose([pose(u) for u in U], expected, atol=1e-12 * scale)
+
+
+@given(seed=SEEDS, degree=st.integers(1, 3), frames=st.integers(1, 130))
+def test_compiled_poses_agree_with_those_in_numpy(seed: int, degree: int, frames: int) -> None:
+    encoder = encoder_of(degree, 48, seed % 7)
+    encoder.coef_ /= np.abs(encoder.terms(np.full(15, 6.0)))[:, None]
+    U = layouts(np.random.default_rng(seed), frames)
+    plain, compiled = encoder.for_contacts(), encoder.for_contacts(fast=True)
+    np.testing.assert_allclose(compiled.predict(U), plain.predict(U), rtol=0, atol=1e-9)
+    np.testing.assert_allclose(compiled(U[0]), plain(U[0]), rtol=0, atol=1e-9)
+
+
+@FAST
+def test_a_pose_is_not_overwritten_by_the_next(fast: bool) -> None:
+    encoder = encoder_of(2, 48)
+    pose = encoder.for_contacts(fast)
+    U = layouts(np.random.default_rng(2), 2)
+    first = pose(U[0])
+    kept = first.copy()
+    assert not np.array_equal(pose(U[1]), kept)
+    np.testing.assert_array_equal(first, kept)
+
+
+@FAST
+def test_arrays_of_other_kinds_give_the_same_pose(fast: bool) -> None:
+    encoder = encoder_of(2, 5)
+    pose = encoder.for_contacts(fast)
+    u = np.array([0, 0, -1, -1, 3, 1, -1, -1, -1, -1, 1, 0, 1, 0, 0], float)
+    expected = encoder.predict(u)
+    strided = np.repeat(u, 2)[::2]
+    for same in (u.astype(int), u.astype(np.float32), u.tolist(), strided, u.astype(">f8")):
+        np.testing.assert_allclose(pose(same), expected, rtol=1e-12)
+        np.testing.assert_allclose(pose.predict([same])[0], expected, rtol=1e-12)
+
+
+@FAST
+def test_contacts_whose_common_origin_lies_elsewhere_are_no_less_right(fast: bool) -> None:
+    encoder = encoder_of(3, 4)
+    U = layouts(np.random.default_rng(3), 20)
+    U[:, :10][np.repeat(U[:, 10:] == 1, 2, axis=1)] += 0.5
+    pose = encoder.for_contacts(fast)
+    np.testing.assert_allclose(pose.predict(U), encoder.predict(U), rtol=1e-9)
+    np.testing.assert_allclose(pose(U[0]), encoder.predict(U[0]), rtol=1e-9)
+
+
+@FAST
+@pytest.mark.parametrize(
+    "u",
+    (
+        np.zeros(15),
+        np.r_[np.zeros(10), 0.5, 1, 0, 0, 0],
+        np.r_[np.zeros(10), np.nan, 1, 0, 0, 0],
+        np.zeros(14),
+        np.r_[np.zeros(10), np.ones(6)],
+        np.zeros((2, 15)),
+        np.r_[np.zeros(10), np.ones(5)].reshape(1, 15),
+        np.r_[np.zeros(10), np.ones(5)].reshape(15, 1),
+        np.r_[np.zeros(10), np.ones(5)].reshape(3, 5),
+        1.0,
+    ),
+)
+def test_what_is_no_contact_vector_is_refused(fast: bool, u: np.ndarray) -> None:
+    with pytest.raises(EncoderError, match="no contact vectors"):
+        encoder_of(2, 3).for_contacts(fast)(u)
+
+
+def test_only_encoders_of_contact_vectors_can_be_prepared_for_them() -> None:
+    with pytest.raises(EncoderError, match="does not take contact vectors"):
+        LinearEncoder().fit(np.eye(3), np.eye(3)).for_contacts()
+    with pytest.raises(EncoderError, match="learned nothing"):
+        QuadraticEncoder().for_contacts()
+
+
+def test_without_numba_the_error_names_the_extra() -> None:
+    code = (
+        "import sys; sys.modules['numba'] = None\n"
+        "from encoders import LinearEncoder\n"
+        "import numpy as np\n"
+        "encoder = LinearEncoder().load(np.zeros((16, 2)), 15)\n"
+        "encoder.for_contacts()\n"
+        "try:\n"
+        "    encoder.for_contacts(fast=True)\n"
+        "except Exception as error:\n"
+        "    print(type(error).__name__, error)\n"
+    )
+    answer = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
+    assert answer.stdout.startswith("EncoderError") and "hand-sandbox[fast]" in answer.stdout

@@ -1,0 +1,43 @@
+"""Trials that share an encoder's work are told what each would be told alone."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from benchmarks.lanes import in_lanes
+from encoders.regression.pca_ik import pca_ik_model
+from encoders.regression.trained import builtin_capture
+
+TOUCHES = builtin_capture().u[::301]
+
+
+def walk(job: tuple[int, int]) -> tuple[int, list[bytes]]:
+    """A trial of so many steps from a start, whose touches depend on the pose before."""
+    start, steps = job
+    encoder, poses, at = pca_ik_model().encoder, list[bytes](), start
+    for _ in range(steps):
+        q = encoder.predict(TOUCHES[at % len(TOUCHES)])
+        poses.append(q.tobytes())
+        at += 1 + int(abs(q[6]) * 1e6) % 7
+    return start, poses
+
+
+def test_every_trial_sees_the_poses_that_it_sees_alone():
+    jobs = [(start, 2 + start % 3) for start in range(10)] + [(99, 0)]
+    together = dict(in_lanes(walk, jobs))
+    assert together == dict(map(walk, jobs))
+
+
+def test_what_a_trial_raises_is_raised_and_the_encoder_is_left_as_it_was():
+    encoder = pca_ik_model().encoder
+    before = encoder.predict(TOUCHES[0])
+
+    def breaks(job: int) -> int:
+        encoder.predict(TOUCHES[job])
+        raise ValueError(f"trial {job}")
+
+    with pytest.raises(ValueError, match="trial 3"):
+        list(in_lanes(breaks, [3]))
+    assert "predict" not in vars(encoder)
+    np.testing.assert_array_equal(encoder.predict(TOUCHES[0]), before)

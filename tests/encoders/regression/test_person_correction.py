@@ -1,0 +1,296 @@
+"""A correction by touches is an estimate: exact where it knows the bones, cautious elsewhere."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from encoders.correction import PAD_HEIGHT
+from encoders.evaluation.best import blocked_predictions
+from encoders.regression.bone_fit import fitted_skeleton, perturbed_skeleton, tip_misses
+from encoders.regression.person_correction import (
+    DISTRUSTS,
+    PersonCorrection,
+    blocked_variance,
+    train_correction,
+)
+from encoders.regression.polynomial import PolynomialEncoder
+from encoders.regression.trained import builtin_capture
+from encoders.validation import robust_covariance
+from models.errors import EncoderError
+from models.kinematics import Kinematics
+from models.limits import violations, within_limits
+from models.pose import JOINTS, absolute_pose, joint_vectors
+from models.rotations import geodesic_angle
+from models.skeleton import ADULT
+from tests.support.simulation import HIGHEST, LOWEST
+
+TABLE = Kinematics(ADULT)
+CAPTURE = builtin_capture().select(np.arange(0, len(builtin_capture()), 20))
+PREDICTED = blocked_predictions(lambda: PolynomialEncoder(2, 0.03), CAPTURE)
+COVARIANCE = robust_covariance(CAPTURE.relative - PREDICTED)
+GUESS = absolute_pose(PREDICTED, CAPTURE.leftmost)
+
+seeds = st.integers(0, 2**16)
+fingers = st.lists(st.integers(0, 4), min_size=1, max_size=5, unique=True)
+
+
+def touched(q: np.ndarray, down: list[int]) -> np.ndarray:
+    """(T, 5, 2) touches under the fingertips of poses (T, 48), NaN for all other fingers."""
+    xy = TABLE.tips(q)[..., :2] * [1, -1]
+    xy[:, [f for f in range(5) if f not in down]] = np.nan
+    return xy
+
+
+def near_a_table(seed: int, frames: int = 4) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Poses (T, 48) in the middle of their ranges, predictions of them, the errors' covariance."""
+    rng = np.random.default_rng(seed)
+    q = LOWEST + rng.uniform(0.3, 0.7, (frames, 48)) * (HIGHEST - LOWEST)
+    mixed = rng.normal(size=(48, 60)) * np.array([0.001] * 3 + [0.01] * 45)[:, None]
+    covariance = mixed @ mixed.T / 60
+    return q, q + rng.multivariate_normal(np.zeros(48), covariance, frames), covariance
+
+
+def tip_errors(q: np.ndarray, xy: np.ndarray) -> np.ndarray:
+    """(n, 2) m along the surface, of touching fingers."""
+    down = ~np.isnan(xy[..., 0])
+    return (TABLE.tips(q)[..., :2] * [1, -1] - xy)[down]
+
+
+def joint_angle(q: np.ndarray) -> float:
+    """rad, mean angle of the joints from the captured ones."""
+    return float(geodesic_angle(joint_vectors(q), joint_vectors(CAPTURE.q)).mean())
+
+
+def wrist_distance(q: np.ndarray) -> float:
+    return float(np.linalg.norm((q - CAPTURE.q)[:, :3], axis=1).mean())
+
+
+@settings(max_examples=40)
+@given(seed=seeds, down=fingers)
+def test_with_the_right_bones_and_full_trust_the_tips_meet_the_touches(seed, down):
+    q, guess, covariance = near_a_table(seed)
+    # All tips of these fingers belong on the surface, so only one finger's height can be right.
+    q[:, 2] += PAD_HEIGHT - TABLE.tips(q)[:, down[0], 2]
+    guess[:, 2] += q[:, 2] - guess[:, 2]
+    xy = touched(q, down[:1])
+    full = PersonCorrection(ADULT, covariance, np.full(3, 1e-12))
+    corrected = full.correct(guess, xy)
+    assert np.abs(tip_errors(corrected, xy)).max() < 1e-5
+    assert np.abs(TABLE.tips(corrected)[:, down[0], 2] - PAD_HEIGHT).max() < 1e-5
+
+
+def test_all_fingers_at_once_meet_their_touches_on_nearly_all_captured_frames():
+    bones = fitted_skeleton(CAPTURE, ADULT)
+    full = PersonCorrection(bones, COVARIANCE, np.full(3, 1e-12))
+    corrected = replace(CAPTURE, q=full.correct(GUESS, CAPTURE.xy))
+    before = np.linalg.norm(tip_misses(Kinematics(bones), replace(CAPTURE, q=GUESS)), axis=1)
+    after = np.linalg.norm(tip_misses(Kinematics(bones), corrected), axis=1)
+    assert np.median(before) > 0.002
+    assert np.quantile(after, 0.9) < 0.0005
+
+
+@given(seed=seeds, down=fingers, distrust=st.sampled_from((1e9, 1e12, 1e15)))
+def test_with_endless_distrust_the_prediction_stays_as_it_was(seed, down, distrust):
+    q, guess, covariance = near_a_table(seed)
+    cautious = PersonCorrection(ADULT, covariance, distrust * np.full(3, 1e-4))
+    np.testing.assert_allclose(
+        cautious.correct(guess, touched(q, down)), within_limits(guess, ADULT), atol=1e-6
+    )
+
+
+@given(seed=seeds, down=fingers)
+def test_a_prediction_whose_tips_are_right_is_left_alone(seed, down):
+    q, _, covariance = near_a_table(seed)
+    q[:, 2] += PAD_HEIGHT - TABLE.tips(q)[:, down[0], 2]
+    xy = touched(q, down[:1])
+    some = PersonCorrection(ADULT, covariance, np.full(3, 1e-6))
+    np.testing.assert_allclose(some.correct(q, xy), q, atol=1e-12)
+
+
+@given(seed=seeds)
+def test_without_a_touch_nothing_is_corrected(seed):
+    q, guess, covariance = near_a_table(seed)
+    some = PersonCorrection(ADULT, covariance, np.full(3, 1e-6))
+    unchanged = some.correct(guess, touched(q, []))
+    np.testing.assert_allclose(unchanged, within_limits(guess, ADULT), atol=1e-12)
+
+
+def cost(
+    q: np.ndarray, guess: np.ndarray, xy: np.ndarray, covariance: np.ndarray, variance: np.ndarray
+) -> float:
+    """Negative logarithm of the density of one pose, given its prediction and its touches."""
+    down = ~np.isnan(xy[:, 0])
+    off = TABLE.tips(q)[down] - [[x, -y, PAD_HEIGHT] for x, y in xy[down]]
+    away = q - guess
+    return float(0.5 * np.sum(off**2 / variance) + 0.5 * away @ np.linalg.solve(covariance, away))
+
+
+@settings(max_examples=25)
+@given(seed=seeds, frame=st.integers(0, len(CAPTURE) - 1))
+def test_the_corrected_pose_is_the_likeliest_one(seed, frame):
+    """Central differences of the cost: next to nothing is left to gain in any direction."""
+    q, xy, covariance = CAPTURE.q[frame], CAPTURE.xy[frame], 0.1 * COVARIANCE
+    variance = np.array([3e-7, 3e-7, 2e-7])
+    guess = np.random.default_rng(seed).multivariate_normal(q, covariance)
+    found = PersonCorrection(ADULT, covariance, variance).correct(guess[None], xy[None])[0]
+    # In units of the prediction's own errors every direction weighs alike.
+    units, step = np.linalg.cholesky(covariance).T, 1e-4
+
+    def slope(at: np.ndarray) -> float:
+        gained = [
+            cost(at + step * way, guess, xy, covariance, variance)
+            - cost(at - step * way, guess, xy, covariance, variance)
+            for way in units
+        ]
+        return float(np.linalg.norm(gained) / (2 * step))
+
+    assert violations(guess, ADULT) > 0 or slope(found) < 1e-2 * slope(guess)
+
+
+@settings(max_examples=25)
+@given(seed=seeds)
+def test_the_truth_is_as_far_away_as_the_covariance_says(seed):
+    """Estimates of many noisy predictions have the smaller errors that Bayes promises."""
+    rng = np.random.default_rng(seed)
+    q, _, covariance = near_a_table(seed, 1)
+    covariance *= 0.04
+    q = np.repeat(q, 200, axis=0)
+    q[:, 2] += PAD_HEIGHT - TABLE.tips(q)[:, 1, 2]
+    guess = q + rng.multivariate_normal(np.zeros(48), covariance, 200)
+    xy = touched(q, [1]) + rng.normal(0, 1e-4, (200, 5, 2))
+    corrected = PersonCorrection(ADULT, covariance, np.full(3, 1e-8)).correct(guess, xy)
+    J = TABLE.tips_and_jacobian(q[0])[1][1]
+    gain = covariance @ J.T @ np.linalg.inv(J @ covariance @ J.T + 1e-8 * np.eye(3))
+    left = np.trace((np.eye(48) - gain @ J) @ covariance)
+    found = np.mean(np.sum((corrected - q) ** 2, axis=1))
+    assert found == pytest.approx(left, rel=0.2)
+
+
+@given(seed=seeds, down=fingers, shift=st.tuples(st.floats(-0.3, 0.3), st.floats(-0.3, 0.3)))
+def test_a_hand_elsewhere_on_the_surface_is_corrected_alike(seed, down, shift):
+    q, guess, covariance = near_a_table(seed)
+    some = PersonCorrection(ADULT, covariance, np.full(3, 1e-6))
+    away = np.zeros(48)
+    away[:2] = shift[0], -shift[1]
+    np.testing.assert_allclose(
+        some.correct(guess + away, touched(q, down) + shift),
+        some.correct(guess, touched(q, down)) + away,
+        atol=1e-9,
+    )
+
+
+@given(seed=seeds, down=fingers)
+def test_many_frames_at_once_are_what_each_is_alone(seed, down):
+    q, guess, covariance = near_a_table(seed)
+    xy = touched(q, down)
+    xy[1, down[0]] = np.nan
+    some = PersonCorrection(ADULT, covariance, np.full(3, 1e-6))
+    alone = [some.correct(guess[i : i + 1], xy[i : i + 1])[0] for i in range(len(q))]
+    np.testing.assert_allclose(some.correct(guess, xy), alone, atol=1e-10)
+
+
+@given(seed=seeds, down=fingers)
+def test_what_a_lifted_finger_would_touch_does_not_matter(seed, down):
+    """Half a place is no place: the other half must not count."""
+    q, guess, covariance = near_a_table(seed)
+    xy = touched(q, down)
+    some = PersonCorrection(ADULT, covariance, np.full(3, 1e-6))
+    with_rest = xy.copy()
+    with_rest[np.isnan(xy[..., 0]), 1] = 7.0
+    np.testing.assert_array_equal(some.correct(guess, with_rest), some.correct(guess, xy))
+
+
+@settings(max_examples=40)
+@given(seed=seeds, down=fingers, far=st.floats(0.0, 0.2))
+def test_joints_stay_within_their_ranges_wherever_the_touches_are(seed, down, far):
+    rng = np.random.default_rng(seed)
+    q, guess, covariance = near_a_table(seed)
+    xy = touched(q, down) + rng.normal(0, far, (len(q), 5, 2))
+    given_guess, given_xy = guess.copy(), xy.copy()
+    corrected = PersonCorrection(ADULT, covariance, np.full(3, 1e-9)).correct(guess, xy)
+    assert np.isfinite(corrected).all() and (violations(corrected, ADULT) == 0).all()
+    np.testing.assert_array_equal(guess, given_guess)
+    np.testing.assert_array_equal(xy, given_xy)
+
+
+@pytest.fixture(scope="module")
+def held() -> np.ndarray:
+    """(T,) frames that corrections below are not trained on."""
+    return CAPTURE.trial % 3 == 0
+
+
+def corrected_on_the_rest(skeleton, held: np.ndarray, fit: bool) -> tuple[np.ndarray, float]:
+    """Poses (T, 48), the held-out ones corrected, all others as captured; and the distrust."""
+    seen = CAPTURE.select(~held)
+    correction = train_correction(seen, PREDICTED[~held], COVARIANCE, skeleton, fit)
+    q = CAPTURE.q.copy()
+    q[held] = correction.correct(GUESS[held], CAPTURE.xy[held])
+    return q, correction.distrust
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_bones_wrong_by_six_percent_are_fitted_and_joints_are_no_worse_than_before(seed, held):
+    wrong = perturbed_skeleton(ADULT, np.random.default_rng(seed), 0.06, 0.004)
+    corrected, _ = corrected_on_the_rest(wrong, held, fit=True)
+    before = np.where(held[:, None], GUESS, CAPTURE.q)
+    assert joint_angle(corrected) < joint_angle(before)
+    assert wrist_distance(corrected) < wrist_distance(before)
+
+
+def test_for_people_whose_bones_nobody_knows_touches_are_trusted_less(held):
+    seen = CAPTURE.select(~held)
+    known, unknown = (
+        train_correction(seen, PREDICTED[~held], COVARIANCE, ADULT, fit) for fit in (True, False)
+    )
+    assert (unknown.tip_variance > 4 * known.tip_variance).all()
+    assert unknown.skeleton is ADULT
+
+
+def test_for_people_whose_bones_nobody_knows_joints_are_hardly_worse_than_before(held):
+    seen = CAPTURE.select(~held)
+    unknown = train_correction(seen, PREDICTED[~held], COVARIANCE, ADULT, fit=False)
+    own = PersonCorrection(ADULT, COVARIANCE, blocked_variance(seen, ADULT))
+    cautious, trusting = [], []
+    for seed in range(100, 108):
+        bones = perturbed_skeleton(ADULT, np.random.default_rng(seed), 0.06, 0.004)
+        for correction, found in ((unknown, cautious), (own, trusting)):
+            other = replace(correction, skeleton=bones)
+            found.append(joint_angle(other.correct(GUESS, CAPTURE.xy)))
+    assert np.mean(cautious) < joint_angle(GUESS) + np.deg2rad(1.0)
+    assert np.mean(cautious) < np.mean(trusting)
+
+
+def test_training_is_the_same_every_time_and_scales_the_variance_by_its_distrust(held):
+    seen = CAPTURE.select(~held)
+    once, again = (train_correction(seen, PREDICTED[~held], COVARIANCE, ADULT) for _ in range(2))
+    assert once.distrust == again.distrust and once.distrust in DISTRUSTS
+    np.testing.assert_array_equal(once.tip_variance, again.tip_variance)
+    np.testing.assert_array_equal(once.tip_variance, once.distrust * blocked_variance(seen, ADULT))
+
+
+def test_the_two_directions_along_the_surface_share_one_variance():
+    x, y, z = blocked_variance(CAPTURE, ADULT)
+    assert x == y > 0 and z > 0
+    misses = tip_misses(TABLE, CAPTURE)
+    np.testing.assert_allclose(
+        blocked_variance(CAPTURE, ADULT, fit=False)[[0, 2]],
+        [np.mean(misses[:, :2] ** 2), np.mean(misses[:, 2] ** 2)],
+    )
+
+
+def test_one_take_alone_is_refused():
+    alone = CAPTURE.trial == CAPTURE.trial[0]
+    with pytest.raises(EncoderError, match="2 trials"):
+        train_correction(CAPTURE.select(alone), PREDICTED[alone], COVARIANCE, ADULT)
+
+
+def test_a_joint_that_its_prediction_puts_out_of_range_comes_back():
+    guess = GUESS[:3].copy()
+    guess[:, JOINTS] = ADULT.upper + 0.5
+    some = PersonCorrection(ADULT, COVARIANCE, np.full(3, 1.0))
+    assert (violations(some.correct(guess, CAPTURE.xy[:3]), ADULT) == 0).all()

@@ -1,0 +1,387 @@
+"""Trained models: what they know, how they are kept, and what is refused."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from encoders.capture import Capture
+from encoders.evaluation.best import train_best_model
+from encoders.regression.bone_fit import perturbed_skeleton
+from encoders.regression.person_correction import PersonCorrection
+from encoders.regression.polynomial import PolynomialEncoder, QuadraticEncoder
+from encoders.regression.trained import (
+    BUILTIN,
+    RIDGES,
+    TrainedModel,
+    builtin,
+    builtin_capture,
+    builtin_folder,
+    load_model,
+    rounded,
+    save_model,
+    train,
+    trial_folds,
+)
+from encoders.regression.turned import TurnedEncoder
+from encoders.store import save_capture
+from models.errors import EncoderError
+from models.pose import absolute_pose
+from models.skeleton import ADULT
+from sandbox.cli.main import main
+from tests.support.npz_files import claiming_too_much, header_of, rewritten, with_pickle
+
+CAPTURE_FILE = str(builtin_folder() / "capture.npz")
+
+
+def said(**changes: Any) -> np.ndarray:
+    """The header of a sound polynomial of degree 1 with something else in it."""
+    sound = {"schema": 2, "kind": "polynomial", "degree": 1, "ridge": 0.01, "meta": {}}
+    return header_of(json.dumps(sound | changes))
+
+
+def said_turned(**changes: Any) -> np.ndarray:
+    """The same of a turned encoder with a correction."""
+    sound = {"schema": 2, "kind": "turned", "ridge": 0.03, "turned_ridge": 0.1, "meta": {}}
+    return header_of(json.dumps(sound | {"distrust": 2.0} | changes))
+
+
+@pytest.fixture(scope="module")
+def capture() -> Capture:
+    """Every twentieth frame of the built-in capture: all takes, quickly learned."""
+    return builtin_capture().select(np.arange(0, len(builtin_capture()), 20))
+
+
+@pytest.fixture(scope="module")
+def model(capture) -> TrainedModel:
+    return train(capture, "mine", 1, 0.01)
+
+
+@pytest.fixture(scope="module")
+def corrected(model, capture) -> TrainedModel:
+    """A turned encoder with a correction by bones that are not the table's."""
+    encoder = TurnedEncoder(0.03, 0.1).fit(capture.u, capture.relative)
+    bones = perturbed_skeleton(ADULT, np.random.default_rng(0), 0.06, 0.004)
+    correction = PersonCorrection(bones, model.residual_covariance, np.full(3, 1e-6), 2.0)
+    return rounded(replace(model, name="turned", encoder=encoder, correction=correction))
+
+
+@pytest.fixture
+def corrected_path(corrected, tmp_path: Path) -> Path:
+    path = tmp_path / "turned.npz"
+    save_model(corrected, path)
+    return path
+
+
+@pytest.fixture
+def path(model, tmp_path: Path) -> Path:
+    path = tmp_path / "mine.npz"
+    save_model(model, path)
+    return path
+
+
+def test_a_saved_model_comes_back_to_the_bit(model, path):
+    read = load_model(path)
+    assert read.digest == model.digest and read.meta == model.meta and read.name == "mine"
+    np.testing.assert_array_equal(
+        read.encoder.predict(model.training_u), model.encoder.predict(model.training_u)
+    )
+    np.testing.assert_array_equal(read.residual_covariance, model.residual_covariance)
+
+
+@pytest.mark.parametrize("training", (True, False))
+def test_a_turned_encoder_and_its_correction_come_back_to_the_bit(
+    corrected, capture, training, tmp_path
+):
+    save_model(corrected, tmp_path / "t.npz", training)
+    read = load_model(tmp_path / "t.npz", None if training else capture)
+    assert read.digest == corrected.digest
+    q = corrected.encoder.predict(capture.u)
+    np.testing.assert_array_equal(read.encoder.predict(capture.u), q)
+    assert isinstance(read.encoder, TurnedEncoder) and read.encoder.turned_ridge == 0.1
+    assert read.correction is not None and read.correction.distrust == 2.0
+    q = absolute_pose(q, capture.leftmost)
+    np.testing.assert_array_equal(
+        read.correction.correct(q, capture.xy), corrected.correction.correct(q, capture.xy)
+    )
+    # Once rounded, nothing is left to round.
+    save_model(read, tmp_path / "again.npz", training)
+    assert (tmp_path / "again.npz").read_bytes() == (tmp_path / "t.npz").read_bytes()
+
+
+def test_a_model_without_its_training_data_takes_them_from_the_capture(model, capture, tmp_path):
+    save_model(model, tmp_path / "slim.npz", training=False)
+    assert load_model(tmp_path / "slim.npz", capture).digest == model.digest
+    with pytest.raises(EncoderError, match=r"slim\.npz"):
+        load_model(tmp_path / "slim.npz")
+
+
+def test_the_digest_sees_every_part(model):
+    changed = (
+        replace(model, residual_covariance=model.residual_covariance * 1.01),
+        replace(model, training_u=model.training_u[:-1]),
+        replace(model, training_pose=model.training_pose + 0.01),
+        replace(model, meta=model.meta | {"ridge": 0.02}),
+        replace(model, encoder=PolynomialEncoder(1, 0.02).load(model.encoder.coef_, 15)),
+        replace(model, encoder=PolynomialEncoder(1, 0.01).load(model.encoder.coef_ * 1.01, 15)),
+    )
+    assert len({model.digest, *(m.digest for m in changed)}) == 7
+    assert replace(model, name="other").digest == model.digest
+
+
+def test_a_model_says_where_it_comes_from(model, capture):
+    assert model.meta["simulated"] is True
+    assert model.meta["capture"]["configuration"] and model.meta["capture"]["seed"] == 0
+    nameless = train(replace(capture, meta={}), "mine", 1, 0.01)
+    assert nameless.meta["simulated"] is False
+
+
+def test_covariance_is_that_of_errors_on_takes_not_seen(model, capture):
+    C = model.residual_covariance
+    np.testing.assert_allclose(C, C.T, atol=1e-12)
+    assert np.linalg.eigvalsh(C).min() > -1e-9
+    seen = capture.relative - model.encoder.predict(capture.u)
+    assert np.trace(C) > 0.9 * np.trace(seen.T @ seen / len(seen))
+
+
+def test_frames_of_one_take_are_never_on_both_sides_of_a_split(capture):
+    fold = trial_folds(capture.trial)
+    assert all(len(set(fold[capture.trial == t])) == 1 for t in np.unique(capture.trial))
+    sizes = np.bincount(fold)
+    assert len(sizes) == 10 and sizes.max() < 1.5 * sizes.min()
+
+
+def test_without_a_ridge_validation_chooses_one(capture):
+    chosen = train(capture, "mine", 2, None)
+    assert chosen.meta["ridge"] in RIDGES and chosen.encoder.ridge == chosen.meta["ridge"]
+
+
+def test_on_noise_validation_chooses_the_strongest_ridge(capture):
+    q = np.random.default_rng(0).normal(size=capture.q.shape)
+    noise = replace(capture, q=0.1 * q, xy=capture.xy)
+    assert train(noise, "noise", 2, None).meta["ridge"] == RIDGES[-1]
+
+
+def test_one_take_alone_is_refused(capture):
+    with pytest.raises(EncoderError, match="2 trials"):
+        train(capture.select(capture.trial == 0), "mine", 1, 0.0)
+
+
+@pytest.mark.parametrize(("degree", "ridge"), ((0, 0.0), (4, 0.0), (2, -1.0), (2, np.nan)))
+def test_a_degree_or_ridge_that_is_none_is_refused(capture, degree, ridge):
+    with pytest.raises(EncoderError):
+        train(capture, "mine", degree, ridge)
+
+
+@pytest.mark.parametrize("name", BUILTIN)
+def test_built_in_models_are_trained_on_the_built_in_capture(name):
+    model, capture = builtin(name), builtin_capture()
+    assert model.meta["capture"] == capture.meta and model.meta["simulated"] is True
+    np.testing.assert_array_equal(model.training_u, np.float32(capture.u))
+    error = model.encoder.predict(capture.u) - capture.relative
+    assert np.linalg.norm(error[:, :3], axis=1).mean() < 0.05
+
+
+def test_the_papers_model_is_least_squares_on_the_built_in_capture():
+    capture = builtin_capture()
+    fresh = QuadraticEncoder().fit(capture.u, capture.relative)
+    paper = builtin("paper")
+    assert paper.encoder.ridge == 0 and paper.encoder.degree == 2 and fresh.rank_ == 121
+    np.testing.assert_allclose(
+        paper.encoder.predict(capture.u), fresh.predict(capture.u), atol=1e-4
+    )
+
+
+def test_shipped_files_are_small():
+    assert sum(p.stat().st_size for p in builtin_folder().glob("*.npz")) < 5e6
+
+
+def test_a_built_in_model_is_loaded_once():
+    assert builtin("best") is builtin("best")
+
+
+def test_an_unknown_name_is_answered_with_the_known_ones():
+    with pytest.raises(EncoderError, match="paper, linear, quadratic, cubic, best"):
+        builtin("deep")
+
+
+@pytest.mark.parametrize(
+    "changes",
+    (
+        {"coef": None},
+        {"coef": np.zeros((15, 48), np.float32)},
+        {"coef": np.zeros((16, 47), np.float32)},
+        {"coef": np.float32(1.0)},
+        {"coef": np.zeros((16, 48), int)},
+        {"coef": np.array("text")},
+        {"covariance": np.zeros((48, 47), np.float32)},
+        {"covariance": np.full((48, 48), np.nan, np.float32)},
+        {"training_u": np.zeros((3, 15), np.float32)},
+        {"training_u": np.zeros((0, 15), np.float32), "training_pose": np.zeros((0, 48))},
+        {"training_pose": np.full((355, 48), np.inf, np.float32)},
+        {"header": header_of("")},
+        {"header": header_of("null")},
+        {"header": header_of('{"schema": 2}')},
+        {"header": header_of('{"schema": 1, "kind": "polynomial", "degree": 1, "meta": {}}')},
+        {"header": said(meta=None)},
+        {"header": said(kind="deep")},
+        {"header": said(kind=["polynomial"])},
+        {"header": said(degree=9)},
+        {"header": said(degree=[1])},
+        {"header": said(degree=1.0)},
+        {"header": said(degree=True)},
+        {"header": said(degree=3)},
+        {"header": said(ridge=-1.0)},
+        {"header": said(ridge=float("nan"))},
+        {"header": said(ridge=10**400)},
+        {"header": said(ridge="0")},
+        {"header": said(kind="turned", turned_ridge=0.1)},
+        {"header": said(distrust=1.0)},
+    ),
+)
+def test_a_file_with_a_wrong_part_is_refused_in_one_clear_line(path, changes):
+    rewritten(path, **changes)
+    with pytest.raises(EncoderError, match=r"mine\.npz") as error:
+        load_model(path)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    (
+        {"coef": np.zeros((136, 48), np.float32)},
+        {"coef": np.zeros((2, 136, 48), np.float32)},
+        {"coef": np.zeros((3, 816, 48), np.float32)},
+        {"coef": np.full((3, 136, 48), np.nan, np.float32)},
+        {"anchors": None},
+        {"anchors": np.zeros((15, 3), np.float32)},
+        {"anchors": np.full((14, 3), np.inf, np.float32)},
+        {"lengths": np.zeros(14, np.float32)},
+        {"lengths": np.ones((14, 1), np.float32)},
+        {"lengths": np.ones(14, int)},
+        {"tip_variance": np.array([1e-6, 1e-6, -1e-6], np.float32)},
+        {"tip_variance": np.full(3, np.nan, np.float32)},
+        {"tip_variance": np.float32(1e-6)},
+        {"header": said_turned(kind="polynomial", degree=2)},
+        {"header": said_turned(turned_ridge=None)},
+        {"header": said_turned(turned_ridge=float("nan"))},
+        {"header": said_turned(distrust=0.0)},
+        {"header": said_turned(distrust=-1.0)},
+        {"header": said_turned(distrust=float("nan"))},
+        {"header": said_turned(distrust=float("inf"))},
+        {"header": said_turned(distrust=10**400)},
+        {"header": said_turned(distrust="2")},
+        {"header": said_turned(distrust=[2.0])},
+        {"header": said_turned(distrust=True)},
+    ),
+)
+def test_a_turned_encoder_or_correction_with_a_wrong_part_is_refused(corrected_path, changes):
+    rewritten(corrected_path, **changes)
+    with pytest.raises(EncoderError, match=r"turned\.npz") as error:
+        load_model(corrected_path)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("degree", (3, "deep", [2], None))
+def test_a_turned_encoder_has_no_degree_that_could_be_wrong(corrected_path, corrected, degree):
+    rewritten(corrected_path, header=said_turned(degree=degree, meta=corrected.meta))
+    assert load_model(corrected_path).digest == corrected.digest
+
+
+def test_nothing_is_unpickled(path):
+    with_pickle(path, "coef")
+    with pytest.raises(EncoderError, match="pickle"):
+        load_model(path)
+
+
+def test_a_file_that_would_fill_the_memory_is_refused(path):
+    claiming_too_much(path)
+    with pytest.raises(EncoderError, match="too large"):
+        load_model(path)
+
+
+def test_a_missing_file_is_said_to_be_missing(tmp_path):
+    with pytest.raises(EncoderError, match="no such file"):
+        load_model(tmp_path / "none.npz")
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=40)
+@given(share=st.floats(0, 0.999))
+def test_a_truncated_file_is_refused(path, share):
+    whole = path.read_bytes()
+    cut = path.with_name("cut.npz")
+    cut.write_bytes(whole[: int(share * len(whole))])
+    with pytest.raises(EncoderError):
+        load_model(cut)
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=100)
+@given(where=st.floats(0, 1), value=st.binary(min_size=1, max_size=8))
+@pytest.mark.parametrize("kind", ("polynomial", "turned"))
+def test_a_damaged_file_is_refused_or_reads_as_it_was(
+    path, model, corrected_path, corrected, kind, where, value
+):
+    if kind == "turned":
+        path, model = corrected_path, corrected
+    data = bytearray(path.read_bytes())
+    at = int(where * (len(data) - len(value)))
+    data[at : at + len(value)] = value
+    damaged = path.with_name("damaged.npz")
+    damaged.write_bytes(data)
+    try:
+        read = load_model(damaged)
+    except EncoderError as error:
+        assert "damaged.npz" in str(error)
+    else:
+        assert read.digest == model.digest
+
+
+def test_the_command_trains_on_a_capture(capture, tmp_path, capsys):
+    save_capture(capture, tmp_path / "c.npz")
+    line = ["train", "--capture", str(tmp_path / "c.npz"), "--out", str(tmp_path / "m.npz")]
+    assert main([*line, "--degree", "1", "--ridge", "0"]) == 0
+    assert "simulated" in capsys.readouterr().out
+    assert load_model(tmp_path / "m.npz").digest == train(capture, "m", 1, 0.0).digest
+
+
+def test_without_a_degree_the_command_trains_what_wins(capture, tmp_path, capsys):
+    few = capture.select(capture.trial % 3 == 0)
+    save_capture(few, tmp_path / "c.npz")
+    line = ["train", "--capture", str(tmp_path / "c.npz"), "--out", str(tmp_path / "m.npz")]
+    assert main(line) == 0
+    model, told = load_model(tmp_path / "m.npz"), capsys.readouterr().out
+    assert "simulated" in told and model.meta["winner"] in told
+    assert model.name == "m" and model.correction is not None
+    assert model.digest == train_best_model(few, "m").digest
+
+
+@pytest.mark.full
+def test_the_command_makes_the_built_in_models_anew(tmp_path, capsys):
+    assert main(["train", "--builtin", "--out", str(tmp_path)]) == 0
+    told = capsys.readouterr().out
+    assert told.count("agrees") == 1 + len(BUILTIN) and "differs" not in told
+
+
+@pytest.mark.parametrize(
+    ("rest", "told"),
+    (
+        ([], "either a capture or the built-in"),
+        (["--capture", "none.npz"], "no such file"),
+        (["--builtin", "--capture", "c.npz"], "either"),
+        (["--capture", CAPTURE_FILE, "--ridge", "-1"], "ridge"),
+        (["--capture", CAPTURE_FILE, "--degree", "4"], "degree"),
+        (["--capture", CAPTURE_FILE, "--out", "none/m.npz"], "no such folder"),
+    ),
+)
+def test_the_command_answers_bad_input_with_one_line(rest, told, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["train", "--out", "m.npz", *rest]) == 2
+    line = capsys.readouterr().err
+    assert told in line and line.count("\n") == 1

@@ -1,0 +1,190 @@
+"""A capture keeps its contract, survives its file, and is refused whole when damaged."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from encoders.capture import Capture
+from encoders.contact_vector import contact_vector
+from encoders.store import load_capture, save_capture
+from models.errors import CaptureError
+from models.pose import absolute_pose
+from models.surface import METRES_PER_INCH
+from tests.support.npz_files import claiming_too_much, header_of, rewritten, with_pickle
+
+
+def capture(frames: int = 12, seed: int = 0) -> Capture:
+    rng = np.random.default_rng(seed)
+    down = rng.random((frames, 5)) < 0.6
+    down[:, 1] = True
+    xy = np.where(down[..., None], rng.uniform(0, 0.15, (frames, 5, 2)), np.nan)
+    ids = np.where(down, np.arange(5), -1)
+    trial = np.arange(frames) // 4
+    meta = {"subject": "nobody", "rate_hz": 30.0, "simulated": True}
+    return Capture(np.arange(frames) / 30, trial, ids, xy, rng.normal(size=(frames, 48)), meta)
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    path = tmp_path / "capture.npz"
+    save_capture(capture(), path)
+    return path
+
+
+def test_a_capture_survives_saving_to_the_bit(path):
+    made, read = capture(), load_capture(path)
+    for name in ("time", "trial", "ids", "xy", "q"):
+        np.testing.assert_array_equal(getattr(read, name), getattr(made, name))
+    assert read.meta == made.meta
+
+
+def test_single_precision_keeps_places_to_a_tenth_of_a_micrometre(tmp_path):
+    save_capture(capture(), tmp_path / "c.npz", np.float32)
+    read = load_capture(tmp_path / "c.npz")
+    np.testing.assert_allclose(read.xy, capture().xy, atol=1e-7)
+    np.testing.assert_array_equal(read.time, capture().time)
+
+
+def test_equal_captures_are_equal_files(tmp_path):
+    for name in ("a", "b"):
+        save_capture(capture(), tmp_path / name)
+    assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
+
+
+def test_contact_vectors_are_those_of_every_frame():
+    c = capture()
+    for t in range(len(c)):
+        inches = {f: tuple(c.xy[t, f] / METRES_PER_INCH) for f in np.flatnonzero(c.down[t])}
+        np.testing.assert_allclose(c.u[t], contact_vector(inches), atol=1e-12)
+
+
+def test_relative_poses_lead_back_to_the_captured_ones():
+    c = capture()
+    np.testing.assert_allclose(absolute_pose(c.relative, c.leftmost), c.q, atol=1e-15)
+
+
+def test_moving_hand_and_touches_together_changes_neither_input_nor_output():
+    c = capture()
+    q = c.q.copy()
+    q[:, :2] += [0.03, -0.02]
+    moved = replace(c, xy=c.xy + np.array([0.03, 0.02]), q=q)
+    np.testing.assert_allclose(moved.u, c.u, atol=1e-12)
+    np.testing.assert_allclose(moved.relative, c.relative, atol=1e-12)
+
+
+def test_a_selection_keeps_frames_and_their_order():
+    c = capture()
+    chosen = c.select(np.array([5, 2]))
+    np.testing.assert_array_equal(chosen.q, c.q[[5, 2]])
+    assert len(c.select(c.trial == 1)) == 4
+
+
+def broken(**changes) -> Capture:
+    return replace(capture(), **changes)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    (
+        ("q", np.zeros((12, 47))),
+        ("xy", np.zeros((12, 5, 3))),
+        ("trial", np.zeros(11, int)),
+        ("ids", np.full((12, 5), -1)),
+        ("q", np.full((12, 48), np.nan)),
+        ("time", np.full(12, np.inf)),
+        ("xy", np.full((12, 5, 2), np.nan)),
+        ("xy", np.zeros((12, 5, 2))),
+        ("xy", np.where(np.isnan(capture().xy), np.inf, capture().xy)),
+        ("xy", np.where(np.isnan(capture().xy), [np.nan, 0.0], capture().xy)),
+    ),
+)
+def test_arrays_that_break_the_contract_are_refused(name, value):
+    with pytest.raises(CaptureError, match=name):
+        broken(**{name: value})
+
+
+def test_an_empty_capture_is_refused():
+    with pytest.raises(CaptureError, match="empty"):
+        capture().select(np.zeros(12, bool))
+
+
+@pytest.mark.parametrize(
+    "changes",
+    (
+        {"q": None},
+        {"header": None},
+        {"q": np.zeros((12, 47))},
+        {"q": np.full((12, 48), np.nan)},
+        {"q": np.zeros((12, 48), int)},
+        {"ids": np.zeros((12, 5))},
+        {"xy": np.array("text")},
+        {"time": np.zeros(3)},
+        {"header": header_of("{")},
+        {"header": header_of("[1]")},
+        {"header": header_of("{}")},
+        {"header": header_of('{"schema": 99}')},
+        {"header": np.zeros(0)},
+    ),
+)
+def test_a_file_with_a_wrong_part_is_refused_and_named(path, changes):
+    rewritten(path, **changes)
+    with pytest.raises(CaptureError, match=r"capture\.npz"):
+        load_capture(path)
+
+
+def test_a_missing_file_is_said_to_be_missing(tmp_path):
+    with pytest.raises(CaptureError, match="no such file"):
+        load_capture(tmp_path / "none.npz")
+
+
+def test_a_folder_and_an_empty_file_are_no_captures(tmp_path):
+    (tmp_path / "empty").touch()
+    for path in (tmp_path, tmp_path / "empty"):
+        with pytest.raises(CaptureError, match="not a capture"):
+            load_capture(path)
+
+
+def test_nothing_is_unpickled(path):
+    with_pickle(path, "q")
+    with pytest.raises(CaptureError, match="pickle"):
+        load_capture(path)
+
+
+def test_a_file_that_would_fill_the_memory_is_refused_before_it_is_unpacked(path):
+    claiming_too_much(path)
+    with pytest.raises(CaptureError, match="too large"):
+        load_capture(path)
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=60)
+@given(share=st.floats(0, 0.999))
+def test_a_truncated_file_is_refused(path, share):
+    whole = path.read_bytes()
+    cut = path.with_name("cut.npz")
+    cut.write_bytes(whole[: int(share * len(whole))])
+    with pytest.raises(CaptureError):
+        load_capture(cut)
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=150)
+@given(where=st.floats(0, 1), value=st.binary(min_size=1, max_size=8))
+def test_a_damaged_file_is_refused_or_reads_as_it_was(path, where, value):
+    """The checksum of every part sees damage to it; zip's own fields may be immaterial."""
+    data = bytearray(path.read_bytes())
+    at = int(where * (len(data) - len(value)))
+    data[at : at + len(value)] = value
+    damaged = path.with_name("damaged.npz")
+    damaged.write_bytes(data)
+    try:
+        read = load_capture(damaged)
+    except CaptureError as error:
+        assert "damaged.npz" in str(error)
+    else:
+        np.testing.assert_array_equal(read.q, capture().q)
+        np.testing.assert_array_equal(read.xy, capture().xy)

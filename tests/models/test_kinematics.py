@@ -1,0 +1,246 @@
+"""The hand's kinematics: rotations, fingertips and their derivative, and the mirror."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+from scipy.spatial.transform import Rotation
+
+from models.kinematics import Kinematics
+from models.limits import violations, within_limits
+from models.pose import (
+    JOINTS,
+    ROOT_ROTATION,
+    absolute_pose,
+    blend,
+    joint_vectors,
+    mirrored,
+    relative_pose,
+    surface_to_world,
+)
+from models.rotations import (
+    exp,
+    exp_and_left_jacobian,
+    geodesic_angle,
+    log,
+    matrix_to_quaternion,
+    quaternion_exp,
+    quaternion_log,
+    quaternion_to_matrix,
+    skew,
+    unwrap_near,
+)
+from models.skeleton import ADULT, Skeleton
+from models.surface import Surface
+from tests.support.simulation import legal_poses
+
+HAND = Kinematics(ADULT)
+MIRROR = np.diag([-1.0, 1.0, 1.0])
+
+vectors = hnp.arrays(float, 3, elements=st.floats(-10, 10))
+turns = vectors.filter(lambda w: np.linalg.norm(w) > 1e-3).flatmap(
+    lambda w: st.floats(0, np.pi - 1e-3).map(lambda a: a * w / np.linalg.norm(w))
+)
+
+
+def left_hand() -> Skeleton:
+    """The mirror image of the adult hand, bone by bone."""
+    bones = tuple(
+        replace(b, anchor=(-b.anchor[0], b.anchor[1], b.anchor[2]), rest=MIRROR @ b.rest @ MIRROR)
+        for b in ADULT.bones
+    )
+    return Skeleton("left", bones, ADULT.palm_radius)
+
+
+def walked(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Joints (14, 3) and tips (5, 3), bone after bone with another library's rotations."""
+    turn, place = Rotation.from_rotvec(q[3:6]), q[:3]
+    joints, tips = [], np.empty((5, 3))
+    at, along = place, turn
+    for bone, w in zip(ADULT.bones, joint_vectors(q), strict=True):
+        if not joints or bone.finger != ADULT.bones[len(joints) - 1].finger:
+            at, along = place, turn
+        at = at + along.apply(bone.anchor)
+        along = along * Rotation.from_matrix(bone.rest) * Rotation.from_rotvec(w)
+        joints.append(at)
+        tips[bone.finger] = at + along.apply([0, bone.length, 0])
+    return np.array(joints), tips
+
+
+@given(w=turns)
+def test_logarithm_undoes_the_exponential_below_a_half_turn(w):
+    np.testing.assert_allclose(log(exp(w)), w, atol=1e-9)
+    np.testing.assert_allclose(quaternion_log(quaternion_exp(w)), w, atol=1e-12)
+
+
+@given(w=vectors)
+def test_rotations_are_those_of_another_library(w):
+    theirs = Rotation.from_rotvec(w)
+    np.testing.assert_allclose(exp(w), theirs.as_matrix(), atol=1e-12)
+    np.testing.assert_allclose(exp(log(exp(w))), theirs.as_matrix(), atol=1e-12)
+    np.testing.assert_allclose(quaternion_to_matrix(quaternion_exp(w)), exp(w), atol=1e-12)
+    np.testing.assert_allclose(
+        matrix_to_quaternion(exp(w)), theirs.as_quat(canonical=True, scalar_first=True), atol=1e-9
+    )
+
+
+@pytest.mark.parametrize("size", (0.0, 1e-12, 1e-9, 1e-7, 1e-6, 1e-5, np.pi - 1e-9, np.pi))
+@pytest.mark.parametrize("axis", ((1, 0, 0), (0, 1, 0), (0, 0, -1), (0.6, -0.64, 0.48)))
+def test_tiny_and_half_turns_are_exact_too(size, axis):
+    w = size * np.array(axis)
+    np.testing.assert_allclose(exp(w), Rotation.from_rotvec(w).as_matrix(), atol=1e-15)
+    back = log(exp(w))
+    assert min(np.abs(back - w).max(), np.abs(back + w).max() if size > 3 else np.inf) < 1e-9
+
+
+@given(w=turns, d=vectors)
+def test_left_jacobian_is_the_derivative_of_the_exponential(w, d):
+    h = 1e-6
+    change = (exp(w + h * d) - exp(w - h * d)) / (2 * h)
+    _, J = exp_and_left_jacobian(w)
+    np.testing.assert_allclose(change, skew(J @ d) @ exp(w), atol=1e-6)
+
+
+@given(a=vectors, b=vectors)
+def test_skew_is_the_cross_product(a, b):
+    np.testing.assert_allclose(skew(a) @ b, np.cross(a, b), atol=1e-12)
+
+
+@given(a=turns, b=turns, c=turns)
+def test_the_angle_between_rotations_is_a_distance(a, b, c):
+    assert geodesic_angle(a, a) < 1e-7
+    assert abs(geodesic_angle(a, b) - geodesic_angle(b, a)) < 1e-7
+    assert geodesic_angle(a, c) <= geodesic_angle(a, b) + geodesic_angle(b, c) + 1e-7
+    both = Rotation.from_rotvec(a).inv() * Rotation.from_rotvec(b)
+    assert abs(geodesic_angle(a, b) - both.magnitude()) < 1e-7
+
+
+@given(w=turns, reference=vectors)
+def test_unwrapping_keeps_the_rotation_and_comes_nearer(w, reference):
+    near = unwrap_near(w, reference)
+    np.testing.assert_allclose(exp(near), exp(w), atol=1e-9)
+    assert np.linalg.norm(near - reference) <= np.linalg.norm(w - reference) + 1e-9
+
+
+@given(q=legal_poses)
+def test_joints_and_tips_are_where_a_plain_walk_along_the_bones_ends(q):
+    placement, (joints, tips) = HAND.place(q), walked(q)
+    np.testing.assert_allclose(placement.joints, joints, atol=1e-12)
+    np.testing.assert_allclose(placement.tips, tips, atol=1e-12)
+
+
+@settings(max_examples=30)
+@given(q=legal_poses)
+def test_jacobian_is_the_derivative_of_the_fingertips(q):
+    h = 1e-6
+    steps = h * np.eye(48)
+    slope = (HAND.tips(q + steps) - HAND.tips(q - steps)) / (2 * h)
+    tips, jacobian = HAND.tips_and_jacobian(q)
+    np.testing.assert_allclose(tips, HAND.tips(q), atol=1e-15)
+    np.testing.assert_allclose(jacobian, np.moveaxis(slope, 0, -1), atol=1e-8)
+
+
+def test_a_finger_is_moved_by_its_own_joints_and_the_root_only():
+    _, jacobian = HAND.tips_and_jacobian(np.random.default_rng(0).normal(size=48) * 0.2)
+    moved = np.abs(jacobian).max(axis=1) > 0
+    for finger in range(5):
+        own = np.repeat([b.finger == finger for b in ADULT.bones], 3)
+        np.testing.assert_array_equal(moved[finger, JOINTS], own)
+        assert moved[finger, :6].sum() >= 5
+
+
+@given(q=legal_poses, turn=turns, shift=vectors)
+def test_moving_the_root_moves_the_whole_hand(q, turn, shift):
+    moved = q.copy()
+    moved[:3] = exp(turn) @ q[:3] + shift
+    moved[ROOT_ROTATION] = log(exp(turn) @ exp(q[ROOT_ROTATION]))
+    np.testing.assert_allclose(HAND.tips(moved), HAND.tips(q) @ exp(turn).T + shift, atol=1e-8)
+
+
+@given(q=legal_poses)
+def test_bones_keep_their_length_in_every_pose(q):
+    placement = HAND.place(q)
+    for i, bone in enumerate(ADULT.bones):
+        last = i + 1 == len(ADULT.bones) or ADULT.bones[i + 1].finger != bone.finger
+        end = placement.tips[bone.finger] if last else placement.joints[i + 1]
+        assert np.linalg.norm(end - placement.joints[i]) == pytest.approx(bone.length, abs=1e-12)
+
+
+@given(shapes=st.sampled_from(((), (3,), (2, 3), (0,))), seed=st.integers(0, 99))
+def test_a_batch_is_its_poses_one_by_one(shapes, seed):
+    q = np.random.default_rng(seed).normal(size=(*shapes, 48)) * 0.3
+    tips, jacobian = HAND.tips_and_jacobian(q)
+    assert tips.shape == (*shapes, 5, 3) and jacobian.shape == (*shapes, 5, 3, 48)
+    for index in np.ndindex(*shapes):
+        one, slope = HAND.tips_and_jacobian(q[index])
+        np.testing.assert_allclose(tips[index], one, atol=1e-14)
+        np.testing.assert_allclose(jacobian[index], slope, atol=1e-14)
+
+
+@given(q=legal_poses)
+def test_the_mirrored_pose_of_the_mirrored_hand_has_mirrored_tips(q):
+    np.testing.assert_array_equal(mirrored(mirrored(q)), q)
+    np.testing.assert_allclose(
+        Kinematics(left_hand()).tips(mirrored(q)), HAND.tips(q) @ MIRROR, atol=1e-12
+    )
+
+
+@given(q=legal_poses, factor=st.floats(0.5, 2.0))
+def test_a_larger_hand_reaches_further_by_its_factor(q, factor):
+    q[:3] = 0
+    np.testing.assert_allclose(
+        Kinematics(ADULT.scaled(factor)).tips(q), factor * HAND.tips(q), atol=1e-12
+    )
+
+
+def test_the_hand_at_rest_lies_as_the_convention_says():
+    """Right hand, palm down: thumb at -x, fingers along +y and bent towards -z."""
+    tips = HAND.tips(np.zeros(48))
+    assert (np.diff(tips[:, 0]) > 0).all()
+    assert (tips[:, 1] > 0.08).all() and (tips[:, 2] < -0.05).all()
+
+
+@pytest.mark.parametrize("bone", [i for i, b in enumerate(ADULT.bones) if b.finger > 0])
+def test_a_negative_turn_about_x_flexes_a_finger(bone):
+    q = np.zeros(48)
+    q[6 + 3 * bone] = -0.3
+    finger = ADULT.bones[bone].finger
+    wrist_to_tip = np.linalg.norm([HAND.tips(p)[finger] for p in (np.zeros(48), q)], axis=1)
+    assert wrist_to_tip[1] < wrist_to_tip[0]
+
+
+@given(q=hnp.arrays(float, 48, elements=st.floats(-4, 4)))
+def test_clamped_poses_are_legal_and_legal_poses_stay(q):
+    clamped = within_limits(q, ADULT)
+    assert violations(clamped, ADULT) == 0
+    np.testing.assert_array_equal(within_limits(clamped, ADULT), clamped)
+    np.testing.assert_array_equal(clamped[:6], q[:6])
+    outside = (q[JOINTS] < ADULT.lower - 1e-9) | (q[JOINTS] > ADULT.upper + 1e-9)
+    assert violations(q, ADULT) == outside.sum()
+
+
+@given(q=legal_poses, contact=st.tuples(st.floats(0, 0.2), st.floats(0, 0.15)))
+def test_relative_and_absolute_poses_undo_each_other(q, contact):
+    relative = relative_pose(q, contact)
+    np.testing.assert_allclose(absolute_pose(relative, contact), q, atol=1e-15)
+    # The contact is at (x, -y, 0) of the surface; relative to it, it is at the origin.
+    np.testing.assert_allclose(relative[:3], q[:3] - [contact[0], -contact[1], 0], atol=1e-15)
+
+
+@given(q=legal_poses, tilt=turns, x=st.floats(-1, 1))
+def test_a_pose_in_the_world_touches_what_it_touches_on_the_surface(q, tilt, x):
+    surface = Surface(origin=(x, 0.2, 0.7), rotation=exp(tilt))
+    world = surface_to_world(q, surface)
+    expected = HAND.tips(q) @ surface.rotation.T + np.array(surface.origin)
+    np.testing.assert_allclose(HAND.tips(world), expected, atol=1e-8)
+
+
+@given(a=legal_poses, b=legal_poses)
+def test_a_blend_starts_and_ends_where_it_should(a, b):
+    np.testing.assert_allclose(blend(a, b, 0.0), a, atol=1e-15)
+    np.testing.assert_allclose(HAND.tips(blend(a, b, 1.0)), HAND.tips(b), atol=1e-9)

@@ -1,0 +1,336 @@
+"""Files of motion capture say what they say in their own terms, and broken ones are refused."""
+
+from __future__ import annotations
+
+import gzip
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from models.errors import MotionError
+from models.motion.motion import Motion
+from models.motion.read.asf import read_amc, read_asf
+from models.motion.read.bvh import read_bvh
+from models.motion.read.markers import read_markers
+
+BVH = """HIERARCHY
+ROOT hips
+{
+  OFFSET 0 0 0
+  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
+  JOINT knee
+  {
+    OFFSET 0 -40 0
+    CHANNELS 3 Yrotation Xrotation Zrotation
+    End Site
+    {
+      OFFSET 0 -30 10
+    }
+  }
+}
+MOTION
+Frames: 2
+Frame Time: 0.02
+1 90 2 10 20 30 40 50 60
+0 91 0 0 0 0 -170 80 5
+"""
+
+ASF = """:version 1.10
+:units
+  length 0.5
+  angle deg
+:root
+  order TX TY TZ RX RY RZ
+  axis XYZ
+  position 0 0 0
+  orientation 0 0 90
+:bonedata
+  begin
+    name thigh
+    direction 0 -2 0
+    length 4
+    axis 10 20 30 XYZ
+    dof rx rz
+  end
+  begin
+    name shin
+    direction 1 -1 0
+    length 3
+    axis 0 0 -40 XYZ
+  end
+:hierarchy
+  begin
+    root thigh
+    thigh shin
+  end
+"""
+
+AMC = """#!a remark
+:FULLY-SPECIFIED
+:DEGREES
+1
+root 1 2 3 10 20 30
+thigh 40 50
+2
+root 0 0 0 -100 60 170
+thigh -5 5
+"""
+
+TSV = (
+    "NO_OF_FRAMES\t3\nNO_OF_MARKERS\t2\nFREQUENCY\t50\nTIME_STAMP\t2030-01-01\n"
+    "MARKER_NAMES\ta\tb\nTRAJECTORY_TYPES\tMeasured\tMeasured\n"
+    "1.0\t2.0\t3.0\t4.0\t5.0\t6.0\n0\t0\t0\t4.5\t5.5\t6.5\n1\t2\t3\t\t\t\n"
+)
+
+SOUND = {"bvh": BVH, "asf": ASF, "amc": AMC, "tsv": TSV}
+
+
+def read(path: Path):
+    """Whatever a file holds, by the end of its name."""
+    kind = path.suffix[1:]
+    if kind == "amc":
+        skeleton = path.with_name("skeleton.asf")
+        skeleton.write_text(ASF)
+        return read_amc(path, read_asf(skeleton))
+    return {"bvh": read_bvh, "asf": read_asf, "tsv": read_markers}[kind](path)
+
+
+def written(folder: Path, kind: str, text: str) -> Path:
+    path = folder / f"file.{kind}"
+    path.write_text(text)
+    return path
+
+
+def bone_lengths(motion: Motion) -> np.ndarray:
+    """(T, J - 1) m, distance of every joint from its parent."""
+    places = motion.place().positions
+    pairs = [(j, p) for j, p in enumerate(motion.parents) if p >= 0]
+    return np.stack([np.linalg.norm(places[:, j] - places[:, p], axis=1) for j, p in pairs], 1)
+
+
+def test_a_bvh_turns_in_the_order_of_its_channels_about_axes_that_turn_along(tmp_path):
+    motion = read(written(tmp_path, "bvh", BVH))
+    placed = motion.place()
+    for t, (hips, knee, at) in enumerate(
+        (((10, 20, 30), (40, 50, 60), (1, 90, 2)), ((0, 0, 0), (-170, 80, 5), (0, 91, 0)))
+    ):
+        above = Rotation.from_euler("ZXY", hips, degrees=True)
+        below = above * Rotation.from_euler("YXZ", knee, degrees=True)
+        joint = np.array(at) + above.apply([0, -40, 0])
+        np.testing.assert_allclose(placed.positions[t, 1], 0.01 * joint, atol=1e-12)
+        end = joint + below.apply([0, -30, 10])
+        np.testing.assert_allclose(placed.ends[t, 1], 0.01 * end, atol=1e-12)
+    np.testing.assert_allclose(motion.time, [0, 0.02])
+
+
+def test_an_acclaim_bone_turns_about_fixed_axes_of_its_own_frame(tmp_path):
+    motion = read(written(tmp_path, "amc", AMC))
+    placed = motion.place()
+    metre = 0.0254 / 0.5
+    rest = Rotation.from_euler("xyz", [10, 20, 30], degrees=True)
+    tilt = Rotation.from_euler("z", 90, degrees=True)
+    for t, (at, hips, bend) in enumerate(
+        (((1, 2, 3), (10, 20, 30), (40, 0, 50)), ((0, 0, 0), (-100, 60, 170), (-5, 0, 5)))
+    ):
+        root = tilt * Rotation.from_euler("xyz", hips, degrees=True) * tilt.inv()
+        thigh = root * rest * Rotation.from_euler("xyz", bend, degrees=True) * rest.inv()
+        knee = np.array(at) + thigh.apply([0, -4, 0])
+        foot = knee + thigh.apply([3 / np.sqrt(2), -3 / np.sqrt(2), 0])
+        np.testing.assert_allclose(placed.ends[t, 1], metre * knee, atol=1e-12)
+        np.testing.assert_allclose(placed.ends[t, 2], metre * foot, atol=1e-12)
+
+
+def test_markers_that_were_not_seen_are_missing_and_others_keep_their_place(tmp_path):
+    tracks = read(written(tmp_path, "tsv", TSV))
+    assert tracks.names == ("a", "b")
+    np.testing.assert_allclose(tracks.time, [0, 0.02, 0.04])
+    np.testing.assert_allclose(tracks.places[0], [[0.001, 0.002, 0.003], [0.004, 0.005, 0.006]])
+    np.testing.assert_array_equal(
+        np.isnan(tracks.places).all(axis=2), [[False, False], [True, False], [False, True]]
+    )
+
+
+def test_a_packed_file_reads_like_a_plain_one(tmp_path):
+    plain = read(written(tmp_path, "tsv", TSV))
+    packed = tmp_path / "packed.tsv.gz"
+    packed.write_bytes(gzip.compress(TSV.encode()))
+    np.testing.assert_array_equal(read_markers(packed).places, plain.places)
+
+
+def test_bones_of_a_real_hand_keep_their_lengths_in_every_frame(shared_data):
+    motion = read_bvh(shared_data / "formats" / "fingers.bvh")
+    assert len(motion) == 69 and len(motion.names) == 55
+    lengths = bone_lengths(motion)
+    np.testing.assert_allclose(lengths, np.broadcast_to(lengths[0], lengths.shape), atol=1e-12)
+    # An adult's index finger, first phalanx.
+    index = [motion.index(f"mixamorig:RightHandIndex{i}") for i in (1, 2)]
+    places = motion.place().positions[:, index]
+    assert 0.03 < np.linalg.norm(places[0, 1] - places[0, 0]) < 0.05
+
+
+def test_real_fingers_end_where_the_file_puts_their_end_sites(shared_data):
+    motion = read_bvh(shared_data / "formats" / "fingers.bvh")
+    has_end = ~np.isnan(motion.ends).any(axis=1)
+    parents = set(motion.parents)
+    assert [j not in parents for j in range(len(motion.names))] == list(has_end)
+    placed = motion.place()
+    reach = np.linalg.norm(placed.ends - placed.positions, axis=2)[:, has_end]
+    sizes = np.linalg.norm(motion.ends[has_end], axis=1)
+    np.testing.assert_allclose(reach, np.tile(sizes, (69, 1)), atol=1e-12)
+
+
+def test_a_real_body_keeps_its_bones_and_its_feet_above_the_floor(shared_data):
+    folder = shared_data / "formats"
+    motion = read_amc(folder / "backflip.amc", read_asf(folder / "backflip.asf"))
+    assert len(motion) == 247 and len(motion.names) == 31
+    lengths = bone_lengths(motion)
+    np.testing.assert_allclose(lengths, np.broadcast_to(lengths[0], lengths.shape), atol=1e-12)
+    ends = motion.place().ends
+    # Each bone begins where its parent ends.
+    places = motion.place().positions
+    for j, p in enumerate(motion.parents):
+        if p > 0:
+            np.testing.assert_allclose(places[:, j], ends[:, p], atol=1e-12)
+    height = np.nanmax(ends[0, :, 1]) - np.nanmin(ends[0, :, 1])
+    assert 1.4 < height < 2.0
+    assert -0.02 < np.nanmin(ends[..., 1]) < 0.02
+
+
+def test_real_markers_lie_on_one_hand(shared_data):
+    tracks = read_markers(shared_data / "formats" / "hand-markers.tsv.gz")
+    assert len(tracks) == 6000 and len(tracks.names) == 21
+    np.testing.assert_allclose(tracks.time[-1], 59.99)
+    hand = tracks.places[:, :13]
+    span = np.nanmax(hand, axis=1) - np.nanmin(hand, axis=1)
+    assert np.nanmax(span) < 0.25
+    # The plate on the back of the hand is rigid.
+    plate = [tracks.names.index(f"hand_{side}") for side in ("left", "right")]
+    distance = np.linalg.norm(tracks.places[:, plate[0]] - tracks.places[:, plate[1]], axis=1)
+    assert np.nanstd(distance) < 0.001
+
+
+@pytest.mark.parametrize(
+    ("kind", "old", "new"),
+    (
+        ("bvh", "HIERARCHY", "HIERARCH"),
+        ("bvh", "Frames: 2", "Frames: 3"),
+        ("bvh", "Frames: 2", "Frames: 1"),
+        ("bvh", "Frames: 2", "Frames: 0"),
+        ("bvh", "Frames: 2", "Frames: two"),
+        ("bvh", "Frame Time: 0.02", "Frame Time: 0"),
+        ("bvh", "Frame Time: 0.02", ""),
+        ("bvh", "50 60", "50"),
+        ("bvh", "50 60", "50 60 70"),
+        ("bvh", "50 60", "50 nan"),
+        ("bvh", "50 60", "50 inf"),
+        ("bvh", "50 60", "50 sixty"),
+        ("bvh", "CHANNELS 3", "CHANNELS 4"),
+        ("bvh", "Yrotation Xrotation Z", "Yrotation Xrotation W"),
+        ("bvh", "OFFSET 0 -40 0", "OFFSET 0 -40"),
+        ("bvh", "OFFSET 0 -40 0", ""),
+        ("bvh", "JOINT knee", "JOINT hips"),
+        ("bvh", "JOINT knee", "ROOT knee"),
+        ("bvh", "}\nMOTION", "MOTION"),
+        ("bvh", "MOTION", ""),
+        ("bvh", "End Site\n    {", "End Site"),
+        ("bvh", "ROOT hips\n{", "ROOT hips\n{\n{"),
+        ("bvh", "ROOT hips\n{", "}\nROOT hips\n{"),
+        ("asf", ":bonedata", ":bones"),
+        ("asf", "length 0.5", "length 0"),
+        ("asf", "length 0.5", "length half"),
+        ("asf", "direction 0 -2 0", "direction 0 0 0"),
+        ("asf", "direction 0 -2 0", "direction 0 -2"),
+        ("asf", "direction 0 -2 0", ""),
+        ("asf", "dof rx rz", "dof rx rx"),
+        ("asf", "dof rx rz", "dof rx bend"),
+        ("asf", "30 XYZ", "30 XYY"),
+        ("asf", "name shin", "name thigh"),
+        ("asf", "thigh shin", "thigh foot"),
+        ("asf", "thigh shin", ""),
+        ("asf", "thigh shin", "thigh shin thigh"),
+        ("asf", "-40 XYZ\n  end", "-40 XYZ"),
+        ("asf", "orientation 0 0 90", ""),
+        ("amc", "thigh 40 50", "thigh 40"),
+        ("amc", "thigh 40 50", "thigh 40 nan"),
+        ("amc", "thigh 40 50", ""),
+        ("amc", "thigh 40 50", "thigh 40 50\nthigh 40 50"),
+        ("amc", "thigh -5 5", ""),
+        ("amc", "thigh 40 50", "foot 40 50"),
+        ("amc", "\n2\n", "\n3\n"),
+        ("amc", "\n1\n", "\n"),
+        ("tsv", "NO_OF_FRAMES\t3", "NO_OF_FRAMES\t4"),
+        ("tsv", "NO_OF_FRAMES\t3", "NO_OF_FRAMES\tmany"),
+        ("tsv", "NO_OF_FRAMES\t3\n", ""),
+        ("tsv", "FREQUENCY\t50", "FREQUENCY\t0"),
+        ("tsv", "NO_OF_MARKERS\t2", "NO_OF_MARKERS\t3"),
+        ("tsv", "MARKER_NAMES\ta\tb", "MARKER_NAMES\ta\ta"),
+        ("tsv", "MARKER_NAMES\ta\tb\n", ""),
+        ("tsv", "5.5\t6.5", "5.5"),
+        ("tsv", "5.5\t6.5", "5.5\tinf"),
+        ("tsv", "5.5\t6.5", "5.5\tsix"),
+    ),
+)
+def test_a_file_with_a_wrong_part_is_refused_and_named(tmp_path, kind, old, new):
+    assert SOUND[kind].count(old) == 1 or kind == "amc"
+    read(written(tmp_path, kind, SOUND[kind]))
+    with pytest.raises(MotionError, match=rf"file\.{kind}"):
+        read(written(tmp_path, kind, SOUND[kind].replace(old, new, 1)))
+
+
+@pytest.mark.parametrize("kind", SOUND)
+@pytest.mark.parametrize(
+    "content", (b"", b"\n \n", b"\0\1\2\3", b"\xff\xfe\xfd", b"\x1f\x8b\x08 no gzip", b"a\tb\nc")
+)
+def test_what_is_no_such_file_at_all_is_refused(tmp_path, kind, content):
+    path = tmp_path / f"file.{kind}"
+    path.write_bytes(content)
+    with pytest.raises(MotionError, match=rf"file\.{kind}"):
+        read(path)
+
+
+@pytest.mark.parametrize("kind", SOUND)
+def test_a_missing_file_and_a_folder_are_refused(tmp_path, kind):
+    with pytest.raises(MotionError, match="no such file"):
+        read(tmp_path / f"file.{kind}")
+    (tmp_path / f"folder.{kind}").mkdir()
+    with pytest.raises(MotionError, match="cannot be read"):
+        read(tmp_path / f"folder.{kind}")
+
+
+def test_a_packed_file_that_was_cut_short_is_refused(tmp_path):
+    packed = gzip.compress(TSV.encode())
+    path = tmp_path / "cut.tsv.gz"
+    path.write_bytes(packed[: len(packed) // 2])
+    with pytest.raises(MotionError, match="damaged"):
+        read_markers(path)
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=80)
+@given(kind=st.sampled_from(["bvh", "tsv"]), share=st.floats(0, 1, exclude_max=True))
+def test_a_file_that_states_its_frames_is_refused_when_cut_before_its_last_number(
+    tmp_path, kind, share
+):
+    text = SOUND[kind].rstrip()
+    # A number cut in two is a number still, and nobody can tell.
+    last = max(text.rfind(" "), text.rfind("\t"))
+    with pytest.raises(MotionError, match="file"):
+        read(written(tmp_path, kind, text[: int(share * last)]))
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=120)
+@given(kind=st.sampled_from(sorted(SOUND)), data=st.data())
+def test_damage_gives_finite_numbers_or_our_error_and_never_another(tmp_path, kind, data):
+    text = SOUND[kind]
+    at = data.draw(st.integers(0, len(text) - 1))
+    put = data.draw(st.text("0123456789.-e{}:\n\t xyzROTJEND", max_size=4))
+    try:
+        found = read(written(tmp_path, kind, text[:at] + put + text[at + 1 :]))
+    except MotionError as error:
+        assert "file." in str(error) or "skeleton.asf" in str(error)
+    else:
+        if isinstance(found, Motion):
+            assert np.isfinite(found.shifts).all() and np.isfinite(found.rotations).all()

@@ -1,0 +1,199 @@
+"""Other people's programs read our motion files, and find the hand where it was."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+
+import bvhio
+import c3d
+import ezc3d
+import numpy as np
+import pyacclaim
+import pygltflib
+import pytest
+from scipy.spatial.transform import Rotation
+
+from models.motion.armature import ORDERS, Y_UP, Armature
+from models.motion.points import HandPoints
+from models.motion.write.asf import AmcWriter
+from models.motion.write.bvh import BvhWriter
+from models.motion.write.c3d import MOST, C3dWriter
+from models.motion.write.gltf import GltfWriter
+from models.skeleton import ADULT
+from models.skin.skin import Skin
+from tests.support.motion_poses import HANDS, last_joints, legal, moving, points_of, written
+from tests.support.node_readers import ask
+
+FRAMES = (0, 3, 17, 39)
+INCH = 0.0254
+
+
+@pytest.mark.parametrize("hand", HANDS)
+@pytest.mark.parametrize("order", ORDERS)
+def test_bvhio_finds_every_joint_of_a_bvh(tmp_path, hand, order):
+    skeleton = HANDS[hand]
+    q = legal(skeleton, 40, 7)
+    (path,) = written(lambda a: BvhWriter(tmp_path / "h.bvh", a, 60.0, order), skeleton, q)
+    joints, _ = points_of(skeleton, q)
+    root = bvhio.readAsHierarchy(str(path))
+    names = Armature(skeleton).names
+    for frame in FRAMES:
+        root.loadPose(frame)
+        found = {j.Name: np.array(j.PositionWorld) for j, _, _ in root.layout()}
+        # In single precision, in centimetres.
+        for i, name in enumerate(names):
+            assert np.abs(found[name] / 100 - Y_UP @ joints[frame, i]).max() < 1e-6, (frame, name)
+    assert bvhio.readAsBvh(str(path)).FrameCount == 40
+
+
+@pytest.mark.parametrize("hand", HANDS)
+@pytest.mark.parametrize("order", ("ZXY", "XYZ", "YZX"))
+def test_three_js_finds_every_joint_of_a_bvh(tmp_path, hand, order):
+    skeleton = HANDS[hand]
+    q = legal(skeleton, 40, 8)
+    (path,) = written(lambda a: BvhWriter(tmp_path / "h.bvh", a, 60.0, order), skeleton, q)
+    joints, _ = points_of(skeleton, q)
+    said = ask("bvh", path, *FRAMES)
+    assert said["frames"] == 40
+    for frame, found in zip(FRAMES, said["places"], strict=True):
+        for i, name in enumerate(Armature(skeleton).names):
+            wanted = Y_UP @ joints[frame, i]
+            assert np.abs(np.array(found[name]) / 100 - wanted).max() < 1e-6, (frame, name)
+
+
+@pytest.mark.parametrize("hand", HANDS)
+def test_pyacclaim_finds_every_bones_end_of_an_amc(tmp_path, hand):
+    skeleton = HANDS[hand]
+    q = legal(skeleton, 41, 9)  # it leaves out the last frame
+    asf, amc = written(lambda a: AmcWriter(tmp_path / "h.amc", a, 60.0), skeleton, q)
+    armature = Armature(skeleton)
+    joints, tips = points_of(skeleton, q)
+    read = pyacclaim.loadASF(str(asf), verbose=False)
+    frames = pyacclaim.loadAMC(read, str(amc))
+    assert len(frames) == 40
+    last = last_joints(armature)
+    for frame in FRAMES:
+        read["bones"]["root"].set_pose(frames[frame])
+        for j, name in enumerate(armature.names[1:], start=1):
+            end = (
+                tips[frame, last.index(j)] if j in last else joints[frame, armature.children[j][0]]
+            )
+            found = INCH * read["bones"][name].global_coordinate
+            assert np.abs(found - Y_UP @ end).max() < 1e-6, (frame, name)
+
+
+@pytest.fixture(scope="module")
+def two_hands(tmp_path_factory) -> tuple[Path, list, list]:
+    """A .glb of two hands, their skeletons and poses."""
+    path = tmp_path_factory.mktemp("glb") / "hands.glb"
+    skeletons = [HANDS["right"], HANDS["large left"]]
+    poses = [moving(s, 90, 10 + i) for i, s in enumerate(skeletons)]
+    armatures = tuple(Armature(s) for s in skeletons)
+    with GltfWriter(path, armatures, 60.0, ("right", "left")) as writer:
+        for a in range(0, 90, 25):
+            keys = (m.keys(q[a : a + 25]) for m, q in zip(armatures, poses, strict=True))
+            writer.write(*keys)
+    return path, skeletons, poses
+
+
+def test_the_validator_has_nothing_to_say_about_a_glb(two_hands):
+    said = ask("validate", two_hands[0])
+    assert (said["errors"], said["warnings"], said["infos"]) == (0, 0, 0), said["first"]
+
+
+def test_three_js_moves_joints_and_skin_of_a_glb_as_we_do(two_hands):
+    path, skeletons, poses = two_hands
+    frames = (0, 11, 60, 89)
+    said = ask("glb", path, *(f / 60 for f in frames))
+    assert abs(said["duration"] - 89 / 60) < 1e-6
+    for frame, moment in zip(frames, said["moments"], strict=True):
+        # The second hand's joints have the same names; three.js numbers them.
+        for suffix, name, skeleton, q in zip(
+            ("", "_1"), ("right", "left"), skeletons, poses, strict=True
+        ):
+            joints, _ = points_of(skeleton, q[frame : frame + 1])
+            for i, joint in enumerate(Armature(skeleton).names):
+                found = np.array(moment["places"][joint + suffix])
+                # In single precision, of keys and of their times.
+                assert np.abs(found - Y_UP @ joints[0, i]).max() < 2e-6, (frame, joint)
+            skin = Skin.builtin().fitted(skeleton)
+            posed = skin.at(q[frame]) @ Y_UP.T
+            for part, number in zip(skin.parts, range(1, 99), strict=False):
+                found = np.array(moment["skin"][f"{name}_{number}"])
+                assert np.abs(found - posed[part.vertices][::50]).max() < 2e-5, part.name
+
+
+def test_pygltflib_finds_unit_quaternions_that_never_flip_in_a_glb(two_hands):
+    path, _, poses = two_hands
+    file = pygltflib.GLTF2().load(path)
+    blob = file.binary_blob()
+
+    def array(index: int, width: int) -> np.ndarray:
+        accessor = file.accessors[index]
+        view = file.bufferViews[accessor.bufferView]
+        data = blob[view.byteOffset : view.byteOffset + view.byteLength]
+        return np.frombuffer(data, "<f4").reshape(accessor.count, width)
+
+    (animation,) = file.animations
+    assert len(animation.channels) == 2 * 16
+    time = array(animation.samplers[0].input, 1)[:, 0]
+    np.testing.assert_allclose(time, np.arange(90) / 60, atol=1e-6)
+    wrists = 0
+    for channel in animation.channels:
+        output = animation.samplers[channel.sampler].output
+        if channel.target.path == "translation":
+            hand = file.nodes[channel.target.node].name
+            assert hand == "wrist"
+            np.testing.assert_allclose(array(output, 3), poses[wrists][:, :3], atol=1e-6)
+            wrists += 1
+            continue
+        values = array(output, 4).astype(float)
+        np.testing.assert_allclose(np.linalg.norm(values, axis=1), 1, atol=1e-6)
+        assert ((values[1:] * values[:-1]).sum(axis=1) > 0.9).all()
+    first = array(animation.samplers[1].output, 4)
+    wanted = Rotation.from_rotvec(poses[0][:, 3:6])
+    assert (Rotation.from_quat(first) * wanted.inv()).magnitude().max() < 1e-6
+    assert wrists == 2
+
+
+@pytest.mark.parametrize("joints", (True, False))
+def test_ezc3d_and_c3d_find_every_point_of_a_c3d(tmp_path, joints):
+    hands = [HANDS["right"], HANDS["large left"]]
+    poses = [legal(s, 120, 20 + i) for i, s in enumerate(hands)]
+    armatures = [Armature(s) for s in hands]
+    points = HandPoints(armatures, ["right", "left"], joints, (0, 1, 4))
+    with C3dWriter(tmp_path / "h.c3d", points, 62.5) as writer:
+        writer.write(*(a.keys(q) for a, q in zip(armatures, poses, strict=True)))
+    wanted = []
+    for skeleton, q in zip(hands, poses, strict=True):
+        places, tips = points_of(skeleton, q)
+        kept = [0] + [j for j, b in enumerate(skeleton.bones, 1) if b.finger in (0, 1, 4)]
+        wanted += [places[:, kept if joints else []], tips[:, [0, 1, 4]]]
+    wanted = np.concatenate(wanted, axis=1)
+    labels = points.labels
+    assert len(labels) == wanted.shape[1] and labels[-1] == "left_little_tip"
+    read = ezc3d.c3d(str(tmp_path / "h.c3d"))
+    about = read["parameters"]["POINT"]
+    assert about["LABELS"]["value"] == labels and about["UNITS"]["value"] == ["mm"]
+    assert about["RATE"]["value"] == [62.5] and read["header"]["points"]["last_frame"] == 119
+    found = read["data"]["points"][:3].transpose(2, 1, 0) / 1000
+    assert np.abs(found - wanted).max() < 1e-6
+    with open(tmp_path / "h.c3d", "rb") as file, warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # that there is no analog data
+        other = c3d.Reader(file)
+        assert [label.strip() for label in other.point_labels] == labels
+        assert other.point_rate == 62.5
+        found = np.array([frame[:, :3] for _, frame, _ in other.read_frames()]) / 1000
+    assert np.abs(found - wanted).max() < 1e-6
+
+
+def test_a_c3d_of_more_frames_than_16_bits_count_is_still_whole(tmp_path):
+    count = MOST + 1000
+    points = HandPoints([Armature(ADULT)], ["right"], fingers=(1,))
+    q = np.tile(legal(ADULT, 1, 3), (count, 1))
+    q[:, 0] = np.linspace(0, 1, count)
+    written(lambda a: C3dWriter(tmp_path / "long.c3d", points, 120.0), ADULT, q)
+    read = ezc3d.c3d(str(tmp_path / "long.c3d"))
+    assert read["data"]["points"].shape == (4, 1, count)
+    assert abs(read["data"]["points"][0, 0, -1] - read["data"]["points"][0, 0, 0] - 1000) < 1e-2

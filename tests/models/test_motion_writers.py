@@ -1,0 +1,373 @@
+"""A hand that is written for other programs and read again is where it was, in every format."""
+
+from __future__ import annotations
+
+import resource
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+from scipy.spatial.transform import Rotation
+
+from models.errors import MotionError
+from models.motion.armature import (
+    ORDERS,
+    Y_UP,
+    Z_UP,
+    Armature,
+    Keys,
+    chunks,
+    zero_frame,
+)
+from models.motion.euler import Continuous, angles_of
+from models.motion.motion import Motion, turned_in_turn
+from models.motion.points import HandPoints
+from models.motion.read.asf import read_amc, read_asf
+from models.motion.read.bvh import read_bvh
+from models.motion.read.vicon_v import motion_of, read_v
+from models.motion.read.vsk import read_vsk
+from models.motion.sampling import Poses, Sampler, slerp
+from models.motion.write.asf import AmcWriter
+from models.motion.write.bvh import BvhWriter
+from models.motion.write.c3d import C3dWriter
+from models.motion.write.gltf import GltfWriter
+from models.motion.write.points_csv import PointsCsvWriter
+from models.motion.write.vicon_v import VWriter
+from models.rotations import quaternion_to_matrix
+from models.skeleton import ADULT
+from tests.support.motion_poses import (
+    HANDS,
+    last_joints,
+    legal,
+    motions,
+    moving,
+    points_of,
+    written,
+)
+
+CLOSE = 1e-6
+"""m."""
+
+
+def read_back(kind: str, paths: list[Path]) -> Motion:
+    if kind == "bvh":
+        return read_bvh(paths[0])
+    if kind == "amc":
+        return read_amc(paths[1], read_asf(paths[0]))
+    return motion_of(paths[0], read_vsk(paths[1]), read_v(paths[0]))
+
+
+def assert_same(motion: Motion, skeleton, q, up) -> None:
+    """Joints and fingertips of a motion are those of poses, `up` turned."""
+    armature = Armature(skeleton)
+    joints, tips = points_of(skeleton, q)
+    placed = motion.place()
+    names = [n for n in armature.names if n in motion.names]
+    assert len(names) >= 14
+    ours = [armature.names.index(n) for n in names]
+    theirs = [motion.index(n) for n in names]
+    assert np.abs(placed.positions[:, theirs] - joints[:, ours] @ up.T).max() < CLOSE
+    if "index_tip" in motion.names:
+        marks = [motion.index(f"{f}_tip") for f in ("thumb", "index", "middle", "ring", "little")]
+        found = placed.positions[:, marks]
+    else:
+        found = placed.ends[:, [motion.index(armature.names[j]) for j in last_joints(armature)]]
+    assert np.abs(found - tips @ up.T).max() < CLOSE
+
+
+@settings(max_examples=40)
+@given(drawn=motions, order=st.sampled_from(ORDERS), rate=st.sampled_from([24.0, 60.0, 62.5]))
+def test_a_hand_comes_back_from_bvh_within_a_micrometre(drawn, order, rate):
+    skeleton, q = drawn
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "hand.bvh"
+        paths = written(lambda a: BvhWriter(path, a, rate, order), skeleton, q)
+        motion = read_back("bvh", paths)
+    assert_same(motion, skeleton, q, Y_UP)
+    assert len(motion) == len(q) and abs(motion.frame_time * rate - 1) < 1e-6
+
+
+@settings(max_examples=25)
+@given(drawn=motions, kind=st.sampled_from(["amc", "v"]), rate=st.sampled_from([24.0, 60.0, 62.5]))
+def test_a_hand_comes_back_from_amc_and_v_within_a_micrometre(drawn, kind, rate):
+    skeleton, q = drawn
+    make, up = {"amc": (AmcWriter, Y_UP), "v": (VWriter, Z_UP)}[kind]
+    with tempfile.TemporaryDirectory() as folder:
+        paths = written(lambda a: make(Path(folder) / f"hand.{kind}", a, rate), skeleton, q)
+        motion = read_back(kind, paths)
+    assert_same(motion, skeleton, q, up)
+    assert len(motion) == len(q) and abs(motion.frame_time * rate - 1) < 1e-9
+
+
+def test_points_come_back_from_a_table_within_a_micrometre(tmp_path):
+    q = legal(ADULT, 700, 1)
+    points = HandPoints([Armature(ADULT)], ["right"], joints=True)
+    written(lambda a: PointsCsvWriter(tmp_path / "p.csv", points, 60), ADULT, q)
+    head, *_ = (tmp_path / "p.csv").read_text().splitlines()
+    assert head.startswith("time,wrist_x,wrist_y,wrist_z,thumb_cmc_x,")
+    table = np.loadtxt(tmp_path / "p.csv", delimiter=",", skiprows=1)
+    joints, tips = points_of(ADULT, q)
+    wanted = np.concatenate([joints, tips], axis=1).reshape(len(q), -1)
+    assert np.abs(table[:, 1:] - wanted).max() < CLOSE
+    np.testing.assert_allclose(table[:, 0], np.arange(700) / 60, atol=1e-9)
+
+
+@pytest.mark.parametrize("order", ORDERS)
+def test_no_order_comes_near_its_pole_while_the_joints_stay_in_their_ranges(order):
+    for skeleton in HANDS.values():
+        armature = Armature(skeleton)
+        keys = armature.keys(legal(skeleton, 3000, 2))
+        _, turns = armature.relative(keys, armature.zero(order), Y_UP)
+        middle = angles_of(turns[:, 1:], order)[..., 1]
+        assert np.rad2deg(np.abs(middle)).max() < 70
+
+
+@pytest.mark.parametrize("order", ORDERS)
+@pytest.mark.parametrize("seed", range(3))
+def test_angles_never_jump_in_any_order(order, seed):
+    armature = Armature(ADULT)
+    q = moving(ADULT, 600, seed)
+    euler = Continuous(order)
+    angles = np.concatenate(
+        [
+            euler.angles(armature.relative(k, armature.zero(order), Y_UP)[1])
+            for k in chunks(armature, q)
+        ]
+    )
+    # Joints swing through at most 110 degrees 1.5 times a second: 9 degrees a frame at most, in
+    # rotation vectors; Euler angles of the same motion move faster, but nowhere near a half turn.
+    assert np.rad2deg(np.abs(np.diff(angles[:, 1:], axis=0)).max()) < 25
+    assert np.rad2deg(np.abs(np.diff(angles[:, 0], axis=0)).max()) < 25
+    assert euler.biggest_step == np.abs(np.diff(angles, axis=0)).max()
+
+
+def test_the_first_angle_of_a_finger_is_its_flexion_and_the_last_its_spread():
+    armature = Armature(ADULT)
+    for order in ("ZXY", "XYZ", "ZYX", "XZY"):
+        q = np.zeros((3, 48))
+        q[1, armature.names.index("index_pip") * 3 + 3] = -0.3  # flexes by 0.3 rad
+        q[2, armature.names.index("index_mcp") * 3 + 5] = 0.2  # spreads by 0.2 rad
+        _, turns = armature.relative(armature.keys(q), armature.zero(order), Y_UP)
+        angles = angles_of(turns, order)
+        moved = angles[1] - angles[0]
+        pip, mcp = armature.names.index("index_pip"), armature.names.index("index_mcp")
+        np.testing.assert_allclose(moved[pip], [-0.3, 0, 0], atol=1e-12)
+        assert np.abs(np.delete(moved, pip, axis=0)).max() < 1e-12
+        spread = np.abs(angles[2, mcp] - angles[0, mcp])
+        # The knuckle is bent by 30 degrees at rest, and spreads about an axis that turns with it.
+        assert spread[2] > 0.15 and spread[0] < 0.05
+
+
+@given(
+    vectors=hnp.arrays(float, (12, 3), elements=st.floats(-7, 7)),
+    order=st.sampled_from(ORDERS),
+)
+def test_euler_angles_mean_the_turn_they_were_made_of(vectors, order):
+    turns = Rotation.from_rotvec(vectors).as_matrix()
+    angles = Continuous(order).angles(turns[:, None])[:, 0]
+    again = Rotation.from_euler(order, angles).as_matrix()
+    np.testing.assert_allclose(again, turns, atol=1e-6)
+    np.testing.assert_allclose(turned_in_turn(angles, order.lower(), fixed=False), again, atol=1e-9)
+
+
+@pytest.mark.parametrize("order", ORDERS)
+def test_angles_that_pass_through_a_pole_are_those_they_were_made_of(order):
+    t = np.linspace(0, 6, 3000)
+    angles = np.stack([3 * t, 1.7 * np.sin(1.3 * t), 0.5 * t * t], axis=-1)[:, None]
+    turns = turned_in_turn(angles, order.lower(), fixed=False)
+    euler = Continuous(order)
+    found = np.concatenate([euler.angles(part) for part in np.array_split(turns, 7)])
+    assert np.abs(angles[:, 0, 1]).max() > 1.65
+    np.testing.assert_allclose(found, angles, atol=1e-9)
+
+
+@pytest.mark.parametrize("order", ORDERS)
+@pytest.mark.parametrize("sign", (1, -1))
+def test_at_a_pole_itself_angles_stay_near_and_mean_the_same(order, sign):
+    turn = turned_in_turn(np.array([[0.3, sign * np.pi / 2, 0.7]]), order.lower(), fixed=False)
+    euler = Continuous(order)
+    before = turned_in_turn(np.array([[0.1, sign * 1.5, 0.6]]), order.lower(), fixed=False)
+    angles = euler.angles(np.stack([before, turn]))[1]
+    np.testing.assert_allclose(turned_in_turn(angles, order.lower(), fixed=False), turn, atol=1e-7)
+    assert np.abs(angles[0, 2] - 0.6) < 1e-7
+
+
+def test_the_zero_pose_is_a_hand_with_its_axes_along_the_files():
+    for order in ORDERS:
+        frame = zero_frame(order)
+        np.testing.assert_allclose(frame @ frame.T, np.eye(3), atol=1e-15)
+        assert np.linalg.det(frame) > 0
+        # The hand's x is the axis of flexion.
+        assert np.abs(frame[:, 0])["XYZ".index(order[0])] == 1
+    # ZXY: palm down, fingers along +x.
+    np.testing.assert_array_equal(zero_frame("ZXY") @ [0, 1, 0], [1, 0, 0])
+    np.testing.assert_array_equal(zero_frame("ZXY") @ [0, 0, 1], [0, 1, 0])
+    with pytest.raises(MotionError, match="no Euler order"):
+        zero_frame("ZXZ")
+
+
+WRITERS = {
+    "bvh": lambda folder, a: BvhWriter(folder / "hand.bvh", a, 60.0),
+    "amc": lambda folder, a: AmcWriter(folder / "hand.amc", a, 60.0),
+    "v": lambda folder, a: VWriter(folder / "hand.v", a, 60.0),
+    "glb": lambda folder, a: GltfWriter(folder / "hand.glb", (a,), 60.0),
+    "c3d": lambda folder, a: C3dWriter(folder / "hand.c3d", HandPoints([a], ["right"]), 60.0),
+    "csv": lambda folder, a: PointsCsvWriter(folder / "hand.csv", HandPoints([a], ["right"]), 60.0),
+}
+
+
+@pytest.mark.parametrize("kind", WRITERS)
+def test_a_file_is_the_same_to_the_bit_however_its_keys_come(tmp_path, kind):
+    armature = Armature(ADULT)
+    q = moving(ADULT, 300, 3)
+    contents = []
+    for name, parts in (("one", 1), ("many", 37), ("single", 300)):
+        folder = tmp_path / name
+        folder.mkdir()
+        with WRITERS[kind](folder, armature) as writer:
+            for part in np.array_split(q, parts):
+                writer.write(armature.keys(part))
+        contents.append([p.read_bytes() for p in writer.paths])
+    assert contents[0] == contents[1] == contents[2]
+
+
+@pytest.mark.parametrize("kind", WRITERS)
+def test_nothing_is_left_of_a_file_that_was_not_finished(tmp_path, kind):
+    armature = Armature(ADULT)
+    with pytest.raises(ZeroDivisionError), WRITERS[kind](tmp_path, armature) as writer:
+        writer.write(armature.keys(moving(ADULT, 9, 3)))
+        _ = 1 / 0
+    assert not list(tmp_path.iterdir())
+    with (
+        pytest.raises(MotionError, match="no motion to write"),
+        WRITERS[kind](tmp_path, armature),
+    ):
+        pass
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("kind", WRITERS)
+def test_a_file_that_is_there_stays_as_it_is_until_the_new_one_is_whole(tmp_path, kind):
+    armature = Armature(ADULT)
+    names = [
+        p.name for p in written(lambda a: WRITERS[kind](tmp_path, a), ADULT, moving(ADULT, 9, 3))
+    ]
+    for name in names:
+        (tmp_path / name).write_text("old")
+    with WRITERS[kind](tmp_path, armature) as writer:
+        writer.write(armature.keys(moving(ADULT, 9, 4)))
+        assert all((tmp_path / name).read_text() == "old" for name in names)
+    assert all((tmp_path / name).read_bytes() != b"old" for name in names)
+    assert sorted(p.name for p in tmp_path.iterdir()) == sorted(names)
+
+
+@contextmanager
+def room_for(size: int) -> Iterator[None]:
+    """No file can become larger than so many bytes, as on a disk that is nearly full."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+@pytest.mark.parametrize("kind", WRITERS)
+def test_where_there_is_no_room_that_is_said_and_nothing_is_left(tmp_path, kind):
+    q = moving(ADULT, 300, 3)
+    whole = [p.stat().st_size for p in written(lambda a: WRITERS[kind](tmp_path, a), ADULT, q)]
+    for share in (0.02, 0.5, 0.98):
+        folder = tmp_path / f"{share}"
+        folder.mkdir()
+        with (
+            pytest.raises(MotionError, match=r"cannot be written here.*File too large"),
+            room_for(int(share * max(whole))),
+        ):
+            written(lambda a, folder=folder: WRITERS[kind](folder, a), ADULT, q)
+        assert not list(folder.iterdir())
+
+
+@pytest.mark.parametrize("kind", WRITERS)
+def test_a_folder_that_is_not_there_is_refused(tmp_path, kind):
+    with pytest.raises(MotionError, match="cannot be written here"):
+        WRITERS[kind](tmp_path / "none", Armature(ADULT))
+
+
+@settings(max_examples=30)
+@given(
+    count=st.integers(2, 60),
+    rate=st.sampled_from([10.0, 60.0, 62.5, 240.0]),
+    splits=st.integers(1, 9),
+    seed=st.integers(0, 99),
+)
+def test_keys_are_evenly_spaced_whatever_portions_the_poses_come_in(count, rate, splits, seed):
+    rng = np.random.default_rng(seed)
+    time = np.cumsum(rng.uniform(0.005, 0.03, count)) + 3.0
+    turns = Rotation.random(count * 15, random_state=seed).as_quat()[:, [3, 0, 1, 2]]
+    poses = Poses(time, rng.normal(size=(count, 1, 3)), turns.reshape(count, 1, 15, 4))
+    armature = Armature(ADULT)
+
+    def keys_in(portions: int) -> Keys:
+        sampler = Sampler((armature,), rate)
+        found = []
+        for part in np.array_split(np.arange(count), portions):
+            keys = sampler.add(Poses(*(p[part] for p in poses)))
+            if keys is not None:
+                found.append(keys[0])
+        return Keys(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
+
+    whole, split = keys_in(1), keys_in(splits)
+    np.testing.assert_array_equal(whole.root, split.root)
+    np.testing.assert_array_equal(whole.turns, split.turns)
+    assert len(whole.root) == int(np.floor((time[-1] - time[0]) * rate + 1e-6)) + 1
+    np.testing.assert_allclose(whole.root[0], poses.root[0, 0], atol=1e-12)
+    np.testing.assert_allclose(whole.turns[0, 0], quaternion_to_matrix(turns[0]), atol=1e-9)
+
+
+def test_a_key_at_the_moment_of_a_pose_is_that_pose():
+    q = moving(ADULT, 50, 5, rate=62.5)
+    armature = Armature(ADULT)
+    turns = Rotation.from_rotvec(q[:, 3:].reshape(-1, 3)).as_quat()[:, [3, 0, 1, 2]]
+    poses = Poses(0.3 + np.arange(50) / 62.5, q[:, None, :3], turns.reshape(50, 1, 15, 4))
+    (keys,) = Sampler((armature,), 62.5).add(poses)
+    wanted = armature.keys(q)
+    np.testing.assert_allclose(keys.root, wanted.root, atol=1e-9)
+    np.testing.assert_allclose(keys.turns, wanted.turns, atol=1e-9)
+
+
+@given(ends=hnp.arrays(float, (2, 3), elements=st.floats(-3, 3)), share=st.floats(0, 1))
+def test_between_two_turns_the_way_is_even_and_short(ends, share):
+    one, two = Rotation.from_rotvec(ends)
+    a, b = (r.as_quat()[[3, 0, 1, 2]] for r in (one, two))
+    between = slerp(a, b, np.array([share]))
+    between = Rotation.from_quat(between[[1, 2, 3, 0]])
+    whole = (one.inv() * two).magnitude()
+    if whole < 3.1:  # beyond, both ways are as short
+        assert abs((one.inv() * between).magnitude() - share * whole) < 1e-6
+        assert abs((between.inv() * two).magnitude() - (1 - share) * whole) < 1e-6
+
+
+def test_time_that_stands_still_is_refused():
+    sampler = Sampler((Armature(ADULT),), 60)
+    still = np.tile([1.0, 0, 0, 0], (2, 1, 15, 1))
+    with pytest.raises(MotionError, match="does not increase"):
+        sampler.add(Poses(np.array([1.0, 1.0]), np.zeros((2, 1, 3)), still))
+    for rate in (0, -1, float("nan"), float("inf"), 1e9):
+        with pytest.raises(MotionError, match="no frame rate"):
+            Sampler((Armature(ADULT),), rate)
+
+
+def test_the_armature_stands_where_the_kinematics_stand():
+    for skeleton in HANDS.values():
+        armature = Armature(skeleton)
+        q = legal(skeleton, 50, 6)
+        joints, tips = armature.place(armature.keys(q))
+        wanted = points_of(skeleton, q)
+        np.testing.assert_allclose(joints, wanted[0], atol=1e-12)
+        np.testing.assert_allclose(tips, wanted[1], atol=1e-12)

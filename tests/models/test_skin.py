@@ -1,0 +1,257 @@
+"""The skin: that it is what its recipe makes, is a sound surface, and bends without folding.
+
+An independent reader: MuJoCo's own skinning.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from models.hand import Hand
+from models.kinematics import Kinematics
+from models.pose import POSE_SIZE, mirrored
+from models.rotations import exp
+from models.scene import Scene, SceneSpec
+from models.skeleton import ADULT, Skeleton
+from models.skin.skin import FULL, Skin, dense, frames, normals_of
+from sandbox.views.hand_look import skinned_model
+from tools.skin.field import HandField
+from tools.skin.make_skin import STEP, extras, make
+from tools.skin.mesh import edges_of, volume
+from tools.skin.tone import tone_of
+from tools.skin.weights import folds, trial_poses, weights_of
+
+Array = NDArray[np.float64]
+
+OTHERS = (ADULT.mirrored(), ADULT.scaled(0.7), ADULT.scaled(1.25).mirrored())
+seeds = st.integers(0, 2**32 - 1)
+
+
+@cache
+def builtin() -> Skin:
+    return Skin.builtin()
+
+
+def flesh(skeleton: Skeleton = ADULT) -> tuple[Array, NDArray[np.int64], Array]:
+    """Vertices, triangles and shares of the skin proper."""
+    skin = builtin().fitted(skeleton)
+    part = skin.part("skin")
+    return skin.rest[part.vertices], skin.triangles[part.triangles], skin.shares[part.vertices]
+
+
+def pose(seed: int, skeleton: Skeleton = ADULT) -> Array:
+    """A random legal pose somewhere in the world."""
+    q = trial_poses(skeleton, 1, seed)[0]
+    q[:6] = np.random.default_rng(seed + 1).uniform(-1.0, 1.0, 6)
+    return q
+
+
+# It is what its recipe makes
+
+
+def test_the_shipped_skin_lies_on_the_field_it_was_made_from() -> None:
+    rest, _, _ = flesh()
+    assert np.abs(HandField()(rest)).max() < 3 * STEP
+
+
+def test_the_shipped_weights_and_tones_are_those_of_the_shipped_surface() -> None:
+    rest, triangles, shares = flesh()
+    bones, weights = weights_of(HandField(), rest, triangles)
+    # Places were rounded after the weights were made.
+    assert np.abs(dense(bones, weights) - shares).max() <= 3 / FULL
+    tone = tone_of(HandField(), rest, normals_of(rest, triangles))
+    part = builtin().part("skin")
+    assert np.abs(tone - builtin().tone[part.vertices]).max() <= 5 / 255
+
+
+def test_shipped_nails_cuff_and_sleeve_are_those_of_the_recipe() -> None:
+    skin = builtin()
+    made = extras(HandField())
+    assert [p.name for p in skin.parts[1:]] == [piece[0] for piece in made]
+    for part, piece in zip(skin.parts[1:], made, strict=True):
+        assert np.abs(skin.rest[part.vertices] - piece[1]).max() <= STEP
+        assert np.array_equal(skin.triangles[part.triangles] - part.vertices.start, piece[2])
+
+
+@pytest.mark.full
+def test_made_anew_it_is_the_shipped_skin() -> None:
+    rest, triangles, _ = flesh()
+    _, vertices, faces, *_ = make(HandField())[0]
+    # Other releases of the meshing libraries may order or place vertices otherwise.
+    assert abs(len(vertices) - len(rest)) < 0.03 * len(rest)
+    assert volume(vertices, faces) == pytest.approx(volume(rest, triangles), rel=1e-3)
+    for a, b in ((vertices, rest), (rest, vertices)):
+        assert cKDTree(a).query(b)[0].max() < 0.004
+
+
+def test_the_file_is_small_enough_to_ship() -> None:
+    assert Path("models/data/skin.npz").resolve().stat().st_size < 1_000_000
+    assert 6_000 <= len(flesh()[0]) <= 12_000
+
+
+# It is a sound surface
+
+
+def test_the_skin_is_one_closed_body_and_faces_outwards() -> None:
+    rest, triangles, _ = flesh()
+    edges = edges_of(triangles)
+    assert len(rest) - len(edges) + len(triangles) == 2
+    directed = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    assert len(np.unique(directed, axis=0)) == len(directed) == 2 * len(edges)
+    links = coo_matrix((np.ones(len(edges)), edges.T), shape=(len(rest),) * 2)
+    assert connected_components(links, directed=False)[0] == 1
+    assert 2.5e-4 < volume(rest, triangles) < 5e-4
+    assert np.all(np.sum(normals_of(rest, triangles) * HandField().normal(rest), axis=1) > 0.3)
+
+
+def test_shares_sum_to_one_exactly_and_unused_places_name_the_palm() -> None:
+    skin = builtin()
+    assert np.all(skin.weights.astype(int).sum(axis=1) == FULL)
+    assert not skin.bones[skin.weights == 0].any()
+
+
+def test_no_finger_pulls_the_skin_of_a_finger_beyond_its_neighbour() -> None:
+    _, _, shares = flesh()
+    owner = np.array([b.finger for b in ADULT.bones])
+    by_finger = np.stack([shares[:, 1:][:, owner == f].sum(axis=1) for f in range(5)], axis=1)
+    tips = Kinematics(ADULT).tips(np.zeros(POSE_SIZE))
+    rest, _, _ = flesh()
+    for finger, tip in enumerate(tips):
+        near = np.linalg.norm(rest - tip, axis=1) < 0.015
+        near &= np.argmin(np.linalg.norm(rest[:, None] - tips, axis=2), axis=1) == finger
+        assert near.sum() > 50 and np.all(by_finger[near, finger] > 0.99)
+
+
+def test_the_pads_are_where_the_simulated_fingers_touch() -> None:
+    rest, _, _ = flesh()
+    places, turns = frames(ADULT, np.zeros(POSE_SIZE))
+    for i, bone in enumerate(ADULT.bones):
+        if i + 1 < len(ADULT.bones) and ADULT.bones[i + 1].finger == bone.finger:
+            continue
+        local = (rest - places[i + 1]) @ turns[i + 1]
+        tip = np.array([0.0, bone.length, 0.0])
+        away = np.linalg.norm(local - tip, axis=1) - bone.radius
+        pad = (local[:, 2] < -0.2 * bone.radius) & (local[:, 1] > bone.length)
+        pad &= away < 0.004
+        assert pad.sum() > 8
+        assert np.abs(away[pad]).max() < 0.0015
+
+
+# It bends as it should
+
+
+@given(seeds)
+@settings(max_examples=15, deadline=None)
+def test_bones_that_move_together_carry_the_skin_along_unchanged(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    turn, shift = exp(rng.normal(size=3)), rng.normal(size=3)
+    skin = builtin()
+    places, turns = frames(ADULT, np.zeros(POSE_SIZE))
+    moved = skin.posed(places @ turn.T + shift, turn @ turns)
+    assert np.allclose(moved, skin.rest @ turn.T + shift, atol=1e-12)
+
+
+@pytest.mark.parametrize("skeleton", [ADULT, *OTHERS], ids=lambda s: f"{s.name} {s.side}")
+def test_mujoco_bends_it_alike(skeleton: Skeleton) -> None:
+    scene = Scene(SceneSpec((Hand(skeleton=skeleton),)))
+    model, (look,) = skinned_model(scene)
+    data, view = mujoco.MjData(model), mujoco.MjvScene(model, 1000)
+    for seed in range(4):
+        q = pose(seed, skeleton)
+        data.qpos[scene.qpos_slice(0)] = scene.pose_to_qpos(0, q)
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        mujoco.mjv_updateScene(
+            model, data, mujoco.MjvOption(), None, mujoco.MjvCamera(),
+            mujoco.mjtCatBit.mjCAT_ALL, view,
+        )  # fmt: skip
+        expected = look.skin.at(q)
+        for name, number in look.parts.items():
+            start, count = view.skinvertadr[number], view.skinvertnum[number]
+            drawn = view.skinvert.reshape(-1, 3)[start : start + count]
+            assert np.abs(drawn - expected[look.skin.part(name).vertices]).max() < 1e-6
+
+
+def test_normals_turn_with_the_bones_and_stay_near_those_of_the_posed_surface() -> None:
+    skin = builtin()
+    bones = frames(ADULT, pose(5))
+    quick = skin.normals(*bones)
+    exact = normals_of(skin.posed(*bones), skin.triangles)
+    assert np.allclose(np.linalg.norm(quick, axis=1), 1.0)
+    angle = np.degrees(np.arccos(np.clip(np.sum(quick * exact, axis=1), -1.0, 1.0)))
+    assert np.median(angle) < 3.0 and np.quantile(angle, 0.95) < 20.0
+
+
+@pytest.mark.parametrize("count", [40, pytest.param(1000, marks=pytest.mark.full)])
+def test_no_triangle_folds_over_in_random_legal_poses(count: int) -> None:
+    assert not folds(ADULT, *flesh(), trial_poses(ADULT, count, 1)).any()
+
+
+@pytest.mark.parametrize("skeleton", OTHERS[1:], ids=lambda s: f"{s.name} {s.side}")
+def test_no_triangle_of_another_hand_folds_over(skeleton: Skeleton) -> None:
+    assert not folds(skeleton, *flesh(skeleton), trial_poses(skeleton, 15, 2)).any()
+
+
+def test_a_fold_is_seen_where_there_is_one() -> None:
+    rest, triangles, shares = flesh()
+    wrong = rest.copy()
+    wrong[triangles[0, 0]] += 5.0 * (rest[triangles[0, 1:]].mean(axis=0) - rest[triangles[0, 0]])
+    # Rest and pose must differ: bent by a bone that carries one corner only.
+    torn = shares.copy()
+    torn[triangles[0, 0]] = np.eye(shares.shape[1])[-1]
+    q = np.zeros((1, POSE_SIZE))
+    q[0, -3:] = ADULT.lower[-3:]
+    assert folds(ADULT, rest, triangles, torn, q).any()
+    assert not folds(ADULT, rest, triangles, shares, q).any()
+
+
+@given(seeds)
+@settings(max_examples=15, deadline=None)
+def test_a_left_hand_is_the_right_one_in_a_mirror(seed: int) -> None:
+    q = pose(seed)
+    left = builtin().fitted(ADULT.mirrored())
+    right = builtin().at(q)
+    assert np.allclose(left.at(mirrored(q)), right * [-1.0, 1.0, 1.0], atol=1e-12)
+    part = left.part("skin")
+    assert volume(left.rest[part.vertices], left.triangles[part.triangles]) > 0
+
+
+@given(st.floats(0.6, 1.6), seeds)
+@settings(max_examples=15, deadline=None)
+def test_a_larger_hand_has_the_same_skin_larger(factor: float, seed: int) -> None:
+    q = pose(seed)
+    large = q.copy()
+    large[:3] *= factor
+    skin = builtin().fitted(ADULT.scaled(factor))
+    assert np.allclose(skin.at(large), factor * builtin().at(q), atol=1e-12)
+
+
+def test_longer_fingers_get_longer_skin_and_the_palm_keeps_its_own() -> None:
+    bones = tuple(
+        replace(b, length=1.2 * b.length, anchor=(b.anchor[0], 1.2 * b.anchor[1], b.anchor[2]))
+        if b.finger == 2 and not b.name.endswith("mcp")
+        else b
+        for b in ADULT.bones
+    )
+    longer = Skeleton("longer", bones, ADULT.palm_radius)
+    skin = builtin().fitted(longer)
+    rest, triangles, shares = skin.rest, skin.triangles, skin.shares
+    part = skin.part("skin")
+    palm = shares[:, 0] > 0.999
+    assert palm.sum() > 1000 and np.allclose(rest[palm], builtin().rest[palm], atol=1e-9)
+    tip = Kinematics(longer).tips(np.zeros(POSE_SIZE))[2]
+    assert np.linalg.norm(rest - tip, axis=1).min() < 0.010
+    flat = rest[part.vertices], triangles[part.triangles], shares[part.vertices]
+    assert not folds(longer, *flat, trial_poses(longer, 15, 3)).any()

@@ -1,0 +1,186 @@
+"""A surface that stands upright before the person: what is up on it, is up in the world."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from models.errors import InputError
+from models.frames import FINGERS, Contact, TouchFrame
+from models.hand import CONTACT_HAND, Hand
+from models.kinematics import Kinematics
+from models.objects import Box
+from models.rotations import exp
+from models.scene import CONTROL_PERIOD, TABLE, Scene, SceneSpec
+from models.skeleton import ADULT
+from models.surface import Surface
+from sandbox.trial.assembly import BELOW_TABLE, UPRIGHT_END, build, place_surface
+from sandbox.trial.settings import RunSettings
+from tasks.box_to_goal import BoxToGoal
+from tasks.simulated_user.front_stacker import in_picture, roll
+from tasks.simulated_user.front_view import FrontView
+from tasks.stack_vertical import StackVertical
+from tasks.user import SeenObject
+
+places = st.floats(-0.5, 0.5)
+points = st.tuples(places, places, places).map(np.array)
+surfaces = st.builds(Surface, st.floats(4.0, 20.0), st.floats(4.0, 20.0))
+UPRIGHT = place_surface(Surface(), StackVertical)
+
+
+@given(surfaces, places, places, st.tuples(places, places), places)
+def test_up_the_surface_is_up_in_the_world_and_out_of_it_is_towards_the_person(
+    surface, depth, low, xy, step
+):
+    upright = surface.stood_up(depth, low)
+    assert upright.upright and not surface.upright
+    here, x, y = upright.to_world(xy), *xy
+    assert np.allclose(upright.to_world((x, y - step)) - here, [0.0, 0.0, step])
+    assert np.allclose(upright.to_world((x + step, y)) - here, [step, 0.0, 0.0])
+    assert np.allclose(upright.to_world(xy, step) - here, [0.0, -step, 0.0])
+    assert np.allclose(upright.to_surface(upright.to_world(xy, step)), xy)
+    assert np.isclose(np.linalg.det(upright.rotation), 1.0)
+    corners = upright.to_world([[0.0, 0.0], surface.size])
+    assert np.allclose(corners[:, 0], [-surface.size[0] / 2, surface.size[0] / 2])
+    assert np.allclose(corners[:, 2], [low + surface.size[1], low])
+
+
+def test_a_task_is_played_flat_or_upright_as_it_says():
+    flat = place_surface(Surface(), BoxToGoal)
+    assert not flat.upright and flat.origin[2] == BoxToGoal.touch_height
+    _, height = UPRIGHT.size
+    lowest = UPRIGHT.to_world((0.1, height))
+    assert np.isclose(lowest[2], -BELOW_TABLE), "fingers beside a lying box are on the surface"
+    # The pad of a touching finger is 6 mm out of the surface: in the plane of the boxes' middles.
+    assert np.isclose(UPRIGHT.to_world((0.1, 0.1), 0.006)[1], 0.0)
+
+
+def touching(up: float) -> TouchFrame:
+    spots = [(0.07, 0.09), (0.13, 0.07), (0.132, 0.085)]
+    return TouchFrame(0.0, tuple(Contact(i, x, y - up) for i, (x, y) in enumerate(spots)))
+
+
+@pytest.mark.parametrize("up", [0.01, 0.04])
+def test_touches_dragged_up_the_screen_lift_the_fingertips_as_far(up):
+    settings = RunSettings(task="stack-vertical", smoothing=False)
+    session = build(settings, lambda task, surface: _Still())
+    reconstructor, kinematics = session.rigs[0].reconstructor, Kinematics(ADULT)
+
+    def settled(rise: float, begin: float) -> np.ndarray:
+        for k in range(100):
+            frame = touching(rise * min(k / 40, 1.0))
+            now = begin + k * CONTROL_PERIOD
+            found = reconstructor.step(TouchFrame(now, frame.contacts))
+        assert found.down
+        labels = [c.label for c in found.contacts]
+        return kinematics.tips(found.q)[labels]
+
+    before = settled(0.0, 0.0)
+    after = settled(up, 100 * CONTROL_PERIOD)
+    assert np.allclose(after - before, [0.0, 0.0, up], atol=1e-3)
+    assert np.allclose(before[:, 1], 0.0, atol=1e-3), "in the plane of the boxes' middles"
+
+
+def test_the_hand_waits_in_front_of_its_place_and_not_above_it():
+    session = build(RunSettings(task="stack-vertical"), lambda task, surface: _Still())
+    tips = Kinematics(ADULT).tips(session.rigs[0].reconstructor.commanded)
+    middle = UPRIGHT.to_world(UPRIGHT.size / 2)
+    assert np.all(tips[:, 1] < -0.05)
+    assert np.linalg.norm((tips.mean(axis=0) - middle)[[0, 2]]) < 0.01
+
+
+def test_nobody_sits_at_the_side_of_an_upright_surface():
+    settings = RunSettings(task="stack-vertical", turn=90)
+    with pytest.raises(InputError, match="one sits at its lower edge"):
+        build(settings, lambda task, surface: _Still())
+
+
+@given(points, points)
+def test_who_looks_from_the_front_sees_right_as_right_and_up_as_up(point, other):
+    view = FrontView(UPRIGHT)
+    assert not view.surface.upright
+    seen = view.point(point)
+    assert np.allclose(seen, [point[0], point[2], -point[1]])
+    assert np.allclose(view.surface.to_surface(seen), UPRIGHT.to_surface(point))
+    assert np.isclose(np.linalg.norm(seen - view.point(other)), np.linalg.norm(point - other))
+
+
+@given(st.floats(-np.pi, np.pi), st.floats(-np.deg2rad(35), np.deg2rad(35)))
+def test_a_box_is_seen_to_roll_and_its_turn_along_the_depth_is_not(angle, away):
+    view = FrontView(UPRIGHT)
+    box = Box("box", (0.02, 0.02, 0.02), 0.1, (0.0, 0.0, 0.02))
+    turned = exp([0.0, -angle, 0.0])
+    seen = in_picture(
+        SeenObject(box, np.zeros(3), view.surface.rotation @ UPRIGHT.rotation.T @ turned)
+    )
+    quarter = np.pi / 2
+    off = (roll(seen) - angle + quarter / 2) % quarter - quarter / 2
+    assert abs(off) < 1e-9
+    assert np.allclose(seen.rotation[2], [0.0, 0.0, 1.0])
+    aside = UPRIGHT.rotation.T @ exp([0.0, 0.0, away])
+    assert abs(roll(in_picture(SeenObject(box, np.zeros(3), aside)))) < 1e-9
+
+
+BOX = Box("box", (0.025, 0.025, 0.025), 0.1, (0.0, 0.0, 0.025))
+
+
+def test_before_an_upright_surface_only_the_balls_of_fingertips_are_solid():
+    hand = Hand(solid_end=UPRIGHT_END)
+    scene = Scene(SceneSpec((hand,), (BOX,)))
+    for fingers in (frozenset(), frozenset({0, 2}), frozenset(range(len(FINGERS)))):
+        scene.set_solid(0, fingers)
+        solid = np.flatnonzero(scene.model.geom_contype == CONTACT_HAND)
+        names = {scene.model.geom(g).name for g in solid}
+        assert names == {hand.solid_name(ADULT.last_bones[f]) for f in fingers}
+        # A capsule's second size is half its length without the round ends.
+        assert np.all(scene.model.geom_size[solid, 1] < 1e-3)
+    scene.set_solid(0, frozenset({0}), whole=True)
+    solid = np.flatnonzero(scene.model.geom_contype == CONTACT_HAND)
+    assert len(solid) == len(ADULT.bones), "all links, and no end a second time"
+    data = mujoco.MjData(scene.model)
+    mujoco.mj_forward(scene.model, data)
+    for f, bone in ADULT.last_bones.items():
+        body = scene.model.body(hand.element_name(bone.name)).id
+        tip = data.xpos[body] + data.xmat[body].reshape(3, 3)[:, 1] * bone.length
+        place = data.geom_xpos[scene.model.geom(hand.solid_name(bone)).id]
+        assert np.linalg.norm(place - tip) < 1e-3, f
+
+
+def test_what_is_solid_of_a_hand_changes_nothing_of_its_mass():
+    whole, ends = (
+        Scene(SceneSpec((Hand(solid_end=end),), (BOX,))).model for end in (None, UPRIGHT_END)
+    )
+    assert np.array_equal(whole.body_mass, ends.body_mass)
+    assert np.array_equal(whole.body_inertia, ends.body_inertia)
+    assert np.array_equal(whole.body_ipos, ends.body_ipos)
+
+
+@pytest.mark.parametrize("end", [None, UPRIGHT_END])
+def test_no_part_of_a_hand_ever_meets_the_table(end):
+    hand = Hand(solid_end=end)
+    scene = Scene(SceneSpec((hand,), (BOX,)))
+    model = scene.model
+    scene.set_solid(0, frozenset(range(len(FINGERS))), whole=True)
+    table = model.geom(TABLE).id
+    root = model.body(hand.element_name("palm")).rootid[0]
+    mine = np.flatnonzero(model.body_rootid[model.geom_bodyid] == root)
+    assert len(mine) > 20
+    meets = (model.geom_contype[mine] & model.geom_conaffinity[table]) | (
+        model.geom_contype[table] & model.geom_conaffinity[mine]
+    )
+    assert not meets.any()
+
+
+class _Still:
+    """A device without touches."""
+
+    name, finished = "still", False
+
+    def poll(self, now: float) -> list[TouchFrame]:
+        return []
+
+    def close(self) -> None:
+        return None

@@ -1,0 +1,343 @@
+"""`sandbox capture` from files, as a person would run it."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from encoders.store import load_capture
+from models.errors import MotionError
+from models.frames import Contact, TouchFrame
+from models.motion.read.pose_table import COLUMNS, read_pose_table
+from models.pose import joint_vectors
+from models.rotations import geodesic_angle
+from models.skeleton import ADULT
+from sandbox.cli.main import main
+from sandbox.recording.recording import RecordingWriter
+from tests.support.hand_recording import (
+    RATE,
+    SCALE,
+    markers,
+    played,
+    touch_log,
+    write_bvh,
+    write_pose_table,
+    write_shown,
+    write_tsv,
+)
+from tests.support.tuio_packets import frame as tuio_frame
+
+AHEAD = 1.25
+WIDTH, HEIGHT = 0.3, 0.25
+
+CORNERS = """
+[surface]
+top_left = [0, 0, 0]
+top_right = [1, 0, 0]
+bottom_left = [0, -1, 0]
+"""
+
+
+@pytest.fixture(scope="module")
+def truth():
+    return played(12.0, seed=3)
+
+
+@pytest.fixture(scope="module")
+def folder(truth, tmp_path_factory) -> Path:
+    """Files of one session, as different recorders would write them."""
+    folder = tmp_path_factory.mktemp("session")
+    log = touch_log(truth, AHEAD)
+    write_shown(folder / "shown.jsonl", log)
+    write_bvh(folder / "hand.bvh", truth)
+    write_tsv(folder / "hand.tsv", markers(truth))
+    write_pose_table(folder / "hand.csv", truth.time, truth.q)
+    (folder / "corners.toml").write_text(CORNERS)
+    return folder
+
+
+def converted(capsys, *args: object):
+    """Exit status, what was printed, and what was complained about."""
+    status = main(["capture", *map(str, args)])
+    said = capsys.readouterr()
+    return status, said.out, said.err
+
+
+def assert_as_played(path: Path, truth, degrees: float, wrist: float, ahead: float = AHEAD):
+    capture = load_capture(path)
+    rows = np.clip(np.round((capture.time + ahead) * RATE).astype(int), 0, len(truth.time) - 1)
+    assert len(capture) > 0.4 * (truth.down.sum(axis=1) > 1).sum()
+    # The grid of 30 Hz lies between frames of 60 Hz, so that edges may fall to either side.
+    assert (capture.down == truth.down[rows]).all(axis=1).mean() > 0.95
+    off = geodesic_angle(joint_vectors(capture.q), joint_vectors(truth.q[rows]))
+    assert np.rad2deg(off).mean() < degrees
+    assert np.linalg.norm(capture.q[:, :3] - truth.q[rows, :3], axis=1).mean() < wrist
+    return capture
+
+
+def test_touches_and_bvh_become_a_capture_by_taps(folder, truth, capsys, tmp_path):
+    status, out, err = converted(
+        capsys, "--touches", folder / "shown.jsonl", "--joints", folder / "hand.bvh",
+        "--mapping", folder / "corners.toml", "--sync", "tap", "--out", tmp_path / "c.npz",
+        "--subject", "P07", "--simulated",
+    )  # fmt: skip
+    assert status == 0, err
+    assert "with one finger" in out and "taps agreeing" in out and "offset" in out
+    capture = assert_as_played(tmp_path / "c.npz", truth, degrees=4.0, wrist=0.004)
+    assert capture.meta["subject"] == "P07" and capture.meta["simulated"] is True
+    assert abs(capture.meta["conversion"]["offset_s"] - AHEAD) < 1 / RATE
+
+
+def test_touches_and_a_table_become_a_capture_by_clock(folder, truth, capsys, tmp_path):
+    status, _, err = converted(
+        capsys, "--touches", folder / "shown.jsonl", "--joints", folder / "hand.csv",
+        "--sync", "clock", "--offset", AHEAD, "--scale", SCALE, "--out", tmp_path / "c.npz",
+    )  # fmt: skip
+    assert status == 0, err
+    assert_as_played(tmp_path / "c.npz", truth, degrees=0.5, wrist=0.001)
+
+
+def test_markers_alone_become_a_capture(folder, truth, capsys, tmp_path):
+    status, out, err = converted(
+        capsys, "--markers", folder / "hand.tsv", "--mapping", folder / "corners.toml",
+        "--out", tmp_path / "c.npz",
+    )  # fmt: skip
+    assert status == 0, err
+    assert "within 5 mm" in out
+    assert_as_played(tmp_path / "c.npz", truth, degrees=8.0, wrist=0.010, ahead=0.0)
+
+
+def test_a_left_hand_comes_out_as_its_mirror_image(truth, capsys, tmp_path):
+    points = {name: p * [-1.0, 1.0, 1.0] for name, p in markers(truth).items()}
+    write_tsv(tmp_path / "left.tsv", points)
+    log = touch_log(truth, AHEAD)
+    write_shown(tmp_path / "left.jsonl", replace(log, xy=log.xy * [-1.0, 1.0]))
+    (tmp_path / "corners.toml").write_text(CORNERS)
+    status, _, err = converted(
+        capsys, "--touches", tmp_path / "left.jsonl", "--markers", tmp_path / "left.tsv",
+        "--side", "left", "--mapping", tmp_path / "corners.toml", "--offset", AHEAD,
+        "--out", tmp_path / "c.npz",
+    )  # fmt: skip
+    assert status == 0, err
+    capture = assert_as_played(tmp_path / "c.npz", truth, degrees=8.0, wrist=0.010)
+    assert (capture.meta["side"], capture.meta["recorded_side"]) == ("right", "left")
+
+
+def test_a_packet_capture_and_a_recording_say_the_same(folder, truth, capsys, tmp_path):
+    log = touch_log(truth, AHEAD)
+    shown = [
+        {int(log.ids[r]): log.xy[r] for r in np.flatnonzero(log.frame == f)}
+        for f in range(len(log.time))
+    ]
+    with (tmp_path / "packets.jsonl").open("w") as file:
+        for number, (time, touches) in enumerate(zip(log.time, shown, strict=True), start=1):
+            scaled = {i: (x / WIDTH, y / HEIGHT) for i, (x, y) in touches.items()}
+            data = tuio_frame(number, scaled, source="tablet")
+            file.write(json.dumps({"t": float(time), "hex": data.hex()}) + "\n")
+    writer = RecordingWriter(tmp_path / "run.jsonl", {"settings": {"timestep": 0.002}})
+    for step, (time, touches) in enumerate(zip(log.time, shown, strict=True)):
+        contacts = tuple(Contact(i, float(x), float(y)) for i, (x, y) in touches.items())
+        writer.input(step, 0, TouchFrame(float(time), contacts), "")
+    writer.close()
+    captures = []
+    for touches, offset in ((tmp_path / "packets.jsonl", 0.0), (tmp_path / "run.jsonl", AHEAD)):
+        # A packet capture's clock begins with its first packet.
+        status, _, err = converted(
+            capsys, "--touches", touches, "--joints", folder / "hand.csv", "--offset", offset,
+            "--surface", f"{1000 * WIDTH:g}x{1000 * HEIGHT:g}mm", "--out", tmp_path / "c.npz",
+        )  # fmt: skip
+        assert status == 0, err
+        assert ("breaks off" in err) == (touches.name == "run.jsonl")
+        captures.append(assert_as_played(tmp_path / "c.npz", truth, 0.5, 0.001, ahead=offset))
+    np.testing.assert_array_equal(captures[0].down, captures[1].down)
+    np.testing.assert_allclose(captures[0].xy, captures[1].xy, atol=1e-6)
+
+
+def test_an_encoder_is_trained_on_what_was_converted(folder, capsys, tmp_path):
+    converted(
+        capsys, "--touches", folder / "shown.jsonl", "--joints", folder / "hand.csv",
+        "--offset", AHEAD, "--out", tmp_path / "c.npz",
+    )  # fmt: skip
+    capture = load_capture(tmp_path / "c.npz")
+    assert len(np.unique(capture.trial)) > 1
+    out = tmp_path / "model.npz"
+    status = main(
+        ["train", "--capture", str(tmp_path / "c.npz"), "--out", str(out), "--ridge", "0.1"]
+    )
+    assert status == 0, capsys.readouterr().err
+    assert out.is_file()
+
+
+def test_the_real_glove_becomes_a_capture(shared_data, capsys, tmp_path):
+    """Fingers on a pillow: a soft surface, so that 10 mm must pass for touching it."""
+    status, out, err = converted(
+        capsys, "--markers", shared_data / "formats" / "hand-markers.tsv.gz",
+        "--threshold", 10, "--out", tmp_path / "c.npz",
+    )  # fmt: skip
+    assert status == 0, err
+    assert "hand scale" in out
+    capture = load_capture(tmp_path / "c.npz")
+    assert capture.meta["simulated"] is False
+    # Markers are on skin and glove: they keep to a rigid skeleton within a few millimetres.
+    assert capture.meta["conversion"]["residual_mm"] < 3.0
+    assert len(capture) > 100 and len(np.unique(capture.trial)) > 5
+
+
+def test_a_hard_surface_is_not_seen_where_there_is_a_pillow(shared_data, capsys, tmp_path):
+    status, _, err = converted(
+        capsys, "--markers", shared_data / "formats" / "hand-markers.tsv.gz",
+        "--out", tmp_path / "c.npz",
+    )  # fmt: skip
+    assert status == 2
+    assert "no plane" in err and "corners" in err
+    assert not (tmp_path / "c.npz").exists()
+
+
+BAD = {
+    "no hand": (["--touches", "shown.jsonl"], "one recording of the hand"),
+    "two hands": (["--joints", "hand.bvh", "--markers", "hand.tsv"], "one recording"),
+    "tap without touches": (["--markers", "hand.tsv", "--sync", "tap"], "no touches"),
+    "missing file": (["--joints", "none.bvh"], "no such file"),
+    "missing touches": (["--touches", "none", "--joints", "hand.csv"], "cannot be read"),
+    "unknown kind": (["--joints", "shown.jsonl"], "not known"),
+    "no surface": (["--touches", "shown.jsonl", "--joints", "hand.bvh"], "surface is in this"),
+    "wrong unit": (
+        ["--markers", "hand.tsv", "--mapping", "corners.toml", "--unit", "0.1"],
+        "size",
+    ),
+    "bad rate": (["--markers", "hand.tsv", "--rate", "0"], "--rate"),
+    "bad offset": (["--joints", "hand.csv", "--offset", "nan"], "--offset"),
+    "bad threshold": (["--joints", "hand.csv", "--threshold", "500"], "--threshold"),
+    "bad scale": (["--joints", "hand.csv", "--scale", "9"], "--scale"),
+    "no folder": (["--joints", "hand.csv", "--out", "nowhere/c.npz"], "no such folder"),
+    "touches that are poses": (["--touches", "hand.csv", "--joints", "hand.csv"], "touches"),
+    "a mapping that is none": (["--joints", "hand.bvh", "--mapping", "hand.csv"], "damaged"),
+    "clocks apart": (
+        ["--touches", "shown.jsonl", "--joints", "hand.csv", "--offset", "500"],
+        "no touch is where",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_what_cannot_be_converted_is_one_clear_line_and_exit_2(folder, capsys, tmp_path, case):
+    args, message = BAD[case]
+    given = [str(folder / a) if (folder / a).exists() or a.startswith("no") else a for a in args]
+    out = [] if "--out" in args else ["--out", tmp_path / "c.npz"]
+    status, _, err = converted(capsys, *given, *out)
+    assert status == 2
+    assert err.count("sandbox: ") == 1 and "Traceback" not in err
+    assert message in err
+    assert not (tmp_path / "c.npz").exists()
+
+
+@pytest.mark.parametrize(
+    "text",
+    (
+        "points = 3",
+        "[fingers]",
+        "[surface]\ntop_left = [0, 0, 0]",
+        '[surface]\ntop_left = "nowhere"\ntop_right = [1, 0, 0]\nbottom_left = [0, -1, 0]',
+        "[surface]\ntop_left = [0, 0]\ntop_right = [1, 0]\nbottom_left = [0, -1]",
+        "[surface]\ntop_left = [0,0,0]\ntop_right = [0,0,0]\nbottom_left = [0, -1, 0]",
+        '[points]\nhand_top = "no_such_site"',
+        "\0",
+        "= =",
+    ),
+)
+def test_a_mapping_file_with_a_wrong_part_is_refused(folder, capsys, tmp_path, text):
+    (tmp_path / "m.toml").write_text(text)
+    status, _, err = converted(
+        capsys, "--markers", folder / "hand.tsv", "--mapping", tmp_path / "m.toml",
+        "--out", tmp_path / "c.npz",
+    )  # fmt: skip
+    assert status == 2
+    assert err.count("sandbox: ") == 1
+
+
+def test_markers_on_the_corners_tell_where_the_surface_is(truth, capsys, tmp_path):
+    places = {"c1": [0.0, 0.0, 0.0], "c2": [0.2, 0.0, 0.0], "c3": [0.0, -0.15, 0.0]}
+    corners = {name: np.tile(place, (len(truth.q), 1)) for name, place in places.items()}
+    # A marker at the recorder's very origin would read as one that was not seen.
+    shift = np.array([0.5, 0.4, 0.3])
+    points = {name: place + shift for name, place in {**markers(truth), **corners}.items()}
+    write_tsv(tmp_path / "hand.tsv", points)
+    (tmp_path / "m.json").write_text(
+        json.dumps({"surface": {"top_left": "c1", "top_right": "c2", "bottom_left": "c3"}})
+    )
+    status, _, err = converted(
+        capsys, "--markers", tmp_path / "hand.tsv", "--mapping", tmp_path / "m.json",
+        "--out", tmp_path / "c.npz",
+    )  # fmt: skip
+    assert status == 0, err
+    assert_as_played(tmp_path / "c.npz", truth, degrees=8.0, wrist=0.010, ahead=0.0)
+
+
+def test_the_help_teaches_with_an_example(capsys):
+    with pytest.raises(SystemExit) as stop:
+        main(["capture", "--help"])
+    text = capsys.readouterr().out
+    assert stop.value.code == 0
+    for word in (
+        "--touches",
+        "--mapping",
+        "[surface]",
+        "    sandbox capture --recorded session",
+        "50 ms",
+    ):
+        assert word in text
+
+
+# --- the table of poses
+
+
+def test_a_table_of_poses_comes_back_to_the_bit_in_any_order_of_columns(tmp_path):
+    rng = np.random.default_rng(0)
+    time, q = np.array([0.0, 0.01, 0.3]), rng.normal(size=(3, 48))
+    path = tmp_path / "poses.csv"
+    write_pose_table(path, time, q)
+    for name, got in zip(("time", "q"), read_pose_table(path), strict=True):
+        np.testing.assert_array_equal(got, {"time": time, "q": q}[name])
+    rows = [line.split(",") for line in path.read_text().splitlines()]
+    order = rng.permutation(49)
+    path.write_text("\n".join(",".join(row[i] for i in order) for row in rows))
+    np.testing.assert_array_equal(read_pose_table(path)[1], q)
+    numbered = {name: f"q{i}" for i, name in enumerate(COLUMNS)}
+    head = ",".join(numbered.get(rows[0][i], "time") for i in order)
+    path.write_text("\n".join([head, *path.read_text().splitlines()[1:]]))
+    np.testing.assert_array_equal(read_pose_table(path)[1], q)
+
+
+def test_columns_are_named_after_the_skeleton_in_the_order_of_the_pose():
+    assert len(COLUMNS) == 48
+    assert [c[:-3] for c in COLUMNS[6::3]] == [bone.name for bone in ADULT.bones]
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    (
+        ("time", "t"),
+        ("index_mcp_rx", "index_mcp_rw"),
+        ("index_mcp_rx", "root_x"),
+        ("0.25", "nan"),
+        ("0.25", "zero"),
+        ("0.25", "0.25,1"),
+        ("0.5,", "0.0,"),
+        ("\n0.0,", "\n0.9,"),
+    ),
+)
+def test_a_table_with_a_wrong_part_is_refused_and_named(tmp_path, old, new):
+    path = tmp_path / "poses.csv"
+    write_pose_table(path, np.array([0.0, 0.5]), np.full((2, 48), 0.25))
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+    with pytest.raises(MotionError, match=r"poses\.csv"):
+        read_pose_table(path)
+    path.write_text(text.splitlines()[0])
+    with pytest.raises(MotionError, match="no pose"):
+        read_pose_table(path)

@@ -1,0 +1,174 @@
+"""`sandbox doctor` and `sandbox` alone: what they say is so, whatever this machine is like."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shlex
+import socket
+import tomllib
+from importlib.metadata import version
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sandbox.cli import doctor
+from sandbox.cli.common.parse import parse
+from sandbox.cli.main import COMMANDS, main
+from sandbox.cli.overview import DEVICES, devices, first_steps, overview
+from sandbox.cli.play.command import PlayOptions
+from sandbox.cli.run import RunOptions
+from sandbox.doctor.check import Check, ask
+from sandbox.doctor.devices import port_check
+from sandbox.doctor.graphics import graphics_checks
+from sandbox.doctor.packages import DEVELOPERS, USES, declared, package_checks, within
+from sandbox.doctor.speed import speed_check
+from sandbox.doctor.system import folder_check
+from tasks.registry import TASKS
+from tests.support.processes import ROOT
+
+
+@pytest.fixture(scope="module")
+def found() -> list[Check]:
+    return doctor.examine()
+
+
+def test_everything_has_a_state_and_what_is_missing_has_a_remedy(found: list[Check]) -> None:
+    assert {c.group for c in found} == set(doctor.GROUPS)
+    assert len({(c.group, c.name) for c in found}) == len(found)
+    for check in found:
+        assert check.found and bool(check.remedy) is not check.ok, check
+    told = json.loads(json.dumps(doctor.as_json(found)))
+    assert told["missing"] == [c.name for c in found if not c.ok]
+    assert {c["state"] for c in told["checks"]} <= {"ok", "missing"}
+    assert re.fullmatch("[0-9a-f]{16}", told["versions"]["fingerprint"])
+
+
+@pytest.mark.parametrize("ok", [True, False])
+def test_it_ends_with_1_only_where_something_is_missing_and_that_is_asked_for(
+    ok: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    remedy = "" if ok else "buy a [new] one"
+    only = [Check("devices", "a thing", ok, "this one", "play", remedy)]
+    monkeypatch.setattr(doctor, "examine", lambda: only)
+    assert main(["doctor"]) == 0
+    said = capsys.readouterr().out
+    assert "a thing" in said and (remedy or "Nothing is missing") in said
+    assert main(["doctor", "--strict"]) == int(not ok)
+    assert main(["doctor", "--json", "--strict"]) == int(not ok)
+
+
+def test_a_port_is_free_until_somebody_listens_on_it() -> None:
+    for kind, sort in (("UDP", socket.SOCK_DGRAM), ("TCP", socket.SOCK_STREAM)):
+        with socket.socket(socket.AF_INET, sort) as other:
+            other.bind(("127.0.0.1", 0))
+            if kind == "TCP":
+                other.listen()
+            port = other.getsockname()[1]
+            taken = port_check(kind, port)
+            assert not taken.ok and "use" in taken.found and "--port" in taken.remedy
+        assert port_check(kind, port).ok
+
+
+def test_a_probe_that_aborts_hangs_or_fails_is_an_answer() -> None:
+    assert ask("import os; os.abort()").text.endswith("SIGABRT")
+    assert "no answer" in ask("import time; time.sleep(60)", patience=0.5).text
+    assert ask("raise SystemExit('no such screen')").text == "no such screen"
+    assert not ask("import os; os.abort()").ok and not ask("raise SystemExit('no')").ok
+    good = ask("import os; print('first'); print(os.environ['WORD'])", WORD="last")
+    assert good.ok and good.text == "last"
+
+
+def test_without_a_screen_the_window_is_missing_and_a_page_is_proposed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr("sandbox.doctor.graphics.sys.platform", "linux")
+    monkeypatch.setattr("sandbox.doctor.graphics._OFFSCREEN", "import os; os.abort()")
+    display, drawing = graphics_checks()
+    assert not display.ok and "--view web" in display.remedy
+    assert not drawing.ok and "SIGABRT" in drawing.found and "apt-get" in drawing.remedy
+
+
+def test_it_simulates_a_second_to_say_how_fast_it_is(
+    found: list[Check], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (speed,) = [c for c in found if c.name == "speed"]
+    assert float(re.findall(r"[\d.]+", speed.found)[0]) > 0.0
+    monkeypatch.setattr("sandbox.doctor.speed._PROBE", "raise SystemExit('it does not even start')")
+    assert speed_check().found == "it does not even start" and not speed_check().ok
+
+
+def test_a_folder_can_be_written_or_not(tmp_path: Path) -> None:
+    assert folder_check(tmp_path).ok
+    assert folder_check(tmp_path / "made" / "later").ok
+    assert not (tmp_path / "made").exists() and not list(tmp_path.iterdir())
+    file = tmp_path / "file"
+    file.write_text("")
+    assert not folder_check(file / "below").ok
+
+
+def test_every_extra_is_looked_at_by_its_own_packages(found: list[Check]) -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    extras = {e for e in project["optional-dependencies"] if e not in DEVELOPERS}
+    shown = {c.name: c for c in found if c.group == "extras"}
+    assert set(shown) <= extras <= set(USES)
+    assert extras - set(shown) <= {"evdev"}
+    for name, check in shown.items():
+        first = declared()[name][0].package
+        assert first in check.found
+        if check.ok:
+            assert version(first) in check.found
+        else:
+            assert "pip install" in check.remedy and f"[{name}]" in check.remedy
+
+
+def test_a_package_that_is_too_old_counts_as_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sandbox.doctor.packages.version", lambda name: "0.0.1")
+    packages = next(c for c in package_checks() if c.name == "packages")
+    assert not packages.ok and "mujoco 0.0.1 is not" in packages.found
+
+
+@given(st.lists(st.integers(0, 30), min_size=1, max_size=4), st.integers(0, 3))
+def test_a_version_is_within_its_own_bounds_and_not_below_them(numbers: list[int], at: int) -> None:
+    text = ".".join(map(str, numbers))
+    assert (
+        within(text, f">={text}") and within(text, f"=={text}") and within(text + ".0", f"<={text}")
+    )
+    assert not within(text, f"<{text}") and not within(text, f">{text}")
+    at = min(at, len(numbers) - 1)
+    above = ".".join(map(str, [*numbers[:at], numbers[at] + 1, *numbers[at + 1 :]]))
+    assert within(above, f">={text}") and not within(above, f">={text},<{above}")
+
+
+def test_alone_it_lists_every_command_task_and_device(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    names = [*COMMANDS, *TASKS, *DEVICES]
+    for name in names:
+        # `leap` is a command and a device.
+        found = [x for x in lines if x.split()[:1] == [name]]
+        assert len(found) == names.count(name)
+        assert all(len(line.split()) > 3 for line in found), found
+    assert all(devices().values())
+
+
+@pytest.mark.parametrize("screen", ["", ":7"])
+def test_what_it_proposes_to_try_first_can_be_tried(
+    screen: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(os.environ, "DISPLAY", screen)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    options = {"play": PlayOptions, "run": RunOptions, "doctor": doctor.DoctorOptions}
+    steps = first_steps()
+    assert all(step in overview(COMMANDS) for step in steps)
+    for step in steps:
+        program, command, *rest = shlex.split(step)
+        assert program == "sandbox" and command in COMMANDS
+        if command in options:
+            chosen = parse(options[command], step, rest)
+            assert getattr(chosen, "task", "box-to-goal") in TASKS

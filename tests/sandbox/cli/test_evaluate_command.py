@@ -1,0 +1,262 @@
+"""`sandbox evaluate` prints, writes and draws what it measured, and says what it cannot do."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from encoders.regression.trained import builtin_capture, save_model, train
+from encoders.store import save_capture
+from sandbox.cli.evaluate.data import capture_files
+from sandbox.cli.main import main
+
+PICTURES = ("table-1", "table-2", "by-fingers", "pca-variance", "figure-2")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory) -> Path:
+    """A folder with a training capture and two test captures of other takes."""
+    folder = tmp_path_factory.mktemp("captures")
+    whole = builtin_capture()
+    trials = np.unique(whole.trial)
+    for name, chosen, step in (
+        ("training", trials[::3], 3),
+        ("tests/one", trials[1::24], 12),
+        ("tests/two", trials[2::24], 12),
+    ):
+        frames = np.flatnonzero(np.isin(whole.trial, chosen))[::step]
+        path = folder / f"{name}.npz"
+        path.parent.mkdir(exist_ok=True)
+        save_capture(whole.select(frames), path)
+    (folder / "list.txt").write_text("# tests\ntests/two.npz  # the second\n\ntests/one.npz\n")
+    return folder
+
+
+def evaluate(folder: Path, *more: str, encoders: tuple[str, ...] = ("linear", "mean")) -> int:
+    """Runs the command on the test captures, trained on the training capture."""
+    return main(
+        ["evaluate", "--encoders", *encoders, "--train", str(folder / "training.npz"), *more]
+    )
+
+
+@pytest.fixture(scope="module")
+def pictures(folder) -> tuple[Path, dict]:
+    """A folder of pictures, and the report they were made from."""
+    out = folder / "pictures"
+    report = folder / "drawn.json"
+    status = evaluate(
+        folder, "--capture", str(folder / "tests"), "--no-copas", "--json", str(report),
+        "--plots", str(out),
+    )  # fmt: skip
+    assert status == 0
+    return out, json.loads(report.read_text())
+
+
+def refused(capsys, *argv: str) -> str:
+    """The one line with which a command is refused."""
+    assert main(["evaluate", *argv]) == 2
+    shown = capsys.readouterr()
+    assert shown.err.startswith("sandbox: ") and shown.err.count("\n") == 1
+    assert shown.out == ""
+    return shown.err
+
+
+def test_the_json_holds_what_the_terminal_shows(folder, capsys):
+    path = folder / "out.json"
+    test = str(folder / "tests" / "one.npz")
+    assert evaluate(folder, "--capture", test, "--json", str(path)) == 0
+    text, found = capsys.readouterr().out, json.loads(path.read_text())
+    assert set(found["encoders"]) == {"linear", "mean"}
+    for name, e in found["encoders"].items():
+        assert name in text
+        assert f"{e['wrist_cm']['true_labels']:.2f} (" in text
+        assert f"{e['angle_deg']['own_labels']:.2f} (" in text
+        assert f"{e['labels_percent']['all']:.1f} (" in text
+    linear = found["encoders"]["linear"]
+    assert f"{linear['overfitted_joints']:.1f}" in text
+    assert found["configuration"]["captures"] == [test]
+    assert "SIMULATED" in text and "paper" in text and "ANOTHER DATA SET" in text
+
+
+def test_the_paper_stands_beside_methods_of_its_own_only(folder, capsys):
+    assert evaluate(folder, "--capture", str(folder / "tests"), "--no-copas") == 0
+    text = capsys.readouterr().out
+    assert "3.98" in text
+    assert "2.55" not in text
+
+
+def test_a_folder_and_a_list_of_captures_are_the_captures_in_them(folder):
+    one, two = folder / "tests" / "one.npz", folder / "tests" / "two.npz"
+    assert capture_files(str(folder / "tests")) == [one, two]
+    assert capture_files(str(folder / "list.txt")) == [two, one]
+    assert capture_files(str(one)) == [one]
+
+
+def test_captures_of_a_list_are_judged_one_by_one_and_together(folder):
+    path = folder / "listed.json"
+    tests = str(folder / "list.txt")
+    assert evaluate(folder, "--capture", tests, "--no-copas", "--json", str(path)) == 0
+    found = json.loads(path.read_text())
+    frames = [t["frames"] for t in found["tests"]]
+    each = [c["wrist_cm"]["true_labels"] for c in found["encoders"]["linear"]["by_capture"]]
+    together = found["encoders"]["linear"]["wrist_cm"]["true_labels"]
+    assert len(each) == 2
+    assert np.average(each, weights=frames) == pytest.approx(together)
+
+
+def test_a_capture_can_be_split_into_takes_to_learn_from_and_takes_to_test_on(folder):
+    path, capture = folder / "split.json", str(folder / "training.npz")
+    argv = ["--encoders", "mean", "--capture", capture, "--train", "split", "--no-copas"]
+    assert main(["evaluate", *argv, "--json", str(path)]) == 0
+    found = json.loads(path.read_text())
+    takes = found["configuration"]["test_takes"]
+    assert found["tests"][0]["takes"] == len(takes) > 0
+    whole = builtin_capture().trial
+    assert found["training"]["takes"] + len(takes) == len(np.unique(whole)[::3])
+    assert found["training"]["frames"] > 3 * found["tests"][0]["frames"]
+
+
+def test_a_model_from_a_file_is_evaluated_under_the_files_name(folder):
+    model, path = folder / "mine.npz", folder / "mine.json"
+    whole = builtin_capture()
+    small = whole.select(np.arange(0, len(whole), 25))
+    save_model(train(small, "mine", 1, 0.0), model)
+    tests = str(folder / "tests" / "one.npz")
+    assert evaluate(folder, "--capture", tests, "--json", str(path), encoders=(str(model),)) == 0
+    e = json.loads(path.read_text())["encoders"]["mine"]
+    assert e["overfitted_joints"] is None and e["wrist_cm"]["true_labels"] > 0
+
+
+def test_nothing_is_tested_on_the_frames_it_learned_from(folder, capsys):
+    training = str(folder / "training.npz")
+    error = refused(
+        capsys, "--encoders", "mean", "--train", training, "--capture", training, "--no-copas"
+    )
+    assert "--train split" in error
+
+
+@pytest.mark.parametrize(
+    ("argv", "words"),
+    [
+        (("--encoders", "quintic"), ("quintic", "linear, quadratic")),
+        (("--encoders", "linear", "linear"), ("once", "linear")),
+        (("--encoders", "missing.npz"), ("missing.npz", "no such file")),
+        (("--days", "0"), ("--days", "1 or more")),
+        (("--day-seed", "-1"), ("--day-seed",)),
+        (("--json", "nowhere/out.json"), ("--json nowhere/out.json", "folder")),
+        (("--json", "."), ("--json .", "folder")),
+        (("--train", "missing.npz", "--encoders", "mean", "--capture", "x.npz"), ("x.npz",)),
+        (("--train", "split"), ("--train split", "one --capture FILE")),
+        (("--capture", "empty"), ("empty", "no captures")),
+        (("--capture", "nothing.txt"), ("nothing.txt", "cannot be read")),
+        (("--capture", "list.txt"), ("gone.npz", "no such file")),
+        (("--capture", "junk.npz"), ("junk.npz", "not a capture")),
+    ],
+)
+def test_what_cannot_be_done_is_one_clear_line(argv, words, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "list.txt").write_text("gone.npz\n")
+    (tmp_path / "junk.npz").write_bytes(b"junk")
+    encoders = () if "--encoders" in argv else ("--encoders", "mean")
+    train = () if "--train" in argv or "--capture" not in argv else ("--train", "builtin")
+    text = refused(capsys, *encoders, *argv, *train)
+    for word in words:
+        assert word in text
+
+
+def test_a_subject_that_there_is_not_is_refused(capsys):
+    assert main(["evaluate", "--subject", "third"]) == 2
+    assert "third" in capsys.readouterr().err
+
+
+def test_without_matplotlib_the_extra_is_named_before_anything_is_computed(
+    capsys, tmp_path, monkeypatch
+):
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    text = refused(capsys, "--plots", str(tmp_path / "pictures"))
+    assert "hand-sandbox[plots]" in text
+    assert not (tmp_path / "pictures").exists()
+
+
+def test_pictures_that_cannot_be_written_are_refused(capsys, tmp_path):
+    (tmp_path / "file").write_text("")
+    assert "--plots" in refused(capsys, "--plots", str(tmp_path / "file"))
+
+
+def test_every_picture_is_drawn_twice_and_shows_something(pictures):
+    out, _ = pictures
+    made = {path.name for path in out.iterdir()}
+    assert made == {f"{name}.{kind}" for name in PICTURES for kind in ("png", "svg")}
+    for name in PICTURES:
+        with Image.open(out / f"{name}.png") as picture:
+            pixels = np.asarray(picture.convert("L"))
+        assert min(pixels.shape) > 300 and pixels.std() > 10
+        assert (out / f"{name}.svg").read_text().rstrip().endswith("</svg>")
+
+
+def test_pictures_name_every_method_and_say_that_captures_are_simulated(pictures):
+    from sandbox.figures import charts
+
+    _, report = pictures
+    for draw in (charts.errors, charts.labels, charts.by_fingers):
+        made = draw(report)
+        words = [text.get_text() for axis in made.axes for text in axis.get_xticklabels()]
+        words += [text.get_text() for legend in made.legends for text in legend.get_texts()]
+        assert {"linear", "mean"} <= set(words)
+        assert any("SIMULATED" in axis.get_title() for axis in made.axes)
+
+
+def test_hands_are_drawn_as_bones_where_there_is_no_opengl(folder, monkeypatch):
+    from encoders.evaluation import evaluate_method
+    from encoders.evaluation.measure import Tests
+    from encoders.evaluation.report import report
+    from encoders.evaluation.training import Training
+    from encoders.store import load_capture
+    from sandbox.figures import hands
+    from sandbox.views.errors import GraphicsError
+
+    def none(*_args: object) -> None:
+        raise GraphicsError("no OpenGL")
+
+    monkeypatch.setattr(hands, "_rendered", none)
+    training = load_capture(folder / "training.npz")
+    tests = Tests([load_capture(folder / "tests" / "one.npz")])
+    results = {"mean": evaluate_method(Training(training).method("mean"), tests)}
+    made = hands.side_by_side(report(results, tests, training, {}), results, tests)
+    rows = len(hands.typical_frames(results, tests))
+    assert rows > 0 and len(made.axes) == 2 * rows
+    assert all(len(axis.lines) == 6 for axis in made.axes)
+
+
+def test_the_drawn_frames_are_of_median_error(folder):
+    from encoders.evaluation import evaluate_method
+    from encoders.evaluation.measure import TRUE, Tests
+    from encoders.evaluation.training import Training
+    from encoders.store import load_capture
+    from sandbox.figures.hands import typical_frames
+
+    training = load_capture(folder / "training.npz")
+    tests = Tests([load_capture(folder / "tests" / "two.npz")])
+    results = {"mean": evaluate_method(Training(training).method("mean"), tests)}
+    errors = results["mean"].errors[TRUE]
+    total = errors.wrist / errors.wrist.mean() + errors.angle / errors.angle.mean()
+    for frame in typical_frames(results, tests):
+        alike = tests.fingers == tests.fingers[frame]
+        below = (total[alike] < total[frame]).mean()
+        assert below <= 0.5 <= below + 1 / alike.sum() + 1e-9 or alike.sum() == 1
+
+
+@pytest.mark.full
+def test_a_simulated_day_is_evaluated_without_a_file(tmp_path, capsys):
+    path = tmp_path / "day.json"
+    argv = ["evaluate", "--encoders", "paper", "--days", "1", "--no-copas", "--json", str(path)]
+    assert main(argv) == 0
+    found = json.loads(path.read_text())
+    assert found["configuration"]["days"] == [found["tests"][0]["day"]]
+    assert found["simulated"] is True and "SIMULATED" in capsys.readouterr().out

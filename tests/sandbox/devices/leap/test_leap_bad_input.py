@@ -1,0 +1,184 @@
+"""Damaged Leap recordings through the whole command: one clear line, or counted skips and on."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from sandbox.cli.main import main
+from sandbox.devices.leap.leap_truth import write_take
+from sandbox.options.leap_devices import hand_input
+from sandbox.options.scene_options import SceneOptions
+from tests.support.leap_hands import take
+
+Frames = list[dict[str, Any]]
+
+
+@pytest.fixture(scope="module")
+def sound(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    path = tmp_path_factory.mktemp("leap") / "sound.json"
+    write_take(take(1), path, {})
+    recording = json.loads(path.read_text())
+    # The open hand, which is measured, and a little more.
+    recording["frames"] = recording["frames"][:200]
+    return recording
+
+
+def played(path: Path) -> int:
+    return main(["run", "stack", "--device", str(path)])
+
+
+def nameless(frames: Frames) -> None:
+    for frame in frames:
+        del frame["hands"][0]["palmPosition"]
+
+
+def shapeless(frames: Frames) -> None:
+    for frame in frames:
+        for finger in frame["pointables"]:
+            del finger["length"]
+
+
+def nowhere(frames: Frames) -> None:
+    for frame in frames:
+        frame["hands"][0]["palmPosition"][1] = None
+
+
+def pointless(frames: Frames) -> None:
+    for frame in frames:
+        frame["hands"][0]["direction"] = [0, 0, 0]
+        frame["pointables"][0]["direction"] = [0, 0, 0]
+
+
+def twisted(frames: Frames) -> None:
+    for frame in frames:
+        frame["hands"][0]["palmNormal"] = frame["hands"][0]["direction"]
+
+
+def late(frames: Frames) -> None:
+    for frame in frames:
+        frame["timestamp"] -= 300_000
+
+
+@pytest.mark.parametrize(
+    ("spoil", "said"),
+    [
+        (nameless, "20 hands skipped: palmPosition"),
+        (shapeless, "fingers skipped: length"),
+        (nowhere, "20 hands skipped: palmPosition"),
+        (pointless, "20 hands skipped: direction has no direction"),
+        (twisted, "nearly parallel"),
+        (late, "20 frames whose time ran backwards"),
+    ],
+)
+def test_what_cannot_be_used_is_counted_and_the_session_goes_on(
+    spoil: Callable[[Frames], None],
+    said: str,
+    sound: dict[str, Any],
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+):
+    recording = json.loads(json.dumps(sound))
+    spoil(recording["frames"][150:170])
+    path = tmp_path / "spoiled.json"
+    path.write_text(json.dumps(recording))
+    assert played(path) == 0
+    out, err = capsys.readouterr()
+    assert said in " ".join(err.split()), "it is said what was left out"
+    # The last frame is played, whatever came before it.
+    assert "input ended after 2.0 s" in out
+
+
+def test_hands_that_swap_their_ids_all_the_time_do_not_stop_a_session(
+    sound: dict[str, Any], tmp_path: Path
+):
+    recording = json.loads(json.dumps(sound))
+    for i, frame in enumerate(recording["frames"]):
+        (hand,), fingers = frame["hands"], frame["pointables"]
+        x, y, z = hand["palmPosition"]
+        other = {**hand, "id": 2, "palmPosition": [x + 300.0, y, z]}
+        beside = []
+        for f in fingers:
+            x, y, z = f["tipPosition"]
+            beside.append({**f, "id": f["id"] + 50, "handId": 2, "tipPosition": [x + 300.0, y, z]})
+        frame["hands"], frame["pointables"] = [hand, other], fingers + beside
+        if i // 10 % 2:
+            for each in frame["hands"]:
+                each["id"] = 3 - each["id"]
+            for each in frame["pointables"]:
+                each["handId"] = 3 - each["handId"]
+    path = tmp_path / "swapping.json"
+    path.write_text(json.dumps(recording))
+    assert played(path) == 0
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        b"  \n",
+        b"[1, 2, 3]",
+        b'{"frames": "many"}',
+        b'{"name": "package", "dependencies": {}}',
+        b"[" * 10_000,
+        b"a letter to somebody",
+        bytes(range(256)),
+        b'{"frames": [{"id": 1, "timestamp": 0, "hands": [], "pointables": [',
+        b'{"frames": [{"id": 1, "timestamp": NaN, "hands": [], "pointables": []}]}',
+    ],
+)
+def test_a_file_that_is_no_recording_is_one_line(
+    content: bytes, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    path = tmp_path / "other.json"
+    path.write_bytes(content)
+    assert played(path) == 2
+    out, err = capsys.readouterr()
+    assert "other.json" in err and err.count("\n") == 1 and not out
+
+
+def test_a_recording_cut_short_anywhere_is_one_line(
+    sound: dict[str, Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    text = json.dumps(sound)
+    for share in (0.001, 0.3, 0.999):
+        path = tmp_path / "cut.json"
+        path.write_text(text[: int(share * len(text))])
+        assert played(path) == 2
+        assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_lines_of_a_service_are_played_up_to_the_damage(
+    sound: dict[str, Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    path = tmp_path / "lines.json"
+    lines = [json.dumps(frame) for frame in sound["frames"]]
+    path.write_text("\n".join([*lines, '{"id": 5, "hands": [']))
+    assert played(path) == 0
+    assert "line 201" in " ".join(capsys.readouterr().out.split())
+
+
+def test_a_profile_may_be_a_measured_hand_and_is_refused_for_touches(
+    sound: dict[str, Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    path, hand = tmp_path / "hand.json", tmp_path / "me.json"
+    path.write_text(json.dumps(sound))
+    paalm = ["paalm", "calibrate", str(path), "--hands", "right", "--frames", "40"]
+    assert main([*paalm, "--out", str(hand)]) == 0
+    named, as_profile = (
+        hand_input(SceneOptions(device="leap", **{how: value}), "leap", "right")  # type: ignore[arg-type]
+        for how, value in (("calibration", hand), ("profile", str(hand)))
+    )
+    assert named == as_profile and named.calibration is not None
+    assert named.calibration["frames"] == 40
+    capsys.readouterr()
+    for wrong in (
+        ["--device", "simulated", "--profile", str(hand)],
+        ["--device", str(path), "--profile", str(hand), "--calibration", str(hand)],
+        ["--device", str(path), "--profile", str(path)],
+        ["--device", str(path), "--profile", str(hand), "--hand", "left"],
+    ):
+        assert main(["run", "stack", *wrong]) == 2
+        assert capsys.readouterr().err.count("\n") == 1

@@ -1,0 +1,115 @@
+"""The Leap device reads a running service, loses nothing at its fastest, and comes back."""
+
+from __future__ import annotations
+
+import socket
+import time
+from collections.abc import Callable
+from itertools import pairwise
+
+import pytest
+from websockets.exceptions import InvalidStatus
+from websockets.sync.client import connect
+
+from models.errors import DeviceError
+from sandbox.devices.leap.leap import KEPT, LeapDevice
+from sandbox.devices.leap.leap_fake import FakeLeapd
+from sandbox.devices.leap.leap_write import leap_message
+from tests.support.leap_hands import take
+from tests.support.processes import PATIENCE
+
+MESSAGES = [leap_message(f, n) for n, f in enumerate(take(0).frames[:300])]
+
+
+def until(true: Callable[[], bool]) -> bool:
+    """Waits, as long as it takes on a busy machine."""
+    end = time.monotonic() + PATIENCE
+    while not true() and time.monotonic() < end:
+        time.sleep(0.01)
+    return true()
+
+
+def free_port() -> int:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        return taken.getsockname()[1]
+
+
+def test_at_290_frames_a_second_every_frame_arrives_once_and_in_order():
+    server = FakeLeapd(MESSAGES, port=0, rate=290.0)
+    device = LeapDevice(server.address)
+    frames = []
+    try:
+        assert until(lambda: (frames.extend(device.poll(0.0)), len(frames) >= 300)[1])
+    finally:
+        device.close()
+        server.close()
+    # The fake plays to every client from the start, so what follows is a second connection.
+    assert [f.time for f in frames[:300]] == pytest.approx([f.time for f in take(0).frames[:300]])
+    assert device.counts["handshakes"] >= 1
+    assert device.counts["frames nobody fetched"] == 0
+
+
+def test_frames_that_nobody_fetches_are_dropped_oldest_first_and_counted():
+    server = FakeLeapd(MESSAGES, port=0, rate=5000.0, loop=True)
+    device = LeapDevice(server.address)
+    try:
+        assert until(lambda: device.counts["frames nobody fetched"] > 50)
+        kept = device.poll(0.0)
+    finally:
+        device.close()
+        server.close()
+    assert len(kept) == KEPT
+    assert all(a.time < b.time for a, b in pairwise(kept))
+
+
+def test_a_service_that_is_started_anew_is_found_again_and_time_goes_on():
+    port = free_port()
+    device = LeapDevice(f"ws://127.0.0.1:{port}/v6.json")
+    frames = []
+    try:
+        for _ in range(2):
+            server = FakeLeapd(MESSAGES, port=port, rate=400.0, loop=True)
+            before = len(frames)
+            assert until(
+                lambda b=before: (frames.extend(device.poll(0.0)), len(frames) > b + 50)[1]
+            )
+            server.close()
+            assert until(lambda: not device.connected.is_set())
+    finally:
+        device.close()
+    assert device.counts["connections"] == 2
+    assert all(a.time < b.time for a, b in pairwise(frames))
+
+
+def test_damaged_messages_are_counted_and_the_connection_stays():
+    junk = [{"hands": 3, "pointables": 4}, {"weather": 1}, {"event": {}}, {"hands": [{"id": 1}]}]
+    server = FakeLeapd([*junk, *MESSAGES[:50]], port=0, rate=500.0, loop=True)
+    device = LeapDevice(server.address)
+    try:
+        assert until(lambda: device.counts["frames"] >= 60)
+        assert device.counts["connections"] == 1
+        assert device.counts["messages of another program"] >= 1
+    finally:
+        device.close()
+        server.close()
+
+
+def test_the_fake_service_turns_other_paths_away_as_the_bridge_does():
+    server = FakeLeapd(MESSAGES[:3], port=0)
+    try:
+        with pytest.raises(InvalidStatus):
+            connect(server.address.replace("v6", "v7"), proxy=None)
+    finally:
+        server.close()
+
+
+def test_a_taken_port_and_an_address_that_is_none_are_refused():
+    server = FakeLeapd(MESSAGES[:3], port=0)
+    try:
+        with pytest.raises(DeviceError, match="cannot listen"):
+            FakeLeapd(MESSAGES[:3], port=server.port)
+    finally:
+        server.close()
+    with pytest.raises(DeviceError, match="no WebSocket address"):
+        LeapDevice("http://127.0.0.1:6437")

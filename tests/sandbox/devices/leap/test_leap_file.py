@@ -1,0 +1,191 @@
+"""Leap recordings are recognised by content, and damaged ones say so in one clear error."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from models.errors import RecordingError
+from sandbox.devices.leap.leap import LeapFileDevice
+from sandbox.devices.leap.leap_file import read_leap
+from sandbox.devices.leap.leap_lz import decompress_base64
+from sandbox.devices.leap.leap_truth import take_with_truth, write_take
+from sandbox.devices.leap.leap_write import leap_message
+from tests.support.leap_hands import take
+
+MESSAGES = [leap_message(f, n) for n, f in enumerate(take(0, "v3").frames[:20])]
+
+# Made with the npm format's reference implementation in Python (PyPI lzstring 1.0.4).
+VECTORS = {
+    "Q===": "",
+    "IZA=": "a",
+    "BYUwNmD2AEoTcpA=": "hello hello hello",
+    "IY18ZXTt/DFOS1b0c17Pd/wYUcSaWeRZVdTbXTEA": "a" * 1000,
+    "N4IghiBcAEDaCMAaaAmZBmAuskAjK0IAP4DUEIAvqBDAsmtFjvjMWZeAbahtoc4aQpA=": '{"a": [1, 2, 3], '
+    '"b": "ü€"}' * 3,
+}
+
+
+def packed(messages: list[dict]) -> list:
+    """The messages as LeapJS packs them: keys once, then rows."""
+    hand, finger = list(messages[0]["hands"][0]), list(messages[0]["pointables"][0])
+    rows = [
+        [
+            m["id"],
+            m["timestamp"],
+            [[h[k] for k in hand] for h in m["hands"]],
+            [[p[k] for k in finger] for p in m["pointables"]],
+        ]
+        for m in messages
+    ]
+    return [["id", "timestamp", {"hands": [hand]}, {"pointables": [finger]}], *rows]
+
+
+FORMS: dict[str, Callable[[], str]] = {
+    "list": lambda: json.dumps(MESSAGES),
+    "with metadata": lambda: json.dumps({"metadata": {"frameRate": "100"}, "frames": MESSAGES}),
+    "packed": lambda: json.dumps({"metadata": {}, "frames": packed(MESSAGES)}),
+    "lines": lambda: "".join(json.dumps(m) + "\n" for m in [{"version": 6}, *MESSAGES]),
+    "printed prettily": lambda: json.dumps({"frames": MESSAGES}, indent=1),
+}
+
+
+SMALL = {form: text().encode() for form, text in FORMS.items()}
+
+
+@pytest.mark.parametrize("text", VECTORS)
+def test_lz_string_decodes_what_its_reference_implementation_encoded(text):
+    assert decompress_base64(text) == VECTORS[text]
+
+
+@given(st.text(alphabet="ABCDEFabcdef0123+/=", max_size=80))
+def test_no_text_makes_the_lz_decoder_do_anything_but_decode_or_refuse(text):
+    with contextlib.suppress(RecordingError):
+        assert isinstance(decompress_base64(text, limit=10_000), str)
+
+
+def test_a_small_text_cannot_ask_for_more_memory_than_allowed():
+    with pytest.raises(RecordingError, match="too large"):
+        decompress_base64("IY18ZXTt/DFOS1b0c17Pd/wYUcSaWeRZVdTbXTEA", limit=999)
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_every_form_of_a_file_holds_the_same_frames(form, tmp_path):
+    path = tmp_path / "no-telling-name"
+    path.write_text(FORMS[form]())
+    recording = read_leap(path)
+    assert len(recording.frames) == len(MESSAGES)
+    tips = [[f.tip for f in frame.hands[0].fingers] for frame in recording.frames]
+    known = [[f.tip for f in frame.hands[0].fingers] for frame in take(0, "v3").frames[:20]]
+    np.testing.assert_allclose(tips, known, atol=1e-9)
+    assert recording.damage is None
+
+
+def test_lines_are_good_up_to_the_damage(tmp_path):
+    path = tmp_path / "torn"
+    path.write_text(FORMS["lines"]()[:-200])
+    recording = read_leap(path)
+    assert len(recording.frames) == len(MESSAGES) - 1
+    assert recording.damage is not None and "line 21" in str(recording.damage)
+
+
+@pytest.mark.parametrize(
+    "content",
+    (
+        b"",
+        b"\x89PNG\r\n\x1a\n\x00\x00",
+        b"HIERARCHY\nROOT Hips\n",
+        b'{"u": 1}',
+        b"[1, 2, 3]",
+        b'{"frames": 3}',
+        b'{"frames": [[1], [2, 3]]}',
+        b'{"frames": [["id", {"hands": [["id"]]}], [1], 5]}',
+        b"[" * 100_000,
+        b'{"ha\xf2ds": []}',
+        b'{"ha\xf2ds": []}\n{"hands": []}\n',
+        FORMS["list"]()[:-300].encode(),
+        FORMS["with metadata"]()[:3000].encode(),
+        b"N4IgZgTghgtgpgZxALgNqgMYFcITgOwBcAxaeAJSkLhQEZaAGAOgBYAmAdgBoQBzRQjkQpUA",
+    ),
+)
+def test_a_file_that_is_no_recording_is_refused_with_its_name(content, tmp_path):
+    path = tmp_path / "foreign.json"
+    path.write_bytes(content)
+    with pytest.raises(RecordingError, match=r"foreign\.json"):
+        read_leap(path)
+
+
+@settings(max_examples=80)
+@given(
+    form=st.sampled_from(sorted(FORMS)),
+    damage=st.lists(st.tuples(st.floats(0, 1), st.integers(0, 255)), min_size=1, max_size=6),
+    cut=st.floats(0.05, 1.0),
+)
+def test_bytes_that_changed_are_refused_or_counted_and_raise_nothing_else(
+    form, damage, cut, tmp_path_factory
+):
+    content = bytearray(SMALL[form])
+    for place, byte in damage:
+        content[int(place * (len(content) - 1))] = byte
+    path = tmp_path_factory.mktemp("damaged") / "hand"
+    path.write_bytes(content[: int(cut * len(content))])
+    with contextlib.suppress(RecordingError):
+        assert read_leap(path).frames
+
+
+def test_a_missing_file_is_refused(tmp_path):
+    with pytest.raises(RecordingError, match="cannot be read"):
+        read_leap(tmp_path / "none.json")
+
+
+def test_a_recording_plays_every_frame_when_it_is_due(tmp_path):
+    path = tmp_path / "hand"
+    path.write_text(FORMS["list"]())
+    recording = read_leap(path)
+    device = LeapFileDevice(recording)
+    played = []
+    for step in range(60):
+        now = 0.004 * step
+        for frame in device.poll(now):
+            assert frame.time - recording.frames[0].time <= now
+            played.append(frame)
+    assert tuple(played) == recording.frames and device.finished
+
+
+def test_a_simulated_recording_brings_its_truth_along(tmp_path):
+    known, path = take(2), tmp_path / "hand.json"
+    write_take(known, path, {"seed": 2})
+    found = take_with_truth(read_leap(path), str(path))
+    assert found is not None
+    np.testing.assert_allclose(found.angles, known.angles, atol=1e-4)
+    assert found.fingers == known.fingers and (found.open == known.open).all()
+    spoiled = json.loads(path.read_text())
+    del spoiled["frames"][5]["truth"]["angles"]
+    path.write_text(json.dumps(spoiled))
+    with pytest.raises(RecordingError, match="truth is damaged"):
+        take_with_truth(read_leap(path), str(path))
+
+
+def test_recordings_made_by_other_programs_are_read_whole(shared_data):
+    expected = {
+        "v1-hands.json": ("v1", 744),
+        "HandSplay-110fps.json.lz": ("v2", 288),
+        "grab.json.lz": ("v2", 374),
+        "pinch-57fps.json.lz": ("v2", 133),
+        "waiting-short.json.lz": ("v2", 118),
+    }
+    for name, (dialect, frames) in expected.items():
+        recording = read_leap(shared_data / "leap" / name)
+        assert (recording.dialect, len(recording.frames)) == (dialect, frames)
+        assert not [why for why in recording.counts if "skipped" in why or "refused" in why]
+        for frame in recording.frames:
+            for hand in frame.hands:
+                for finger in hand.fingers:
+                    if finger.joints is not None:
+                        assert finger.joints[3] == finger.tip

@@ -1,0 +1,228 @@
+"""Leap messages of every dialect become the same hand frames, and wrong ones are counted."""
+
+from __future__ import annotations
+
+import copy
+import json
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from models.errors import FrameError
+from models.frames import HandFrame, SeenFinger, SeenHand
+from sandbox.devices.leap.leap_json import LeapDecoder
+from sandbox.devices.leap.leap_write import leap_message
+from tests.support.leap_hands import take
+
+
+def message(time_us: int = 1_000_000, **changes: Any) -> dict[str, Any]:
+    """A v1 message with one hand and two fingers."""
+    finger = {
+        "id": 4,
+        "handId": 2,
+        "direction": [0.0, 0.0, -1.0],
+        "length": 50.0,
+        "tipPosition": [10.0, 200.0, -60.0],
+        "tool": False,
+    }
+    hand = {
+        "id": 2,
+        "palmPosition": [0.0, 190.0, 20.0],
+        "palmNormal": [0.0, -1.0, 0.0],
+        "direction": [0.0, 0.0, -1.0],
+        "sphereRadius": 90.0,
+    }
+    return {
+        "id": 1,
+        "timestamp": time_us,
+        "hands": [hand],
+        "pointables": [finger, finger | {"id": 5, "tipPosition": [30.0, 200.0, -55.0]}],
+    } | changes
+
+
+def spoiled(part: str, **changes: Any) -> dict[str, Any]:
+    """A message whose first hand or finger is different."""
+    whole = copy.deepcopy(message())
+    whole[part][0] |= changes
+    return whole
+
+
+def test_up_from_the_device_is_up_and_towards_the_person_is_backwards():
+    frame = LeapDecoder().feed(message())
+    assert frame is not None
+    (hand,) = frame.hands
+    assert hand.palm == pytest.approx((0.0, -0.020, 0.190))
+    assert hand.normal == pytest.approx((0.0, 0.0, -1.0))
+    assert hand.direction == pytest.approx((0.0, 1.0, 0.0))
+    assert hand.fingers[0].tip == pytest.approx((0.010, 0.060, 0.200))
+    assert hand.fingers[0].length == pytest.approx(0.050)
+    assert (frame.time, hand.sphere_radius, hand.side) == (1.0, pytest.approx(0.090), None)
+
+
+@pytest.mark.parametrize("dialect", ("v1", "v3"))
+def test_what_a_service_would_send_of_a_frame_is_read_back_as_that_frame(dialect):
+    decoder = LeapDecoder()
+    for number, frame in enumerate(take(3, dialect).frames[:40]):
+        read = decoder.feed(json.loads(json.dumps(leap_message(frame, number))))
+        assert read is not None and read.time == pytest.approx(frame.time, abs=1e-6)
+        for known, found in zip(frame.hands, read.hands, strict=True):
+            np.testing.assert_allclose(found.palm, known.palm, atol=1e-9)
+            np.testing.assert_allclose(found.direction, known.direction, atol=1e-9)
+            assert found.side == known.side
+            for a, b in zip(known.fingers, found.fingers, strict=True):
+                assert (a.id, a.finger) == (b.id, b.finger)
+                np.testing.assert_allclose(b.tip, a.tip, atol=1e-9)
+                assert b.length == pytest.approx(a.length, abs=1e-9)
+                if a.joints is not None:
+                    np.testing.assert_allclose(b.joints, a.joints, atol=1e-9)
+    assert decoder.dialect == ("v1" if dialect == "v1" else "v2")
+
+
+@pytest.mark.parametrize(
+    ("more", "dialect"),
+    (
+        ((), "v2"),
+        (("bases",), "bridge"),
+        (("bases", "stabilizedTipPosition", "touchDistance"), "v3"),
+        (("bases", "stabilizedTipPosition"), "v2"),
+    ),
+)
+def test_the_fields_of_a_finger_tell_who_is_speaking(more, dialect):
+    sent = leap_message(take(0, "v3").frames[0], 1)
+    for pointable in sent["pointables"]:
+        pointable |= dict.fromkeys(more, 0)
+    decoder = LeapDecoder()
+    assert decoder.feed(sent) is not None
+    assert decoder.dialect == dialect
+
+
+def test_a_length_that_is_a_width_by_mistake_does_not_matter_where_joints_are_known():
+    sent = leap_message(take(0, "v3").frames[0], 1)
+    right = LeapDecoder().feed(sent)
+    for pointable in sent["pointables"]:
+        pointable["length"] = 17.0
+    assert LeapDecoder().feed(sent) == right
+
+
+@pytest.mark.parametrize(
+    ("part", "changes"),
+    (
+        ("pointables", {"tipPosition": [math.nan, 0.0, 0.0]}),
+        ("pointables", {"tipPosition": None}),
+        ("pointables", {"direction": [0.0, 0.0, 0.0]}),
+        ("pointables", {"direction": [0.0, 1.0]}),
+        ("pointables", {"length": 0.0}),
+        ("pointables", {"length": "long"}),
+        ("pointables", {"id": None}),
+        ("pointables", {"id": True}),
+        ("pointables", {"tipPosition": [1e9, 0.0, 0.0]}),
+    ),
+)
+def test_a_damaged_finger_is_counted_and_its_neighbour_kept(part, changes):
+    decoder = LeapDecoder()
+    frame = decoder.feed(spoiled(part, **changes))
+    assert frame is not None and [f.id for f in frame.hands[0].fingers] == [5]
+    assert sum(n for why, n in decoder.counts.items() if why.startswith("fingers skipped")) == 1
+
+
+@pytest.mark.parametrize(
+    "damaged",
+    (
+        spoiled("hands", palmPosition=[0.0, math.inf, 0.0]),
+        spoiled("hands", palmNormal=[0.0, 0.0, 0.0]),
+        spoiled("hands", direction=[0.0, -1.0, 0.0]),
+        message(pointables=5),
+        message(hands=[3]),
+        message(timestamp="now"),
+        message(timestamp=math.nan),
+        {k: v for k, v in message().items() if k != "hands"} | {"hands": [{}]},
+    ),
+)
+def test_a_damaged_frame_is_counted_and_the_next_one_is_as_good_as_ever(damaged):
+    decoder = LeapDecoder()
+    assert decoder.feed(damaged) is None
+    assert sum(n for why, n in decoder.counts.items() if why.startswith("frames refused")) == 1
+    assert decoder.feed(message()) == LeapDecoder().feed(message())
+
+
+def test_two_pointables_with_one_id_do_not_become_two_fingers():
+    decoder = LeapDecoder()
+    assert decoder.feed(spoiled("pointables", id=5)) is None
+    assert decoder.counts["frames"] == 0
+
+
+def test_a_late_frame_is_left_out_and_a_new_clock_goes_on_from_the_old_one():
+    decoder = LeapDecoder()
+    times = [decoder.feed(message(t)) for t in (50_000_000, 50_010_000, 50_005_000, 50_010_000)]
+    assert [f is not None for f in times] == [True, True, False, False]
+    assert decoder.counts["frames whose time ran backwards"] == 2
+    restarted = [decoder.feed(message(t)) for t in (1_000, 11_000)]
+    assert restarted[0] is not None and restarted[1] is not None
+    assert restarted[0].time > 50.01
+    assert restarted[1].time - restarted[0].time == pytest.approx(0.01)
+
+
+def test_handshakes_events_and_foreign_messages_are_no_frames():
+    decoder = LeapDecoder()
+    said = ({"version": 6, "serviceVersion": "2.3.1"}, {"event": {}}, {"weather": "fine"}, [1], 7)
+    assert [decoder.feed(m) for m in said] == [None] * 5
+    assert decoder.version == "2.3.1"
+    assert decoder.counts["messages of another program"] == 1
+    assert decoder.counts["messages that are no JSON objects"] == 2
+
+
+def test_tools_and_fingers_without_a_hand_are_counted_and_left_out():
+    decoder = LeapDecoder()
+    frame = decoder.feed(spoiled("pointables", tool=True))
+    assert frame is not None and len(frame.hands[0].fingers) == 1
+    frame = LeapDecoder().feed(spoiled("pointables", handId=-1))
+    assert frame is not None and len(frame.hands[0].fingers) == 1
+    assert decoder.counts["tools"] == 1
+
+
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.just("id"), inner),
+    max_leaves=4,
+)
+
+
+@settings(max_examples=60)
+@given(data=st.data())
+def test_nothing_that_json_can_say_stops_the_decoder(data):
+    sent = leap_message(take(0, data.draw(st.sampled_from(("v1", "v3")))).frames[0], 1)
+    for _ in range(data.draw(st.integers(1, 3))):
+        target: Any = data.draw(
+            st.sampled_from([sent, *sent["hands"], *sent["pointables"]])
+            if isinstance(sent.get("hands"), list) and isinstance(sent.get("pointables"), list)
+            else st.just(sent)
+        )
+        if isinstance(target, dict) and target:
+            target[data.draw(st.sampled_from(sorted(target)))] = data.draw(JSON)
+    decoder = LeapDecoder()
+    frame = decoder.feed(sent)
+    assert frame is None or isinstance(frame, HandFrame)
+    assert decoder.feed(message(10**15)) is not None or decoder.counts
+
+
+def test_hand_frames_refuse_what_no_hand_can_be():
+    finger = SeenFinger(1, (0.0, 0.1, 0.2), (0.0, 1.0, 0.0), 0.05)
+    hand = SeenHand(1, (0.0, 0.0, 0.2), (0.0, 0.0, -1.0), (0.0, 1.0, 0.0), (finger,))
+    wrong = (
+        lambda: SeenFinger(1, (math.nan, 0.0, 0.0), (0.0, 1.0, 0.0), 0.05),
+        lambda: SeenFinger(1, (0.0, 0.0, 0.0), (0.0, 2.0, 0.0), 0.05),
+        lambda: SeenFinger(1, (0.0, 0.0, 0.0), (0.0, 1.0, 0.0), -0.05),
+        lambda: SeenFinger(1, (0.0, 0.0, 0.0), (0.0, 1.0, 0.0), 0.05, finger=5),
+        lambda: SeenHand(1, hand.palm, hand.normal, hand.normal),
+        lambda: SeenHand(1, hand.palm, hand.normal, hand.direction, (finger, finger)),
+        lambda: SeenHand(1, hand.palm, hand.normal, hand.direction, side="upper"),
+        lambda: HandFrame(math.inf),
+        lambda: HandFrame(0.0, (hand, hand)),
+    )
+    for build in wrong:
+        with pytest.raises(FrameError):
+            build()

@@ -1,0 +1,84 @@
+"""People over a Leap are told why the drawn hand does not follow them."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from encoders.evaluation.paalm_pair import moved, side_by_side
+from encoders.paalm.hand_reconstructor import SAID
+from models.frames import HandFrame
+from sandbox.cli.run import main
+from sandbox.devices.leap.leap_truth import write_take
+from sandbox.devices.leap.shared_leap import SharedLeap
+from sandbox.trial.assembly import build
+from sandbox.trial.hand_input import HandInput
+from sandbox.trial.settings import RunSettings, SecondHand
+from sandbox.trial.two_hands import PerHand
+from tests.sandbox.devices.leap.test_leap_two_hands import Played
+from tests.support.leap_hands import take
+
+STACKED = "one hand is above the other: hold them apart"
+
+
+def stacked_for_a_while() -> list[HandFrame]:
+    """Two hands beside each other, one above the other from 0.5 to 1 s, then beside again."""
+    found = []
+    for frame in side_by_side(take(1), take(2, side="left")):
+        left, right = frame.hands
+        if 0.5 <= frame.time < 1.0:
+            x, y, z = (r - p for r, p in zip(right.palm, left.palm, strict=True))
+            left = moved(left, (x, y, z + 0.12))
+        found.append(replace(frame, hands=(left, right)))
+    return found
+
+
+def said(settings: RunSettings, make: object, until: float) -> dict[float, tuple[str, ...]]:
+    """What is said at every moment of a session."""
+    session = build(settings, make)  # type: ignore[arg-type]
+    try:
+        found = {}
+        while session.time < until:
+            snapshot = session.advance()
+            found[round(snapshot.time, 3)] = snapshot.notices
+        return found
+    finally:
+        session.close()
+
+
+@pytest.mark.parametrize("task", ["box-to-goal", "carry-together"])
+def test_hands_above_each_other_are_said_to_be_until_a_moment_after_they_are_not(task: str):
+    frames, two = stacked_for_a_while(), task == "carry-together"
+    second = SecondHand(in_air=HandInput(), hand="left") if two else None
+    settings = RunSettings(task=task, in_air=HandInput(), second=second)
+    shared = SharedLeap(Played(frames), ("right", "left"))
+    parts = tuple(lambda drawn, surface, i=i: shared.parts[i] for i in (0, 1))
+    make = PerHand(parts) if two else lambda drawn, surface: Played(frames)
+    told = said(settings, make, 2.5)
+    when = [t for t, words in told.items() if STACKED in words]
+    assert when == [t for t in told if when[0] <= t <= when[-1]]
+    assert when[0] == pytest.approx(0.5, abs=0.03)
+    assert when[-1] == pytest.approx(1.0 + SAID, abs=0.03)
+    assert all(words.count(STACKED) <= 1 for words in told.values())
+
+
+def test_a_hand_that_stays_away_is_missed_and_one_that_is_lost_for_a_moment_is_not():
+    frames = [replace(f, hands=f.hands if not 1.0 <= f.time < 4.0 else ()) for f in take(1).frames]
+    blink = [replace(f, hands=() if 0.4 <= f.time < 0.9 else f.hands) for f in frames]
+    told = said(RunSettings(in_air=HandInput()), lambda drawn, surface: Played(blink), 4.5)
+    missed = [t for t, words in told.items() if any("is not seen" in w for w in words)]
+    assert 2.2 < missed[0] < 2.5 and 3.9 < missed[-1] < 4.1
+    assert not any("left" in w for words in told.values() for w in words)
+
+
+def test_run_says_it_once_and_writes_it_into_the_events(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    one = take(3)
+    gone = tuple(replace(f, hands=() if f.time > 1.5 else f.hands) for f in one.frames)
+    path, events = tmp_path / "hand.json", tmp_path / "events.jsonl"
+    write_take(replace(one, frames=gone), path, {})
+    main(["box-to-goal", "--device", str(path), "--events", str(events)])
+    words = "the right hand is not seen: hold it over the device"
+    assert " ".join(capsys.readouterr().out.split()).count(words) == 1
+    assert events.read_text().count(words) == 1

@@ -1,0 +1,348 @@
+"""Hands in the air in a session: they pick up and stack, are recorded exactly, and replay."""
+
+import json
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from encoders.paalm.calibration_file import read_calibration, write_calibration
+from encoders.paalm.hand_reconstructor import HandReconstructor, HandReconstructorSettings
+from encoders.paalm.paalm import Paalm
+from encoders.paalm.simulated.eye import LeapEye
+from encoders.paalm.simulated.forward import FROZEN_LEAP
+from encoders.reconstruction.arrival import Phase
+from encoders.reconstruction.touch_reconstructor import Reconstruction
+from models.errors import InputError, RecordingError
+from models.frames import HandFrame, SeenFinger, SeenHand, TouchFrame
+from models.hand import Hand
+from models.kinematics import Kinematics
+from models.limits import RateLimit
+from models.objects import HANDLE_WIDTH, Box
+from models.person import Person
+from models.pose import ROOT_POSITION
+from models.scene import Scene, SceneSpec
+from models.skeleton import ADULT
+from models.surface import Surface
+from sandbox.devices.simulated.leap_user import SimulatedLeap
+from sandbox.recording.recorded_device import RecordedDevice
+from sandbox.recording.recorded_frames import frame_from_json, frame_to_json
+from sandbox.recording.recording import load_recording
+from sandbox.session.messages import Snapshot
+from sandbox.session.newest import SILENCE, Newest
+from sandbox.session.solidity import Solidity, SolidityRules
+from sandbox.trial.assembly import build
+from sandbox.trial.hand_input import UNDER, HandInput
+from sandbox.trial.headless import run_trial
+from sandbox.trial.replay import replay
+from sandbox.trial.settings import RunSettings, SecondHand
+from sandbox.trial.two_hands import PerHand
+from tasks.task import Task
+from tasks.user import UserConfiguration
+from tests.support.leap_hands import calibrated, take
+
+MIDDLE = ("index_pip", "index_dip")
+
+number = st.floats(-1e3, 1e3)
+place = st.tuples(number, number, number)
+axis = st.sampled_from([(1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.6, 0.0, -0.8), (-0.0, 0.0, 1.0)])
+
+
+@st.composite
+def fingers(draw: st.DrawFn) -> SeenFinger:
+    return SeenFinger(
+        draw(st.integers(0, 2**40)),
+        draw(place),
+        draw(axis),
+        draw(st.floats(1e-6, 1.0)),
+        joints=draw(st.none() | st.tuples(place, place, place, place)),
+        extended=draw(st.none() | st.booleans()),
+    )
+
+
+@st.composite
+def frames(draw: st.DrawFn) -> HandFrame:
+    hands = tuple(
+        SeenHand(
+            id_,
+            draw(place),
+            (0.0, 0.0, -1.0),
+            (0.0, 1.0, 0.0),
+            tuple(draw(st.lists(fingers(), max_size=5, unique_by=lambda f: f.id))),
+            draw(st.sampled_from(["right", "left", None])),
+            draw(st.floats(0.0, 1.0)),
+            draw(st.none() | st.floats(0.0, 1.0)),
+            draw(st.none() | place),
+        )
+        for id_ in draw(st.lists(st.integers(0, 99), max_size=3, unique=True))
+    )
+    return HandFrame(draw(st.floats(0.0, 1e6)), hands, draw(st.sampled_from(["", "leap"])))
+
+
+def settings(**changes: object) -> RunSettings:
+    return replace(RunSettings(in_air=HandInput()), **changes)
+
+
+def device(of: RunSettings, kind: str = "skilled", dialect: str = "v3", hand: int = 0):
+    in_air = of.in_airs[hand]
+    assert in_air is not None
+    return lambda task, surface: SimulatedLeap(
+        task, UserConfiguration(kind=kind), of.seed, in_air.at, dialect, of.persons[hand], hand
+    )
+
+
+@cache
+def recorded(folder: Path, dialect: str = "v1") -> Path:
+    """A box brought to its goal through the air."""
+    path = folder / f"{dialect}.jsonl"
+    of = settings()
+    result = run_trial(of, device(of, dialect=dialect), record=path)
+    assert result["success"], result["reason"]
+    return path
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return recorded(tmp_path_factory.mktemp("air"))
+
+
+@given(frames())
+def test_a_hand_frame_is_stored_to_the_bit(frame: HandFrame):
+    back = frame_from_json(json.loads(json.dumps(frame_to_json(frame))))
+    # The text of a float tells all of it, and that of -0.0 is not that of 0.0.
+    assert back == frame and repr(back) == repr(frame)
+
+
+def test_a_box_carried_through_the_air_replays_to_the_bit(recording: Path):
+    read = load_recording(recording)
+    lifted = max(qpos[-5] for qpos in read.track.qpos.values())
+    assert lifted > 0.035, "the box was lifted, not pushed"
+    _, verification = replay(read)
+    assert verification.exact and verification.complete
+
+
+def test_a_recording_that_breaks_off_replays_exactly_as_far_as_it_goes(
+    recording: Path, tmp_path: Path
+):
+    cut = tmp_path / "cut.jsonl"
+    data = recording.read_bytes()
+    cut.write_bytes(data[: int(0.4 * len(data))])
+    read = load_recording(cut)
+    assert read.damage
+    _, verification = replay(read)
+    assert verification.exact and not verification.complete
+    assert 100 < verification.compared < len(load_recording(recording).hashes)
+
+
+def test_one_changed_digit_of_a_hand_frame_is_another_run(recording: Path, tmp_path: Path):
+    lines = recording.read_text().split("\n")
+    at = next(i for i, t in enumerate(lines) if '"input"' in t and i > 150)
+    line = json.loads(lines[at])
+    line["hands"][0]["palm"][2] += 1e-9
+    lines[at] = json.dumps(line)
+    changed = tmp_path / "changed.jsonl"
+    changed.write_text("\n".join(lines))
+    _, verification = replay(load_recording(changed))
+    assert not verification.exact
+
+
+def test_a_recording_is_the_device_of_another_hand_in_another_scene(recording: Path):
+    read = load_recording(recording)
+    of = settings(task="stack", second=SecondHand("right", in_air=HandInput((0.3, 0.0, -0.1))))
+
+    def idle(task: object, surface: Surface) -> SimulatedLeap:
+        return device(of, "idle")(task, surface)
+
+    session = build(of, PerHand((idle, lambda task, surface: RecordedDevice(read, 0))))
+    for _ in range(100):
+        session.advance()
+    own, other = (session.reconstructions[i].q[ROOT_POSITION] for i in (1, 0))
+    assert session.reconstructions[1].down and own[0] > 0.2 > other[0]
+
+
+def test_a_recording_of_a_hand_in_the_air_has_no_touches(recording: Path):
+    with pytest.raises(RecordingError, match="no touches"):
+        load_recording(recording).touches()
+
+
+def test_settings_with_a_calibration_are_read_back_as_they_were(tmp_path: Path):
+    paalm = calibrated(take(3))
+    write_calibration(paalm.calibration, tmp_path / "me.json")
+    mine = read_calibration(tmp_path / "me.json")["right"]
+    of = settings(in_air=HandInput.of((0.01, 0.2, -0.3), mine))
+    again = RunSettings.from_json(json.loads(json.dumps(of.as_json())))
+    assert again == of
+    rebuilt = again.in_air.reconstructor(Person(), Surface(), RateLimit())
+    direct = HandReconstructor(
+        paalm, settings=HandReconstructorSettings(device=(0.01, 0.2, -0.3)), surface=Surface()
+    )
+    for frame in take(3).frames[:40]:
+        np.testing.assert_array_equal(rebuilt.step(frame).q, direct.step(frame).q)
+    assert "in_air" not in RunSettings().as_json()
+
+
+@pytest.mark.parametrize("values", [{}, {"at": [0, 0], "calibration": None}, {"at": "here"}, 3])
+def test_settings_that_are_none_are_refused(values: object):
+    with pytest.raises(InputError):
+        HandInput.from_json(values)
+
+
+def test_where_the_device_is_moves_the_hand_and_changes_nothing_else():
+    poses = []
+    for at in (UNDER, (0.1, -0.2, 0.3)):
+        found = HandInput(at).reconstructor(Person(), Surface(), RateLimit())
+        poses.append([found.step(frame).q for frame in take(2).frames[:60]])
+    moved = np.array(poses[1])[:, :3] - np.array(poses[0])[:, :3]
+    shift = np.subtract((0.1, -0.2, 0.3), UNDER)
+    np.testing.assert_allclose(moved, np.tile(shift, (60, 1)), atol=1e-12)
+    np.testing.assert_array_equal(np.array(poses[1])[:, 3:], np.array(poses[0])[:, 3:])
+
+
+def test_no_fingertip_is_commanded_below_the_table():
+    low = HandInput((0.0, 0.0, -0.25)).reconstructor(Person(), Surface(), RateLimit(1e9, 1e9))
+    kinematics = Kinematics(ADULT)
+    for frame in take(4).frames[:200]:
+        tips = kinematics.tips(low.step(frame).q)
+        assert (tips[:, 2] - ADULT.tip_radius).min() > -1e-9
+
+
+def test_a_hand_that_is_lost_stays_solid_for_a_moment_then_rises_as_a_ghost_and_comes_back():
+    followed = HandInput().reconstructor(Person(), Surface(), RateLimit())
+    s, seen = followed.settings, take(1).frames
+    for frame in seen[:50]:
+        last = followed.step(frame)
+    now, found = seen[49].time, []
+    for i in range(1, 100):
+        found.append(followed.step(HandFrame(now + 0.016 * i)))
+    kept = [r for i, r in enumerate(found, 1) if 0.016 * i <= s.patience]
+    assert all(r.down for r in kept)
+    np.testing.assert_array_equal([r.q for r in kept], [last.q] * len(kept))
+    assert found[-1].phase is Phase.AWAY and not found[-1].fingers
+    for i, r in enumerate(found, 1):
+        away = 0.016 * i - s.patience
+        if 0.0 < away < s.rise / s.rise_speed:
+            assert r.q[2] - last.q[2] == pytest.approx(s.rise_speed * away, abs=1e-6)
+    risen = found[-1].q - last.q
+    assert s.rise - 0.01 < risen[2] < s.rise + 0.01 and not risen[3:].any()
+    # It is back far away, and no finger is solid before the drawn hand has got there.
+    shifted = [
+        replace(f, time=now + 1.1 + f.time, hands=tuple(_moved(h, 0.3) for h in f.hands))
+        for f in seen[50:150]
+    ]
+    back = [followed.step(f) for f in shifted]
+    first = next(i for i, r in enumerate(back) if r.down)
+    assert first > 5 and all(r.phase is Phase.COMING_DOWN for r in back[:first])
+    assert all(r.down for r in back[first:])
+
+
+def _moved(hand: SeenHand, x: float) -> SeenHand:
+    a, b, c = hand.palm
+    return replace(hand, palm=(a + x, b, c))
+
+
+def test_a_device_that_falls_silent_sees_no_hand():
+    newest = Newest(HandReconstructor.empty)
+    frame = take(0).frames[0]
+    assert newest.take([frame], 1.0) and newest.frame.hands == frame.hands
+    assert not newest.take([], 1.0 + SILENCE) and newest.frame.hands
+    newest.take([], 1.01 + SILENCE)
+    assert not newest.frame.hands and newest.frame.time == 1.01 + SILENCE
+    touches = Newest(TouchFrame(0.0))
+    touches.take([TouchFrame(0.0, lift=0.5)], 0.0)
+    touches.take([], 9.0)
+    assert touches.frame == TouchFrame(9.0, lift=0.5)
+
+
+def test_who_was_not_measured_is_assumed_and_assumed_anew_after_a_reset():
+    followed = HandReconstructor(Paalm(), assume=True)
+    empty = followed.step(HandFrame(0.0))
+    assert not empty.down and not followed.paalm.calibration
+    first = [followed.step(f).q for f in take(5, "v3").frames[:30]]
+    assert followed.paalm.calibration["right"].bones is not None, "a device that knows bones"
+    followed.reset()
+    followed.step(HandFrame(0.0))
+    np.testing.assert_array_equal([followed.step(f).q for f in take(5, "v3").frames[:30]], first)
+
+
+def test_a_hand_in_the_air_stays_at_the_lower_edge_of_a_flat_table():
+    of = settings(task="stack-vertical")
+    with pytest.raises(InputError, match="flat table"):
+        run_trial(of, device(of))
+    with pytest.raises(InputError, match="lower edge"):
+        HandInput().reconstructor(Person(turn=90), Surface(), RateLimit())
+
+
+@pytest.mark.parametrize("side", ["right", "left"])
+def test_the_simulated_device_says_where_joints_are_and_of_which_side(side: str):
+    eye = LeapEye(3, side)
+    joints = np.random.default_rng(0).normal(0.0, 0.05, (5, 4, 3))
+    mirror = np.diag([-1.0 if side == "left" else 1.0, 1.0, 1.0])
+    hand = eye.see(0.5, np.array([0.1, 0.0, 0.2]), mirror, joints).hands[0]
+    assert hand.side == side
+    for finger in hand.fingers:
+        truth = np.array([0.1, 0.0, 0.2]) + joints[finger.finger] @ mirror.T
+        np.testing.assert_allclose(finger.joints, truth, atol=0.004)
+
+
+@pytest.mark.parametrize("apart", [0.006, 0.020])
+def test_the_first_devices_see_two_fingertips_as_one_where_they_are_too_near(apart: float):
+    eye = LeapEye(3, dialect="v1", configuration=replace(FROZEN_LEAP, lost_rate=0.0))
+    joints = np.zeros((5, 4, 3))
+    joints[:, :, 1] = [0.03, 0.07, 0.10, 0.12]
+    joints[:, :, 0] = np.array([-0.06, -0.03, -0.03 + apart, 0.03, 0.06])[:, None]
+    # The middle finger is a little longer than the index.
+    joints[2, 3, 1] += 0.001
+    for i in range(10):
+        seen = eye.see(0.01 * i, np.zeros(3), np.eye(3), joints).hands[0].fingers
+    x = sorted(finger.tip[0] for finger in seen)
+    wanted = [-0.06, -0.03, -0.03 + apart, 0.03, 0.06]
+    if apart < FROZEN_LEAP.merged:
+        del wanted[1]
+    np.testing.assert_allclose(x, wanted, atol=0.003)
+
+
+@pytest.mark.parametrize("links", [1, 2])
+def test_a_finger_whose_middle_link_is_in_a_thing_is_solid_only_where_that_link_is_not(links: int):
+    q = np.zeros(48)
+    q[2] = 0.3
+    placed = Kinematics(ADULT).place(q)
+    pip, dip = (next(i for i, b in enumerate(ADULT.bones) if b.name == n) for n in MIDDLE)
+    x, y, z = placed.joints[[pip, dip]].mean(axis=0).tolist()
+    scene = Scene(SceneSpec((Hand(),), (Box("bead", (0.003,) * 3, 0.01, (x, y, z)),)))
+    data = mujoco.MjData(scene.model)
+    data.qpos[scene.qpos_slice(0)] = scene.pose_to_qpos(0, q)
+    mujoco.mj_forward(scene.model, data)
+    solidity = Solidity(scene, 0, SolidityRules(links=links, together=False))
+    every = frozenset(range(5))
+    solidity.update(data, Reconstruction(q, Phase.DOWN, every, None, 1.0, 0.0, ()))
+    assert solidity.fingers == (every if links == 1 else every - {1})
+    solid = {scene.model.geom(i).name for i in np.flatnonzero(scene.model.geom_contype == 1)}
+    assert ("right_middle_pip" in solid) == (links == 2) and "right_middle_mcp" not in solid
+    assert "right_middle_dip" in solid and "right_index_pip" not in solid
+
+
+@pytest.mark.parametrize("seed", [16, 33])
+def test_a_wrench_is_held_so_low_that_no_fingertip_rides_over_its_handle(seed: int):
+    settings = RunSettings(task="wrench-turn", seed=seed, in_air=HandInput())
+    made: list[SimulatedLeap] = []
+    over: list[bool] = []
+
+    def device(task: Task, surface: Surface) -> SimulatedLeap:
+        made.append(SimulatedLeap(task, UserConfiguration(), seed, UNDER, "v1"))
+        return made[-1]
+
+    def look(snapshot: Snapshot) -> None:
+        wrench = snapshot.objects["wrench"]
+        along, across, up = ((snapshot.hands[0].tips - wrench.position) @ wrench.rotation)[:3].T
+        if made[0].user.carrying:
+            beside = (np.abs(along) < 0.1) & (np.abs(across) < HANDLE_WIDTH / 2.0)
+            over.append(bool((beside & (up > 0.0)).any()))
+
+    result = run_trial(settings, device, lambda session: [look])
+    assert over and not any(over)
+    assert result["success"] and made[0].user.grasps == 1

@@ -1,0 +1,208 @@
+"""Two hands over one Leap, and hands in the air on the command line."""
+
+import json
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from encoders.evaluation.paalm_pair import side_by_side
+from encoders.paalm.simulated.forward import FROZEN_LEAP
+from models.errors import InputError
+from sandbox.cli.common.second_view import show_session
+from sandbox.cli.main import main as command
+from sandbox.cli.run import main
+from sandbox.devices.leap.leap_truth import write_take
+from sandbox.devices.leap.shared_leap import SharedLeap
+from sandbox.devices.simulated.leap_trouble import LeapTrouble, parse_simulated
+from sandbox.devices.simulated.leap_user import SimulatedLeap
+from sandbox.options.leap_devices import hand_input, is_leap
+from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.recording.recorded_device import RecordedDevice
+from sandbox.recording.recording import load_recording
+from sandbox.server.page_server import PageServer
+from sandbox.study.design.conditions import run_settings
+from sandbox.study.design.plan import TrialStep
+from sandbox.study.record.folder import Participant
+from sandbox.study.run.simulate import simulated_device
+from sandbox.trial.assembly import build
+from sandbox.trial.headless import run_trial
+from sandbox.trial.replay import replay
+from tasks.user import UserConfiguration
+from tests.support.leap_hands import take
+from tests.support.page_client import Page
+from tests.support.scripted import Played
+
+
+def test_each_hand_gets_the_frames_of_its_own_side_and_no_other():
+    both = side_by_side(take(1), take(2, side="left"))[:50]
+    right, left = SharedLeap(Played(both), ("right", "left")).parts
+    for now in (0.1, 0.2, 0.5):
+        # Who asks first fetches for both, and nothing is lost for the other.
+        mine, other = right.poll(now), left.poll(now)
+        assert [f.time for f in mine] == [f.time for f in other] != []
+        for a, b in zip(mine, other, strict=True):
+            (a_hand,), (b_hand,) = a.hands, b.hands
+            assert (a_hand.side, b_hand.side) == ("right", "left")
+            assert a_hand.palm[0] > 0.0 > b_hand.palm[0]
+    assert right.finished and left.finished
+
+
+def test_a_hand_over_the_other_hides_both():
+    both = []
+    for frame in side_by_side(take(1), take(2, side="left"))[:5]:
+        left, right = frame.hands
+        x, y, z = right.palm
+        both.append(replace(frame, hands=(replace(left, palm=(x + 0.05, y, z - 0.1)), right)))
+    shared = SharedLeap(Played(both), ("right", "left"))
+    frames = shared.parts[0].poll(1.0)
+    assert len(frames) == 5 and not any(f.hands for f in frames)
+    assert shared.counts["one hand above the other"] == 5
+
+
+def chosen(task: str, **options: Any):
+    return plan(replace(SceneOptions(task=task), **options))
+
+
+def test_two_hands_over_one_leap_carry_a_tray_and_replay_to_the_bit(tmp_path: Path):
+    made = chosen("carry-together", device="leap-simulated:v1", seed=1)
+    assert [i is not None for i in made.settings.in_airs] == [True, True]
+    path = tmp_path / "two.jsonl"
+    result = run_trial(made.settings, made.make_device, record=path, about=made.about)
+    assert result["success"], result["reason"]
+    read = load_recording(path)
+    sides = [{h.side for e in read.inputs[i] for h in e.frame.hands} for i in (0, 1)]
+    assert sides == [{"right"}, {"left"}]
+    assert replay(read)[1].exact
+    # One hand's half of it is a device like any other.
+    frames = RecordedDevice(read, 1).poll(1.0)
+    assert frames and all(h.side == "left" for f in frames for h in f.hands)
+
+
+def test_a_hand_in_the_air_and_one_on_a_screen_are_in_one_scene():
+    made = chosen("carry-together", device="leap-simulated", second_device="simulated")
+    assert [i is not None for i in made.settings.in_airs] == [True, False]
+
+
+def test_two_right_hands_over_one_leap_are_refused():
+    with pytest.raises(InputError, match="by their sides"):
+        chosen("carry-together", device="leap-simulated", second_hand="right")
+
+
+def test_what_spoils_touches_does_not_spoil_hands_in_the_air():
+    with pytest.raises(InputError, match="--vary"):
+        chosen("stack", device="leap-simulated", vary="latency=50")
+
+
+@pytest.mark.parametrize("at", ["", "1,2", "a,b,c", "0,0,9", "nan,0,0"])
+def test_a_device_that_is_nowhere_is_refused(at: str):
+    with pytest.raises(InputError, match="--leap-at"):
+        hand_input(SceneOptions(leap_at=at), "leap", "right")
+
+
+def test_a_leap_recording_drives_the_hand_with_its_own_calibration(tmp_path: Path, capsys: Any):
+    path = tmp_path / "hand.json"
+    write_take(take(1), path, {})
+    assert is_leap(str(path)) and not is_leap(str(tmp_path / "missing.json"))
+    made = chosen("box-to-goal", device=str(path))
+    assert made.settings.in_air is not None
+    calibration = made.settings.in_air.calibration
+    assert calibration is not None and calibration["frames"] == 100
+    assert main(["box-to-goal", "--device", str(path), "--json", str(tmp_path / "out.json")]) == 0
+    result = json.loads((tmp_path / "out.json").read_text())
+    assert result["status"] == "input_ended"
+    assert result["settings"]["in_air"]["at"] == [0.0, 0.0, -0.1]
+
+
+def test_a_recording_without_the_wanted_hand_says_which_it_has(tmp_path: Path):
+    path = tmp_path / "left.json"
+    write_take(take(1, "v3", side="left"), path, {})
+    with pytest.raises(InputError, match="--hand left"):
+        chosen("box-to-goal", device=str(path))
+
+
+def test_a_service_that_is_not_there_is_one_line(capsys: pytest.CaptureFixture[str]):
+    nobody = ["--device", "leap", "--leap", "ws://127.0.0.1:1/v6.json"]
+    assert command(["run", "stack", *nobody]) == 2
+    assert "says nothing" in capsys.readouterr().err
+
+
+def test_a_simulated_leap_is_as_noisy_and_forgetful_as_it_is_asked_to_be():
+    assert parse_simulated("") == ("v3", LeapTrouble())
+    assert parse_simulated("v1,noise=2,lose=1.5") == ("v1", LeapTrouble(2.0, 1.5))
+    assert LeapTrouble().applied(FROZEN_LEAP) is FROZEN_LEAP
+    noisy = asdict(LeapTrouble(3.0).applied(FROZEN_LEAP))
+    changed = {name: value for name, value in noisy.items() if value != getattr(FROZEN_LEAP, name)}
+    assert changed == {name: 3.0 * getattr(FROZEN_LEAP, name) for name in changed}
+    assert set(changed) == {"tip", "joint", "length_white", "length_slow", "direction",
+                            "palm_place", "palm_turn", "lost_rate"}  # fmt: skip
+
+
+@pytest.mark.parametrize("wrong", ["v9", "noise", "noise=loud", "noise=nan", "lose=-1", "v1=2"])
+def test_a_simulated_leap_that_is_none_is_refused(wrong: str):
+    with pytest.raises(InputError):
+        chosen("stack", device=f"leap-simulated:{wrong}")
+
+
+def test_a_hand_that_is_lost_while_it_carries_a_box_takes_it_up_again(tmp_path: Path):
+    made = chosen("box-to-goal", device="leap-simulated:lose=1")
+    path = tmp_path / "lost.jsonl"
+    assert run_trial(made.settings, made.make_device, record=path)["success"]
+    frames = [entry.frame for entry in load_recording(path).inputs[0]]
+    gone = [f.time for f in frames if not f.hands]
+    assert 0.9 < gone[-1] - gone[0] < 1.1, "once, for a second"
+    before, after = (
+        {h.id for f in part for h in f.hands}
+        for part in (
+            [f for f in frames if f.time < gone[0]],
+            [f for f in frames if f.time > gone[-1]],
+        )
+    )
+    assert before and after and not before & after, "it is another hand to the device"
+
+
+def test_the_hand_that_a_simulated_person_moves_is_theirs_alone():
+    first, again, other = (
+        chosen("stack", device="leap-simulated", seed=seed) for seed in (1, 1, 2)
+    )
+    palms = []
+    for made in (first, again, other):
+        session = build(made.settings, made.make_device)
+        for _ in range(20):
+            session.advance()
+        palms.append(session.reconstructions[0].q)
+    np.testing.assert_array_equal(palms[0], palms[1])
+    assert np.abs(palms[0] - palms[2]).max() > 1e-3
+
+
+@pytest.mark.parametrize("device", ["leap-simulated", "simulated"])
+def test_who_looks_at_a_hand_in_the_air_on_the_page_has_no_lift_control(device: str):
+    made = chosen("stack", device=device)
+    session = build(made.settings, made.make_device)
+    server = PageServer()
+    try:
+        show_session(server, session, "right", "simulated user")
+        with Page(server.url) as page:
+            told = page.until("scene")
+    finally:
+        server.close()
+        session.close()
+    assert told.get("in_air", False) == (device == "leap-simulated")
+    assert (told["lift"] == 0.0) == (device == "leap-simulated")
+
+
+def test_a_study_compares_touch_and_air():
+    touch, air = (
+        run_settings({"task": "stack", "device": device}, 3, "left", 0.9)
+        for device in ("touch", "leap")
+    )
+    assert touch.in_air is None and air.in_air is not None
+    assert replace(air, in_air=None) == touch
+    user = {**UserConfiguration().as_json(), "reaction": [0.15, 0.25]}
+    of_trial = simulated_device(Participant("TEST", 1, "left", 0.9, user=user))
+    trial = TrialStep("trial:1", 1, 1, 1, 1, False, {"device": "leap"}, {"device": "leap"}, 3)
+    made = of_trial(trial, air)
+    session = build(air, made)
+    assert isinstance(session.rigs[0].device, SimulatedLeap)

@@ -1,0 +1,64 @@
+"""A person's time begins with their first touch, on the window's devices as on the page."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from models.frames import Contact, TouchFrame
+from models.surface import Surface
+from sandbox.devices.conformance import DeviceConformance
+from sandbox.devices.mouse import MouseDevice
+from sandbox.devices.wrappers.first_touch import FirstTouch
+from tests.support.scripted import Played
+
+
+def test_nothing_has_come_before_a_finger_is_down_and_then_all_of_it_is_there() -> None:
+    mouse = MouseDevice(Surface())
+    device = FirstTouch(mouse)
+    assert not device.came()
+    mouse.move((0.05, 0.05))
+    assert not device.came()
+    mouse.press((0.05, 0.05), pin=True)
+    mouse.move((0.06, 0.05))
+    assert device.came() and device.came()
+    mouse.release()
+    mouse.lift()
+    frames = device.poll(0.0)
+    assert [len(frame.contacts) for frame in frames] == [1, 1, 0]
+    np.testing.assert_allclose([frames[0].contacts[0].x, frames[1].contacts[0].x], [0.05, 0.06])
+    assert device.poll(0.0) == []
+    assert device.came(), "a hand that was lifted has been there"
+
+
+def test_a_touch_and_lift_between_two_looks_counts_as_well() -> None:
+    mouse = MouseDevice(Surface())
+    device = FirstTouch(mouse)
+    mouse.press((0.05, 0.05))
+    mouse.release()
+    assert device.came()
+    assert [len(frame.contacts) for frame in device.poll(0.0)] == [1, 0]
+
+
+def test_a_device_that_has_ended_keeps_nobody_waiting() -> None:
+    device = FirstTouch(MouseDevice(Surface()))
+    device.close()
+    assert device.came()
+
+
+def test_what_a_device_said_before_the_first_touch_is_forgotten() -> None:
+    finger = (Contact(1, 0.05, 0.05),)
+    said = [TouchFrame(0.0, ()), TouchFrame(0.0, finger), TouchFrame(0.0, ())]
+    device = FirstTouch(Played(said))
+    assert device.came()
+    assert list(device.poll(0.0)) == said[1:]
+
+
+class TestMouseThatIsWaitedFor(DeviceConformance):
+    def open(self, surface: Surface) -> FirstTouch:
+        return FirstTouch(MouseDevice(surface))
+
+    def stir(self, device: FirstTouch, step: int) -> None:
+        if step == 5:
+            device.press((0.03, 0.03), pin=True)
+            assert device.came()
+        device.move((0.03 + 0.001 * step, 0.03))

@@ -1,0 +1,123 @@
+"""Several devices as one: nothing is lost, nothing is mixed up."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from models.frames import Contact, TouchFrame
+from models.surface import Surface
+from sandbox.devices.mouse import MouseDevice
+from sandbox.devices.wrappers.lift_keys import SPEED, LiftKeys
+from sandbox.devices.wrappers.merged import MergedDevice
+from sandbox.server.protocol.protocol import Screen, Touches
+from sandbox.server.web import WebDevice
+from tests.support.scripted import Played
+
+SCREEN = Screen(100.0, 1000.0, 800.0, True)
+
+
+def contact(i: int, x: float = 0.0) -> Contact:
+    return Contact(i, x, 0.01 * i)
+
+
+frames_of_one = st.lists(
+    st.tuples(st.floats(0.0, 1.0), st.sets(st.integers(-3, 6), max_size=5)), max_size=12
+).map(
+    lambda found: [
+        TouchFrame(t, tuple(contact(i, t) for i in sorted(ids)))
+        for t, ids in sorted(found, key=lambda entry: entry[0])
+    ]
+)
+
+
+@given(st.lists(frames_of_one, min_size=1, max_size=3), st.lists(st.floats(0.0, 1.0), max_size=4))
+def test_the_merged_frame_is_what_all_of_them_hold_down(
+    scripts: list[list[TouchFrame]], polls: list[float]
+) -> None:
+    merged = MergedDevice([Played(script) for script in scripts])
+    found = [f for now in [*sorted(polls), 1.0] for f in merged.poll(now)]
+    assert len(found) == sum(map(len, scripts)) and merged.finished
+    if found:
+        last = {(c.x, c.y) for script in scripts if script for c in script[-1].contacts}
+        assert {(c.x, c.y) for c in found[-1].contacts} == last
+    count = [len(f.contacts) for script in scripts for f in script]
+    assert not count or max(len(f.contacts) for f in found) >= max(count)
+
+
+@given(frames_of_one)
+def test_of_one_device_only_the_ids_differ_and_an_id_means_one_press(
+    script: list[TouchFrame],
+) -> None:
+    found = MergedDevice([Played(script)]).poll(1.0)
+    names: dict[int, int] = {}
+    used: set[int] = set()
+    for before, after in zip(script, found, strict=True):
+        assert [(c.x, c.y) for c in before.contacts] == [(c.x, c.y) for c in after.contacts]
+        assert after.time == before.time
+        now = {b.id: a.id for b, a in zip(before.contacts, after.contacts, strict=True)}
+        for own, given_id in now.items():
+            if own in names:
+                assert names[own] == given_id
+            else:
+                assert given_id not in used
+            used.add(given_id)
+        names = now
+
+
+def test_touches_that_were_cancelled_stay_cancelled_under_their_new_ids() -> None:
+    one = Played([TouchFrame(0.0, (contact(4),)), TouchFrame(0.2, (), None, frozenset({4, 9}))])
+    other = Played([TouchFrame(0.1, (contact(4),))])
+    first, second, third = MergedDevice([one, other]).poll(1.0)
+    (gone,) = {c.id for c in second.contacts} - {c.id for c in third.contacts}
+    assert {c.id for c in first.contacts} == {gone} == third.cancelled
+
+
+def touch(web: WebDevice, seq: int, *contacts: tuple[int, float, float], lift=None) -> None:
+    px = [(i, 100.0 * x, 100.0 * y, 1.0) for i, x, y in contacts]
+    web.push(Touches(seq, 1.0, px, [], lift), SCREEN)
+
+
+def test_fingers_on_the_page_and_pins_of_the_mouse_are_one_hand() -> None:
+    surface = Surface()
+    mouse, web = MouseDevice(surface), WebDevice(surface)
+    both = MergedDevice([mouse, web])
+    mouse.press([0.05, 0.05], pin=True)
+    assert both.news.is_set()
+    touch(web, 1, (0, 3.0, 2.0))
+    frame = both.poll(0.0)[-1]
+    assert not both.news.is_set()
+    assert np.allclose([[c.x, c.y] for c in frame.contacts], [[0.05, 0.05], [0.0762, 0.0508]])
+    assert len({c.id for c in frame.contacts}) == 2
+    mouse.lift()
+    (left,) = both.poll(0.0)[-1].contacts
+    assert left.id == frame.contacts[1].id
+    web.cancel_all()
+    last = both.poll(0.0)[-1]
+    assert not last.contacts and last.cancelled == {left.id}
+
+
+def test_of_two_lift_controls_the_one_that_was_moved_last_counts() -> None:
+    surface = Surface()
+    keys, web = LiftKeys(MouseDevice(surface)), WebDevice(surface)
+    both = MergedDevice([keys, web])
+    assert both.has_lift and both.lift is None
+    keys.hold(1.0)
+    both.poll(0.0)
+    both.poll(1.0)
+    keys.hold(0.0)
+    both.poll(1.0)
+    assert both.lift == pytest.approx(SPEED)
+    touch(web, 1, lift=0.0)
+    assert both.poll(1.0)[-1].lift == pytest.approx(SPEED)
+    touch(web, 2, lift=0.8)
+    assert both.poll(1.0)[-1].lift == 0.8
+    # The keys go on from where the page's control has left the hand.
+    keys.hold(-1.0)
+    both.poll(1.0)
+    assert both.poll(1.5)[-1].lift == pytest.approx(0.8 - 0.5 * SPEED)
+    keys.hold(0.0)
+    touch(web, 3, (1, 1.0, 1.0), lift=0.8)
+    assert both.poll(1.5)[-1].lift == pytest.approx(0.8 - 0.5 * SPEED)

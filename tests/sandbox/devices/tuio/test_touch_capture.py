@@ -1,0 +1,120 @@
+"""Captures of packets: read up to the damage, and played as the device they came from."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from models.errors import RecordingError
+from models.frames import TouchFrame
+from models.surface import Surface
+from sandbox.devices.tuio.touch_capture import (
+    CaptureDevice,
+    CapturedPacket,
+    TouchCapture,
+    read_capture,
+)
+from tests.support.tuio_packets import frame
+
+GOOD = [json.dumps({"t": 3.0 + n / 8, "hex": frame(n, {}).hex()}) for n in range(4)]
+
+
+def written(path: Path, *lines: str | bytes) -> Path:
+    path.write_bytes(
+        b"".join((line.encode() if isinstance(line, str) else line) + b"\n" for line in lines)
+    )
+    return path
+
+
+def test_packets_come_back_as_written(tmp_path: Path) -> None:
+    capture = read_capture(written(tmp_path / "c", *GOOD[:2], "", *GOOD[2:]))
+    assert capture.packets == tuple(CapturedPacket(3.0 + n / 8, frame(n, {})) for n in range(4))
+    assert capture.damage is None
+    assert capture.duration == 3 / 8
+
+
+DAMAGE: dict[str, str | bytes] = {
+    "cut": GOOD[2][:30],
+    "odd hex": '{"t": 4, "hex": "abc"}',
+    "no hex": '{"t": 4}',
+    "hex is a number": '{"t": 4, "hex": 12}',
+    "no time": '{"hex": "00"}',
+    "time is a text": '{"t": "4", "hex": "00"}',
+    "time is a truth value": '{"t": true, "hex": "00"}',
+    "time is not a number": '{"t": NaN, "hex": "00"}',
+    "time is infinite": '{"t": 1e999, "hex": "00"}',
+    "time is huge": '{"t": 1' + "0" * 400 + ', "hex": "00"}',
+    "time runs backwards": '{"t": 3.1, "hex": "00"}',
+    "a list": "[4, 5]",
+    "a number": "17",
+    "not UTF-8": b'{"t": 4, "hex": "\xff"}',
+    "zeros": b"\x00" * 50,
+    "nested too deep": "[" * 100_000,
+    "larger than UDP": '{"t": 4, "hex": "' + "00" * 65_508 + '"}',
+    "endless line": "x" * 1_000_000,
+}
+
+
+@pytest.mark.parametrize("line", DAMAGE.values(), ids=DAMAGE.keys())
+def test_a_damaged_file_is_good_up_to_the_line_that_is_named(
+    tmp_path: Path, line: str | bytes
+) -> None:
+    capture = read_capture(written(tmp_path / "touches.jsonl", GOOD[0], "", GOOD[1], line, GOOD[3]))
+    assert len(capture.packets) == 2
+    assert isinstance(capture.damage, RecordingError)
+    assert "touches.jsonl, line 4" in str(capture.damage)
+    assert len(str(capture.damage)) < 600
+
+
+@pytest.mark.parametrize("lines", [(), ("",), ("hello", *GOOD)], ids=["empty", "blank", "text"])
+def test_a_file_without_a_single_packet_is_refused(tmp_path: Path, lines: tuple[str, ...]) -> None:
+    with pytest.raises(RecordingError, match="touches"):
+        read_capture(written(tmp_path / "touches", *lines))
+
+
+def test_a_file_that_is_not_there_or_a_folder_is_refused(tmp_path: Path) -> None:
+    for path in (tmp_path / "none", tmp_path):
+        with pytest.raises(RecordingError, match=str(path)):
+            read_capture(path)
+
+
+def played(capture: TouchCapture, moments: list[float]) -> list[TouchFrame]:
+    device = CaptureDevice(capture, Surface(), stale_after=0.5)
+    frames: list[TouchFrame] = []
+    for now in moments:
+        due = device.poll(now)
+        assert all(f.time <= now for f in due)
+        frames += due
+    assert device.finished
+    return frames
+
+
+GAPS = st.lists(st.floats(0.0, 2.0), min_size=1, max_size=12)
+
+
+@given(GAPS, st.lists(st.floats(0.0, 30.0), max_size=30))
+def test_what_is_played_does_not_depend_on_when_it_is_asked_for(
+    gaps: list[float], moments: list[float]
+) -> None:
+    times = [sum(gaps[: n + 1]) for n in range(len(gaps))]
+    capture = TouchCapture(
+        tuple(CapturedPacket(t, frame(n + 1, {1: (0.5, 0.5)})) for n, t in enumerate(times))
+    )
+    all_at_once = played(capture, [1000.0])
+    assert played(capture, [*sorted(moments), 1000.0]) == all_at_once
+    assert all_at_once[0].time == 0.0
+    assert [f.time for f in all_at_once] == sorted(f.time for f in all_at_once)
+    silences = sum(gap > 0.5 + 1e-9 for gap in gaps[1:])
+    nearly = sum(abs(gap - 0.5) <= 1e-9 for gap in gaps[1:])
+    assert silences <= sum(not f.contacts for f in all_at_once) <= silences + nearly
+
+
+def test_a_closed_capture_is_over() -> None:
+    device = CaptureDevice(TouchCapture((CapturedPacket(0.0, frame(1, {})),) * 3), Surface())
+    device.close()
+    assert device.finished
+    assert device.poll(9.0) == []

@@ -1,0 +1,242 @@
+"""TUIO 2.0: what pointers do comes out of the packets, whatever senders and networks do to them."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from pythonosc.osc_packet import OscPacket
+
+from models.surface import Surface
+from sandbox.devices.tuio.touch_capture import CaptureDevice, read_capture
+from sandbox.devices.tuio.tuio import touch_frame
+from tests.support.tuio_packets import alv, bnd, bundle, frame, frame20, frm, message, ptr
+from tests.support.tuio_table import PEER, A, B, C, Table
+
+
+def test_a_finger_comes_moves_rests_and_goes() -> None:
+    table = Table()
+    frames = table.feed(
+        frame20(96, {3: A}), frame20(97, {3: B}), frame20(98, {}, alive=[3]), frame20(99, {})
+    )
+    assert frames == [{3: A}, {3: B}, {3: B}, {}]
+    assert [(s.name, s.version) for s in table.tuio.sources] == [("two", "2.0")]
+
+
+def test_only_the_fingers_that_moved_are_sent_and_the_others_stay() -> None:
+    frames = Table().feed(frame20(1, {1: A, 2: B}), frame20(2, {2: C}, alive=[1, 2]))
+    assert frames == [{1: A, 2: B}, {1: A, 2: C}]
+
+
+def test_a_frame_split_over_bundles_counts_when_its_last_part_comes() -> None:
+    table = Table()
+    parts = [
+        bundle(frm(7), ptr(1, *A)),
+        bundle(frm(7), ptr(2, *B)),
+        bundle(frm(7), ptr(3, *C), alv(1, 2, 3)),
+    ]
+    assert table.feed(*parts[:2]) == []
+    assert table.feed(parts[2]) == [{1: A, 2: B, 3: C}]
+    assert table.tuio.statistics.unfinished == 0
+
+
+def test_a_part_that_was_overtaken_by_the_last_one_still_counts() -> None:
+    table = Table()
+    first, last = bundle(frm(7), ptr(1, *A)), bundle(frm(7), ptr(2, *B), alv(1, 2))
+    assert table.feed(last) == [{2: B}]
+    assert table.feed(first) == [{1: A, 2: B}]
+
+
+def test_a_frame_that_is_never_closed_changes_nothing_and_is_counted() -> None:
+    table = Table()
+    table.feed(frame20(1, {1: A}))
+    assert table.feed(bundle(frm(2), ptr(1, *B))) == []
+    assert table.feed(frame20(3, {}, alive=[1])) == [{1: A}]
+    assert table.tuio.statistics.unfinished == 1
+
+
+def test_messages_without_a_bundle_count_once_the_living_are_named() -> None:
+    table = Table()
+    assert table.feed(ptr(1, *A)) == [], "nobody has said whose it is"
+    assert table.feed(frm(4), ptr(1, *A), ptr(2, *B)) == []
+    assert table.feed(alv(1, 2)) == [{1: A, 2: B}]
+    assert table.feed(alv(1)) == [], "no frame is open"
+    assert table.tuio.statistics.unfinished == 2
+
+
+def test_several_frames_in_one_bundle_are_several_frames() -> None:
+    both = bundle(frm(5), ptr(1, *A), alv(1), frm(6), ptr(2, *B), alv(2))
+    assert Table().feed(both) == [{1: A}, {2: B}]
+
+
+@pytest.mark.parametrize("fall", [1, 50, 150])
+def test_a_frame_that_was_overtaken_is_dropped_and_leaves_nothing_behind(fall: int) -> None:
+    table = Table()
+    frames = table.feed(
+        frame20(200, {1: A}), frame20(200 - fall, {1: B, 2: C}), frame20(201, {}, alive=[1, 2])
+    )
+    assert frames == [{1: A}, {1: A}]
+    assert table.tuio.statistics.late == 1
+
+
+def test_a_counter_that_falls_a_second_later_is_a_sender_that_began_anew() -> None:
+    table = Table()
+    table.feed(frame20(200, {1: A}))
+    table.wait(1.1)
+    assert table.feed(frame20(1, {1: B})) == [{1: B}]
+
+
+def test_frame_0_always_applies_and_does_not_count() -> None:
+    table = Table()
+    assert table.feed(frame20(50, {1: A}), frame20(0, {1: B})) == [{1: A}, {1: B}]
+    assert table.feed(frame20(49, {1: C})) == []  # 50 is still the last that counted
+
+
+def test_the_counter_is_unsigned() -> None:
+    frames = Table().feed(frame20(2**31 - 1, {1: A}), frame20(-(2**31), {1: B}))
+    assert frames == [{1: A}, {1: B}]
+
+
+def test_two_sources_at_one_address_do_not_make_each_other_late() -> None:
+    table = Table()
+    table.feed(frame20(500, {1: A}, source="left"))
+    (both,) = table.feed(frame20(450, {1: B}, source="right"))
+    assert sorted(both.values()) == [A, B]
+
+
+def test_both_versions_share_one_port_and_no_ids() -> None:
+    table = Table()
+    table.feed(frame(9, {1: A}, source="old"))
+    (both,) = table.feed(frame20(3, {1: B}, source="new"), peer="192.0.2.8:1")
+    assert sorted(both.values()) == [A, B]
+    assert table.tuio.statistics.late == 0
+
+
+def test_tokens_and_symbols_are_no_touches_and_cost_none() -> None:
+    table = Table()
+    things = [message("/tuio2/tok", 8, 0, 1, 0.5, 0.5, 0.0), message("/tuio2/sym", 8, 0, 0, "x")]
+    assert table.feed(bundle(frm(1), ptr(1, *A), *things, alv(1, 8))) == [{1: A}]
+    assert table.tuio.statistics.ignored == 2
+    assert table.tuio.statistics.ignored_address == "/tuio2/sym"
+
+
+@pytest.mark.parametrize(("kind", "finger"), [*zip(range(1, 6), (1, 2, 3, 4, 0), strict=True)])
+@pytest.mark.parametrize(("hand", "user"), [(0, 0), (5, 0), (0, 2), (5, 700)])
+def test_a_device_that_knows_fingers_names_them(
+    kind: int, finger: int, hand: int, user: int
+) -> None:
+    table = Table()
+    (commit,) = table.tuio.feed(
+        bundle(frm(1), ptr(537, *A, kind=user << 16 | kind + hand), alv(537)), PEER, 0.0
+    )
+    (contact,) = touch_frame(commit, Surface(), 0.0).contacts
+    assert contact.label == finger
+
+
+@pytest.mark.parametrize("kind", [0, 11, 13, 0x16, 0xFFFF])
+def test_pens_mice_and_hands_are_touches_without_a_finger(kind: int) -> None:
+    (commit,) = Table().tuio.feed(bundle(frm(1), ptr(1, *A, kind=kind), alv(1)), PEER, 0.0)
+    assert commit.touches[0].label is None
+
+
+def test_a_device_that_calls_all_of_them_the_same_finger_knows_none() -> None:
+    packet = bundle(
+        frm(1), ptr(1, *A, kind=1), ptr(2, *B, kind=1), ptr(3, *C, kind=5), alv(1, 2, 3)
+    )
+    (commit,) = Table().tuio.feed(packet, PEER, 0.0)
+    assert [touch.label for touch in commit.touches] == [None, None, 0]
+
+
+def test_bounds_tell_the_size_and_need_not_be_sent_again() -> None:
+    table, surface = Table(), Surface(10.0, 5.0)
+    packets = [
+        bundle(frm(1), ptr(1, *A), bnd(1, 0.0625, 0.125), ptr(2, *B), alv(1, 2)),
+        frame20(2, {1: C}, alive=[1, 2]),
+        bundle(frm(3), bnd(1, 0.25, 0.5), alv(1, 2)),
+    ]
+    (first,), (second,), (third,) = (table.tuio.feed(p, PEER, 0.0) for p in packets)
+    assert touch_frame(first, surface, 0.0).contacts[0].size == pytest.approx(0.625 * 0.0254)
+    assert touch_frame(second, surface, 0.0).contacts[0].size == pytest.approx(0.625 * 0.0254)
+    assert touch_frame(third, surface, 0.0).contacts[0].size == pytest.approx(2.5 * 0.0254)
+    assert all(touch_frame(c, surface, 0.0).contacts[1].size is None for c in (first, third))
+
+
+@pytest.mark.parametrize(
+    "odd",
+    [
+        bundle(frm(1), message("/tuio2/ptr", 1, 0, 0, 0.5), alv(1)),
+        bundle(frm(1), message("/tuio2/ptr", 1, "thumb", 0, 0.5, 0.5), alv(1)),
+        bundle(frm(1), ptr(1, 0.5, 7.0), alv(1)),
+        bundle(frm(1), message("/tuio2/alv", 1, 2.0)),
+        bundle(frm(1), alv(*range(256))),
+        bundle(frm(1), *[ptr(i, *A) for i in range(65)], alv(1)),
+        bundle(*[frm(n) for n in range(1, 20)]),
+        bundle(message("/tuio2/frm", 1, 2), ptr(1, *A), alv(1)),
+        bundle(message("/tuio2/frm", "one", 0, 0, "s"), ptr(1, *A), alv(1)),
+        bundle(message("/tuio2/frm", 1, 0, 0, "bell\x07"), ptr(1, *A), alv(1)),
+    ],
+)
+def test_what_breaks_the_protocol_is_counted_and_changes_nothing(odd: bytes) -> None:
+    table = Table()
+    table.feed(frame20(1, {1: A}))
+    assert table.feed(odd) == []
+    assert table.tuio.statistics.malformed == 1
+    assert table.feed(frame20(2, {}, alive=[1])) == [{1: A}]
+
+
+def test_bounds_that_make_no_sense_cost_no_touch() -> None:
+    odd = [
+        message("/tuio2/bnd"),
+        message("/tuio2/bnd", 1, 0.5),
+        bnd(1, -1.0, 0.5),
+        bnd(1, 9.0, 9.0),
+    ]
+    table = Table()
+    assert table.feed(bundle(frm(1), ptr(1, *A), *odd, alv(1))) == [{1: A}]
+    assert table.tuio.statistics.malformed == 0
+
+
+def independent(file: Path) -> list[dict[int, tuple[float, float]]]:
+    """The touches after every frame of the recorded simulators, by python-osc's own reader."""
+    frames: list[dict[int, tuple[float, float]]] = []
+    known: dict[int, tuple[float, float]] = {}
+    alive: tuple[int, ...] = ()
+    for line in file.open():
+        packet = OscPacket(bytes.fromhex(json.loads(line)["hex"]))
+        for timed in packet.messages:
+            address, params = timed.message.address, timed.message.params
+            if address == "/tuio2/ptr":
+                known[params[0]] = (params[3], params[4])
+            elif address == "/tuio/2Dcur" and params[0] == "set":
+                known[params[1]] = (params[2], params[3])
+            elif address == "/tuio/2Dcur" and params[0] == "alive":
+                alive = tuple(params[1:])
+            elif address == "/tuio2/alv":
+                alive = tuple(params)
+            closing = address == "/tuio/2Dcur" and params[0] == "fseq"
+            if address == "/tuio2/alv" or closing:
+                known = {i: known[i] for i in alive if i in known}
+                frames.append(dict(known))
+    return frames
+
+
+@pytest.mark.parametrize(("name", "least"), [("tuio11_capture", 150), ("tuio20_capture", 60)])
+def test_the_recorded_session_replays_as_an_independent_decoder_reads_it(
+    shared_data: Path, name: str, least: int
+) -> None:
+    file = shared_data / "tuio" / f"{name}.jsonl"
+    surface = Surface(10.0, 5.0)
+    device = CaptureDevice(read_capture(file), surface, stale_after=1e6)
+    width, height = (float(s) for s in surface.size)
+    played = [{c.id: (c.x / width, c.y / height) for c in f.contacts} for f in device.poll(1e6)]
+    expected = independent(file)
+    assert len(expected) >= least
+    assert [set(f) for f in played] == [set(f) for f in expected]
+    for got, wanted in zip(played, expected, strict=True):
+        for touch, place in wanted.items():
+            assert got[touch] == pytest.approx(place, abs=1e-12)
+    counts = device.statistics
+    assert (counts.malformed, counts.late, counts.unfinished) == (0, 0, 0)
+    assert any(expected)
+    assert not expected[-1]

@@ -1,0 +1,177 @@
+"""The TUIO device over real sockets: every frame comes out, and nothing from outside harms it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from models.errors import DeviceError
+from models.frames import TouchFrame
+from models.surface import METRES_PER_INCH, Surface
+from sandbox.devices.tuio.tuio import TuioDevice
+from tests.support.processes import PATIENCE, Sender, until
+from tests.support.tuio_packets import MALFORMED, frame
+
+A, B = (0.25, 0.5), (0.75, 0.125)
+
+
+def collect(device: TuioDevice, count: int) -> list[TouchFrame]:
+    """Polls until so many frames have come."""
+    frames: list[TouchFrame] = []
+    end = time.monotonic() + PATIENCE
+    while len(frames) < count and time.monotonic() < end:
+        device.wait(0.1)
+        frames += device.poll()
+    assert len(frames) >= count, f"{len(frames)} of {count} frames came: {device.statistics}"
+    return frames
+
+
+def places(touch_frame: TouchFrame, surface: Surface) -> list[tuple[float, float]]:
+    """Contacts as fractions of the surface to nine digits, in order of id."""
+    width, height = (float(length) for length in surface.size)
+    contacts = sorted(touch_frame.contacts, key=lambda contact: contact.id)
+    return [(round(contact.x / width, 9), round(contact.y / height, 9)) for contact in contacts]
+
+
+@pytest.fixture(scope="module")
+def listener() -> Iterator[TuioDevice]:
+    """One device for many hostile packets, which is harder for it than a new one for each."""
+    with TuioDevice(Surface(), port=0, stale_after=1e6) as device:
+        yield device
+
+
+def test_every_frame_comes_out_once_in_order_and_in_metres() -> None:
+    surface = Surface(10.0, 5.0)
+    with TuioDevice(surface, port=0) as device, Sender(device.port) as send:
+        frames: list[TouchFrame] = []
+        for n in range(300):
+            send(frame(n + 1, {5: (n / 512, 0.5)}, source="table"))
+            frames += device.poll()
+        frames += collect(device, 300 - len(frames))
+        assert [f.contacts[0].x for f in frames] == pytest.approx(
+            [n / 512 * 10.0 * METRES_PER_INCH for n in range(300)], abs=1e-12
+        )
+        assert {(f.contacts[0].id, f.contacts[0].y) for f in frames} == {(5, 2.5 * METRES_PER_INCH)}
+        assert {f.source for f in frames} == {"table"}
+        assert all(c.label is None and c.size is None for f in frames for c in f.contacts)
+        times = [f.time for f in frames]
+        assert times == sorted(times)
+        assert device.statistics.packets == device.statistics.frames == 300
+        assert not device.finished
+
+
+def test_a_full_queue_keeps_the_newest_frames_and_counts_the_others() -> None:
+    with TuioDevice(Surface(), port=0, queue_frames=10) as device, Sender(device.port) as send:
+        send(*[frame(n, {n: A}) for n in range(1, 26)])
+        until(lambda: device.statistics.frames == 25)
+        assert [f.contacts[0].id for f in device.poll()] == list(range(16, 26))
+        assert device.statistics.dropped == 15
+        assert device.poll() == []
+
+
+def test_two_senders_share_the_surface_and_no_ids() -> None:
+    surface = Surface()
+    with (
+        TuioDevice(surface, port=0) as device,
+        Sender(device.port) as left,
+        Sender(device.port) as right,
+    ):
+        left(frame(400, {0: A}, source="app"))
+        collect(device, 1)
+        right(frame(390, {0: B}, source="app"))
+        (both,) = collect(device, 1)
+        assert places(both, surface) == [A, B]
+        right(frame(391, {}, source="app"))
+        (rest,) = collect(device, 1)
+        assert [c.id for c in rest.contacts] == [0]
+        assert len({source.peer for source in device.sources}) == 2
+
+
+def test_the_touches_of_a_silent_sender_are_lifted_and_it_is_marked() -> None:
+    with TuioDevice(Surface(), port=0, stale_after=0.2) as device, Sender(device.port) as send:
+        send(frame(1, {1: A}, source="app"))
+        down, up = collect(device, 2)
+        assert (len(down.contacts), len(up.contacts)) == (1, 0)
+        assert up.time - down.time >= 0.2
+        assert up.cancelled == frozenset(), "they count as lifted, not as taken away"
+        assert [(source.name, source.stale) for source in device.sources] == [("app", True)]
+        send(frame(2, {}, alive=[1]))
+        assert [c.id for c in collect(device, 1)[0].contacts] == [1]
+
+
+@pytest.mark.parametrize("data", MALFORMED.values(), ids=MALFORMED.keys())
+def test_a_malformed_packet_is_counted_and_the_next_one_still_works(
+    listener: TuioDevice, data: bytes
+) -> None:
+    before = listener.statistics
+    with Sender(listener.port) as send:
+        # The system may give this sender the port of an earlier one, so its counter goes on.
+        n = before.packets
+        send(frame(n + 1, {1: A}), data, frame(n + 2, {1: B}), frame(n + 3, {}))
+        first, second, _ = collect(listener, 3)
+    assert places(first, Surface()) == [A]
+    assert places(second, Surface()) == [B]
+    after = listener.statistics
+    assert after.packets - before.packets == 4
+    assert after.malformed - before.malformed == 1
+    assert after.frames - before.frames == 3
+    assert after.malformed_reason
+
+
+def test_the_real_port_is_told_and_nobody_else_can_have_it() -> None:
+    with TuioDevice(Surface(), port=0) as device:
+        assert device.address == f"127.0.0.1:{device.port}"
+        assert device.port > 0
+        with pytest.raises(DeviceError, match="--port"):
+            TuioDevice(Surface(), port=device.port)
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"port": 70_000},
+        {"port": -1},
+        {"bind": "203.0.113.9"},
+        {"bind": "no such name."},
+        {"bind": "a" * 300},
+        {"stale_after": 0.0},
+        {"stale_after": float("nan")},
+        {"queue_frames": 0},
+    ],
+    ids=str,
+)
+def test_settings_that_cannot_work_are_refused_at_once(settings: dict[str, Any]) -> None:
+    with pytest.raises(DeviceError):
+        TuioDevice(Surface(), **({"port": 0} | settings))
+
+
+def test_a_closed_device_gives_what_it_has_and_its_port_back() -> None:
+    device = TuioDevice(Surface(), port=0)
+    with Sender(device.port) as send:
+        send(frame(1, {1: A}))
+        until(lambda: device.statistics.frames == 1)
+    device.close()
+    device.close()
+    assert not device.finished
+    assert len(device.poll()) == 1
+    assert device.finished
+    assert device.poll() == []
+    TuioDevice(Surface(), port=device.port).close()
+
+
+def test_a_socket_that_breaks_is_reported_by_the_next_poll() -> None:
+    device = TuioDevice(Surface(), port=0)
+    with Sender(device.port) as send:
+        send(frame(1, {1: A}))
+        until(lambda: device.statistics.frames == 1)
+    device._socket.close()  # as when the system takes the network away
+    until(lambda: not device._thread.is_alive())
+    assert len(device.poll()) == 1, "what came before is not lost"
+    assert device.wait(0.0), "there is something to hear from poll"
+    with pytest.raises(DeviceError, match="listening to touches has failed"):
+        device.poll()
+    assert device.finished
+    device.close()

@@ -1,0 +1,245 @@
+"""Mutated packets: nothing hangs, nothing is raised, and a good packet afterwards still works.
+
+The seeds are fixed, so that a packet that breaks something breaks it again. The long runs
+(`-m full`) also mutate the recorded sessions, where they are at hand.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import random
+import socket
+import struct
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from models.surface import Surface
+from sandbox.devices.tuio.osc import MAX_PACKET_BYTES
+from sandbox.devices.tuio.tuio import TuioDevice, touch_frame
+from sandbox.devices.tuio.tuio_senders import MAX_SOURCES, MAX_TOUCHES, Commit, Statistics, Tuio
+from tests.support.tuio_packets import MALFORMED, bundle, cur, frame, message
+
+QUICK, FULL = 3_000, 100_000
+COUNTS = pytest.mark.parametrize("count", [QUICK, pytest.param(FULL, marks=pytest.mark.full)])
+"""Packets of the run that is always made, and of the long one."""
+
+MEANT = [
+    frame(-1, {}),
+    frame(1, {1: (0.5, 0.5)}, source="table"),
+    frame(2, {i: (i / 8, 0.25) for i in range(5)}, source="app@192.0.2.1"),
+    frame(3, {2: (0.1, 0.9)}, alive=range(5), source="app@192.0.2.1"),
+    frame(4, dict.fromkeys(range(64), (0.5, 0.5))),
+    bundle(frame(5, {1: (0.2, 0.3)}), frame(6, {}), cur("alive", 3)),
+    bundle(message("/tuio/2Dblb", "alive", 4), message("/tuio/2Dblb", "fseq", 1)),
+    bundle(message("/tuio2/frm", 7, 1, 0, "two"), message("/tuio2/alv", 1)),
+    cur("alive", 1, 2),
+    cur("set", 1, 0.5, 0.5),
+    cur("fseq", 9),
+]
+CORPUS = MEANT * 4 + list(MALFORMED.values())
+WORDS = (
+    *[struct.pack(">i", value) for value in (0, 1, -1, -4, -8, 4, 8, 64, 2**31 - 1, -(2**31))],
+    *[struct.pack(">f", value) for value in (math.nan, math.inf, -math.inf, 1.1, -0.1, 5.0)],
+    *(
+        b"#bundle\x00",
+        b"/tuio/2Dcur\x00",
+        b",si\x00",
+        b"alive\x00\x00\x00",
+        b"fseq\x00\x00\x00\x00",
+    ),
+    *(b"set\x00", b"source\x00\x00", b"\xff\xff\xff\xff", b"[[]]", b",bb\x00", b"////"),
+)
+"""Words (32 bits and multiples) that mean something somewhere in a packet."""
+
+
+def flip(rng: random.Random, data: bytearray) -> None:
+    for _ in range(rng.randint(1, 4)):
+        if data:
+            data[rng.randrange(len(data))] ^= 1 << rng.randrange(8)
+
+
+def set_byte(rng: random.Random, data: bytearray) -> None:
+    if data:
+        data[rng.randrange(len(data))] = rng.choice((0, 0xFF, 0x7F, 0x80, rng.randrange(256)))
+
+
+def set_word(rng: random.Random, data: bytearray) -> None:
+    at = rng.randrange(len(data) // 4 + 1) * 4
+    word = rng.choice(WORDS)
+    data[at : at + len(word)] = word
+
+
+def insert_word(rng: random.Random, data: bytearray) -> None:
+    at = rng.randrange(len(data) // 4 + 1) * 4
+    data[at:at] = rng.choice(WORDS)
+
+
+def cut(rng: random.Random, data: bytearray) -> None:
+    del data[rng.randrange(len(data) + 1) :]
+
+
+def drop_words(rng: random.Random, data: bytearray) -> None:
+    at = rng.randrange(len(data) // 4 + 1) * 4
+    del data[at : at + 4 * rng.randint(1, 4)]
+
+
+def splice(rng: random.Random, data: bytearray) -> None:
+    other = rng.choice(CORPUS)
+    data[rng.randrange(len(data) // 4 + 1) * 4 :] = other[rng.randrange(len(other) // 4 + 1) * 4 :]
+
+
+def repeat(rng: random.Random, data: bytearray) -> None:
+    data += bytes(data[rng.randrange(len(data) // 4 + 1) * 4 :]) * rng.randint(1, 9)
+
+
+def wrap(rng: random.Random, data: bytearray) -> None:
+    for _ in range(rng.randint(1, 12)):
+        data[:] = bundle(bytes(data))
+
+
+MUTATIONS: tuple[Callable[[random.Random, bytearray], None], ...] = (
+    *(flip, set_byte, set_word, insert_word, cut, drop_words, splice, repeat, wrap),
+)
+
+
+def invent(rng: random.Random) -> bytes:
+    """OSC that is whole, says things of TUIO, and need not make sense."""
+
+    def some_id() -> object:
+        if rng.random() < 0.01:
+            return rng.choice((2**40, "1", 1.0, True, None))
+        return rng.choice((1, 2, 3, rng.randrange(9), -1, 2**31 - 1))
+
+    def some_place() -> object:
+        if rng.random() < 0.01:
+            return rng.choice((5.0, -3.0, math.nan, math.inf, "x", None))
+        return rng.choice((0.0, 0.5, 1.0, rng.random(), -0.1, 1.1))
+
+    def part() -> bytes:
+        values: list[object]
+        match rng.randrange(8):
+            case 0:
+                values = ["source", rng.choice(("a", "b", "", str(rng.randrange(200))))]
+            case 1 | 2:
+                values = ["alive", *(some_id() for _ in range(rng.randrange(7)))]
+            case 3 | 4 | 5:
+                values = ["set", some_id(), some_place(), some_place(), 0.0, 0.0, 0.0]
+                del values[rng.choice((99,) * 20 + (4, 3)) :]
+            case _:
+                values = ["fseq", rng.choice((rng.randrange(400), rng.randrange(400), -1, 0))]
+        return message(rng.choice(("/tuio/2Dcur",) * 9 + ("/tuio/2Dblb",)), *values)
+
+    if rng.random() < 0.2:
+        return part()
+    return bundle(*(part() for _ in range(rng.randrange(9))))
+
+
+def mutants(
+    seed: int,
+    count: int,
+    corpus: list[bytes],
+    made_up: Callable[[random.Random], bytes] = invent,
+) -> Iterator[bytes]:
+    rng = random.Random(seed)
+    for _ in range(count):
+        data = bytearray(made_up(rng) if rng.random() < 0.5 else rng.choice(corpus))
+        for _ in range(rng.choice((0, 0, 1, 1, 2, 3, 6))):
+            rng.choice(MUTATIONS)(rng, data)
+        yield bytes(data[:MAX_PACKET_BYTES])
+
+
+def check(commit: Commit) -> None:
+    """What a frame promises whatever was received."""
+    assert len(commit.touches) <= MAX_TOUCHES
+    assert all(0.0 <= t.x <= 1.0 and 0.0 <= t.y <= 1.0 for t in commit.touches)
+    assert commit.source.isprintable()
+    touch_frame(commit, Surface(), 0.0)  # refuses ids that are not unique
+
+
+def fuzz_decoder(seed: int, count: int, corpus: list[bytes]) -> Tuio:
+    """Feeds mutants of several senders, and a good packet of another one after every 50."""
+    tuio = Tuio(stale_after=0.5)
+    for n, data in enumerate(mutants(seed, count, corpus)):
+        now = n * 0.01
+        for commit in tuio.feed(data, f"192.0.2.{n % 7}:1", now) + tuio.expire(now):
+            check(commit)
+        assert tuio.statistics.packets == n + 1 + n // 50
+        assert len(tuio.sources) <= MAX_SOURCES
+        if n % 50 == 49:
+            place = (n % 64 / 64, 0.25)
+            last = tuio.feed(frame(n, {n: place}, source="good"), "192.0.2.200:1", now)[-1]
+            assert last.source == "good"
+            assert place in [(t.x, t.y) for t in last.touches]
+    return tuio
+
+
+def fuzz_socket(seed: int, count: int, corpus: list[bytes]) -> tuple[int, int, Statistics]:
+    """The same through UDP. A good packet after every 20, so that the system need drop none.
+
+    How many packets were sent, how many good ones were told, and what the device counted.
+    """
+    surface = Surface(10.0, 10.0)
+    with (
+        TuioDevice(surface, port=0, stale_after=0.5) as device,
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as bad,
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as good,
+    ):
+        bad.connect(("127.0.0.1", device.port))
+        good.connect(("127.0.0.1", device.port))
+        sent = told = 0
+        for n, data in enumerate(mutants(seed, count, corpus)):
+            bad.send(data)
+            sent += 1
+            if n % 20 == 19:
+                place = (n % 64 / 64 * surface.size[0], 0.25 * surface.size[1])
+                good.send(frame(n, {n: (n % 64 / 64, 0.25)}, source="good"))
+                sent += 1
+                if not seen(device, place):
+                    break
+                told += 1
+        assert not device.finished
+        return sent, told, device.statistics
+
+
+def seen(device: TuioDevice, place: tuple[float, float]) -> bool:
+    """Waits for a frame of the good sender with a touch at this place, metres."""
+    for _ in range(600):
+        device.wait(0.1)
+        for got in device.poll():
+            if got.source == "good" and any(
+                math.dist((c.x, c.y), place) < 1e-9 for c in got.contacts
+            ):
+                return True
+    return False
+
+
+@COUNTS
+def test_mutated_packets_do_no_harm(count: int) -> None:
+    counted = fuzz_decoder(20150713, count, CORPUS).statistics
+    # The mutants must reach both sides of every decision, or this test says nothing.
+    assert count / 10 < counted.malformed < count * 9 / 10
+    assert counted.frames > count / 10
+    assert min(counted.late, counted.unfinished, counted.ignored, counted.evicted) > 0
+
+
+@pytest.mark.parametrize("count", [QUICK, pytest.param(FULL // 5, marks=pytest.mark.full)])
+def test_mutated_packets_do_no_harm_over_a_socket(count: int) -> None:
+    sent, told, counted = fuzz_socket(20131002, count, CORPUS)
+    assert told == count // 20, counted
+    assert counted.packets == sent == count + told
+    assert counted.malformed > count / 10
+
+
+@pytest.mark.full
+def test_mutated_recordings_of_reference_senders_do_no_harm(shared_data: Path) -> None:
+    recorded = [
+        bytes.fromhex(json.loads(line)["hex"])
+        for file in sorted((shared_data / "tuio").glob("*.jsonl"))
+        for line in file.open()
+    ]
+    assert recorded
+    counted = fuzz_decoder(2, FULL, recorded).statistics
+    assert min(counted.malformed, counted.frames) > FULL / 10

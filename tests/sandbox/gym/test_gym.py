@@ -1,0 +1,353 @@
+"""Gymnasium's environments: an episode is a trial, the same to the bit as the session's."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+from gymnasium.wrappers import FlattenObservation, RescaleAction
+
+from models.errors import InputError
+from models.rotations import exp
+from models.skeleton import ADULT
+from sandbox.cli.main import main
+from sandbox.gym import HandSandboxEnv, register_task
+from sandbox.recording.recording import Recording, load_recording
+from tasks.registry import TASKS, hands_of
+
+TOUCH, POSE = "hand_sandbox/BoxToGoal-v1", "hand_sandbox/BoxToGoalPose-v1"
+TWO = "sandbox.gym:hand_sandbox/CarryTogether-v1"
+MUG = str(Path(__file__).parents[3] / "examples" / "push_the_mug.py")
+
+
+@pytest.fixture
+def env() -> Iterator[HandSandboxEnv]:
+    made = HandSandboxEnv()
+    yield made
+    made.close()
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory: pytest.TempPathFactory) -> Recording:
+    path = tmp_path_factory.mktemp("gym") / "run.jsonl"
+    assert main(["run", "box-to-goal", "--seed", "3", "--record", str(path)]) == 0
+    return load_recording(path)
+
+
+class Slots:
+    """The touches of a recording as actions: every contact keeps the slot it came into."""
+
+    def __init__(self) -> None:
+        self.ids: list[int | None] = [None] * 5
+
+    def action(self, contacts: Any) -> np.ndarray:
+        here = {c.id: c for c in contacts}
+        self.ids = [i if i in here else None for i in self.ids]
+        for new in sorted(set(here) - set(self.ids)):
+            self.ids[self.ids.index(None)] = new
+        rows = [(0.0, 0.0, 0.0) if i is None else (1.0, here[i].x, here[i].y) for i in self.ids]
+        return np.ravel(rows)
+
+
+def play(env: Any, actions: Any, seed: int) -> list[Any]:
+    found = [env.reset(seed=seed)]
+    found += [env.step(action) for action in actions]
+    return found
+
+
+def actions(env: Any, count: int, seed: int = 0) -> list[Any]:
+    env.action_space.seed(seed)
+    return [env.action_space.sample() for _ in range(count)]
+
+
+def hashes(steps: list[Any]) -> list[str]:
+    return [step[-1]["state_hash"] for step in steps]
+
+
+def test_every_task_has_an_id_with_its_version_for_touches_and_for_poses():
+    for task in TASKS.values():
+        name = "".join(part.capitalize() for part in task.name.split("-"))
+        for kind in ("", "Pose"):
+            spec = gymnasium.spec(f"hand_sandbox/{name}{kind}-v{task.version}")
+            assert spec.kwargs["task"] == task.name
+
+
+@pytest.mark.parametrize("action", ["touch", "pose"])
+def test_every_task_takes_steps_and_shows_all_its_things_and_goals(action):
+    for name, task in TASKS.items():
+        env = HandSandboxEnv(name, action)
+        lifts = action == "touch" and task.lift_range > 0
+        each = {"touch": 15, "pose": 53}[action] + lifts
+        assert env.action_space.shape == (each * hands_of(task),)
+        for seen in (env.reset(seed=1)[0], env.step(actions(env, 1)[0])[0]):
+            assert seen in env.observation_space
+            assert len(seen["objects"]) == len(env.session.task.objects)
+            assert len(seen["goals"]) == len(env.session.task.goals)
+        env.close()
+
+
+@pytest.mark.parametrize("id", [TOUCH, POSE])
+def test_gymnasium_s_own_check_finds_nothing(id):
+    env = RescaleAction(gymnasium.make(f"sandbox.gym:{id}").unwrapped, -1.0, 1.0)
+    with warnings.catch_warnings(record=True) as warned:
+        warnings.simplefilter("always")
+        check_env(env, skip_render_check=True)
+    # The check wants to see wrappers, too, which it warns about instead of testing them.
+    found = [str(warning.message) for warning in warned]
+    assert not [text for text in found if "is different from the unwrapped version" not in text]
+
+
+def test_a_recorded_run_s_touches_give_its_states_and_its_score(env, recording):
+    assert recording.end is not None
+    expected = {i.step: i.state_hash for i in recording.inputs[0]}
+    slots, over = Slots(), False
+    _, info = env.reset(seed=3)
+    for recorded in recording.inputs[0]:
+        assert not over
+        assert info["state_hash"] == expected[env.session.step]
+        _, _, terminated, truncated, info = env.step(slots.action(recorded.frame.contacts))
+        over = terminated or truncated
+    assert terminated and not truncated
+    result = recording.end["result"]
+    assert info["trial"] == {name: result[name] for name in info["trial"]}
+    assert info["trial"]["success"] and info["state_hash"] == result["state_hash"]
+
+
+def test_two_hands_touches_of_a_recorded_run_give_its_states_and_its_score(tmp_path):
+    path = tmp_path / "run.jsonl"
+    both = ["--device", "simulated", "--device", "simulated"]
+    assert main(["run", "carry-together", "--seed", "3", *both, "--record", str(path)]) == 0
+    recording = load_recording(path)
+    assert recording.end is not None
+    assert [i.step for i in recording.inputs[0]] == [i.step for i in recording.inputs[1]]
+    env, slots = gymnasium.make(TWO), [Slots(), Slots()]
+    seen, info = env.reset(seed=3)
+    for inputs in zip(recording.inputs[0], recording.inputs[1], strict=True):
+        assert {i.state_hash for i in inputs} == {info["state_hash"]}
+        action = [
+            [*hand.action(i.frame.contacts), i.frame.lift or 0.0]
+            for hand, i in zip(slots, inputs, strict=True)
+        ]
+        seen, _, terminated, _, info = env.step(np.ravel(action))
+    assert terminated
+    assert info["state_hash"] == recording.end["result"]["state_hash"]
+    assert info["trial"]["success"] is recording.end["result"]["success"] is True
+    hands = env.unwrapped._snapshot.hands
+    for i, hand in enumerate(hands):
+        assert np.array_equal(seen["tips"][i], hand.tips)
+        assert np.array_equal(seen["pose"][i][:3], env.unwrapped.session.data.qpos[63 * i :][:3])
+    env.close()
+
+
+def test_each_of_two_hands_does_what_its_own_half_of_an_action_says():
+    env = gymnasium.make(TWO.replace("-v", "Pose-v"))
+    seen, _ = env.reset(seed=1)
+    action = np.concatenate([np.concatenate([pose, np.zeros(5)]) for pose in seen["pose"]])
+    moved = action.copy()
+    moved[53:56] += (0.0, 0.03, 0.02)
+    for _ in range(60):
+        after, *_ = env.step(moved)
+    assert after["pose"][0][:3] == pytest.approx(seen["pose"][0][:3], abs=0.001)
+    assert after["pose"][1][:3] == pytest.approx(moved[53:56], abs=0.002)
+    env.close()
+
+
+@pytest.mark.parametrize("id", [TOUCH, POSE])
+def test_equal_seeds_and_actions_give_equal_episodes_and_others_do_not(id):
+    env = gymnasium.make(f"sandbox.gym:{id}")
+    chosen = actions(env, 30)
+    first, again, other = play(env, chosen, 5), play(env, chosen, 5), play(env, chosen, 6)
+    for a, b in zip(first, again, strict=True):
+        assert all(np.array_equal(a[0][name], b[0][name]) for name in a[0])
+    assert hashes(first) == hashes(again)
+    assert not set(hashes(first)) & set(hashes(other))
+    env.close()
+
+
+def test_the_seed_is_the_trial_s_and_without_one_the_next_is_drawn_from_it(env):
+    assert env.reset(seed=7)[1]["seed"] == 7
+    following = [env.reset()[1]["seed"] for _ in range(3)]
+    assert len({7, *following}) == 4
+    env.reset(seed=7)
+    assert [env.reset()[1]["seed"] for _ in range(3)] == following
+
+
+def test_what_an_episode_gains_is_the_progress_made_and_success(env, recording):
+    sparse = HandSandboxEnv(reward="sparse")
+    totals = []
+    for each in (env, sparse):
+        slots = Slots()
+        each.reset(seed=3)
+        inputs = recording.inputs[0]
+        totals.append(sum(each.step(slots.action(i.frame.contacts))[1] for i in inputs))
+    # A box starts with no progress, and the trial ends with all of it.
+    assert totals == pytest.approx([2.0, 1.0])
+
+
+def test_time_ends_an_episode_without_terminating_it_and_then_it_is_over(env):
+    env.reset(seed=0)
+    nothing = np.zeros(env.action_space.shape)
+    steps = 0
+    while True:
+        _, _, terminated, truncated, info = env.step(nothing)
+        steps += 1
+        assert not terminated
+        if truncated:
+            break
+    assert info["trial"]["status"] == "timeout"
+    assert steps * 0.016 == pytest.approx(info["trial"]["time_s"], abs=0.02)
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        env.step(nothing)
+
+
+def test_an_observation_is_what_the_session_knows(env, recording):
+    slots = Slots()
+    env.reset(seed=3)
+    labelled = 0
+    for recorded in recording.inputs[0][:200]:
+        seen, *_ = env.step(slots.action(recorded.frame.contacts))
+        session, hand = env.session, env._snapshot.hands[0]
+        assert seen in env.observation_space
+        assert np.array_equal(seen["tips"], hand.tips)
+        assert set(np.flatnonzero(seen["solid"])) == hand.solid
+        position, rotation = session.scene.object_pose(session.data, "box")
+        assert np.array_equal(seen["objects"][0, :3], position)
+        w, x, y, z = seen["objects"][0, 3:7]
+        turn = 2 * np.arctan2(np.linalg.norm([x, y, z]), w)
+        assert np.trace(rotation) == pytest.approx(1 + 2 * np.cos(turn))
+        goal = session.task.goals[0]
+        assert seen["goals"][0, :3] == pytest.approx(goal.position)
+        assert np.sin(seen["goals"][0, 3] - goal.yaw) == pytest.approx(0.0, abs=1e-12)
+        assert seen["time"][0] == pytest.approx(session.time)
+        named = seen["labels"][seen["labels"] >= 0]
+        assert len(set(named)) == len(named)
+        labelled = max(labelled, len(named))
+        for slot, id in enumerate(slots.ids):
+            assert id is not None or seen["labels"][slot] == -1
+    assert labelled == 3
+
+
+def test_velocities_are_what_positions_change_by(env, recording):
+    slots = Slots()
+    env.reset(seed=3)
+    rows = []
+    for recorded in recording.inputs[0]:
+        rows.append(env.step(slots.action(recorded.frame.contacts))[0]["objects"][0])
+    rows = np.array(rows)
+    moved = np.diff(rows[:, :3], axis=0) / 0.016
+    between = 0.5 * (rows[1:, 7:10] + rows[:-1, 7:10])
+    assert np.abs(moved).max() > 0.05
+    assert np.median(np.abs(moved - between).max(axis=1)) < 0.002
+
+
+def test_later_steps_leave_earlier_observations_alone(env):
+    first, _ = env.reset(seed=1)
+    kept = {name: values.copy() for name, values in first.items()}
+    for action in actions(env, 5):
+        env.step(action)
+    assert all(np.array_equal(kept[name], first[name]) for name in kept)
+
+
+def test_a_hand_told_a_pose_goes_there_no_faster_than_any_and_grips_nothing_it_should_not(env):
+    env = HandSandboxEnv(action="pose")
+    seen, _ = env.reset(seed=2)
+    start = seen["pose"]
+    goal = start.copy()
+    goal[:3] += (0.05, 0.02, 0.03)
+    goal[6:] = 0.5 * (ADULT.lower + ADULT.upper)
+    solid = np.zeros(5)
+    for step in range(80):
+        seen, *_ = env.step(np.concatenate([goal, solid]))
+        if step == 1:
+            assert np.linalg.norm(seen["pose"][:3] - start[:3]) < 0.032
+    assert seen["pose"][:3] == pytest.approx(goal[:3], abs=0.002)
+    for a, b in zip(seen["pose"][3:].reshape(15, 3), goal[3:].reshape(15, 3), strict=True):
+        assert np.allclose(exp(a), exp(b), atol=0.05)
+    assert not seen["solid"].any()
+    seen, *_ = env.step(np.concatenate([goal, [1, 1, 0, 0, 0]]))
+    assert seen["solid"].tolist() == [1, 1, 0, 0, 0]
+
+
+def test_a_slot_that_touches_again_is_another_contact(env):
+    env.reset(seed=0)
+    touch = np.zeros(15)
+    touch[:3] = (1.0, 0.05, 0.05)
+    ids = []
+    for action in (touch, touch, np.zeros(15), touch):
+        env.step(action)
+        ids.append(env._hands[0].touch_ids[0])
+    assert ids == [0, 0, None, 1]
+
+
+@pytest.mark.parametrize("mode", ["sync", "async"])
+def test_environments_side_by_side_are_those_one_after_another(mode):
+    side = gymnasium.make_vec(f"sandbox.gym:{TOUCH}", 2, mode)
+    one = gymnasium.make(f"sandbox.gym:{TOUCH}")
+    chosen = actions(one, 8)
+    side.reset(seed=[4, 9])
+    for action in chosen:
+        seen, _, _, _, info = side.step(np.stack([action, action]))
+    for number, seed in enumerate((4, 9)):
+        alone = play(one, chosen, seed)[-1]
+        assert info["state_hash"][number] == alone[-1]["state_hash"]
+        assert all(np.array_equal(seen[name][number], alone[0][name]) for name in seen)
+    side.close()
+    one.close()
+
+
+def test_a_lab_s_task_in_a_file_has_ids_and_plays():
+    touch, pose = register_task(MUG)
+    assert (touch, pose) == (
+        "hand_sandbox/MyLabPushTheMug-v1",
+        "hand_sandbox/MyLabPushTheMugPose-v1",
+    )
+    env = FlattenObservation(gymnasium.make(touch))
+    seen, info = env.reset(seed=1)
+    assert seen.shape == env.observation_space.shape
+    assert info["seed"] == 1
+    env.step(env.action_space.sample())
+    env.close()
+
+
+@pytest.mark.needs("opengl")
+def test_a_picture_is_drawn_only_when_it_is_asked_for():
+    env = gymnasium.make(f"sandbox.gym:{TOUCH}", render_mode="rgb_array", size=(64, 48))
+    env.reset(seed=0)
+    assert env.unwrapped._renderer is None
+    picture = env.render()
+    assert picture.shape == (48, 64, 3) and picture.dtype == np.uint8
+    assert picture.std() > 1.0
+    env.close()
+    assert HandSandboxEnv().render() is None
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [{"task": "no-such"}, {"action": "think"}, {"reward": "gold"}, {"render_mode": "human"},
+     {"encodr": "best"}, {"labels": "guess"}],
+)  # fmt: skip
+def test_what_cannot_be_made_is_refused_with_what_can(wrong):
+    with pytest.raises(InputError, match="got"):
+        HandSandboxEnv(**wrong)
+
+
+@pytest.mark.parametrize("wrong", [np.zeros(14), np.full(15, np.nan), np.zeros((15, 1))])
+def test_what_is_no_action_is_refused_and_the_episode_goes_on(env, wrong):
+    env.reset(seed=0)
+    with pytest.raises(InputError, match="no action"):
+        env.step(wrong)
+    env.step(np.zeros(15))
+
+
+def test_the_documentation_s_example_runs():
+    page = (Path(__file__).parents[3] / "docs" / "gymnasium.md").read_text(encoding="utf-8")
+    example = page.split("```python\n")[1].split("```")[0]
+    names: dict[str, Any] = {}
+    exec(example, names)
+    assert names["observation"] in names["env"].observation_space

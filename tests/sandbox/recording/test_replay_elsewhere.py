@@ -1,0 +1,178 @@
+"""On another machine a recording shows its own poses, and says that nothing promises more."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+
+from models.errors import RecordingError
+from sandbox.cli.replay import command
+from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.recording.recording import load_recording
+from sandbox.session.track import GRAIN, Track, TrackWriter, read_line
+from sandbox.trial.headless import run_trial
+from sandbox.trial.replay import replay
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    """A trial's snapshots by step, its result and its recording."""
+    path = tmp_path_factory.mktemp("run") / "run.jsonl"
+    chosen = plan(SceneOptions(seed=11, fingers=3))
+    seen = {}
+    result = run_trial(
+        chosen.settings,
+        chosen.make_device,
+        lambda session: [lambda snapshot: seen.__setitem__(snapshot.step, snapshot)],
+        record=path,
+        about=chosen.about,
+    )
+    return seen, result, path
+
+
+def forged(path: Path, name: str, **settings: object) -> Path:
+    """The recording as if another machine had made it; with other settings as if that machine
+    computed other states."""
+    lines = path.read_text().splitlines()
+    header = json.loads(lines[0])
+    header["versions"]["fingerprint"] = "another machine"
+    header["settings"] |= settings
+    other = path.with_name(name)
+    other.write_text("\n".join([json.dumps(header), *lines[1:]]) + "\n")
+    return other
+
+
+def shown(path: Path):
+    seen = {}
+    _, found = replay(
+        load_recording(path), lambda s: [lambda snapshot: seen.__setitem__(snapshot.step, snapshot)]
+    )
+    return seen, found
+
+
+def test_elsewhere_every_recorded_pose_is_shown_though_the_simulation_differs(recorded):
+    seen, result, path = recorded
+    # A weak hand: this machine computes another trial from the same touches.
+    again, found = shown(forged(path, "weak.jsonl", impulse=0.02))
+    assert found.first_difference is not None and not found.same_machine and found.shown_recorded
+    steps = sorted(set(seen) & set(again))
+    # The state after the very last control period is not in the track.
+    assert max(seen) - max(steps) <= 8 and len(steps) > 100
+    for step in [s for s in steps if s != max(seen)]:
+        was, now = seen[step], again[step]
+        np.testing.assert_allclose(now.qpos, was.qpos, atol=2 * GRAIN)
+        # A live snapshot's places are those of the last physics step but one, 2 ms before.
+        for a, b in (
+            (now.objects["box"].position, was.objects["box"].position),
+            (now.hands[0].tips, was.hands[0].tips),
+        ):
+            np.testing.assert_allclose(a, b, atol=3e-3)
+        assert now.hands[0].solid == was.hands[0].solid
+    assert result["success"] and again[max(again)].score.status in ("held", "running")
+
+
+def test_elsewhere_the_command_says_so_and_does_not_fail(recorded, capsys):
+    _, result, path = recorded
+    assert command.main([str(forged(path, "other.jsonl", impulse=0.02))]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "another kind of processor" in said and "its recorded poses" in said
+    assert result["success"]
+    assert f"box-to-goal: done after {result['time_s']:.1f} s" in said
+
+
+def test_elsewhere_equal_states_are_still_told_to_be_equal(recorded, capsys):
+    _, _, path = recorded
+    assert command.main([str(forged(path, "equal.jsonl"))]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "exact" in said and "another kind of processor" in said
+
+
+def test_on_the_same_machine_a_difference_still_fails(recorded):
+    _, _, path = recorded
+    lines = path.read_text().splitlines()
+    header = json.loads(lines[0])
+    header["settings"]["impulse"] = 0.02
+    other = path.with_name("same.jsonl")
+    other.write_text("\n".join([json.dumps(header), *lines[1:]]) + "\n")
+    assert command.main([str(other)]) == 1
+
+
+def test_an_older_recording_without_poses_shows_what_is_simulated_and_says_so(recorded, capsys):
+    _, _, path = recorded
+    lines = forged(path, "whole.jsonl").read_text().splitlines()
+    old = path.with_name("old.jsonl")
+    old.write_text("\n".join(t for t in lines if '"kind":"track"' not in t) + "\n")
+    assert command.main([str(old)]) == 0
+    assert "recorded no poses" in capsys.readouterr().out
+
+
+def test_poses_of_another_scene_are_refused_in_one_line(recorded):
+    _, _, path = recorded
+    lines = forged(path, "scene.jsonl").read_text().splitlines()
+    lines = [t for t in lines if '"kind":"track"' not in t]
+    track = TrackWriter()
+    track.add(0, np.zeros(3), [frozenset()])
+    other = path.with_name("other-scene.jsonl")
+    other.write_text("\n".join([*lines, json.dumps(track.line())]) + "\n")
+    with pytest.raises(RecordingError, match="another scene"):
+        replay(load_recording(other))
+
+
+def test_poses_are_the_smaller_part_of_a_recording(recorded):
+    _, _, path = recorded
+    lines = path.read_text().splitlines()
+    poses = sum(len(t) for t in lines if '"kind":"track"' in t)
+    assert 0 < poses < 0.35 * sum(map(len, lines))
+
+
+@given(
+    qpos=hnp.arrays(
+        float,
+        st.tuples(st.integers(1, 150), st.integers(1, 9)),
+        elements=st.floats(-100.0, 100.0) | st.sampled_from([np.nan, np.inf, -np.inf]),
+    ),
+    first=st.integers(0, 10**6),
+    stride=st.integers(1, 16),
+    fingers=st.frozensets(st.integers(0, 4)),
+)
+def test_a_track_keeps_every_finite_position_to_its_grain(qpos, first, stride, fingers):
+    writer, track = TrackWriter(), Track()
+    for i, row in enumerate(qpos):
+        writer.add(first + i * stride, row, [fingers, frozenset()])
+    line = json.loads(json.dumps(writer.line()))
+    assert writer.line() is None
+    read_line(line, track)
+    assert sorted(track.qpos) == [first + i * stride for i in range(len(qpos))]
+    for i, row in enumerate(qpos):
+        got = track.qpos[first + i * stride]
+        finite = np.isfinite(row)
+        np.testing.assert_allclose(got[finite], row[finite], atol=0.51 * GRAIN)
+        assert np.all(np.isfinite(got))
+        assert track.solid[first + i * stride] == (fingers, frozenset())
+
+
+@pytest.mark.parametrize(
+    "spoil",
+    [
+        {"steps": [0, 8, 10**9]},
+        {"steps": [0, 8, 3]},
+        {"joints": -5},
+        {"hands": 99},
+        {"poses": "AAAA"},
+        {"poses": "***"},
+    ],
+)
+def test_a_damaged_track_ends_the_recording_and_is_named(tmp_path, spoil):
+    writer = TrackWriter()
+    for i in range(4):
+        writer.add(8 * i, np.arange(5.0), [frozenset({1})])
+    header = {"kind": "header", "schema": 1, "settings": {}}
+    path = tmp_path / "damaged.jsonl"
+    path.write_text("\n".join(json.dumps(t) for t in (header, {**writer.line(), **spoil})) + "\n")
+    assert "line 2 is damaged" in load_recording(path).damage

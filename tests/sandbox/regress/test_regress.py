@@ -1,0 +1,344 @@
+"""Trials are the same wherever they run, none gets lost, and only a loss beyond chance fails."""
+
+from __future__ import annotations
+
+import json
+import multiprocessing
+import os
+import shlex
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from models.errors import InputError
+from sandbox.cli.common.parse import parse
+from sandbox.cli.main import main
+from sandbox.cli.regress import parse_known
+from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.recording.recording import load_recording
+from sandbox.regress.execute import CRASHED, Processes, Serial, run_job
+from sandbox.regress.plan import (
+    RegressionPlan,
+    TrialJob,
+    differing,
+    find_tasks,
+    options,
+    parse_seeds,
+    registered,
+)
+from sandbox.trial.headless import run_trial
+from tasks.registry import TASKS
+from tests.support.processes import PATIENCE, ROOT, until
+from tests.support.regress_tasks import Dying, Quick, Raising, Stopping, Worse
+
+
+def by_seed(trials) -> list[dict]:
+    return sorted(trials, key=lambda t: t["seed"])
+
+
+def regress(*words: str | Path) -> int:
+    return main(["regress", *map(str, words)])
+
+
+def refused(capsys, *words: str | Path) -> str:
+    """The one line with which the command is refused."""
+    assert regress(*words) == 2
+    shown = capsys.readouterr()
+    assert shown.err.startswith("sandbox: ") and shown.err.count("\n") == 1
+    assert shown.out == ""
+    return shown.err
+
+
+@pytest.fixture(scope="module")
+def quick(tmp_path_factory) -> Path:
+    """A baseline of nine quick trials, six of which succeed."""
+    path = tmp_path_factory.mktemp("baseline") / "base.json"
+    with registered(Quick):
+        assert quick_run("--baseline", path, "--update-baseline") == 0
+    return path
+
+
+def quick_run(*words: str | Path, seeds: str = "0:9") -> int:
+    return regress("--tasks", "quick", "--seeds", seeds, "--executor", "serial", *words)
+
+
+def test_trials_in_processes_are_those_in_series_to_the_bit():
+    jobs = RegressionPlan((Quick,), (3, 4, 5, 6)).jobs()
+    one, two = list(Serial().run(jobs)), by_seed(Processes(2).run(jobs))
+    assert one == two
+    assert len({t["state_hash"] for t in one}) == 4
+    assert [t["success"] for t in one] == [False, True, True, False]
+
+
+def test_a_trial_is_that_of_the_run_command_to_the_bit():
+    chosen = plan(SceneOptions(task="box-to-goal", seed=4, fingers=5))
+    alone = run_trial(chosen.settings, chosen.make_device, about=chosen.about)
+    trial = run_job(TrialJob("box-to-goal", 4, {"fingers": 5}))
+    fingerprint = trial.pop("fingerprint")
+    assert trial == {name: alone[name] for name in trial}
+    assert fingerprint == alone["versions"]["fingerprint"]
+
+
+def test_a_worker_that_dies_is_reported_with_its_seed_and_the_others_are_run():
+    trials = by_seed(Processes(2).run(RegressionPlan((Dying,), tuple(range(6))).jobs()))
+    assert [t["seed"] for t in trials] == list(range(6))
+    assert [t["status"] == CRASHED for t in trials] == [False, True, True, False, False, False]
+    assert "SIGKILL" in trials[1]["reason"] and "status 7" in trials[2]["reason"]
+    assert not any(t["success"] for t in trials[1:4]) and trials[4]["success"]
+
+
+@pytest.mark.parametrize("executor", [Serial(), Processes(1)])
+def test_code_that_raises_is_a_crash_of_its_seed_alone(executor):
+    trials = by_seed(executor.run(RegressionPlan((Raising,), (1, 4)).jobs()))
+    assert [t["status"] for t in trials] == [CRASHED, "held"]
+    assert "ZeroDivisionError: a lab's own bug" in trials[0]["reason"]
+    assert "regress_tasks.py" in trials[0]["reason"]
+
+
+@pytest.mark.parametrize("executor", [Serial(), Processes(2)])
+def test_what_cannot_be_run_at_all_ends_the_run(executor):
+    jobs = RegressionPlan((Quick,), (1, 2), {"encoder": "no-such-encoder"}).jobs()
+    with pytest.raises(InputError, match="no such encoder"):
+        list(executor.run(jobs))
+
+
+def test_whoever_stops_asking_leaves_no_process_behind():
+    before = set(multiprocessing.active_children())
+    trials = Processes(2).run(RegressionPlan((Quick,), tuple(range(50))).jobs())
+    next(trials)
+    assert len(set(multiprocessing.active_children()) - before) == 2
+    trials.close()
+    assert set(multiprocessing.active_children()) <= before
+
+
+def test_a_run_that_is_stopped_keeps_what_is_done_and_judges_nothing(tmp_path, quick):
+    path, base = tmp_path / "out.json", tmp_path / "base.json"
+    with registered(Stopping):
+        words = ("--tasks", "stopping", "--seeds", "0:4", "--executor", "serial")
+        assert regress(*words, "--json", path, "--baseline", base, "--update-baseline") == 130
+    found = json.loads(path.read_text())
+    assert [t["seed"] for t in found["trials"]] == [0, 1]
+    assert found["complete"] is False and found["passed"] is None
+    assert not base.exists()
+
+
+def test_ctrl_c_in_a_terminal_keeps_what_is_done(tmp_path):
+    """All processes of a terminal get the signal, workers too; and they leave it to the first."""
+    path, record = tmp_path / "out.json", tmp_path / "failed"
+    command = [sys.executable, "-m", "sandbox.cli.main", "regress", "--tasks", "box-to-goal"]
+    more = ["--seeds", "0:500", "--workers", "1", "--json", path, "--record", record]
+    started = subprocess.Popen(
+        [*command, *map(str, more)],
+        cwd=ROOT,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    try:
+        # Its recording begins when a trial does.
+        until((record / "box-to-goal-2.jsonl").exists)
+        os.killpg(started.pid, signal.SIGINT)
+        shown, errors = started.communicate(timeout=PATIENCE)
+    finally:
+        started.kill()
+        started.wait()
+    assert started.returncode == 130
+    assert "Traceback" not in errors and "stopped after 2 of 500" in errors
+    assert "box-to-goal" in shown
+    assert [t["seed"] for t in json.loads(path.read_text())["trials"]] == [0, 1]
+
+
+def test_the_json_has_every_task_and_every_trial(tmp_path, capsys):
+    path = tmp_path / "out.json"
+    with registered(Quick):
+        assert quick_run("--json", path) == 0
+    found = json.loads(path.read_text())
+    task = found["tasks"]["quick"]
+    assert (task["n"], task["successes"]) == (9, 6)
+    assert task["wilson_low"] < 6 / 9 < task["wilson_high"]
+    assert task["progress"] == pytest.approx((6 * 1 + 3 * 0.25) / 9)
+    assert task["time_s"] == 0.128
+    assert [t["seed"] for t in found["trials"]] == list(range(9))
+    assert [f["seed"] for f in task["failed"]] == [0, 3, 6]
+    assert found["schema"] == 1 and found["complete"] and found["passed"]
+    assert found["configuration"]["encoder"] == "best"
+    assert found["noise_floor"]["pairs"] == 9 and found["noise_floor"]["fewest_losses"] == 5
+    assert "6/9" in capsys.readouterr().out
+
+
+def test_an_unchanged_program_passes_even_exactly(quick, tmp_path, capsys):
+    path = tmp_path / "out.json"
+    with registered(Quick):
+        assert quick_run("--baseline", quick, "--exact", "--json", path) == 0
+    found = json.loads(path.read_text())["tasks"]["quick"]["baseline"]
+    assert (found["pairs"], found["both"], found["neither"]) == (9, 6, 3)
+    assert found["lost"] == found["won"] == found["changed_states"] == []
+    assert "9 trials equal to the bit" in capsys.readouterr().out
+
+
+def test_a_loss_beyond_chance_fails_and_is_named(quick, tmp_path, capsys):
+    path, xml = tmp_path / "out.json", tmp_path / "out.xml"
+    with registered(Worse):
+        assert quick_run("--baseline", quick, "--json", path, "--junit", xml) == 1
+    found = json.loads(path.read_text())
+    compared = found["tasks"]["quick"]["baseline"]
+    assert compared["lost"] == [1, 2, 4, 5, 7, 8] and compared["p"] == 0.5**6
+    assert not found["passed"] and "6 trials lost" in found["reasons"][0]
+    assert "loss beyond chance" in capsys.readouterr().out
+    assert ElementTree.parse(xml).find(".//testcase/failure") is not None
+
+
+def test_four_losses_may_be_chance(quick):
+    with registered(Worse):
+        assert quick_run("--baseline", quick, seeds="0:6") == 0
+
+
+def test_an_update_judges_nothing_and_what_comes_next_is_judged_by_it(quick, tmp_path):
+    path = tmp_path / "base.json"
+    path.write_bytes(quick.read_bytes())
+    with registered(Worse):
+        assert quick_run("--baseline", path, "--update-baseline") == 0
+        assert quick_run("--baseline", path, "--exact", seeds="0:2") == 0
+
+
+def test_another_encoder_or_seed_is_refused_before_anything_is_run(quick, capsys):
+    with registered(Quick):
+        words = ("--tasks", "quick", "--baseline", quick)
+        assert "another encoder" in refused(capsys, *words, "--encoder", "cubic")
+        assert "other settings" in refused(capsys, *words, "--impulse", "safe")
+        assert "other settings" in refused(capsys, *words, "--fingers", "5")
+        assert "none of these seeds" in refused(capsys, *words, "--seeds", "90:99")
+    assert "none of these tasks" in refused(capsys, "--tasks", "box-to-goal", "--baseline", quick)
+
+
+def test_another_encoder_is_compared_where_that_is_the_question(quick, tmp_path):
+    path = tmp_path / "out.json"
+    with registered(Quick):
+        words = ("--encoder", "cubic", "--across-encoders", "--json", path)
+        assert quick_run("--baseline", quick, *words, seeds="0:3") == 0
+    assert json.loads(path.read_text())["tasks"]["quick"]["baseline"]["pairs"] == 3
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--seeds", "9:3"), "--seeds"),
+        (("--tasks", "no-such-task"), "no such task"),
+        (("--workers", "0"), "nobody works"),
+        (("--update-baseline",), "no baseline"),
+        (("--exact",), "no baseline"),
+        (("--baseline", "no-such-file.json"), "no such baseline"),
+        (("--json", "no-such-folder/out.json"), "no such folder"),
+        (("--address", "auto"), "only Ray"),
+        (("--fingers", "7"), "--fingers"),
+        (("--device", "mouse"), "not for regression runs"),
+        (("--seed=3",), "not for regression runs"),
+    ],
+)
+def test_what_makes_no_sense_is_refused_in_one_line(capsys, words, said):
+    assert said in refused(capsys, *words)
+
+
+def test_without_ray_its_extra_is_named(capsys, monkeypatch):
+    monkeypatch.setitem(sys.modules, "ray", None)
+    assert "hand-sandbox[ray]" in refused(capsys, "--executor", "ray")
+
+
+def test_recordings_of_failed_trials_are_kept_and_replay(tmp_path, capsys):
+    folder = tmp_path / "failed"
+    with registered(Quick):
+        assert quick_run("--record", folder, seeds="2:4") == 0
+        assert f"sandbox replay {folder / 'quick-3.jsonl'}" in capsys.readouterr().out.replace(
+            "\n", ""
+        )
+        assert [p.name for p in folder.iterdir()] == ["quick-3.jsonl"]
+        assert load_recording(folder / "quick-3.jsonl").end["result"]["success"] is False
+        assert main(["replay", str(folder / "quick-3.jsonl")]) == 0
+        capsys.readouterr()
+        assert "new or empty folder" in refused(capsys, "--tasks", "quick", "--record", folder)
+
+
+def test_the_line_that_runs_a_trial_again_gives_its_state(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with registered(Quick):
+        scene = {"fingers": 5, "without": ("stitch",)}
+        run = RegressionPlan(("quick",), (3,), scene)
+        again, replay = (shlex.split(c)[1:] for c in run.command("quick", 3).split(" && "))
+        assert main([*again, "--json", "out.json"]) == 0 and main(replay) == 0
+        found = json.loads(Path("out.json").read_text())
+        assert found["state_hash"] == run_job(run.jobs()[0])["state_hash"]
+
+
+def test_the_line_of_a_task_of_ones_own_runs_in_python():
+    run = RegressionPlan((Quick,), (4,), {"fingers": 2})
+    _, *words = shlex.split(run.command("quick", 4))
+    answer = subprocess.run(
+        [sys.executable, *words], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    assert run_job(run.jobs()[0])["state_hash"] in answer.stdout
+
+
+scenes = st.fixed_dictionaries(
+    {},
+    optional={
+        "encoder": st.sampled_from(("paper", "cubic", "a file.npz")),
+        "bare": st.booleans(),
+        "tell_labels": st.booleans(),
+        "without": st.sets(st.sampled_from(("stitch", "ghost", "history"))).map(tuple),
+        "drop_outs": st.floats(0, 10),
+        "fingers": st.integers(2, 5),
+        "impulse": st.sampled_from(("paper", "safe", "7.5")),
+        "turn": st.sampled_from((0, 90)),
+    },
+)
+
+
+@given(scenes)
+def test_a_scene_in_words_is_read_back_as_it_was(scene):
+    words = list(options(differing(scene)))
+    found = parse(SceneOptions, "test", ["box-to-goal", *words])
+    assert found == SceneOptions(**{"task": "box-to-goal", **scene})
+
+
+@given(st.lists(st.tuples(st.integers(0, 50), st.integers(1, 20)), min_size=1, max_size=5))
+def test_seeds_are_ranges_as_python_counts_each_seed_once(parts):
+    text = ",".join(f"{a}" if n == 1 else f"{a}:{a + n}" for a, n in parts)
+    wanted = [s for a, n in parts for s in range(a, a + n)]
+    assert parse_seeds(text) == tuple(dict.fromkeys(wanted))
+
+
+@pytest.mark.parametrize("text", ["", ":", "3:", "a", "5:5", "9:3", "-1:3", "1:2:3", "0:9999999"])
+def test_what_is_no_range_of_seeds_is_refused(text):
+    with pytest.raises(InputError, match="seeds"):
+        parse_seeds(text)
+
+
+def test_all_is_every_task_of_the_registry():
+    assert find_tasks(["all"]) == tuple(TASKS)
+
+
+def test_a_task_of_ones_own_cannot_take_anothers_name():
+    class Thief(Quick):
+        name = "box-to-goal"
+
+    with pytest.raises(InputError, match="another task has this name"), registered(Thief):
+        pass
+    with registered(Quick):
+        assert TASKS["quick"] is Quick
+    assert "quick" not in TASKS
+
+
+def test_the_workflow_to_copy_gives_options_that_there_are():
+    text = (ROOT / "examples" / "regression.yml").read_text()
+    line = text[text.index("          sandbox regress") :].partition("\n      - ")[0]
+    found, more = parse_known(shlex.split(line)[2:])
+    assert found.baseline and found.junit and found.json and more == []
+    assert parse_seeds(found.seeds) == tuple(range(120))

@@ -1,0 +1,263 @@
+"""Baselines keep what they are given, refuse what does not compare, and judge as they say."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from models.errors import InputError
+from sandbox.regress.baseline import Baseline, load_baseline
+from sandbox.regress.execute import KEPT
+from sandbox.regress.junit import junit
+from sandbox.regress.plan import RegressionPlan
+from sandbox.regress.report import Report, make_report
+from sandbox.regression import Regression
+from tests.support.processes import ROOT
+from tests.support.regress_tasks import Dying, Newer, Quick, Worse
+
+PLAN = RegressionPlan((Quick,), tuple(range(10)))
+BOTH = RegressionPlan((Quick, Dying), tuple(range(10)))
+
+
+def trials(plan: RegressionPlan, failed=(), state="00", machine="here", reason="") -> list[dict]:
+    """What a run would give, were these seeds to fail."""
+    return [
+        {
+            **dict.fromkeys(KEPT),
+            "task": job.task,
+            "task_version": 1,
+            "seed": job.seed,
+            "success": job.seed not in failed,
+            "status": "timeout" if job.seed in failed else "held",
+            "progress": 0.5 if job.seed in failed else 1.0,
+            "reason": reason,
+            "time_s": 2.0,
+            "state_hash": state,
+            "fingerprint": machine,
+        }
+        for job in plan.jobs()
+    ]
+
+
+def baseline(plan: RegressionPlan = PLAN, path: Path = Path("base.json"), **made) -> Baseline:
+    nothing = Baseline(plan.configuration(), {}, path)
+    return nothing.updated(plan.configuration(), plan.versions(), trials(plan, **made))
+
+
+def judged(failed=(), before=(), exact=False, plan=PLAN, state="00", machine="here") -> Report:
+    run = trials(plan, failed, state, machine)
+    return make_report(plan, run, baseline(plan, failed=before), exact)
+
+
+@settings(deadline=None)
+@given(failed=st.sets(st.integers(0, 9)), before=st.sets(st.integers(0, 9)))
+def test_every_pair_is_counted_once_where_it_belongs(failed, before):
+    found = judged(failed, before).comparisons["quick"]
+    assert set(found.lost) == failed - before
+    assert set(found.won) == before - failed
+    assert set(found.neither) == failed & before
+    assert found.pairs == 10
+    assert found.progress == pytest.approx((len(before) - len(failed)) * 0.5 / 10)
+
+
+def test_the_gate_fails_from_five_losses_on_and_wins_make_up_for_losses():
+    assert judged(range(4)).passed
+    assert not judged(range(5)).passed
+    assert judged(range(5), before=[5, 6]).passed
+    assert judged(before=range(10)).passed
+
+
+def test_two_tasks_together_need_more_losses_each():
+    """Ten lost of two tasks: both significant after Holm. Five of each: 2 / 32 is above 0.05."""
+    assert judged(range(5), plan=BOTH).passed
+    assert len(judged(range(6), plan=BOTH).reasons) == 2
+
+
+def test_other_states_fail_only_where_they_were_asked_for_and_are_owed():
+    assert judged(state="11").passed
+    found = judged(state="11", exact=True)
+    assert not found.passed and "10 of 10 trials" in found.reasons[0]
+    elsewhere = judged(state="11", machine="there", exact=True)
+    assert elsewhere.passed and any("another kind of machine" in n for n in elsewhere.notes)
+    assert not judged(range(5), machine="there", exact=True).passed
+
+
+def test_a_run_that_broke_off_is_not_judged():
+    run = trials(PLAN, failed=range(10))[:-1]
+    found = make_report(PLAN, run, baseline())
+    assert found.passed and not found.complete and "broke off" in found.notes[-1]
+    assert found.as_json()["passed"] is None
+
+
+@settings(deadline=None, max_examples=30)
+@given(failed=st.sets(st.integers(0, 9)), machine=st.text(max_size=5))
+def test_a_baseline_comes_back_from_its_file_as_it_was(tmp_path_factory, failed, machine):
+    path = tmp_path_factory.mktemp("base") / "base.json"
+    made = baseline(BOTH, path, failed=failed, machine=machine)
+    made.save()
+    found = load_baseline(path)
+    assert found.tasks == made.tasks
+    found.check(BOTH.configuration(), BOTH.versions())
+    # One line for every trial, for whoever reviews a change of it.
+    assert sum(line.startswith('    "') for line in path.read_text().splitlines()) == 20
+
+
+@pytest.mark.parametrize(
+    ("other", "said"),
+    [
+        (replace(PLAN, scene={"encoder": "linear"}), "another encoder"),
+        (replace(PLAN, scene={"without": ("correction",)}), "settings.correction"),
+        (replace(PLAN, scene={"fingers": 2}), "user.fingers"),
+        (replace(PLAN, scene={"drop_outs": 0.5}), "drop_outs"),
+        (RegressionPlan((Newer,), (1,)), "another version of quick"),
+        (RegressionPlan((Dying,), (1,)), "none of these tasks"),
+    ],
+)
+def test_what_does_not_compare_is_refused(other, said):
+    with pytest.raises(InputError, match=said):
+        baseline().check(other.configuration(), other.versions())
+
+
+def test_across_encoders_nothing_but_the_encoder_may_differ():
+    linear = replace(PLAN, scene={"encoder": "linear"})
+    baseline().check(linear.configuration(), PLAN.versions(), across_encoders=True)
+    five = replace(PLAN, scene={"encoder": "linear", "fingers": 5})
+    with pytest.raises(InputError, match="other settings"):
+        baseline().check(five.configuration(), PLAN.versions(), across_encoders=True)
+
+
+def test_an_update_keeps_other_tasks_of_the_same_configuration_and_no_others():
+    both = baseline(BOTH, failed=[1])
+    new = both.updated(PLAN.configuration(), PLAN.versions(), trials(PLAN))
+    assert new.tasks["dying"] == both.tasks["dying"]
+    assert all(k.success for k in new.tasks["quick"].trials.values())
+    linear = replace(PLAN, scene={"encoder": "linear"})
+    other = both.updated(linear.configuration(), PLAN.versions(), trials(PLAN))
+    assert set(other.tasks) == {"quick"}
+
+
+def test_no_baseline_is_made_from_a_crash():
+    run = trials(PLAN)
+    run[3]["status"] = "crashed"
+    with pytest.raises(InputError, match="quick 3"):
+        baseline().updated(PLAN.configuration(), PLAN.versions(), run)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "{", "[]", "null", "[" * 100_000, '{"kind": "report"}', "\x00", '{"schema": 1}'],
+)
+def test_a_file_that_is_no_baseline_is_refused(tmp_path, text):
+    path = tmp_path / "base.json"
+    path.write_text(text)
+    with pytest.raises(InputError, match=r"base\.json"):
+        load_baseline(path)
+
+
+@given(cut=st.integers(0, 10_000), put=st.sampled_from(["", "null", "1e999", "[]", "{}", '"x"']))
+def test_a_damaged_baseline_is_refused_or_read_and_never_a_traceback(tmp_path_factory, cut, put):
+    whole = WHOLE
+    cut %= len(whole)
+    path = tmp_path_factory.getbasetemp() / "damaged.json"
+    path.write_text(whole[:cut] + put + whole[cut + 5 :])
+    try:
+        found = load_baseline(path)
+    except InputError as error:
+        assert "damaged.json" in str(error)
+    else:
+        assert isinstance(found, Baseline)
+
+
+WHOLE = baseline().text()
+
+
+@given(reason=st.text(max_size=30))
+def test_junit_is_xml_whatever_a_reason_says(reason):
+    run = trials(PLAN, failed=range(6), reason=reason)
+    suite = ElementTree.fromstring(junit(make_report(PLAN, run, baseline())).encode())[0]
+    case = suite.find("testcase")
+    assert case.get("name") == "quick" and case.find("failure") is not None
+    assert (suite.get("tests"), suite.get("failures")) == ("1", "1")
+    assert "seed 5: timeout" in case.find("system-out").text
+
+
+def test_junit_of_a_sound_run_has_no_failure_and_of_a_broken_one_none_either():
+    for run in (trials(PLAN), trials(PLAN, failed=range(10))[:-1]):
+        text = junit(make_report(PLAN, run, baseline()))
+        assert ElementTree.fromstring(text.encode()).find(".//failure") is None
+
+
+def test_the_report_is_json_that_any_reader_reads():
+    text = json.dumps(judged(range(10)).as_json(), allow_nan=False)
+    assert json.loads(text)["tasks"]["quick"]["time_s"] is None
+
+
+def test_the_fixture_asserts_that_nothing_was_lost(tmp_path):
+    """Made, compared with itself, and with what the task became."""
+    making = Regression(tmp_path, tmp_path, update=True)
+    making(Quick, "0:8", baseline="base.json")
+    asking = Regression(tmp_path, tmp_path)
+    report = asking(Quick, "0:8", baseline="base.json", exact=True)
+    assert report.tasks[0].successes == 5
+    with pytest.raises(AssertionError, match="beyond chance") as caught:
+        asking(Worse, "0:8", baseline="base.json")
+    assert "seed 1: it fails now" in str(caught.value) and "python -c" in str(caught.value)
+
+
+def test_the_fixture_asks_for_a_rate_only_beyond_chance(tmp_path):
+    asking = Regression(tmp_path, tmp_path)
+    asking(Quick, "0:3", at_least=0.9)
+    with pytest.raises(AssertionError, match="fewer than 90%"):
+        asking(Quick, "0,3,1", at_least=0.9)
+    with pytest.raises(InputError, match="no such baseline"):
+        asking(Quick, "0:3", baseline="none.json")
+    with pytest.raises(InputError, match="no such option"):
+        asking(Quick, "0:3", finger=3)
+
+
+def failures(folder: Path, *more: str) -> str:
+    """Runs a folder's tests as a lab would; what pytest prints if not all of them pass."""
+    ran = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "sandbox.regression", *more, "."],
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(ROOT), "PYTEST_ADDOPTS": ""},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    return ran.stdout + ran.stderr if ran.returncode else ""
+
+
+PLUGIN_TEST = """
+pytest_plugins = ["sandbox.regression"]
+from tests.support.regress_tasks import Quick
+def test_ours(regression):
+    regression(Quick, "1:3", baseline="base.json")
+"""
+
+
+def test_the_plugin_makes_a_baseline_and_then_compares_in_processes(tmp_path):
+    (tmp_path / "test_ours.py").write_text(PLUGIN_TEST)
+    for more in (["--sandbox-update-baseline"], ["--sandbox-workers", "2"]):
+        assert not failures(tmp_path, *more)
+        assert load_baseline(tmp_path / "base.json").tasks["quick"].trials.keys() == {1, 2}
+
+
+@pytest.mark.full
+def test_the_example_for_a_lab_makes_its_baseline_and_passes_it(tmp_path):
+    source = (ROOT / "examples" / "test_my_lab.py").read_text()
+    (tmp_path / "test_my_lab.py").write_text(source)
+    assert not failures(tmp_path, "--sandbox-update-baseline")
+    assert load_baseline(tmp_path / "put-away.json").tasks["my-lab-put-away"].trials.keys() == {
+        *range(4)
+    }
+    assert not failures(tmp_path)

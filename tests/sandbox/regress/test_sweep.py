@@ -1,0 +1,206 @@
+"""Success against what gets worse: pairs of the same seeds, until it breaks."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import ClassVar
+from xml.etree import ElementTree
+
+import pytest
+
+from models.errors import InputError
+from models.objects import Wrench
+from sandbox.cli.regress import main as regress_main
+from sandbox.figures.variation import draw, save_plot
+from sandbox.options.variations import KINDS
+from sandbox.regress.baseline import Baseline, KeptTask
+from sandbox.regress.execute import Serial
+from sandbox.regress.plan import RegressionPlan, registered
+from sandbox.regress.sweep import parse_wanted, sweep, varied
+from tasks.box_to_goal import BoxToGoal
+from tasks.sensing import Sensing
+from tasks.task import Measure
+from tasks.wrench_slide import WrenchSlide
+
+SEEDS = tuple(range(8))
+
+
+class Heavy(BoxToGoal):
+    """Fails where the box was made heavier than three times what was drawn; over in a blink."""
+
+    name: ClassVar[str] = "heavy"
+    time_limit: ClassVar[float] = 0.15
+    hold_time: ClassVar[float] = 0.05
+
+    def measure(self, sensing: Sensing) -> Measure:
+        drawn = BoxToGoal.draw(self.seed, sensing_surface()).objects[0].mass
+        light = self.objects[0].mass <= 3.0 * drawn
+        return Measure(light, float(light), "" if light else "it is too heavy")
+
+
+class OneSize(Wrench):
+    """A thing that nobody has said how to scale."""
+
+    scaled = None
+
+
+class LateWrench(WrenchSlide):
+    """Over in a blink, with a wrench of one size."""
+
+    name: ClassVar[str] = "late-wrench"
+    time_limit: ClassVar[float] = 0.15
+    hold_time: ClassVar[float] = 0.05
+
+    @classmethod
+    def draw(cls, seed, surface):
+        task = super().draw(seed, surface)
+        return replace(task, objects=(OneSize(**vars(task.objects[0])),))
+
+    def measure(self, sensing: Sensing) -> Measure:
+        return Measure(True, 1.0, "")
+
+
+def sensing_surface():
+    from models.surface import Surface
+    from sandbox.trial.assembly import place_surface
+
+    return place_surface(Surface(), BoxToGoal)
+
+
+def run(plan):
+    return list(Serial().run(plan.jobs()))
+
+
+def limited(plan):
+    """Trials that fail where masses are more than three times what was drawn; no physics."""
+    trials = []
+    for job in plan.jobs():
+        mass = job.planned().settings.variation.mass
+        light = mass <= 3.0
+        trials.append({"seed": job.seed, "success": light, "progress": 1.0, "time_s": 1.0})
+    return trials
+
+
+def found_by(task, *words, seeds=SEEDS, runner=limited):
+    return sweep(RegressionPlan((task,), seeds), parse_wanted(words), runner)
+
+
+def test_a_direction_ends_where_success_is_lower_beyond_chance_and_no_later():
+    (curve,) = found_by(Heavy, "mass").curves
+    kind = KINDS["mass"]
+    assert [p.value for p in curve.points] == [*sorted(kind.down), 1.0, 2.0, 4.0]
+    assert [p.breaks for p in curve.points] == [False] * 6 + [True]
+    assert curve.breaks_above == 4.0 and curve.breaks_below is None
+    assert curve.points[-1].lost == SEEDS and curve.points[-1].won == ()
+
+
+def test_values_that_are_asked_for_are_all_run_even_where_it_breaks():
+    (curve,) = found_by(Heavy, "mass=8,1,0.5,4,2,2").curves
+    assert [(p.value, p.breaks) for p in curve.points] == [
+        (0.5, False), (1.0, False), (2.0, False), (4.0, True), (8.0, True),
+    ]  # fmt: skip
+    assert curve.breaks_above == 4.0
+
+
+def test_four_seeds_cannot_break_anything():
+    (curve,) = found_by(Heavy, "mass=4", seeds=SEEDS[:4]).curves
+    assert len(curve.points[-1].lost) == 4 and not curve.points[-1].breaks
+    assert curve.points[-1].p == pytest.approx(1 / 16)
+
+
+def test_what_a_task_cannot_have_is_noted_and_the_rest_is_run():
+    size, mass = found_by(LateWrench, "size", "mass=2", seeds=(1, 2), runner=run).curves
+    assert [bool(p.refused) for p in size.points] == [True, False, True]
+    assert "one size only" in size.points[0].refused
+    assert size.breaks_below is None and not size.points[0].breaks
+    assert [p.result.n for p in mass.points] == [2, 2]
+
+
+def test_a_run_that_is_broken_off_says_so_and_runs_nothing_more():
+    plans = []
+
+    def tired(plan):
+        plans.append(plan)
+        return limited(plan)[: 3 if len(plans) == 2 else None]
+
+    found = found_by(Heavy, "mass", "latency", runner=tired)
+    assert not found.complete and len(plans) == 2 and len(found.curves) == 1
+
+
+def test_a_varied_run_is_never_compared_with_a_baseline_of_one_that_is_not():
+    plan = RegressionPlan((Heavy,), SEEDS)
+    kept = Baseline(plan.configuration(), {"heavy": KeptTask(1, "", {})})
+    kept.check(plan.configuration(), plan.versions())
+    for name, kind in KINDS.items():
+        other = varied(plan, kind, kind.up[0]).configuration()
+        with pytest.raises(InputError, match="other settings"):
+            kept.check(other, plan.versions())
+        with pytest.raises(InputError, match="other settings"):
+            Baseline(other, kept.tasks).check(plan.configuration(), plan.versions())
+        assert other != plan.configuration(), name
+
+
+def test_two_variations_of_a_plan_hold_together():
+    plan = varied(RegressionPlan((Heavy,), SEEDS), KINDS["mass"], 2.0)
+    both = varied(plan, KINDS["latency"], 0.1 + 0.2).jobs()[0].planned().settings.variation
+    assert (both.mass, both.latency) == (2.0, pytest.approx(3e-4))
+
+
+@pytest.mark.parametrize("word", ["weight", "mass=", "mass=a", "mass=2,,3", "mass=1000", "=2", ""])
+def test_what_cannot_be_varied_is_one_clear_error(word):
+    with pytest.raises(InputError, match="--vary"):
+        parse_wanted([word])
+    with pytest.raises(InputError, match="twice"):
+        parse_wanted(["mass", "mass=2"])
+
+
+def heavy_regress(*words: str | Path) -> int:
+    with registered(Heavy):
+        return regress_main(
+            ["--tasks", "heavy", "--seeds", "0:5", "--executor", "serial", *map(str, words)]
+        )
+
+
+def test_the_command_prints_a_table_writes_a_report_and_draws_a_picture(tmp_path, capsys):
+    report, plot = tmp_path / "report.json", tmp_path / "plot.svg"
+    assert heavy_regress("--vary", "mass=4", "start=20", "--json", report, "--plot", plot) == 0
+    printed = capsys.readouterr().out
+    assert "heavy breaks at mass 4" in printed
+    assert "heavy: no break found from start 0 mm to 20 mm" in printed
+    assert "sandbox run heavy --seed 0 --vary mass=4 --record" in printed
+    read = json.loads(report.read_text())
+    assert [(c["task"], c["varied"], c["breaks_above"]) for c in read["curves"]] == [
+        ("heavy", "mass", 4.0), ("heavy", "start", None),
+    ]  # fmt: skip
+    assert [len(p["trials"]) for p in read["curves"][0]["points"]] == [5, 5]
+    assert "variation" not in read["configuration"]
+    ElementTree.fromstring(plot.read_text())
+
+
+@pytest.mark.parametrize("suffix", ["svg", "png"])
+def test_equal_findings_are_drawn_alike_to_the_byte(suffix, tmp_path):
+    found = found_by(Heavy, "mass", "latency=50,100", "size=0.5,2")
+    paths = [tmp_path / f"{i}.{suffix}" for i in range(2)]
+    for path in paths:
+        save_plot(draw(found), path)
+    assert paths[0].read_bytes() == paths[1].read_bytes() and paths[0].stat().st_size > 5_000
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("--vary", "mass=2", "--baseline", "base.json"),
+        ("--vary", "mass=2", "--record", "folder"),
+        ("--vary", "mass=2", "--plot", "picture.txt"),
+        ("--vary", "mass=2", "--plot", "no/such/folder.png"),
+        ("--plot", "picture.png"),
+        ("--vary", "weight"),
+    ],
+)
+def test_options_that_do_not_go_together_are_refused_before_anything_is_run(
+    words, tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(InputError):
+        heavy_regress(*words)
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,97 @@
+"""A page in a real browser, with a session whose touches it sends, for tests."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from urllib.parse import urlsplit
+
+from models.frames import TouchFrame
+from models.surface import METRES_PER_INCH
+from sandbox.server.page_server import PageServer
+from sandbox.server.protocol.describe import describe_scene
+from sandbox.server.protocol.protocol import TaskName
+from sandbox.server.protocol.skins import pack_skin
+from sandbox.server.web import WebDevice
+from sandbox.trial.assembly import build
+from sandbox.trial.settings import RunSettings
+from tests.sandbox.server.test_page_server import Stage, wait_for
+from tests.support.chromium import Tab
+
+PPI = 64.0
+WIDTH, HEIGHT = 640, 480
+KEY = f"hand-sandbox:px-per-inch:{HEIGHT}x{WIDTH}@1"
+KNOWN = {
+    KEY: str(PPI),
+    "hand-sandbox:advised": "yes",
+    "hand-sandbox:quality": "3",
+    "hand-sandbox:hint": "done",
+}
+"""What a page remembers whose person has played before, on a slow device: a browser without a
+graphics card draws in software, with the same two cores that simulate."""
+READY = "!!document.querySelector('.dot[data-condition=open]')"
+TASKS = [TaskName("box-to-goal", "Bring a box to its goal.", False)]
+WATCHED = """
+window.told = [];
+const say = WebSocket.prototype.send, arc = CanvasRenderingContext2D.prototype.arc;
+const note = (what, x) => told.push([what, x, document.timeline.currentTime]);
+WebSocket.prototype.send = function (text) {
+  const said = typeof text === "string" ? JSON.parse(text) : {};
+  if (said.type === "touches" && said.contacts[0]) note("message", said.contacts[0][1]);
+  return say.call(this, text);
+};
+CanvasRenderingContext2D.prototype.arc = function (x, ...rest) {
+  note("ring", Math.round(100 * x) / 100);
+  return arc.call(this, x, ...rest);
+};
+true
+"""
+"""Writes down which messages and rings have a finger where, and in which picture (ms)."""
+
+
+def staged(server: PageServer, **settings: object) -> Stage:
+    values = {"surface_in": (WIDTH / PPI, HEIGHT / PPI), **settings}
+    session = build(
+        RunSettings(**values),  # type: ignore[arg-type]
+        lambda task, surface: WebDevice(surface, server.latency),
+    )
+    device = session.rigs[0].device
+    assert isinstance(device, WebDevice)
+    stage = Stage(server, session, device)
+    surface = session.rigs[0].reconstructor.surface
+    message = describe_scene(server.next_scene(), session.scene, session.task, surface, "right", "")
+    server.show_scene(
+        message, session.scene, device, [pack_skin(h) for h in session.scene.spec.hands]
+    )
+    return stage
+
+
+def frames(stage: Stage, truth: Callable[[list[TouchFrame]], bool]) -> list[TouchFrame]:
+    """Touch frames that the page has sent since the last look, up to what is waited for."""
+    found: list[TouchFrame] = []
+
+    def enough() -> bool:
+        found.extend(stage.device.poll())
+        return truth(found)
+
+    assert wait_for(enough), found
+    return found
+
+
+def px(frame: TouchFrame, left: float = 0.0, top: float = 0.0) -> list[tuple[int, float, float]]:
+    """Contacts in CSS pixels of a page whose touch rectangle begins there."""
+    scale = PPI / METRES_PER_INCH
+    return [
+        (c.id, round(left + c.x * scale, 2), round(top + c.y * scale, 2)) for c in frame.contacts
+    ]
+
+
+def nobody_else_was_asked(tab: Tab, server: PageServer) -> bool:
+    asked = [e["request"]["url"] for e in tab.events("Network.requestWillBeSent")]
+    asked += [e["url"] for e in tab.events("Network.webSocketCreated")]
+    own = (f"{server.access.host}:{server.access.port}", "")
+    foreign = [u for u in asked if urlsplit(u).netloc not in own]
+    assert any("app.js" in u for u in asked)
+    assert not foreign
+    # Nor was anything asked for that is not there, or without the token.
+    assert not server.counters.as_dict()
+    return True

@@ -1,0 +1,126 @@
+"""What a page is told beside poses, and what its touches become: forces, skins, tokens, pixels."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+
+import pytest
+
+from models.errors import InputError
+from sandbox.server.connections.kept_token import kept_token
+from sandbox.server.page_server import PageServer
+from sandbox.server.protocol.describe import describe_scene
+from sandbox.server.protocol.protocol import Screen, Touches
+from sandbox.server.protocol.senses import HandSense, press
+from sandbox.server.protocol.skins import pack_skin
+from sandbox.server.web import WebDevice
+from sandbox.trial.settings import RunSettings
+from tests.sandbox.server.test_page_server import Stage, opened
+from tests.support.page_client import Page
+from tests.support.simulation import pinched
+
+
+@pytest.fixture
+def stage() -> Iterator[Stage]:
+    server = PageServer()
+    yield opened(server)
+    server.close()
+
+
+def test_a_kept_token_is_the_same_and_for_this_user_alone(tmp_path):
+    path = tmp_path / "new" / "page-token"
+    token = kept_token(path)
+    assert len(token) >= 20
+    assert kept_token(path) == token
+    assert path.stat().st_mode & 0o077 == 0
+    path.chmod(0o644)
+    with pytest.raises(InputError, match="others can read"):
+        kept_token(path)
+    path.chmod(0o600)
+    path.write_text("short")
+    with pytest.raises(InputError, match="no token"):
+        kept_token(path)
+
+
+def test_what_a_hand_presses_with_and_how_sure_its_labels_are_is_told(stage):
+    with Page(stage.server.url) as page:
+        page.until("scene")
+        snapshot = stage.session.advance()
+        stage.server.publish(snapshot)
+        assert page.until("frame")["state"]["hands"][0]["probability"] == 1.0
+        stage.server.publish(snapshot, senses=[HandSense((0.0, 1.5, 0.0, 0.0, 0.0), 0.25)])
+        assert page.until("frame")["state"]["hands"][0]["probability"] == 0.25
+
+
+def test_fingers_press_what_they_hold_and_nothing_else():
+    scene, data, _ = pinched()
+    forces = press(scene, data)[0]
+    assert min(forces[:2]) > 0.1
+    assert max(forces[2:]) == 0.0
+
+
+def test_a_skin_comes_once_and_again_only_when_it_is_another(stage):
+    skins = [pack_skin(hand) for hand in stage.session.scene.spec.hands]
+    surface = stage.session.rigs[0].reconstructor.surface
+
+    def show(number, skins):
+        scene, task = stage.session.scene, stage.session.task
+        message = describe_scene(number, scene, task, surface, "right", "")
+        stage.server.show_scene(message, scene, stage.device, skins)
+
+    with Page(stage.server.url) as page:
+        for number, wanted in ((2, skins), (3, skins), (4, [b"\x01\x02other"])):
+            show(number, wanted)
+            page.until("scene", scene=number)
+            stage.advance()
+            page.until("frame")
+    told = [m["bytes"] for m in page.skins]
+    assert told == [skins[0], b"\x01\x02other"]
+    names = json.loads(skins[0][16 : 16 + int.from_bytes(skins[0][2:4], "little")])
+    bodies = [
+        stage.session.scene.model.body(i).name for i in range(stage.session.scene.model.nbody)
+    ]
+    assert len(names) == 15
+    assert set(names) <= set(bodies)
+
+
+def _touches(*contacts: tuple[int, float, float, float], **more) -> Touches:
+    return Touches(1, 0.0, list(contacts), **more)
+
+
+SCREEN = Screen(100.0, 1000.0, 800.0, True)
+
+
+def test_a_touch_beside_the_rectangle_is_none_and_a_dragged_one_stays_at_its_border():
+    device = WebDevice(RunSettings().surface)
+    width = device._size[0] / 0.0254 * 100
+    device.push(_touches((1, -5.0, 10.0, 0.0)), SCREEN)
+    device.push(_touches((1, -5.0, 10.0, 0.0), (2, 50.0, 10.0, 30.0)), SCREEN)
+    device.push(_touches((2, width + 80, 10.0, 30.0)), SCREEN)
+    first, second, third = device.poll()
+    assert first.contacts == ()
+    assert [c.id for c in second.contacts] == [2]
+    assert second.contacts[0].size == pytest.approx(30.0 / 100 * 0.0254)
+    assert third.contacts[0].x == pytest.approx(device._size[0])
+
+
+def test_a_cancelled_finger_is_told_apart_from_a_lifted_one():
+    device = WebDevice(RunSettings().surface)
+    device.push(_touches((1, 50, 50, 0), (2, 90, 50, 0)), SCREEN)
+    device.push(_touches(cancelled=[1, 99]), SCREEN)
+    assert device.poll()[-1].cancelled == {1}
+
+
+def test_the_lift_control_stays_where_it_was_while_a_message_does_not_tell():
+    device = WebDevice(RunSettings().surface)
+    device.push(_touches(lift=0.4), SCREEN)
+    device.push(_touches(), SCREEN)
+    assert [frame.lift for frame in device.poll()] == [0.4, 0.4]
+
+
+def test_of_two_contacts_with_one_id_the_first_counts():
+    device = WebDevice(RunSettings().surface)
+    device.push(_touches((1, 50, 50, 0), (1, 90, 50, 0)), SCREEN)
+    (frame,) = device.poll()
+    assert len(frame.contacts) == 1

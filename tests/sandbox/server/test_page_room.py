@@ -1,0 +1,102 @@
+"""A screen with no room for a task: what its person is told, and who plays then."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+from rich.console import Console
+
+from models.errors import InputError
+from models.surface import PRESETS
+from sandbox.cli.common.page_options import PageOptions, open_page
+from sandbox.cli.play.page import PagePlay
+from sandbox.cli.play.room import fitting, in_plain_words
+from sandbox.options.scene_options import SceneOptions
+from sandbox.server.page_server import PageServer
+from sandbox.server.web import WebDevice
+from sandbox.trial.assembly import build
+from sandbox.trial.events import EventLog
+from sandbox.trial.settings import RunSettings
+from tasks.registry import TASKS, hands_of
+from tests.sandbox.server.played_page import played
+from tests.support.page_client import SCREEN, Page
+
+PHONE = {"px_per_in": 155.0, "width_px": 844.0, "height_px": 390.0, "calibrated": True}
+
+
+def words(task: str, width: float, height: float) -> str:
+    """What is told about a task that has no room on a surface."""
+    settings = RunSettings(task=task, surface_in=(width, height))
+    with pytest.raises(InputError) as refused:
+        build(settings, lambda task, surface: WebDevice(surface))
+    return in_plain_words(refused.value, settings)
+
+
+def test_a_tablet_has_room_for_every_task_of_one_hand_and_a_phone_for_none() -> None:
+    one_hand = {name for name, task in TASKS.items() if hands_of(task) == 1}
+    tablet = RunSettings(surface_in=PRESETS["ipad2"]).surface
+    assert set(fitting(tablet, 0)) == one_hand
+    assert fitting(RunSettings(surface_in=(5.45, 2.52)).surface, 0) == ()
+
+
+def test_on_a_phone_one_is_told_its_size_and_to_take_a_larger_screen() -> None:
+    told = words("box-to-goal", 5.45, 2.52)
+    assert "5.5 by 2.5 inches" in told and "No task has room" in told and "tablet" in told
+
+
+def test_what_has_room_on_a_small_screen_is_named() -> None:
+    told = words("wrench-turn", 6.2, 4.2)
+    assert "box-to-goal" in told and "No task" not in told
+
+
+def test_a_screen_that_stands_is_told_to_be_turned_where_that_helps() -> None:
+    assert "Turn the screen" in words("stack-vertical", 5.49, 7.31)
+
+
+@pytest.fixture
+def server() -> Iterator[PageServer]:
+    server = open_page(PageOptions())
+    play = PagePlay(SceneOptions(device="web"), server, EventLog(None), Console(quiet=True))
+    with played(play, server):
+        yield server
+    server.close()
+
+
+def test_a_phone_makes_room_for_a_tablet_and_looks_on(server: PageServer) -> None:
+    with Page(server.url, "phone", screen=PHONE) as phone:
+        assert phone.until("welcome")["role"] == "player"
+        assert "No task has room" in phone.until("trouble")["text"]
+        with Page(server.url, "tablet", screen=dict(SCREEN)) as tablet:
+            assert tablet.until("welcome")["role"] == "player"
+            surface = tablet.until("scene")["surface"]
+            size = surface["width_in"], surface["height_in"]
+            assert size == pytest.approx(PRESETS["ipad2"], abs=0.01)
+            assert phone.until("welcome")["role"] == "spectator"
+            assert phone.until("scene")["scene"]
+
+
+def test_who_gets_the_seat_gets_a_trial_on_their_own_screen(server: PageServer) -> None:
+    with Page(server.url, "second", screen={**SCREEN, "width_px": 1200.0}) as second:
+        assert second.until("welcome")["role"] == "player"
+        with Page(server.url, "third") as third:
+            assert third.until("welcome")["role"] == "spectator"
+            assert third.until("scene")["surface"]["width_in"] == pytest.approx(
+                1200 / 132, abs=0.01
+            )
+            second.say(type="ask", what="pause", value="")
+            second.close()
+            assert third.until("welcome")["role"] == "player"
+            # The first scene that comes is the one that runs; then theirs, which is not paused.
+            third.until("scene")
+            wide = third.until("scene")["surface"]["width_in"]
+            assert wide == pytest.approx(1024 / 132, abs=0.01)
+
+
+def test_where_something_else_plays_pages_are_told_that_fingers_do_not_count() -> None:
+    server = open_page(PageOptions(), touch=False)
+    try:
+        with Page(server.url) as page:
+            assert page.until("welcome")["touch"] is False
+    finally:
+        server.close()

@@ -1,0 +1,396 @@
+"""The page's server: who may come, what counts, what is refused, and that a session goes on."""
+
+from __future__ import annotations
+
+import http.client
+import json
+import socket
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from urllib.parse import urlsplit
+
+import numpy as np
+import pytest
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+
+from models.errors import DeviceError
+from models.frames import TouchFrame
+from sandbox.server.audience import GREETING
+from sandbox.server.connections.address import checked_address
+from sandbox.server.page_server import PageServer
+from sandbox.server.protocol.describe import describe_scene
+from sandbox.server.protocol.frames import unpack
+from sandbox.server.protocol.protocol import CREDIT
+from sandbox.server.web import WebDevice
+from sandbox.session.session import Session
+from sandbox.trial.assembly import build
+from sandbox.trial.settings import RunSettings
+from tests.support.page_client import Page, open_socket
+from tests.support.processes import PATIENCE
+from tools.page_types import FILE, typescript
+
+
+@dataclass
+class Stage:
+    """A server with a session on it that the test advances."""
+
+    server: PageServer
+    session: Session
+    device: WebDevice
+
+    def advance(self, steps: int = 1) -> None:
+        for _ in range(steps):
+            self.server.publish(self.session.advance())
+
+    def open_scene(self, number: int) -> None:
+        surface = self.session.rigs[0].reconstructor.surface
+        message = describe_scene(
+            number, self.session.scene, self.session.task, surface, "right", ""
+        )
+        self.server.show_scene(message, self.session.scene, self.device)
+
+
+def wait_for(truth, seconds: float = PATIENCE) -> bool:
+    end = time.monotonic() + seconds
+    while not truth() and time.monotonic() < end:
+        time.sleep(0.005)
+    return bool(truth())
+
+
+@pytest.fixture
+def server() -> Iterator[PageServer]:
+    server = PageServer()
+    yield server
+    server.close()
+
+
+def opened(server: PageServer) -> Stage:
+    """A stage with its first scene."""
+    session = build(RunSettings(), lambda task, surface: WebDevice(surface, server.latency))
+    device = session.rigs[0].device
+    assert isinstance(device, WebDevice)
+    stage = Stage(server, session, device)
+    stage.open_scene(1)
+    return stage
+
+
+@pytest.fixture
+def stage(server: PageServer) -> Stage:
+    return opened(server)
+
+
+def until_taken_away(stage: Stage) -> list[TouchFrame]:
+    """Touch frames up to one that cancels."""
+    frames: list[TouchFrame] = []
+
+    def taken_away() -> bool:
+        frames.extend(stage.device.poll())
+        return bool(frames and frames[-1].cancelled)
+
+    assert wait_for(taken_away), frames
+    return frames
+
+
+def get(url: str, path: str | None = None, **headers: str) -> http.client.HTTPResponse:
+    parts = urlsplit(url)
+    connection = http.client.HTTPConnection(parts.hostname or "", parts.port or 0, timeout=PATIENCE)
+    target = path if path is not None else f"{parts.path}?{parts.query}"
+    connection.request("GET", target, headers=headers)
+    return connection.getresponse()
+
+
+def test_the_page_comes_with_the_token_and_may_load_nothing_from_elsewhere(server):
+    answer = get(server.url)
+    assert answer.status == 200
+    assert b"<title>Hand Sandbox" in answer.read()
+    assert "default-src 'self'" in answer.headers["Content-Security-Policy"]
+    assert answer.headers["Referrer-Policy"] == "no-referrer"
+
+
+@pytest.mark.parametrize(
+    "path",
+    ["/", "/index.html", "/?token=wrong", "/?token=", "/../pyproject.toml", "//", "/?token",
+     "/?token=TOKEN&token=x", "/?token=x&token=TOKEN"],
+)  # fmt: skip
+def test_without_the_token_there_is_nothing(server, path):
+    answer = get(server.url, path.replace("TOKEN", server.access.token))
+    assert answer.status == 403
+    assert b"<" not in answer.read()
+    assert server.counters["wrong token"] == 1
+
+
+def test_with_the_token_there_is_still_nothing_outside_of_the_page(server):
+    token = urlsplit(server.url).query
+    for path in ("/../server/access.py", "/%2e%2e/server/access.py", "/etc/passwd"):
+        assert get(server.url, f"{path}?{token}").status == 404
+
+
+def test_a_rebound_name_and_a_foreign_page_are_refused(server):
+    assert get(server.url, Host="evil.example:80").status == 403
+    assert server.counters["wrong host"] == 1
+    for origin in ("http://evil.example", "null", None):
+        with pytest.raises(InvalidStatus) as refused, open_socket(server.url, origin):
+            pass
+        assert refused.value.response.status_code == 403
+    assert server.counters["wrong origin"] == 3
+
+
+def test_a_socket_with_a_wrong_token_is_refused(server):
+    with pytest.raises(InvalidStatus), open_socket(server.url.replace("token=", "token=x")):
+        pass
+    assert server.counters["wrong token"] == 1
+
+
+def test_tokens_of_two_servers_differ(server):
+    other = PageServer()
+    try:
+        assert other.access.token != server.access.token
+        assert len(other.access.token) >= 20
+    finally:
+        other.close()
+
+
+def test_a_touch_takes_effect_at_its_place_in_metres_and_the_frame_says_so(stage):
+    with Page(stage.server.url) as page:
+        page.until("scene")
+        assert stage.server.wait_for_player(5.0)
+        seq = page.touch((7, 2.0, 1.0))
+        assert wait_for(lambda: stage.device.touched)
+        stage.advance()
+        frame = page.until("frame", touch=seq)
+        contact = frame["state"]["hands"][0]["contacts"][0]
+        assert contact["id"] == 7
+        seen = stage.session.reconstructions[0].contacts[0].xy
+        np.testing.assert_allclose(seen, [2.0 * 0.0254, 1.0 * 0.0254], atol=1e-9)
+
+
+def test_a_frame_has_every_body_where_the_simulation_has_it(stage):
+    with Page(stage.server.url) as page:
+        scene = page.until("scene")
+        stage.advance()
+        frame = page.until("frame")
+        assert len(scene["bodies"]) == stage.session.scene.model.nbody == len(frame["poses"])
+        data, model = stage.session.data, stage.session.scene.model
+        import mujoco
+
+        mujoco.mj_kinematics(model, data)
+        for i in range(model.nbody):
+            np.testing.assert_allclose(frame["poses"][i][:3], data.xpos[i], atol=1e-6)
+            np.testing.assert_allclose(frame["poses"][i][3:], data.xquat[i], atol=1e-6)
+
+
+def test_both_readings_of_a_frame_agree(stage):
+    with Page(stage.server.url) as page:
+        page.until("scene")
+        stage.advance()
+        raw = page.socket.recv(timeout=PATIENCE)
+        assert isinstance(raw, bytes)
+        frame = unpack(raw)
+        assert (frame.scene, frame.number, frame.touch) == (1, 1, 0)
+        assert frame.time == pytest.approx(stage.session.time)
+
+
+def test_a_page_that_stops_reading_gets_no_stale_frames_afterwards(stage):
+    with Page(stage.server.url) as page:
+        page.until("scene")
+        for _ in range(120):
+            stage.advance()
+            time.sleep(0.001)
+        got = []
+        while True:
+            message = page.next()
+            if message["type"] == "frame":
+                got.append(message)
+                page.say(type="got", frame=message["number"])
+                if message["time"] == pytest.approx(stage.session.time):
+                    break
+        # What was on its way, and the present.
+        assert len(got) <= CREDIT + 1
+
+
+def test_a_lost_socket_takes_the_fingers_away_without_lifting_them(stage):
+    page = Page(stage.server.url)
+    page.until("scene")
+    page.touch((1, 2.0, 2.0), (2, 3.0, 2.0))
+    assert wait_for(lambda: stage.device.touched)
+    stage.device.poll()
+    page.close()
+    assert wait_for(lambda: not stage.device.touched)
+    frames = stage.device.poll()
+    assert frames[-1].contacts == ()
+    assert frames[-1].cancelled == {1, 2}
+
+
+def test_a_page_that_falls_silent_loses_its_fingers(stage):
+    with Page(stage.server.url) as page:
+        page.until("scene")
+        for silences in (1, 2):
+            page.touch((1, 2.0, 2.0))
+            frames = until_taken_away(stage)
+            assert [c.id for frame in frames for c in frame.contacts] == [1]
+            assert frames[-1].cancelled == {1}
+            assert not stage.device.touched
+            assert stage.server.counters["silent page"] == silences
+
+
+def test_the_second_page_looks_on_and_plays_when_the_first_one_leaves(stage):
+    first, second = Page(stage.server.url, "first"), Page(stage.server.url, "second")
+    assert first.until("welcome")["role"] == "player"
+    assert second.until("welcome")["role"] == "spectator"
+    second.touch((1, 2.0, 2.0))
+    assert wait_for(lambda: stage.server.counters["not the player"] == 1)
+    assert not stage.device.touched
+    first.close()
+    assert second.until("welcome")["role"] == "player"
+    second.touch((1, 2.0, 2.0))
+    assert wait_for(lambda: stage.device.touched)
+    second.close()
+
+
+def test_a_reloaded_page_takes_its_own_seat_back_at_once(stage):
+    old = Page(stage.server.url, "same")
+    old.until("welcome", role="player")
+    new = Page(stage.server.url, "same")
+    assert new.until("welcome")["role"] == "player"
+    with pytest.raises(ConnectionClosed) as closed:
+        for _ in range(10):
+            old.next()
+    assert closed.value.rcvd is not None
+    assert closed.value.rcvd.code == 4003
+    new.close()
+
+
+def test_a_page_of_another_version_is_told_so(stage):
+    page = Page(stage.server.url, protocol=99)
+    with pytest.raises(ConnectionClosed) as closed:
+        page.next()
+    assert closed.value.rcvd is not None
+    assert closed.value.rcvd.code == 4001
+    assert stage.server.counters["wrong version"] == 1
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "{",
+        "null",
+        "[]",
+        '{"type":"touches"}',
+        '{"type":"touches","seq":1,"t":0,"contacts":[[1,NaN,0,0]]}',
+        '{"type":"touches","seq":1,"t":0,"contacts":[[1,1e999,0,0]]}',
+        '{"type":"touches","seq":1,"t":0,"contacts":[[1.5,0,0,0]]}',
+        '{"type":"touches","seq":-1,"t":0,"contacts":[]}',
+        '{"type":"touches","seq":1,"t":0,"contacts":[],"lift":2}',
+        '{"type":"touches","seq":1,"t":0,"contacts":[],"surprise":1}',
+        '{"type":"touches","seq":1,"t":0,"contacts":'
+        + str([[i, 0, 0, 0] for i in range(21)])
+        + "}",
+        '{"type":"ask","what":"shutdown"}',
+        "[" * 3000,
+    ],
+)
+def test_a_malformed_message_is_counted_and_changes_nothing(stage, text):
+    with Page(stage.server.url) as page:
+        page.until("scene")
+        page.socket.send(text)
+        assert wait_for(lambda: stage.server.counters["malformed message"] == 1)
+        seq = page.touch((1, 2.0, 2.0))
+        assert wait_for(lambda: stage.device.touched)
+        stage.advance()
+        assert page.until("frame", touch=seq)
+
+
+def test_an_oversized_message_ends_its_connection_and_no_other(stage):
+    with Page(stage.server.url, "good") as page:
+        page.until("scene")
+        bad = Page(stage.server.url, "bad", role="spectator")
+        bad.until("scene")
+        bad.socket.send("x" * 20_000)
+        with pytest.raises(ConnectionClosed) as closed:
+            for _ in range(10):
+                bad.next()
+        assert closed.value.rcvd is not None
+        assert closed.value.rcvd.code == 1009
+        seq = page.touch((1, 2.0, 2.0))
+        assert wait_for(lambda: stage.device.touched)
+        stage.advance()
+        assert page.until("frame", touch=seq)
+
+
+def test_a_message_is_heard_in_pieces_as_it_is_whole(stage):
+    whole = {"type": "touches", "seq": 2, "t": 1.0, "contacts": [[1, 300.0, 300.0, 20.0]]}
+    text = json.dumps(whole)
+    with Page(stage.server.url) as page:
+        page.until("scene")
+        # Pieces make one text.
+        page.socket.send([text[:20], text[20:40], text[40:]])
+        assert wait_for(lambda: stage.device.touched)
+        stage.advance()
+        assert page.until("frame", touch=2)
+    assert stage.server.counters.as_dict() == {}
+
+
+def test_a_text_that_is_none_ends_its_connection(stage):
+    with Page(stage.server.url) as page:
+        page.until("scene")
+        page.socket.send(b'{"type":"beat","t":"\xff"}', text=True)
+        with pytest.raises(ConnectionClosed) as closed:
+            while True:
+                page.next()
+        assert closed.value.rcvd is not None
+        assert closed.value.rcvd.code == 1007
+    assert wait_for(lambda: stage.server.clients == 0)
+
+
+def test_a_flood_is_refused_counted_and_ended(stage):
+    with Page(stage.server.url, "flood") as page:
+        page.until("scene")
+        with pytest.raises(ConnectionClosed):
+            for _ in range(5000):
+                page.say(type="beat", t=0)
+            for _ in range(5000):
+                page.next()
+        assert stage.server.counters["too many messages"] > 100
+    assert wait_for(lambda: stage.server.clients == 0)
+
+
+def test_more_pages_than_there_is_room_for_are_turned_away(stage):
+    pages = [Page(stage.server.url, str(i)) for i in range(8)]
+    for page in pages:
+        page.until("welcome")
+    with pytest.raises(ConnectionClosed) as closed, open_socket(stage.server.url) as late:
+        late.recv(timeout=PATIENCE)
+    assert closed.value.rcvd is not None
+    assert closed.value.rcvd.code == 4002
+    assert stage.server.counters["too many clients"] == 1
+    for page in pages:
+        page.close()
+
+
+def test_bytes_that_are_no_handshake_are_counted_and_hurt_nobody(stage):
+    for garbage in (b"\x00" * 64, b"GET / HTTP/1.1\r\n" + b"A: b\r\n" * 400 + b"\r\n", b"\r\n\r\n"):
+        with socket.create_connection((stage.server.access.host, stage.server.access.port)) as raw:
+            raw.sendall(garbage)
+            # The server waits for the rest of a handshake as long as for a greeting.
+            raw.settimeout(GREETING + PATIENCE)
+            assert b"200" not in raw.recv(200)
+    assert wait_for(lambda: stage.server.counters["failed handshake"] >= 2)
+    with Page(stage.server.url) as page:
+        page.until("welcome")
+
+
+def test_a_port_that_is_taken_is_one_clear_error(server):
+    with pytest.raises(DeviceError, match="cannot be served"):
+        PageServer(port=server.access.port)
+
+
+@pytest.mark.parametrize("text", ["0.0.0.0", "::", "tablet", "1.2.3", ""])
+def test_no_address_means_all_of_them(text):
+    with pytest.raises(DeviceError):
+        checked_address(text)
+
+
+def test_the_pages_types_are_those_of_the_server():
+    assert FILE.read_text() == typescript()

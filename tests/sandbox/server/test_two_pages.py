@@ -1,0 +1,148 @@
+"""Two tablets: every hand has a page of its own, and both are in one scene."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from rich.console import Console
+
+from models.surface import METRES_PER_INCH
+from sandbox.cli.common.page_options import PageOptions, open_page
+from sandbox.cli.common.second_view import show_session, touched_pages
+from sandbox.cli.play.page import PagePlay
+from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.server.page_server import PageServer
+from sandbox.server.protocol.protocol import Screen, Touches
+from sandbox.server.protocol.rectangle import common, rectangle
+from sandbox.server.publishing import publish
+from sandbox.trial.assembly import build
+from sandbox.trial.events import EventLog
+from sandbox.trial.two_hands import with_first
+from tests.sandbox.server.played_page import played
+from tests.sandbox.server.test_page_server import wait_for
+from tests.support.page_client import SCREEN, Page
+
+TASK, SEED = "carry-together", 3
+SMALL = {**SCREEN, "width_px": 980.0, "calibrated": False}
+OPTIONS = SceneOptions(task=TASK, seed=SEED, device="web", second_device="web")
+
+
+@pytest.fixture
+def servers() -> Iterator[tuple[PageServer, PageServer]]:
+    both = open_page(PageOptions()), open_page(PageOptions())
+    yield both
+    for server in both:
+        server.close()
+
+
+@pytest.fixture
+def playing(servers: tuple[PageServer, PageServer]) -> Iterator[tuple[PageServer, PageServer]]:
+    """`sandbox play carry-together --device web --device web`, without its words."""
+    play = PagePlay(OPTIONS, servers[0], EventLog(None), Console(quiet=True), servers[1])
+    with played(play, servers[0]):
+        yield servers
+
+
+def contacts(page: Page, seq: int) -> list[list[dict[str, Any]]]:
+    """Contacts of both hands in the first frame that has a touch."""
+    while (frame := page.until("frame"))["touch"] < seq:
+        pass
+    found = frame["state"]["hands"]
+    return [hand["contacts"] for hand in found]
+
+
+def test_every_page_has_its_own_hand_and_surface_and_knows_its_own_fingers(
+    playing: tuple[PageServer, PageServer],
+) -> None:
+    with Page(playing[0].url, "one") as right, Page(playing[1].url, "other") as left:
+        scenes = [page.until("scene") for page in (right, left)]
+        assert [scene["hand"] for scene in scenes] == ["right", "left"]
+        origins = [scene["surface"]["origin"] for scene in scenes]
+        width = scenes[0]["surface"]["width_in"] * METRES_PER_INCH
+        assert origins[0][0] - origins[1][0] == pytest.approx(width)
+        assert origins[0][1:] == origins[1][1:]
+        left_seq = left.touch((1, 4.0, 3.0), (2, 5.0, 2.5))
+        contacts(left, left_seq)
+        seq = right.touch((1, 3.0, 3.0))
+        own, others = contacts(right, seq)
+        assert [c["id"] for c in own] == [1]
+        # Two fingers with the same ids touch the other page: here they are nobody's.
+        assert sorted(c["id"] for c in others) == [-3, -2]
+        assert own[0]["position"][0] == pytest.approx(origins[0][0] + 3.0 * METRES_PER_INCH)
+        seq = left.touch((1, 4.0, 3.0), (2, 5.0, 2.6))
+        others, own = contacts(left, seq)
+        assert [c["id"] for c in others] == [-2]
+        assert sorted(c["id"] for c in own) == [1, 2]
+
+
+def test_a_page_asks_for_its_own_hand_and_one_trial_serves_both(
+    playing: tuple[PageServer, PageServer],
+) -> None:
+    with Page(playing[0].url, "one") as right, Page(playing[1].url, "other") as left:
+        assert right.until("scene")["hand"] == "right"
+        assert left.until("scene")["hand"] == "left"
+        left.say(type="ask", what="hand", value="right")
+        assert left.until("scene")["hand"] == "right"
+        assert right.until("scene")["hand"] == "right"
+
+
+def test_who_is_there_first_is_told_what_is_missing(
+    playing: tuple[PageServer, PageServer],
+) -> None:
+    with Page(playing[0].url, "one") as right:
+        assert "other hand" in right.until("trouble")["text"]
+        with Page(playing[1].url, "other", screen=SMALL) as left:
+            # Both surfaces are as large as the smaller screen.
+            scenes = [page.until("scene") for page in (right, left)]
+            assert {s["surface"]["width_in"] for s in scenes} == {round(980.0 / 132.0, 4)}
+            assert not any(s["surface"]["calibrated"] for s in scenes)
+
+
+def test_two_tablets_carry_a_tray_together(servers: tuple[PageServer, PageServer]) -> None:
+    size = common([rectangle(Screen(**SCREEN))] * 2)
+    chosen = plan(OPTIONS)
+    session = build(replace(chosen.settings, **size), chosen.make_device)
+    pages, touched = [], touched_pages(session)
+    assert [hand for hand, _ in touched] == [0, 1]
+    for server, (hand, device) in zip(servers, touched, strict=True):
+        show_session(server, session, "right", "", device, hand)
+        pages.append(Page(server.url))
+    simulated = plan(SceneOptions(task=TASK, seed=SEED, device="simulated"))
+    users = [
+        maker(session.task, rig.reconstructor.surface)
+        for maker, rig in zip(simulated.make_device.makers, session.rigs, strict=True)  # type: ignore[attr-defined]
+    ]
+    for page in pages:
+        page.until("scene")
+    last: list[Any] = [None, None]
+    while not session.over:
+        snapshot = session.advance()
+        for server in servers:
+            publish(server, session, snapshot)
+        for k, (user, page, (_, device)) in enumerate(zip(users, pages, touched, strict=True)):
+            user.show(snapshot)
+            frame = user.poll(snapshot.time)[-1]
+            if (frame.contacts, frame.lift) == last[k]:
+                continue
+            last[k] = frame.contacts, frame.lift
+            fingers = [(c.id, *(v / METRES_PER_INCH for v in (c.x, c.y))) for c in frame.contacts]
+            page.touch(*fingers, lift=frame.lift or 0.0)
+            assert wait_for(device.news.is_set)
+    for page in pages:
+        page.close()
+    assert session.scorer.score.success, session.scorer.score
+
+
+def test_time_begins_with_whichever_hand_touches_first() -> None:
+    from sandbox.cli.play.window import _from_first_touch, _waiting
+
+    chosen = plan(replace(OPTIONS, device="mouse"))
+    session = build(chosen.settings, with_first(chosen.make_device, _from_first_touch))
+    ((hand, page),) = touched_pages(session)
+    assert hand == 1
+    assert _waiting(session)
+    page.push(Touches(1, 0.0, [(1, 300.0, 300.0, 20.0)]), Screen(**SCREEN))
+    assert not _waiting(session)

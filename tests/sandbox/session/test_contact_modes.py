@@ -1,0 +1,182 @@
+"""Hard, soft and ghost: switched while a hand holds a box, with no jump, and replayed exactly."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from models.errors import InputError
+from models.frames import Contact
+from sandbox.recording.recording import load_recording
+from sandbox.session.contact_modes import SOFT_IMPULSE, SOFT_SOLREF
+from sandbox.session.session import describe
+from sandbox.trial.headless import run_trial
+from sandbox.trial.replay import replay
+from sandbox.trial.settings import RunSettings
+from tests.support.scripted import Script, box_xy, pinch, run, scripted
+
+MODES = ("hard", "soft", "none")
+
+
+def squeezing(contact: str = "hard", squeeze: float = 0.008, **settings):
+    """A session in which thumb and index close on the box from 2 s on, and hold it by 3 s."""
+    place = {}
+
+    def touch(now):
+        return pinch(place["at"], gap, place["yaw"])(now)
+
+    def gap(now):
+        width = 0.050 + 2 * 0.008
+        return width + 0.012 - (0.012 + 2 * squeeze) * float(np.clip((now - 2.0) / 0.8, 0.0, 1.0))
+
+    session = scripted(touch, seed=4, contact=contact, **settings)
+    place["at"], place["yaw"] = box_xy(session), session.task.objects[0].yaw
+    run(session, 3.0)
+    return session
+
+
+def box_speed(session) -> float:
+    body = session.scene.object_bodies["box"]
+    return float(np.linalg.norm(session.data.cvel[body][3:]))
+
+
+def fastest(session, seconds: float) -> float:
+    speed = 0.0
+    for _ in range(round(seconds / 0.016)):
+        session.advance()
+        speed = max(speed, box_speed(session))
+    return speed
+
+
+@pytest.mark.parametrize("before", MODES)
+@pytest.mark.parametrize("after", MODES)
+def test_a_switch_changes_no_position_and_no_velocity_and_throws_nothing(before, after):
+    session = squeezing(before)
+    assert session.solid(0) == (frozenset() if before == "none" else frozenset({0, 1}))
+    old_mode, hash_before = session.contact, session.state_hash
+    qpos, qvel = session.data.qpos.copy(), session.data.qvel.copy()
+    session.set_contact(after)
+    assert session.contact == old_mode and session.state_hash == hash_before
+    np.testing.assert_array_equal(session.data.qpos, qpos)
+    np.testing.assert_array_equal(session.data.qvel, qvel)
+    session.advance()
+    assert session.contact == after
+    # Fingers that become ghosts go on to where they are told to be, and nothing is thrown.
+    assert np.linalg.norm(session.data.qpos[63:66] - qpos[63:66]) < 0.001
+    assert fastest(session, 1.0) < 0.2
+
+
+@pytest.mark.parametrize("before", ["soft", "none"])
+def test_a_finger_inside_the_box_stays_a_ghost_when_contacts_become_hard(before):
+    """The fingers close further than the box is wide, so that they are deep inside as ghosts."""
+    session = squeezing("none", squeeze=0.02)
+    session.set_contact(before)
+    run(session, 0.5)
+    assert session.solid(0) == frozenset()
+    start = box_xy(session)
+    session.set_contact("hard")
+    assert fastest(session, 1.0) < 0.01
+    assert session.solid(0) == frozenset()
+    np.testing.assert_allclose(box_xy(session), start, atol=1e-3)
+
+
+def test_soft_fingers_give_way_and_push_with_three_newtons_at_most():
+    def deepest(session):
+        found = 0.0
+        for _ in range(30):
+            session.advance()
+            for contact in session.data.contact[: session.data.ncon]:
+                bodies = session.scene.model.geom_bodyid[list(contact.geom)]
+                if 0 not in bodies:
+                    found = min(found, float(contact.dist))
+        return -found, np.abs(session.data.actuator_force[:3]).max()
+
+    hard, _ = deepest(squeezing("hard"))
+    soft, force = deepest(squeezing("soft"))
+    assert soft > 2 * hard > 0.0
+    assert force <= SOFT_IMPULSE * 60 + 1e-9
+
+
+def test_hard_again_is_what_it_was_to_the_bit():
+    session = scripted(lambda now: (), seed=1)
+    model = session.scene.model
+    kept = [a.copy() for a in (model.geom_solref, model.geom_solimp, model.geom_solmix,
+                               model.actuator_forcerange)]  # fmt: skip
+    session.set_contact("soft")
+    run(session, 0.5)
+    assert np.any(np.isclose(model.geom_solref[:, 0], SOFT_SOLREF[0]))
+    session.set_contact("hard")
+    run(session, 0.5)
+    now = (model.geom_solref, model.geom_solimp, model.geom_solmix, model.actuator_forcerange)
+    for a, b in zip(kept, now, strict=True):
+        np.testing.assert_array_equal(a, b)
+
+
+def test_a_soft_hand_is_never_stronger_than_its_own_limit():
+    session = scripted(lambda now: (), seed=1, impulse=0.01, contact="soft")
+    assert session.scene.model.actuator_forcerange.max() <= 0.01 * 60 + 1e-12
+
+
+def test_what_is_soft_is_part_of_the_state_hash():
+    one, other = (scripted(lambda now: (), seed=1) for _ in range(2))
+    assert one.state_hash == other.state_hash
+    other.set_contact("soft")
+    one.advance()
+    other.advance()
+    assert one.state_hash != other.state_hash
+
+
+class Switching(Script):
+    """Touches a box, and has the contact mode changed now and then, as a person does."""
+
+    def __init__(self, touch, times):
+        super().__init__(touch)
+        self.times = dict(times)
+
+    def switches(self, now):
+        due = [t for t in self.times if t <= now + 1e-9]
+        return [self.times.pop(t) for t in due]
+
+
+def test_a_session_with_switches_replays_to_the_bit_with_them(tmp_path):
+    def touch(now):
+        return [
+            Contact(1, 0.06 + 0.03 * np.sin(3 * now), 0.09),
+            Contact(2, 0.09 + 0.03 * np.sin(3 * now), 0.06),
+        ]
+
+    path = tmp_path / "switched.jsonl"
+    times = {1.0: "soft", 2.0: "none", 2.5: "hard", 3.0: "soft", 3.1: "hard"}
+    devices = []
+
+    def device(task, surface):
+        devices.append(Switching(touch, times))
+        return devices[-1]
+
+    def views(session):
+        def stop(snapshot):
+            devices[0].finished = snapshot.time > 4.0
+
+        return [stop]
+
+    result = run_trial(RunSettings(seed=4), device, views, record=path)
+    recording = load_recording(path)
+    assert [e.details["mode"] for e in recording.events] == list(times.values())
+    session, found = replay(recording)
+    assert found.exact and found.complete
+    assert describe(session)["state_hash"] == result["state_hash"]
+    assert session.contact == "hard"
+
+
+def test_a_mode_that_does_not_exist_is_refused():
+    with pytest.raises(InputError, match="hard, soft, none"):
+        RunSettings(contact="squishy")
+    session = scripted(lambda now: (), seed=1)
+    with pytest.raises(InputError, match="squishy"):
+        session.set_contact("squishy")
+
+
+def test_recordings_from_before_there_were_modes_are_hard():
+    values = RunSettings(seed=3).as_json()
+    del values["contact"]
+    assert RunSettings.from_json(values).contact == "hard"

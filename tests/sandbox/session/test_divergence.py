@@ -1,0 +1,137 @@
+"""A simulation that loses its meaning is stopped, marked, and leaves behind how it came to that."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from models.errors import DivergenceError
+from sandbox.cli import run as run_command
+from sandbox.cli.replay import command as replay_command
+from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.recording.dump import LAST
+from sandbox.recording.recording import load_recording
+from sandbox.regress.execute import run_job
+from sandbox.regress.plan import TrialJob
+from sandbox.trial.headless import run_trial
+from sandbox.trial.replay import replay
+from tests.support.scripted import run, scripted
+
+ABSURD = f"{Path(__file__).parent / 'absurd_task.py'}:Absurd"
+
+
+def diverge(record: Path | None = None, dump: Path | None = None) -> dict:
+    chosen = plan(SceneOptions(task=ABSURD, seed=2))
+    return run_trial(chosen.settings, chosen.make_device, record=record, dump=dump)
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    path = tmp_path_factory.mktemp("diverged") / "run.jsonl"
+    return diverge(path), path
+
+
+def test_a_diverged_trial_is_marked_and_says_what_went_wrong(recorded):
+    result, _ = recorded
+    assert result["status"] == "diverged" and not result["success"]
+    assert "box turns at" in result["diverged"] and result["diverged"] in result["reason"]
+
+
+def test_the_dump_beside_a_recording_replays_to_the_same_divergence_to_the_bit(recorded):
+    result, path = recorded
+    dump = path.with_name("run-diverged.jsonl")
+    assert result["dump"] == str(dump)
+    recording = load_recording(dump)
+    session, found = replay(recording)
+    assert found.exact and found.complete and not recording.damage
+    assert session.state_hash == result["state_hash"]
+    assert found.diverged == result["diverged"]
+    assert session.scorer.score.status == "diverged"
+
+
+def test_a_dump_holds_the_last_hundred_control_states_the_broken_one_included(recorded):
+    result, _ = recorded
+    recording = load_recording(Path(result["dump"]))
+    end = recording.end["step"]
+    assert recording.header["dump"]["states"] == LAST == 100
+    dense = [end - 8 * i for i in range(LAST)]
+    assert set(dense) <= set(recording.keyframes)
+    assert dense[-1] > 0
+    turning = [abs(recording.keyframes[step]).max() for step in reversed(dense)]
+    assert turning[-1] > 5000.0 and turning == sorted(turning)
+    assert set(recording.track.qpos) == set(range(0, end + 1, 8))
+
+
+def test_the_recording_itself_replays_to_the_same_end_too(recorded):
+    result, path = recorded
+    _, found = replay(load_recording(path))
+    assert found.exact and found.complete and found.diverged == result["diverged"]
+
+
+def test_without_a_recording_the_dump_goes_to_its_folder_and_overwrites_nothing(tmp_path):
+    folder = tmp_path / "new" / "folder"
+    first, second = diverge(dump=folder), diverge(dump=folder)
+    assert Path(first["dump"]).name == "diverged-absurd-2.jsonl"
+    assert Path(second["dump"]).name == "diverged-absurd-2-2.jsonl"
+    assert len(list(folder.iterdir())) == 2
+    assert first["state_hash"] == second["state_hash"]
+
+
+def test_a_dump_that_cannot_be_written_costs_no_result(tmp_path):
+    (tmp_path / "file").write_text("in the way")
+    result = diverge(dump=tmp_path / "file" / "folder")
+    assert result["status"] == "diverged"
+    assert result["dump"] == "" and "folder" in result["dump_error"]
+
+
+def test_the_command_names_the_file_that_replay_opens(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert run_command.main([ABSURD, "--seed", "2", "--json", "out.json"]) == 0
+    said = capsys.readouterr().out
+    dump = json.loads((tmp_path / "out.json").read_text())["dump"]
+    assert f"sandbox replay {dump}" in said and (tmp_path / dump).exists()
+    assert replay_command.main([dump]) == 0
+    said = capsys.readouterr().out
+    assert "exact" in said and "diverged" in said
+
+
+def test_a_regression_trial_that_diverges_tells_where_its_dump_is(tmp_path, monkeypatch):
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    trial = run_job(TrialJob(ABSURD, 2))
+    assert trial["status"] == "diverged" and Path(trial["dump"]).parent == tmp_path
+    assert replay(load_recording(Path(trial["dump"])))[1].exact
+
+
+@pytest.mark.parametrize(
+    ("spoil", "words"),
+    [
+        (lambda s: s.data.qvel.__setitem__(-1, np.nan), "not finite"),
+        (lambda s: s.data.qpos.__setitem__(0, np.inf), "not finite"),
+        (lambda s: s.data.qvel.__setitem__(slice(-6, -3), [0.0, 0.0, 400.0]), "box moves at"),
+    ],
+)
+def test_numbers_without_meaning_are_caught_in_the_step_that_meets_them(spoil, words):
+    session = scripted(lambda now: (), seed=1)
+    run(session, 0.1)
+    spoil(session)
+    with pytest.raises(DivergenceError, match=words):
+        session.advance()
+    assert session.scorer.score.status == "diverged"
+    assert words in session.diverged
+
+
+def test_a_commanded_pose_that_is_not_finite_is_caught_before_the_hand_follows_it(monkeypatch):
+    session = scripted(lambda now: (), seed=1)
+    run(session, 0.1)
+    before = session.data.qpos.copy()
+    reconstructor = session.rigs[0].reconstructor
+    sound = reconstructor.step
+    broken = np.full(48, np.nan)
+    monkeypatch.setattr(reconstructor, "step", lambda frame: replace(sound(frame), q=broken))
+    with pytest.raises(DivergenceError, match="commanded pose"):
+        session.advance()
+    np.testing.assert_array_equal(session.data.qpos, before)

@@ -1,0 +1,183 @@
+"""Objects that leave the workspace come back at rest; what is within reach is left alone."""
+
+from __future__ import annotations
+
+import json
+
+import mujoco
+import numpy as np
+import pytest
+
+from models.frames import Contact
+from models.scene import CONTROL_PERIOD
+from models.surface import Surface
+from sandbox.recording.recording import load_recording
+from sandbox.session.respawn import AWAY, Respawn
+from sandbox.session.session import describe
+from sandbox.trial.headless import run_trial
+from sandbox.trial.replay import replay
+from sandbox.trial.settings import RunSettings
+from tests.support.scripted import Script, run, scripted
+
+
+def idle(task: str = "box-to-goal", seed: int = 1):
+    return scripted(lambda now: (), task=task, seed=seed)
+
+
+def joint(session, name: str) -> tuple[int, int]:
+    found = session.scene.model.joint(name)
+    return int(found.qposadr[0]), int(found.dofadr[0])
+
+
+def place(session, name: str) -> np.ndarray:
+    return session.scene.object_pose(session.data, name)[0]
+
+
+@pytest.mark.parametrize("task", ["box-to-goal", "wrench-slide"])
+@pytest.mark.parametrize(
+    "away",
+    [(0.6, 0.0, 0.03), (-0.05, 3.0, 0.4), (0.0, 0.0, -0.2), (0.0, 0.0, 40.0)],
+)
+def test_an_object_out_of_reach_comes_back_to_its_start_at_rest_and_is_counted(task, away):
+    session = idle(task)
+    thing = session.task.objects[0]
+    q, v = joint(session, thing.name)
+    session.data.qpos[q : q + 3] = away
+    session.data.qvel[v : v + 6] = [1.0, -2.0, 3.0, 20.0, 0.0, 5.0]
+    run(session, AWAY - 0.1)
+    assert session.respawned == 0
+    run(session, 0.15)
+    assert session.respawned == 1 and describe(session)["respawned"] == 1
+    assert thing.name in session.snapshot().notice
+    np.testing.assert_allclose(place(session, thing.name), thing.position, atol=1e-3)
+    run(session, 0.3)
+    assert np.abs(session.data.qvel[v : v + 6]).max() < 1e-3
+    run(session, 2.5)
+    assert session.respawned == 1 and not session.snapshot().notice
+
+
+def test_an_object_flung_over_the_border_comes_back():
+    session = idle()
+    _, v = joint(session, "box")
+    session.data.qvel[v : v + 3] = [3.0, 0.5, 1.0]
+    run(session, 3.0)
+    assert session.respawned == 1
+    np.testing.assert_allclose(place(session, "box"), session.task.objects[0].position, atol=1e-3)
+
+
+def test_an_object_that_fingers_can_still_reach_is_left_where_it_is():
+    session = idle()
+    q, _ = joint(session, "box")
+    surface = session.rigs[0].reconstructor.surface
+    # Its middle is off the surface; a finger at the border touches it all the same.
+    xy = surface.to_world([surface.size[0] + 0.02, surface.size[1] / 2])[:2]
+    session.data.qpos[q : q + 2] = xy
+    run(session, 2.0)
+    assert session.respawned == 0
+    np.testing.assert_allclose(place(session, "box")[:2], xy, atol=1e-3)
+
+
+def test_where_a_finger_is_in_the_way_the_nearest_free_place_is_taken():
+    where = {}
+    session = scripted(lambda now: [Contact(1, *where["start"], label=1)], seed=1)
+    surface = session.rigs[0].reconstructor.surface
+    box = session.task.objects[0]
+    where["start"] = surface.to_surface(box.position).tolist()
+    q, _ = joint(session, "box")
+    session.data.qpos[q : q + 3] = [0.8, 0.8, 0.025]
+    # The finger is at its touch a second later; the box has been away all the time.
+    session._respawn._away["box"] = -62
+    run(session, 1.6)
+    assert session.respawned == 1 and session.solid(0) == frozenset({1})
+    run(session, 0.5)
+    at = place(session, "box")
+    far = np.linalg.norm(at - box.position)
+    assert 0.02 < far < 0.08
+    assert np.all(np.abs(session.data.qvel[-6:]) < 1e-3)
+    tip = session.tips(0, session.data)[1]
+    assert box.clearance(tip[None], at, session.scene.object_pose(session.data, "box")[1])[0] > 0.01
+
+
+@pytest.mark.parametrize("both", [False, True])
+def test_an_object_comes_back_beside_what_stands_in_its_place(both):
+    """The first one's place is taken by the second, which is away itself where both are."""
+    session = idle("stack")
+    first, second = session.task.objects[:2]
+    (a, _), (b, _) = joint(session, first.name), joint(session, second.name)
+    session.data.qpos[a : a + 3] = (0.8, 0.8, 0.025)
+    session.data.qpos[b : b + 3] = (0.8, -0.8, 0.025) if both else first.position
+    run(session, AWAY + 0.1)
+    assert session.respawned == 1 + both
+    run(session, 0.5)
+    at, other = place(session, first.name), place(session, second.name)
+    np.testing.assert_allclose(other, second.position if both else first.position, atol=1e-3)
+    assert np.linalg.norm(at[:2] - first.position[:2]) < (1e-3 if both else 0.12)
+    assert at[2] == pytest.approx(first.position[2], abs=1e-3), "it stands on the table"
+    # Whatever way they are turned, they do not touch.
+    reach = np.linalg.norm(first.half_size) + np.linalg.norm(second.half_size)
+    assert both or np.linalg.norm(at - other) > reach
+
+
+def test_an_object_hinged_to_the_table_never_moves():
+    session = idle("wrench-turn")
+    run(session, 1.0)
+    assert session.respawned == 0 and not session._respawn._things
+
+
+class Flinging(Script):
+    """Pinches the box so that it slips, again and again."""
+
+    def __init__(self, at):
+        super().__init__(self.wipe)
+        self.at = at
+
+    def wipe(self, now):
+        # From beside the box quickly through it and on over the border.
+        way = np.clip((now % 2.0 - 0.8) / 0.2, 0.0, 1.0)
+        x, y = self.at[0] - 0.045 + 0.20 * way, self.at[1]
+        return [Contact(int(now // 2), x, y)] if now % 2.0 < 1.6 else []
+
+
+def test_a_trial_in_which_things_come_back_replays_to_the_bit(tmp_path):
+    path = tmp_path / "flung.jsonl"
+    devices = []
+
+    def device(task, surface):
+        devices.append(Flinging(surface.to_surface(task.objects[0].position)))
+        return devices[-1]
+
+    def views(session):
+        def stop(snapshot):
+            devices[0].finished = session.respawned > 0 or snapshot.time > 15.0
+
+        return [stop]
+
+    result = run_trial(RunSettings(seed=4), device, views, record=path)
+    assert result["respawned"] == 1
+    recording = load_recording(path)
+    assert [e.what for e in recording.events] == ["respawn"]
+    session, found = replay(recording)
+    assert found.exact and found.complete
+    assert session.respawned == 1 and session.state_hash == result["state_hash"]
+    assert json.dumps(result)
+
+
+def test_an_object_for_which_there_is_no_room_holds_nobody_up(monkeypatch):
+    """Thousands of places were looked at in every step, a tenth of a second each time."""
+    session = idle()
+    thing, surface = session.task.objects[0], session.rigs[0].reconstructor.surface
+    at, _ = joint(session, thing.name)
+    session.data.qpos[at : at + 3] = 0.6, 0.0, 0.03
+    mujoco.mj_forward(session.scene.model, session.data)
+    x, y = np.meshgrid(np.linspace(-0.2, 0.2, 41), np.linspace(-0.2, 0.2, 41))
+    everywhere = np.column_stack([x.ravel(), y.ravel(), np.full(x.size, thing.position[2])])
+    respawn = Respawn(session.scene, [surface])
+    for _ in range(round(AWAY / CONTROL_PERIOD) + 2):
+        assert respawn.step(session.data, lambda: everywhere) == []
+    looked, to_surface = [], Surface.to_surface
+    monkeypatch.setattr(
+        Surface, "to_surface", lambda self, p: looked.append(p) or to_surface(self, p)
+    )
+    assert respawn.step(session.data, lambda: everywhere) == []
+    assert len(looked) < 100
+    assert respawn.step(session.data, lambda: np.full((1, 3), 9.0)) == [thing.name]

@@ -1,0 +1,131 @@
+"""Of any study there is a report: nobody, one person, no success, all excluded, hostile names."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.sandbox.study.report.study_reports import (
+    FILES,
+    Rows,
+    hostile_names,
+    planted,
+    put,
+    report,
+    rows_of,
+)
+
+
+def nobody_succeeds(rows: Rows) -> Rows:
+    return [{**r, "success": 0, "held": 0, "status": "timeout", "time_s": 20.0} for r in rows]
+
+
+def everybody_succeeds(rows: Rows) -> Rows:
+    return [{**r, "success": 1, "held": 1, "status": "held"} for r in rows]
+
+
+def all_excluded(rows: Rows) -> Rows:
+    return [{**r, "excluded": 1, "exclusion_reason": "participant: rule x"} for r in rows]
+
+
+def one_person(rows: Rows) -> Rows:
+    return [r for r in rows if r["ppid"] == "P001"]
+
+
+def two_people(rows: Rows) -> Rows:
+    return [r for r in rows if r["ppid"] in ("P001", "P002")]
+
+
+def one_trial(rows: Rows) -> Rows:
+    return rows[:1]
+
+
+def half_finished(rows: Rows) -> Rows:
+    return rows[: len(rows) // 2 + 3]
+
+
+def half_finished_with_a_person_without_success(rows: Rows) -> Rows:
+    return a_person_without_success(half_finished(rows))
+
+
+def nested_with_hostile_names_and_a_later_attempt(rows: Rows) -> Rows:
+    return a_later_attempt(nested(hostile_names(rows)))
+
+
+def only_practice(rows: Rows) -> Rows:
+    return [{**r, "practice": 1} for r in rows]
+
+
+def nothing(rows: Rows) -> Rows:
+    return []
+
+
+def equal_times(rows: Rows) -> Rows:
+    return [{**r, "time_s": 5.0, "success": 1} for r in rows]
+
+
+def time_zero(rows: Rows) -> Rows:
+    return [{**r, "time_s": 0.0} for r in rows]
+
+
+def times_missing(rows: Rows) -> Rows:
+    return [{**r, "time_s": ""} for r in rows]
+
+
+def a_level_nobody_succeeds_with(rows: Rows) -> Rows:
+    lost = {"success": 0, "status": "timeout", "time_s": 20.0}
+    return [{**r, **(lost if r["factor_encoder"] == "b" else {})} for r in rows]
+
+
+def a_person_without_success(rows: Rows) -> Rows:
+    return [{**r, **({"success": 0, "status": "failed"} if r["ppid"] == "P002" else {})}
+            for r in rows]  # fmt: skip
+
+
+def one_success_of_a_level(rows: Rows) -> Rows:
+    kept = next(i for i, r in enumerate(rows) if r["factor_encoder"] == "b" and r["success"] == "1")
+    return [{**r, **({"success": 0, "status": "timeout", "time_s": 20.0}
+                     if r["factor_encoder"] == "b" and i != kept else {})}
+            for i, r in enumerate(rows)]  # fmt: skip
+
+
+def between_people(rows: Rows) -> Rows:
+    return [{**r, "factor_encoder": "abc"[int(r["ppid"][1:]) % 3]} for r in rows]
+
+
+def one_level_only(rows: Rows) -> Rows:
+    return [{**r, "factor_encoder": "a", "factor_task": "x"} for r in rows]
+
+
+def one_trial_of_each(rows: Rows) -> Rows:
+    return [r for r in rows if r["repetition"] == "1" and r["factor_task"] == "task1"]
+
+
+def nested(rows: Rows) -> Rows:
+    return [{**r, "factor_task": f"{r['factor_encoder']}-{r['factor_task']}"} for r in rows]
+
+
+def a_later_attempt(rows: Rows) -> Rows:
+    return [{**rows[0], "counted": 0}, {**rows[0], "attempt": 2}, *rows[1:]]
+
+
+@pytest.mark.parametrize("change", [
+    nobody_succeeds, everybody_succeeds, all_excluded, one_person, two_people, one_trial,
+    half_finished_with_a_person_without_success, only_practice, nothing, equal_times, time_zero,
+    times_missing, a_level_nobody_succeeds_with, one_success_of_a_level, between_people,
+    one_level_only, one_trial_of_each, nested_with_hostile_names_and_a_later_attempt,
+])  # fmt: skip
+def test_of_any_study_there_is_a_report(tmp_path: Path, change: Callable[[Rows], Rows]) -> None:
+    rows = change(planted(tmp_path))
+    put(tmp_path, rows)
+    page = report(tmp_path)
+    used = [r for r in rows if str(r["counted"]) == "1" and str(r["practice"]) != "1"
+            and str(r["excluded"]) != "1"]  # fmt: skip
+    assert f"Trials used {len(used)} " in page.text
+    assert len(rows_of(tmp_path / "report" / "trials.csv")) == len(used)
+    for name in FILES:
+        if name.endswith(".csv"):
+            table = rows_of(tmp_path / "report" / name)
+            assert not any(v.lower() in ("nan", "inf", "-inf") for r in table for v in r.values())

@@ -1,0 +1,294 @@
+"""Measures of a whole trial: from a hand-made table, and from one that was simulated."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from models.frames import FINGERS
+from models.surface import Surface
+from sandbox.devices.simulated.simulated import SimulatedDevice
+from sandbox.session.session import Session, describe
+from sandbox.study.measures.columns import Columns
+from sandbox.study.measures.measures import BY_NAME, MEASURES
+from sandbox.study.measures.touching import Touching
+from sandbox.study.measures.trial import measure_trial
+from sandbox.study.record.folder import StudyFolder
+from sandbox.study.record.kept_sessions import session_path
+from sandbox.study.run.simulate import run_simulated
+from sandbox.study.tables.codebook import COLUMNS
+from sandbox.study.tables.frames import FrameTable, missing, rebuild, turn_off
+from sandbox.study.tables.tables import rebuild_study, trial_columns
+from sandbox.trial.assembly import build
+from sandbox.trial.settings import RunSettings
+from tasks.sensing import Sensing
+from tasks.task import Goal, Task
+from tasks.user import UserConfiguration
+from tests.support.study_files import DESIGN, design, open_study
+
+Array = NDArray[np.float64]
+PERIOD = 0.016
+DOCS = Path(__file__).resolve().parents[3] / "docs" / "measures.md"
+HELD = {"success": True, "respawned": 0}
+
+
+def table(palm: Array, box: Array, goal: Array, **other: Any) -> Columns:
+    """A table of a hand that is down all the time and never touches, unless told otherwise."""
+    n = len(palm)
+    columns: dict[str, Any] = {
+        "time_s": [PERIOD * (i + 1) for i in range(n)],
+        "phase": ["down"] * n,
+        **{f"{kind}_{finger}": [None] * n for kind in ("touch", "true") for finger in FINGERS},
+        **{f"q_position_{axis}": palm[:, i] for i, axis in enumerate("xyz")},
+        **{f"box_{axis}": box[:, i] for i, axis in enumerate("xyz")},
+        "box_qw": np.ones(n),
+        "box_digits": [""] * n,
+        "box_grip_N": [0.0] * n,
+        "box_by": ["table"] * n,
+        "box_on": ["table"] * n,
+        **{f"box_goal_{axis}": np.full(n, goal[i]) for i, axis in enumerate("xyz")},
+        "box_off_rad": [0.0] * n,
+    }
+    return Columns.of({**columns, **other})
+
+
+def half_circle(n: int = 401) -> Array:
+    angle = np.linspace(0.0, np.pi, n)
+    return 0.05 * np.stack([1.0 - np.cos(angle), np.sin(angle), 0.0 * angle], axis=1)
+
+
+def test_a_half_circle_of_palm_and_box_has_the_measures_of_geometry() -> None:
+    arc, goal = half_circle(), np.array([0.11, 0.0, 0.0])
+    n = len(arc)
+    found = measure_trial(
+        table(arc[::-1], arc, goal, box_digits=["ti"] * n, box_grip_N=[1.0] * n,
+              box_off_rad=[0.1] * n),
+        {**HELD, "time_s": n * PERIOD},
+    )  # fmt: skip
+    for what in ("palm", "object"):
+        assert found[f"{what}_path_m"] == pytest.approx(0.05 * np.pi, rel=1e-3)
+        assert found[f"{what}_efficiency"] == pytest.approx(2 / np.pi, rel=1e-3)
+        assert found[f"{what}_peak_m_s"] == pytest.approx(0.05 * np.pi / (n - 1) / PERIOD, rel=0.05)
+    assert found["placement_error_m"] == pytest.approx(0.01, abs=1e-5)
+    assert found["placement_error_deg"] == pytest.approx(np.rad2deg(0.1), abs=1e-3)
+    assert found["move_amplitude_m"] == pytest.approx(0.1, abs=1e-5)
+    assert found["move_error_m"] == pytest.approx(-0.01, abs=1e-5)
+    assert (found["grasps"], found["regrasps"], found["drops"]) == (1, 0, 0)
+    assert found["first_attempt_success"] and found["first_push_s"] == PERIOD
+    assert found["completion_s"] == pytest.approx(n * PERIOD)
+
+
+def test_what_comes_after_the_goal_was_held_does_not_count() -> None:
+    arc = half_circle(100)
+    later = np.concatenate([arc, arc[::-1] + 0.3, arc])
+    goal, result = arc[-1], {**HELD, "time_s": 100 * PERIOD}
+    assert measure_trial(table(later, later, goal), result) == measure_trial(
+        table(arc, arc, goal), result
+    )
+
+
+def test_a_regrasp_or_a_drop_or_a_thing_put_back_is_no_success_at_the_first_attempt() -> None:
+    n = 60
+    still = np.tile([0.1, 0.1, 0.025], (n, 1))
+    twice = ["ti"] * 10 + [""] * 10 + ["tm"] * 10 + [""] * (n - 30)
+    lifted = np.array(still)
+    lifted[20:30, 2] += 0.05
+    cases: list[tuple[dict[str, Any], Array, int, tuple[int, int, int, bool]]] = [
+        ({"box_digits": twice}, still, 0, (2, 1, 0, False)),
+        ({"box_digits": ["t"] * n}, still, 0, (0, 0, 0, True)),
+        ({"box_by": ["table"] * 29 + [""] * 4 + ["table"] * 27}, lifted, 0, (0, 0, 1, False)),
+        ({}, still, 1, (0, 0, 0, False)),
+        ({}, still, 0, (0, 0, 0, True)),
+    ]  # fmt: skip
+    for columns, box, respawned, told in cases:
+        digits = columns.get("box_digits", [""] * n)
+        made = table(
+            still, box, still[0], **columns, box_grip_N=[1.0 if d else 0.0 for d in digits]
+        )
+        found = measure_trial(made, {"success": True, "time_s": n * PERIOD, "respawned": respawned})
+        names = ("grasps", "regrasps", "drops", "first_attempt_success")
+        assert tuple(found[name] for name in names) == told
+
+
+def test_nothing_is_said_about_pushes_that_are_not_known_nor_about_ways_of_things_put_back() -> (
+    None
+):
+    still = np.tile([0.1, 0.1, 0.025], (50, 1))
+    unknown = table(still, still, still[0], box_grip_N=[None] * 50)
+    result = {**HELD, "time_s": 50 * PERIOD}
+    assert not {"grasps", "drops", "first_push_s", "first_attempt_success"} & set(
+        measure_trial(unknown, result)
+    )
+    back = np.array(still)
+    back[25:, 0] += 0.2
+    found = measure_trial(table(still, back, still[0]), result)
+    assert found["object_path_m"] == 0.0 and found["object_peak_m_s"] == 0.0
+
+
+def test_a_hand_that_rises_and_comes_down_elsewhere_goes_straight_there() -> None:
+    palm = np.zeros((30, 3))
+    palm[10:20, 2] = 0.09
+    palm[20:, 0] = 0.04
+    phases = ["down"] * 10 + ["above"] * 10 + ["down"] * 10
+    found = measure_trial(
+        table(palm, np.zeros((30, 3)), np.zeros(3), phase=phases),
+        {"success": False, "time_s": 1.0},
+    )
+    assert found["palm_path_m"] == pytest.approx(0.04) and found["palm_peak_m_s"] == 0.0
+    assert found["palm_efficiency"] == pytest.approx(1.0) and found["completion_s"] is None
+
+
+def test_an_empty_table_has_no_measures_but_the_time() -> None:
+    none = np.zeros((0, 3))
+    assert measure_trial(table(none, none, np.zeros(3)), {"success": False, "time_s": 0.0}) == {
+        "completion_s": None
+    }
+
+
+@pytest.mark.parametrize(
+    ("alike", "turn", "off"),
+    [(1, 3.0, 3.0), (2, 3.0, 3.0 - np.pi), (4, 1.4, 1.4 - np.pi / 2), (0, 1.0, 0.0)],
+)
+def test_a_thing_is_turned_by_the_nearest_turn_that_looks_the_same(
+    alike: int, turn: float, off: float
+) -> None:
+    class Seen:
+        position = np.zeros(3)
+        rotation = np.array([[np.cos(turn), -np.sin(turn), 0.0],
+                             [np.sin(turn), np.cos(turn), 0.0], [0.0, 0.0, 1.0]])  # fmt: skip
+
+    assert turn_off(Seen(), Goal("box", (0.0, 0.0, 0.0), 0.0), alike) == pytest.approx(off)  # type: ignore[arg-type]
+
+
+def played(task: str, seed: int, look: Callable[[Session], object]) -> tuple[Session, FrameTable]:
+    """A simulated trial, with its table; `look` sees the session after every step."""
+
+    def device(drawn: Task, surface: Surface) -> SimulatedDevice:
+        return SimulatedDevice(drawn, UserConfiguration(), surface, seed)
+
+    session, frames = build(RunSettings(task=task, seed=seed), device), FrameTable()
+    frames.watch(session)
+    user: Any = session.rigs[0].device
+    while not session.over:
+        snapshot = session.advance()
+        frames.show(snapshot)
+        look(session)
+        user.show(snapshot)
+    frames.truth = dict(user.truth)
+    return session, frames
+
+
+@pytest.mark.parametrize("task", ["stack", "wrench-slide"])
+def test_who_pushes_and_bears_what_agrees_with_the_sensors_at_every_moment(task: str) -> None:
+    seen = {"digits": 0, "borne": 0, "in hand": 0}
+    touching: list[Touching] = []
+
+    def look(session: Session) -> None:
+        touching[:] = touching or [Touching(session.scene, session.data)]
+        sensing = Sensing(session.scene, session.data)
+        names = [thing.name for thing in session.task.objects]
+        for name, pushes in touching[0].pushes(touching[0].copy()).items():
+            others = ["table", *(n for n in names if n != name)]
+            assert bool(pushes.digits) == sensing.object(name).held == (pushes.grip > 0)
+            assert [o for o in sorted(others) if sensing.touching(name, o)] == list(pushes.by)
+            assert [o for o in sorted(others) if sensing.rests_on(name, o)] == list(pushes.on)
+            seen["digits"] += len(pushes.digits) >= 2
+            seen["borne"] += bool(pushes.on)
+            seen["in hand"] += bool(pushes.digits) and not pushes.by
+
+    session, _ = played(task, 4, look)
+    assert session.scorer.score.success
+    assert min(seen.values()) > 20
+
+
+def test_measures_of_the_file_are_those_of_the_trial_and_all_of_them_are_in_the_list(
+    tmp_path: Path,
+) -> None:
+    session, frames = played("box-to-goal", 3, lambda session: None)
+    result = describe(session)
+    frames.write(tmp_path, "T001", result)
+    told = json.loads((tmp_path / "measures_T001.json").read_bytes())
+    read = Columns.read((tmp_path / "frames_T001.csv.gz").read_bytes())
+    again = measure_trial(read, result)
+    assert again == {name: told[name] for name in again}
+    assert set(again) <= set(BY_NAME)
+    assert again["first_attempt_success"] and again["grasps"] == 1
+    assert again["placement_error_m"] < 0.01 and again["placement_error_deg"] < 10
+    assert 0 < again["object_efficiency"] <= 1 and again["label_accuracy"] is not None
+
+
+def test_no_label_that_a_device_tells_is_wrong_and_those_of_a_simulated_user_are_what_it_means(
+    tmp_path: Path,
+) -> None:
+    def device(drawn: Task, surface: Surface) -> SimulatedDevice:
+        return SimulatedDevice(drawn, UserConfiguration(), surface, 3, True)
+
+    session = build(RunSettings(task="box-to-goal", seed=3, labels="device"), device)
+    user: Any = session.rigs[0].device
+    labels: dict[int, int | None] = {}
+    frames = FrameTable()
+    frames.watch(session)
+    while not session.over:
+        snapshot = session.advance()
+        frames.show(snapshot)
+        user.show(snapshot)
+        labels |= {c.id: c.label for c in snapshot.hands[0].contacts if c.label is not None}
+    assert labels and labels == {contact: user.truth[contact] for contact in labels}
+    frames.write(tmp_path, "T001", describe(session))
+    told = json.loads((tmp_path / "measures_T001.json").read_bytes())
+    assert (told["label_truth"], told["label_accuracy"], told["label_errors"]) == ("device", 1.0, 0)
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
+    found = open_study(tmp_path_factory.mktemp("measures"))
+    run_simulated(found, 0, lambda text: None)
+    return found
+
+
+def test_every_measure_is_a_column_with_unit_and_meaning_and_has_its_place_in_the_docs() -> None:
+    columns, docs = trial_columns(design()), DOCS.read_text(encoding="utf-8")
+    assert len(BY_NAME) == len(MEASURES)
+    for measure in MEASURES:
+        assert measure.name in columns and COLUMNS[measure.name][0] == measure.unit
+        assert f"`{measure.name}`" in docs, measure.name
+        assert measure.better in ("high", "low", "") and measure.title and measure.means
+
+
+def test_measures_are_in_the_results_of_a_study_and_made_again_where_they_are_missing(
+    study: StudyFolder,
+) -> None:
+    folder = session_path(study.path, study.participants()[0].ppid)
+    path = folder / "trackers" / "measures_T002.json"
+    before = path.read_bytes()
+    rows = list(csv.DictReader((folder / "trial_results.csv").open()))
+    told = json.loads(before)
+    row = next(r for r in rows if r["trial_num"] == "2")
+    for name in BY_NAME.keys() & told.keys():
+        value = told[name]
+        if isinstance(value, float):
+            assert float(row[name]) == pytest.approx(value, abs=1e-6)
+        else:
+            told_as = "" if value is None else value if isinstance(value, str) else str(int(value))
+            assert row[name] == told_as
+    assert not missing(folder / "trackers", "T002")
+    path.write_text('{"version": 0}')
+    assert missing(folder / "trackers", "T002")
+    rebuild(folder / "trials/T002.jsonl", folder / "trackers")
+    assert path.read_bytes() == before
+
+
+def test_a_rule_may_look_at_any_measure(tmp_path: Path) -> None:
+    rule = '[[exclusions]]\nname = "none"\nmeasure = "object_path_m"\nbelow = 1e9\n'
+    made = open_study(tmp_path, DESIGN + rule)
+    run_simulated(made, 0, lambda text: None)
+    rebuild_study(made)
+    rows = list(csv.DictReader((made.path / "trial_results.csv").open()))
+    assert {row["exclusion_reason"] for row in rows} == {"rule none"}

@@ -1,0 +1,205 @@
+"""Whoever sits at the terminal is heard and asked, and what they say is written down."""
+
+from __future__ import annotations
+
+import csv
+import io
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from queue import SimpleQueue
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from models.errors import StudyError
+from sandbox.cli.main import main
+from sandbox.study.design.design import Item
+from sandbox.study.record.folder import StudyFolder
+from sandbox.study.record.journal import read_journal
+from sandbox.study.record.kept_sessions import session_path
+from sandbox.study.record.session_folder import SessionFolder
+from sandbox.study.record.state import SessionState
+from sandbox.study.run.answers import read_answer
+from sandbox.study.run.controls import Command, Controls, Terminal, parse_command
+from sandbox.study.run.forms import SimulatedForms, TerminalForms
+from sandbox.study.run.players import HeadlessPlayer
+from sandbox.study.run.runner import Outcome, SessionRunner
+from sandbox.study.run.simulate import run_simulated, simulated_device, simulated_person
+from tests.support.study_files import DESIGN, TRIALS, open_study
+
+
+def quiet(text: str) -> None:
+    """Nobody listens."""
+
+
+def rows_of(path: Path) -> list[dict[str, str]]:
+    return list(csv.DictReader(path.open(encoding="utf-8")))
+
+
+class Typist:
+    """An experimenter who types at set moments: before the nth look at the controls."""
+
+    def __init__(self, lines: dict[int, str]) -> None:
+        self.lines, self.looks, self.said = lines, 0, [""]
+        self.controls = Controls(self.said.append)
+        take = self.controls.take
+
+        def watched() -> Iterator[Command]:
+            self.looks += 1
+            if self.looks in self.lines:
+                self.controls.type(self.lines[self.looks])
+            yield from take()
+
+        self.controls.take = watched  # type: ignore[method-assign]
+
+
+def run_with(out: Path, lines: dict[int, str]) -> tuple[StudyFolder, SessionState, Outcome, Typist]:
+    study = open_study(out)
+    person = study.add(**simulated_person(study.design, 0))
+    typist = Typist(lines)
+    with SessionFolder(study, person) as session:
+        outcome = SessionRunner(session, HeadlessPlayer(), simulated_device(person),
+                                SimulatedForms(1), typist.controls, typist.said.append
+                                ).run()  # fmt: skip
+        return study, session.state, outcome, typist
+
+
+def test_a_trial_repeated_in_the_middle_gets_a_file_of_its_own_and_counts_once(
+    tmp_path: Path,
+) -> None:
+    _, state, outcome, _ = run_with(tmp_path, {10: "r the phone rang"})
+    assert outcome is Outcome.COMPLETE
+    attempts = state.attempts[1]
+    assert [a.start["file"] for a in attempts] == ["trials/T001.jsonl", "trials/T001.a2.jsonl"]
+    assert attempts[0].end is None and state.counted(1) is attempts[1]
+    assert all(state.counted(t) for t in range(1, TRIALS + 1))
+
+
+def test_notes_exclusions_and_skips_are_written_down_and_delete_nothing(tmp_path: Path) -> None:
+    study, state, outcome, typist = run_with(
+        tmp_path, {8: "n a note", 9: "x sneezed", 10: "zzz", 100: "s broken chair"}
+    )
+    assert outcome is Outcome.COMPLETE
+    assert state.excluded == {1: "sneezed"}
+    assert len(state.skipped) == 1 and "broken chair" in state.skipped.values()
+    assert any("keys" in line for line in typist.said)
+    rows = rows_of(session_path(study.path, study.participants()[0].ppid) / "trial_results.csv")
+    assert rows[0]["exclusion_reason"] == "sneezed" and rows[0]["counted"] == "1"
+    assert len(rows) == TRIALS - 1
+
+
+def test_a_stopped_session_goes_on_where_it_was(tmp_path: Path) -> None:
+    study, state, outcome, _ = run_with(tmp_path, {30: "q"})
+    done = [t for t in range(1, TRIALS + 1) if state.counted(t)]
+    assert outcome is Outcome.STOPPED and len(done) < TRIALS
+    assert run_simulated(study, 0, quiet) is Outcome.COMPLETE
+    journal = next(study.path.glob("*/S001/journal.jsonl"))
+    state = SessionState.of(read_journal(journal))
+    assert all(state.counted(t) for t in range(1, TRIALS + 1))
+    ends = [r["trial"] for r in read_journal(journal) if r["kind"] == "trial_end"]
+    assert sorted(ends) == list(range(1, TRIALS + 1))
+
+
+class Patient(io.StringIO):
+    """Lines that are typed once they are asked for, as people do."""
+
+    def readline(self, size: int | None = -1) -> str:
+        calm = 0
+        while calm < 3:
+            time.sleep(0.01)
+            asked = [t for t in Terminal.__dict__.get("made", []) if t.asking]
+            calm = calm + 1 if asked else 0
+        return super().readline(-1)
+
+
+@pytest.fixture(autouse=True)
+def terminals(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Lets a patient typist see the terminals there are."""
+    begin, made = Terminal.__init__, []
+    monkeypatch.setattr(Terminal, "made", made, raising=False)
+
+    def seen(self: Terminal, *arguments: object) -> None:
+        made.append(self)
+        self._asking, self._answers = threading.Event(), SimpleQueue()
+        begin(self, *arguments)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(Terminal, "__init__", seen)
+
+
+def test_without_consent_nothing_is_played(tmp_path: Path) -> None:
+    study = open_study(tmp_path)
+    person = study.add(**simulated_person(study.design, 0))
+    controls = Controls()
+    terminal = Terminal(controls, Patient("no\n"))
+    with SessionFolder(study, person) as session:
+        runner = SessionRunner(session, HeadlessPlayer(), simulated_device(person),
+                               TerminalForms(terminal, quiet), controls, quiet)  # fmt: skip
+        assert runner.run() is Outcome.NO_CONSENT
+        assert not session.state.attempts
+
+
+def test_a_session_in_the_terminal_asks_plays_and_hears_the_experimenter(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "design.toml"
+    file.write_text(DESIGN)
+    command = ["study", "run", str(file), "--out", str(tmp_path), "--pilot", "--device",
+               "simulated", "--view", "none"]  # fmt: skip
+    monkeypatch.setattr("sys.stdin", Patient("maybe\n/n hello\nyes\n17\n33\n25\n101\n95\n"))
+    assert main([*command, "--participant", "new"]) == 0
+    told = capsys.readouterr().out
+    assert "Do you agree?" in told and "no such number" in told and "complete" in told
+    folder = tmp_path / "quick-pilot"
+    assert [r["answer"] for r in rows_of(folder / "questionnaires.csv")] == ["33", "25", "95"]
+    assert {r["mode"] for r in rows_of(folder / "trial_results.csv")} == {"pilot"}
+    notes = [r for r in read_journal(next(folder.glob("*/S001/journal.jsonl")))
+             if r["kind"] == "note"]  # fmt: skip
+    assert [n["text"] for n in notes] == ["hello"]
+    assert main([*command]) == 2
+    assert main([*(c for c in command if c != "--pilot"), "--participant", "new"]) == 2
+    assert not (tmp_path / "quick").exists()
+
+
+def test_check_plan_new_and_simulate_say_what_they_should(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "my.toml"
+    assert main(["study", "new", str(file)]) == 0
+    assert main(["study", "new", str(file)]) == 2
+    assert main(["study", "check", str(file)]) == 0
+    assert main(["study", "plan", str(file), "--power", "--participants", "3"]) == 0
+    told = capsys.readouterr().out
+    assert "no mistakes" in told and "no multiple" in told and "standard deviations" in told
+    file.write_text(file.read_text().replace("latin", "lattin"))
+    assert main(["study", "check", str(file)]) == 2
+    assert "Did you mean latin" in capsys.readouterr().err
+    file.write_text(DESIGN)
+    command = ["study", "simulate", str(file), "--out", str(tmp_path), "--participants", "1"]
+    assert main(command) == 0
+    assert main(command) == 2
+    assert main([*command, "--resume"]) == 0
+
+
+@given(st.text(max_size=12))
+def test_whatever_is_typed_is_a_command_or_is_answered(line: str) -> None:
+    found = parse_command(line)
+    assert isinstance(found, Command) or "keys" in found or "needs words" in found
+
+
+@given(value=st.integers(-50, 150))
+def test_an_answer_is_kept_as_given_or_refused(value: int) -> None:
+    item = Item("x", "scale", {"en": "?"}, low=0, high=100, step=5)
+    if 0 <= value <= 100 and value % 5 == 0:
+        assert read_answer(item, f" {value} ") == value
+    else:
+        with pytest.raises(StudyError):
+            read_answer(item, str(value))
+
+
+@pytest.mark.parametrize("text", ["", "nan", "inf", "five", "1e400"])
+def test_what_is_no_number_is_no_answer(text: str) -> None:
+    with pytest.raises(StudyError):
+        read_answer(Item("x", "number", {"en": "?"}), text)

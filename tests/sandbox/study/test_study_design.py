@@ -1,0 +1,328 @@
+"""Designs name every mistake; plans are balanced, and follow from design and number alone."""
+
+from __future__ import annotations
+
+from collections import Counter
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from models.errors import StudyError
+from sandbox.study.design.conditions import combinations, run_settings
+from sandbox.study.design.design_file import load_design, parse_design
+from sandbox.study.design.orders import balanced_latin_square, every_order, order_of
+from sandbox.study.design.plan import (
+    BreakStep,
+    ConsentStep,
+    FormStep,
+    InstructionStep,
+    TrialStep,
+    duration,
+    session_plan,
+    trials_of,
+    whole_cycle,
+)
+from sandbox.study.design.power import detectable, power
+from sandbox.study.design.reading import DesignError
+from sandbox.study.design.toml_lines import TomlLines
+from sandbox.study.record.pseudonym import ALPHABET, is_text, new_pseudonym, read_pseudonym
+from tests.support.study_files import DESIGN, design
+
+ROOT = Path(__file__).resolve().parents[3]
+
+CROSSED = """
+name = "crossed"
+seed = 5
+[settings]
+encoder = "linear"
+[[factors]]
+name = "contact"
+order = "latin"
+levels = ["hard", "soft", "none"]
+[[factors]]
+name = "task"
+order = "latin"
+levels = ["box-to-goal", "wrench-turn"]
+[trials]
+repetitions = 2
+[breaks]
+every = 5
+"""
+
+
+@pytest.mark.parametrize("n", range(1, 9))
+def test_a_balanced_latin_square_has_each_place_and_each_pair_equally_often(n: int) -> None:
+    rows = balanced_latin_square(n)
+    assert len(rows) == (n if n % 2 == 0 or n == 1 else 2 * n)
+    places = Counter((i, c) for row in rows for i, c in enumerate(row))
+    assert len(places) == n * n and set(places.values()) == {len(rows) // n}
+    pairs = Counter(pair for row in rows for pair in pairwise(row))
+    assert set(pairs.values()) <= {1 if n % 2 == 0 else 2}
+    assert len(pairs) == n * (n - 1)
+
+
+@given(n=st.integers(1, 5), row=st.integers(0, 10_000), rule=st.sampled_from(
+    ["latin", "factorial", "random", "blocked"]))  # fmt: skip
+def test_every_order_of_levels_is_a_permutation(n: int, row: int, rule: str) -> None:
+    assert sorted(order_of(rule, n, row, (row,))) == list(range(n))
+
+
+def test_every_order_is_used_once_in_a_cycle() -> None:
+    rows = [order_of("factorial", 3, i, (0,)) for i in range(6)]
+    assert sorted(rows) == sorted(every_order(3))
+
+
+def test_outer_and_inner_orders_are_balanced_after_a_whole_cycle() -> None:
+    crossed = design(CROSSED)
+    assert whole_cycle(crossed) == 6
+    outer: Counter[tuple[int, str]] = Counter()
+    inner: Counter[tuple[int, str]] = Counter()
+    for number in range(6):
+        trials = trials_of(session_plan(crossed, number))
+        blocks = list(dict.fromkeys(tuple(t.levels.values()) for t in trials))
+        for place, (contact, task) in enumerate(blocks):
+            if place % 2 == 0:
+                outer[place, contact] += 1
+                inner[place, task] += 1
+    assert set(outer.values()) == {2}
+    assert set(inner.values()) == {3}
+
+
+FIXED = st.tuples(st.sampled_from(["latin", "factorial", "blocked"]), st.integers(1, 4))
+OUTER = FIXED | st.tuples(st.sampled_from(["random", "between"]), st.integers(1, 4))
+
+
+@given(outer=OUTER, inner=FIXED, session=st.integers(1, 3))
+@settings(max_examples=40)
+def test_after_a_whole_cycle_every_inner_order_was_equally_often_at_every_outer_place(
+    outer: tuple[str, int], inner: tuple[str, int], session: int
+) -> None:
+    text = "name = 'n'\nsessions = 3\n"
+    for name, (rule, count) in (("contact", outer), ("servo", inner)):
+        told = ", ".join(f'{{name = "{i}", encoder = "linear"}}' for i in range(count))
+        text += f"[[factors]]\nname = '{name}'\norder = '{rule}'\nlevels = [{told}]\n"
+    found = parse_design(text, Path("design.toml"), try_out=False)
+    orders: Counter[tuple[int, tuple[str, ...]]] = Counter()
+    size, places = inner[1], 1 if outer[0] == "between" else outer[1]
+    for number in range(whole_cycle(found)):
+        trials = trials_of(session_plan(found, number, session))
+        for place in range(places):
+            block = trials[place * size : (place + 1) * size]
+            orders[place, tuple(t.levels["servo"] for t in block)] += 1
+    # Of two levels, an order and its reverse are all there are.
+    assert len(orders) == places * len({order_of(inner[0], size, i, ()) for i in range(1000)})
+    assert len(set(orders.values())) == 1
+
+
+def test_every_combination_occurs_as_often_as_the_design_says() -> None:
+    crossed = design(CROSSED)
+    for number in range(4):
+        trials = trials_of(session_plan(crossed, number))
+        seen = Counter(tuple(t.levels.values()) for t in trials)
+        assert set(seen.values()) == {2} and len(seen) == 6
+        assert [t.number for t in trials] == list(range(1, 13))
+
+
+def test_the_same_design_and_number_give_the_same_plan_and_others_another() -> None:
+    plans = [session_plan(design(CROSSED), n) for n in (0, 0, 1)]
+    assert plans[0] == plans[1]
+    seeds = [[t.seed for t in trials_of(plan)] for plan in plans]
+    assert seeds[0] != seeds[2]
+
+
+@given(number=st.integers(0, 100))
+def test_no_two_steps_have_one_name(number: int) -> None:
+    for text in (DESIGN, CROSSED):
+        ids = [step.id for step in session_plan(design(text), number)]
+        assert len(set(ids)) == len(ids)
+
+
+def test_shared_seeds_give_everybody_and_every_condition_the_same_starts() -> None:
+    shared = design(CROSSED.replace("[trials]", '[trials]\nseeds = "shared"'))
+    starts = {
+        (t.levels["task"], t.repetition, t.seed)
+        for n in range(3)
+        for t in trials_of(session_plan(shared, n))
+    }
+    assert len(starts) == 4
+
+
+def test_a_session_has_its_parts_in_order() -> None:
+    kinds = [type(s) for s in session_plan(design(DESIGN), 0)]
+    assert kinds == [ConsentStep, FormStep, *[TrialStep] * 3, FormStep, *[TrialStep] * 3, FormStep]
+    trials = trials_of(session_plan(design(DESIGN), 0))
+    assert [t.practice for t in trials] == [True, False, False, True, False, False]
+    breaks = [s.id for s in session_plan(design(CROSSED), 0) if isinstance(s, BreakStep)]
+    assert breaks == ["break:5", "break:10"]
+
+
+def test_repetitions_go_round_inside_of_a_factor_where_asked() -> None:
+    rounds = design(CROSSED.replace("[trials]", '[trials]\nrepeat_inside = "contact"'))
+    trials = trials_of(session_plan(rounds, 0))[:4]
+    assert len({t.levels["contact"] for t in trials}) == 1
+    assert [t.repetition for t in trials] == [1, 1, 2, 2]
+    assert len({t.levels["task"] for t in trials[:2]}) == 2
+    assert len({t.block for t in trials}) == 1
+
+
+def test_nested_levels_occur_only_where_they_belong() -> None:
+    text = CROSSED.replace('order = "latin"\nlevels = ["box-to-goal", "wrench-turn"]',
+        'inside = "contact"\n'
+        'levels = {hard = ["stack"], soft = ["box-to-goal", "wrench-turn"], none = ["stack"]}'
+    )  # fmt: skip
+    found = [tuple(x.name for x in c.values()) for c in combinations(design(text))]
+    assert found == [("hard", "stack"), ("soft", "box-to-goal"), ("soft", "wrench-turn"),
+                     ("none", "stack")]  # fmt: skip
+
+
+def test_between_participants_everybody_has_one_level() -> None:
+    text = CROSSED.replace('order = "latin"', 'order = "between"', 1)
+    groups = [{t.levels["contact"] for t in trials_of(session_plan(design(text), n))}
+              for n in range(6)]  # fmt: skip
+    assert [next(iter(g)) for g in groups] == ["hard", "soft", "none"] * 2
+    assert all(len(g) == 1 for g in groups)
+
+
+def test_a_level_may_set_several_things() -> None:
+    text = CROSSED.replace('["hard", "soft", "none"]',
+                           '[{name = "gentle", contact = "soft", impulse = "safe"}, "hard"]'
+                           )  # fmt: skip
+    trial = next(t for t in trials_of(session_plan(design(text), 0))
+                 if t.levels["contact"] == "gentle")  # fmt: skip
+    settings = run_settings(trial.values, trial.seed, "left", 1.1)
+    assert (settings.contact, settings.impulse) == ("soft", 0.5)
+    assert (settings.hand, settings.hand_size, settings.encoder) == ("left", 1.1, "linear")
+
+
+MISTAKES = [
+    ('order = "latin"', 'order = "latn"', "Did you mean latin"),
+    ("repetitions = 2", "repetitions = 0", "whole number from 1"),
+    ("repetitions = 2", "repititions = 2", "Did you mean repetitions"),
+    ('"hard", "soft"', '"hard", "sofft"', "hard, soft, none"),
+    ('encoder = "linear"', 'encoder = "linaer"', "there is no such encoder"),
+    ('"box-to-goal", ', '"box-to-gaol", ', "there is no such task"),
+    ('"box-to-goal", ', '"wrench-turn", ', "twice"),
+    ("every = 5", "every = -1", "0 to 10000"),
+    ('name = "task"', 'name = "contact"', "twice"),
+    ("seed = 5", "seed = 5.5", "whole number"),
+    ('encoder = "linear"', 'surface = "1x1in"', "too small"),
+]
+
+
+@pytest.mark.parametrize(("sound", "wrong", "told"), MISTAKES)
+def test_a_mistake_is_told_with_its_line_and_a_remedy(sound: str, wrong: str, told: str) -> None:
+    text = CROSSED.replace(sound, wrong, 1)
+    assert text != CROSSED
+    with pytest.raises(DesignError) as caught:
+        design(text)
+    mistakes = caught.value.mistakes
+    assert any(told in str(m) for m in mistakes), caught.value
+    pairs = enumerate(zip(text.splitlines(), CROSSED.splitlines(), strict=True), start=1)
+    assert next(i for i, (a, b) in pairs if a != b) in [m.line for m in mistakes]
+    assert all(m.remedy for m in mistakes)
+
+
+def test_all_mistakes_are_told_at_once() -> None:
+    text = CROSSED.replace("latin", "latn").replace("repetitions = 2", "repetitions = 0")
+    with pytest.raises(DesignError) as caught:
+        design(text)
+    assert [m.line for m in caught.value.mistakes] == [8, 12, 15]
+
+
+@pytest.mark.parametrize("text", ["name = ", "\x00", "[[factors]\n", "", "factors = 3", "name = 1"])
+def test_what_is_no_design_is_refused(text: str) -> None:
+    with pytest.raises(DesignError):
+        parse_design(text, Path("x.toml"))
+
+
+def test_a_missing_language_is_told(tmp_path: Path) -> None:
+    text = CROSSED.replace("seed = 5", 'seed = 5\nlanguages = ["en", "de"]')
+    text += '[consent]\ntext = {en = "Do you agree?"}\n'
+    with pytest.raises(DesignError, match="no text in de"):
+        design(text)
+    assert design(text.replace('?"}', '?", de = "Einverstanden?"}')).consent["de"]
+
+
+def test_questions_may_stand_in_a_file_of_their_own(tmp_path: Path) -> None:
+    (tmp_path / "own.toml").write_text(
+        'title = "T"\n[[items]]\nname = "a"\nkind = "scale"\nask = "A?"\n'
+    )
+    text = CROSSED + '[[questionnaires]]\nname = "own"\nat = "task"\nfile = "own.toml"\n'
+    (tmp_path / "design.toml").write_text(text)
+    form = load_design(tmp_path / "design.toml").questionnaires[0]
+    assert (form.title["en"], form.items[0].name) == ("T", "a")
+    (tmp_path / "own.toml").write_text('title = "T"\n[[items]]\nname = "a"\nkind = "sacle"\n')
+    with pytest.raises(DesignError, match=r"own\.toml, line 4.*Did you mean scale"):
+        load_design(tmp_path / "design.toml")
+
+
+@pytest.mark.parametrize(
+    "name", ["sandbox/study/design/template.toml", "examples/study/design.toml"]
+)
+def test_our_own_designs_are_without_mistake(name: str) -> None:
+    found = load_design(ROOT / name)
+    steps = session_plan(found, 0)
+    assert trials_of(steps) and duration(found, steps) > 60
+    assert any(isinstance(s, InstructionStep) for s in steps)
+
+
+def test_lines_of_a_file_are_found_past_texts_of_several_lines() -> None:
+    text = '# one\na = """\nb = 3\n[c]\n"""\n[[d]]\n  e = 1\n[d.f]\ng = 2\n[[d]]\n\'e\' = 4 # x\n'
+    lines = TomlLines(text)
+    wanted = {("a",): 2, ("b",): 1, ("d", 0): 6, ("d", 0, "e"): 7, ("d", 0, "f", "g"): 9,
+              ("d", 1, "e"): 11, ("d", 1, "z"): 10}  # fmt: skip
+    assert {path: lines.of(path) for path in wanted} == wanted
+
+
+def test_power_agrees_with_a_simulated_experiment() -> None:
+    rng = np.random.default_rng(1)
+    found = detectable(20).effect
+    x = rng.normal(found, 1.0, (20_000, 20))
+    t = x.mean(1) / (x.std(1, ddof=1) / np.sqrt(20))
+    assert abs(np.mean(np.abs(t) > 2.0930) - 0.8) < 0.015
+    assert power(0.0, 20) == pytest.approx(0.05, abs=1e-3)
+    assert detectable(20, between=True).effect > detectable(20).effect > detectable(40).effect
+    assert detectable(2).effect == float("inf")
+
+
+def test_no_pseudonym_is_taken_for_a_number_or_a_date() -> None:
+    assert not any(map(is_text, ("12E345", "000123", "E12345", "5MAR12")))
+    for _ in range(2000):
+        with pytest.raises(ValueError, match="could not convert"):
+            float(new_pseudonym())
+
+
+@given(st.integers(0, 5), st.sampled_from(ALPHABET))
+def test_a_slip_in_a_pseudonym_is_seen(place: int, sign: str) -> None:
+    name = new_pseudonym()
+    assert read_pseudonym(f" {name.lower()} ") == name
+    wrong = name[:place] + sign + name[place + 1 :]
+    if wrong != name:
+        with pytest.raises(StudyError, match="last sign"):
+            read_pseudonym(wrong)
+
+
+@pytest.mark.parametrize(("sound", "wrong", "told"), [
+    ("seed = 5", "seed = 5\nsessions = 0", "Write a whole number from 1 to 99"),
+    ("seed = 5", 'seed = 5\nlanguages = ["en", "de"]\n[consent]\ntext = "?"', "one text, and the"),
+    ("[[factors]]", '[settings]\nsurface = "14x5.5in"\ntask = "carry-together"\n[[factors]]',
+     "this task needs two"),
+])  # fmt: skip
+def test_what_a_study_cannot_be_is_said_before_anybody_comes(
+    sound: str, wrong: str, told: str
+) -> None:
+    text = DESIGN.split("[consent]")[0].replace("seed = 3", "seed = 5")
+    text = text.replace('[settings]\ntask = "tests/support/regress_tasks.py:Quick"\n', "")
+    text = text.replace('encoder = "linear"\n', "")
+    with pytest.raises(DesignError, match=told):
+        design(text.replace(sound, wrong, 1))
+
+
+def test_that_levels_were_not_tried_is_said_where_something_else_is_wrong() -> None:
+    text = CROSSED.replace("repetitions = 2", "repetitions = 0").replace("linear", "papr")
+    with pytest.raises(DesignError, match="Levels are tried once this is put right"):
+        design(text)

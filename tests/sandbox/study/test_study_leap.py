@@ -1,0 +1,126 @@
+"""Studies over a Leap: hands are measured before the first trial, and are not in shared copies."""
+
+from __future__ import annotations
+
+import gzip
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from models.errors import DeviceError
+from sandbox.devices.leap.leap_fake import FakeLeapd
+from sandbox.devices.leap.leap_write import leap_message
+from sandbox.options.touch_devices import TouchOptions
+from sandbox.recording.recording import load_recording
+from sandbox.study.design.plan import CalibrationStep, TrialStep, session_plan
+from sandbox.study.record.folder import PILOT, Participant, StudyFolder
+from sandbox.study.record.journal import read_journal
+from sandbox.study.record.kept_sessions import session_path
+from sandbox.study.record.session_folder import SessionFolder
+from sandbox.study.run.controls import Controls
+from sandbox.study.run.forms import SimulatedForms
+from sandbox.study.run.hand_calibration import WORDS, hand_measurer
+from sandbox.study.run.players import HeadlessPlayer
+from sandbox.study.run.run_device import fitting, person_device
+from sandbox.study.run.runner import Outcome, SessionRunner
+from sandbox.study.run.words import WORDS as PAGE_WORDS
+from sandbox.study.share.privacy import Masking, anonymise
+from sandbox.trial.replay import replay
+from tests.support.leap_hands import take
+from tests.support.study_files import DESIGN, design
+
+SHORT = DESIGN.replace("repetitions = 2\npractice = 1", "repetitions = 1\npractice = 0")
+OVER_A_LEAP = SHORT.replace("[settings]\n", '[settings]\ndevice = "leap"\n')
+WANTED = 60
+OPEN = [leap_message(f, n) for n, f in enumerate(take(0, drop_outs=False).frames[:120])]
+
+
+def steps(text: str, number: int) -> list[type]:
+    return [type(step) for step in session_plan(design(text), number)]
+
+
+def test_whoever_has_trials_over_a_leap_is_measured_before_them_and_nobody_else() -> None:
+    some = SHORT.replace('name = "contact"\norder = "latin"\nlevels = ["hard", "soft"]',
+                         'name = "device"\norder = "between"\nlevels = ["touch", "leap"]'
+                         ).replace('"contact"', '"device"')  # fmt: skip
+    over = steps(some, 1)
+    assert over.index(CalibrationStep) < over.index(TrialStep) and over.count(CalibrationStep) == 1
+    assert CalibrationStep not in steps(some, 0)
+    assert CalibrationStep not in steps(DESIGN, 0)
+
+
+def test_participants_are_told_how_to_hold_their_hand_in_every_language_of_the_page() -> None:
+    assert set(WORDS) == set(PAGE_WORDS)
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
+    """Somebody's session whose trials are over a Leap that shows an open hand."""
+    found = StudyFolder(tmp_path_factory.mktemp("leap"), design(OVER_A_LEAP), PILOT)
+    person = found.add(hand="right", hand_size=1.0, language="en")
+    server = FakeLeapd(OPEN, port=0, rate=1000.0, loop=True)
+    forms = SimulatedForms(1)
+    try:
+        with SessionFolder(found, person) as session:
+            runner = SessionRunner(
+                session, HeadlessPlayer(),
+                person_device(TouchOptions(device="mouse"), person, leap=server.address),
+                forms, Controls(), lambda text: None, "leap", fitting("mouse"),
+                hand_measurer(forms, person, server.address, lambda text: None, WANTED),
+            )  # fmt: skip
+            assert runner.run() is Outcome.COMPLETE
+    finally:
+        server.close()
+    return found
+
+
+def measured(study: StudyFolder) -> tuple[Path, dict[str, Any]]:
+    session = session_path(study.path, study.participants()[0].ppid)
+    records = read_journal(session / "journal.jsonl")
+    (found,) = (r["calibration"] for r in records if r["kind"] == "calibration")
+    return session, found
+
+
+def test_every_trial_is_played_with_the_hand_that_was_measured_and_replays(
+    study: StudyFolder,
+) -> None:
+    session, hand = measured(study)
+    recordings = sorted((session / "trials").iterdir())
+    assert len(recordings) == 2 and hand["frames"] > WANTED / 2
+    for path in recordings:
+        recording = load_recording(path)
+        assert recording.header["settings"]["in_air"]["calibration"] == hand
+        _, found = replay(recording)
+        assert found.exact and found.complete
+
+
+@pytest.mark.parametrize("kept", [False, True])
+def test_lengths_of_fingers_are_in_an_anonymous_copy_only_if_somebody_wants_them(
+    study: StudyFolder, tmp_path: Path, kept: bool
+) -> None:
+    _, hand = measured(study)
+    done = anonymise(study, tmp_path / "copy", Masking(hands=kept), lambda text: None)
+    assert done.hands == (0 if kept else 2)
+    copy = StudyFolder.at(tmp_path / "copy")
+    session = session_path(copy.path, copy.participants()[0].ppid)
+    assert len(list((session / "trials").iterdir())) == (2 if kept else 0)
+    assert len(list((session / "trackers").glob("frames_*.csv.gz"))) == 2
+    length = str(hand["standard"][0]).encode()
+    files = [p.read_bytes() for p in copy.path.rglob("*") if p.is_file()]
+    inside = [gzip.decompress(d) if d[:2] == b"\x1f\x8b" else d for d in files]
+    assert any(length in data for data in inside) is kept
+
+
+def test_a_sensor_that_falls_silent_ends_the_session_with_one_clear_line(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("sandbox.devices.leap.leap.SILENCE", 0.5)
+    server = FakeLeapd(OPEN[:30], port=0, rate=1000.0)
+    person = Participant("3B5G5T", 0)
+    measure = hand_measurer(SimulatedForms(1), person, server.address, lambda text: None, 1000)
+    try:
+        with pytest.raises(DeviceError, match=r"says nothing.*the study resumes at this step"):
+            measure(lambda: None)
+    finally:
+        server.close()

@@ -1,0 +1,400 @@
+"""Forms and trials on the participant's page, as a plain client of its protocol sees them."""
+
+from __future__ import annotations
+
+import csv
+import math
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from models.errors import StudyError
+from sandbox.server.page_server import PageServer
+from sandbox.study.design.design import Item
+from sandbox.study.record.folder import Participant, StudyFolder
+from sandbox.study.record.journal import read_journal
+from sandbox.study.record.session_folder import SessionFolder
+from sandbox.study.record.state import SessionState
+from sandbox.study.run.answers import check_answer
+from sandbox.study.run.controls import Controls
+from sandbox.study.run.page_forms import PageForms
+from sandbox.study.run.players import HeadlessPlayer
+from sandbox.study.run.runner import Outcome, SessionRunner
+from sandbox.study.run.simulate import simulated_device, simulated_person
+from sandbox.study.run.study_page import Beside, StudyPage, study_view
+from sandbox.study.run.words import NAMES, WORDS, words_in
+from tests.sandbox.server.test_page_server import wait_for
+from tests.sandbox.study.study_on_page import SMALL, OnPage, on_page, study_in
+from tests.support.page_client import Page
+from tests.support.processes import PATIENCE
+from tests.support.study_files import open_study
+
+SCREEN = {"px_per_in": 100.0, "width_px": 1000.0, "height_px": 700.0, "calibrated": True}
+TITLE = "About what you have just done"
+QUICK = SMALL.replace('"box-to-goal"\nsurface', '"tests/support/regress_tasks.py:Quick"\nsurface')
+"""Trials that are over in a blink."""
+
+
+@pytest.fixture
+def study(tmp_path: Path) -> StudyFolder:
+    return study_in(tmp_path, QUICK)
+
+
+@pytest.fixture
+def person(study: StudyFolder) -> Participant:
+    return study.add(hand="right", hand_size=1.0, language="de")
+
+
+@pytest.fixture
+def running(study: StudyFolder, person: Participant) -> Iterator[OnPage]:
+    with on_page(study, person) as running:
+        yield running
+
+
+def opened(running: OnPage, name: str = "tablet", role: str = "player") -> Page:
+    return Page(running.server.url, name=name, role=role, screen=dict(SCREEN), beats=True)
+
+
+def answer(page: Page, sheet: dict[str, Any], item: str, value: object) -> None:
+    page.say(type="answer", sheet=sheet["sheet"], item=item, value=value)
+
+
+def leave(page: Page, sheet: dict[str, Any], how: str = "done") -> None:
+    page.say(type="leave", sheet=sheet["sheet"], how=how)
+
+
+def agreed(page: Page) -> dict[str, Any]:
+    """Through the consent; the first form."""
+    leave(page, page.until("sheet", kind="consent"), "yes")
+    return page.until("sheet", kind="form")
+
+
+def drafts(running: OnPage) -> dict[str, Any]:
+    """What is written down of forms that are still open."""
+    records = read_journal(running.folder / "journal.jsonl")
+    return {r["item"]: r["answer"] for r in records if r["kind"] == "draft"}
+
+
+def trial(page: Page) -> None:
+    """Touches once, when the scene is there, and until it is over."""
+    page.until("sheet", kind="none")
+    page.touch((1, 5.0, 3.0))
+    page.until("sheet", kind="wait")
+    page.touch()
+
+
+def test_a_whole_session_is_asked_and_played_on_the_page(running: OnPage) -> None:
+    with opened(running) as page:
+        welcome = page.until("welcome")
+        assert welcome["study"]["language"] == "de"
+        assert set(welcome["study"]["words"]) == set(NAMES)
+        form = agreed(page)
+        assert [i["kind"] for i in form["items"]] == ["choice", "number", "scale", "text"]
+        assert form["items"][0]["ask"] == "Mit welcher Hand schreiben Sie?"
+        assert form["answers"] == {}
+        for item, value in (("handedness", "left"), ("age", 33), ("tablets", 7)):
+            answer(page, form, item, value)
+        leave(page, form)
+        text = page.until("sheet", kind="text")
+        assert text["text"] == "Schieben Sie die Kiste."
+        leave(page, text)
+        scene = page.until("scene")
+        assert (scene["task"], scene["goal"]) == ("Quick", "Every third seed fails.")
+        trial(page)
+        trial(page)
+        last = page.until("sheet", kind="form")
+        assert last["title"] == "Zu dem, was Sie gerade getan haben"
+        answer(page, last, "effort", 85)
+        leave(page, last)
+        assert page.until("sheet", kind="end")["text"] == words_in("de")["end"]
+    assert running.ended() is Outcome.COMPLETE
+    rows = list(csv.DictReader((running.folder / "questionnaires.csv").open(encoding="utf-8")))
+    found = {r["item"]: r["answer"] for r in rows}
+    assert found == {"handedness": "left", "age": "33", "tablets": "7", "remarks": "",
+                     "effort": "85"}  # fmt: skip
+    trials = list(csv.DictReader((running.folder / "trial_results.csv").open(encoding="utf-8")))
+    assert [(r["practice"], r["counted"]) for r in trials] == [("1", "1"), ("0", "1")]
+
+
+def test_what_is_no_answer_is_refused_and_a_form_is_left_only_when_it_is_whole(
+    running: OnPage,
+) -> None:
+    with opened(running) as page:
+        form = agreed(page)
+        odd: list[tuple[str, object]] = [
+            ("handedness", "none of these"), ("handedness", 1), ("age", 17), ("age", "33"),
+            ("tablets", 3.5), ("tablets", 0), ("remarks", 5),
+        ]  # fmt: skip
+        for item, value in odd:
+            answer(page, form, item, value)
+            assert page.until("refusal")["item"] == item
+        answer(page, form, "nothing like it", "x")
+        answer(page, {"sheet": form["sheet"] + 1}, "age", 50)
+        leave(page, form, "yes")
+        leave(page, form)
+        assert page.until("refusal")["item"] == "handedness"
+        assert drafts(running) == {}
+        for item, value in (("handedness", "both"), ("age", 18), ("tablets", 1)):
+            answer(page, form, item, value)
+        # What was answered can be taken back, and is missing again.
+        answer(page, form, "age", None)
+        leave(page, form)
+        assert page.until("refusal")["item"] == "age"
+        answer(page, form, "age", 19)
+        leave(page, form)
+        page.until("sheet", kind="text")
+    assert drafts(running) == {"handedness": "both", "age": 19, "tablets": 1}
+
+
+def test_a_page_that_comes_back_finds_what_was_filled_in(running: OnPage) -> None:
+    with opened(running) as page:
+        form = agreed(page)
+        answer(page, form, "age", 44)
+        assert wait_for(lambda: drafts(running) == {"age": 44})
+    with opened(running) as page:
+        again = page.until("sheet")
+        assert again["answers"] == {"age": 44}
+        assert {**again, "answers": {}} == form
+
+
+def test_nobody_looks_over_a_participants_shoulder(running: OnPage) -> None:
+    with opened(running) as page, opened(running, "projector", "spectator") as other:
+        form = agreed(page)
+        answer(page, form, "age", 44)
+        answer(other, form, "age", 45)
+        assert wait_for(lambda: drafts(running) == {"age": 44})
+        leave(other, form)
+        other.say(type="beat", t=1.0)
+        other.until("echo")
+        assert not [m for m in other.told if m["type"] in ("sheet", "refusal")]
+    assert running.server.counters["not the player"] == 2
+
+
+def test_a_participants_page_cannot_ask_for_other_tasks_or_stop_time(running: OnPage) -> None:
+    with opened(running) as page:
+        agreed(page)
+        for what in ("retry", "pause", "task"):
+            page.say(type="ask", what=what, value="stack")
+        page.say(type="beat", t=1.0)
+        page.until("echo")
+    assert running.server.asked() == []
+
+
+def test_without_consent_nothing_is_asked(running: OnPage) -> None:
+    with opened(running) as page:
+        leave(page, page.until("sheet", kind="consent"), "no")
+        page.until("sheet", kind="end")
+    assert running.ended() is Outcome.NO_CONSENT
+
+
+def test_the_experimenter_skips_pauses_and_repeats_while_forms_and_trials_are_on_the_page(
+    running: OnPage,
+) -> None:
+    with opened(running) as page:
+        form = agreed(page)
+        running.type("p")
+        assert page.until("sheet", kind="wait")["text"] == words_in("de")["paused"]
+        answer(page, form, "age", 50)
+        running.type("p")
+        form = page.until("sheet", kind="form")
+        assert form["answers"] == {}
+        running.type("s late")
+        leave(page, page.until("sheet", kind="text"))
+        page.until("sheet", kind="none")
+        running.type("p")
+        page.until("sheet", kind="wait")
+        page.touch((1, 5.0, 3.0))
+        running.type("p")
+        page.until("sheet", kind="none")
+        page.touch()
+        running.type("r the phone rang")
+        trial(page)
+        trial(page)
+        running.type("r once more")
+        trial(page)
+        form = page.until("sheet", kind="form")
+        running.type("i")
+        running.heard("2 of 2 trials")
+        running.type("q")
+        assert running.ended() is Outcome.STOPPED
+    state = SessionState.of(read_journal(running.folder / "journal.jsonl"))
+    assert "form:demographics" in state.skipped
+    assert [len(some) for some in state.attempts.values()] == [2, 2]
+    assert all(state.counted(t) for t in (1, 2))
+
+
+def test_a_break_lasts_as_long_as_it_has_to(tmp_path: Path) -> None:
+    text = QUICK.replace("practice = 1", "practice = 0\nrepetitions = 2")
+    study = study_in(tmp_path, text)
+    person = study.add(hand="right", hand_size=1.0, language="en")
+    with on_page(study, person) as running, opened(running) as page:
+        leave(page, page.until("sheet", kind="consent"), "yes")
+        page.until("sheet", kind="form")
+        running.type("s")
+        leave(page, page.until("sheet", kind="text"))
+        trial(page)
+        rest = page.until("sheet", kind="rest")
+        laid = time.monotonic()
+        leave(page, rest)
+        time.sleep(0.3)
+        leave(page, rest)
+        with opened(running) as again:
+            assert 0.0 <= again.until("sheet", kind="rest")["seconds"] < 1.0
+            while time.monotonic() - laid < 1.2:
+                time.sleep(0.05)
+            leave(again, rest)
+            again.until("sheet", kind="none")
+
+
+def tapped_until_form(page: Page) -> dict[str, Any]:
+    """Taps as a person does who sees that nothing goes on: a tap in a pause begins nothing."""
+    end = time.monotonic() + PATIENCE
+    while time.monotonic() < end:
+        page.touch()
+        page.touch((1, 5.0, 3.0))
+        tapped = time.monotonic()
+        while time.monotonic() - tapped < 1.0:
+            try:
+                message = page.next(timeout=1.0)
+            except TimeoutError:
+                break
+            if message["type"] == "frame":
+                page.say(type="got", frame=message["number"])
+            if message["type"] == "sheet" and message["kind"] == "form":
+                return message
+    raise AssertionError("the trial does not end")
+
+
+@pytest.mark.parametrize("when", ["pause", "repeat", "mark"])
+def test_a_tablet_that_is_gone_in_mid_trial_is_told_of_and_nothing_counts_twice(
+    tmp_path: Path, when: str
+) -> None:
+    # Nothing is achieved, so a trial lasts until its time is up.
+    text = SMALL.replace("time_limit_s = 20", f'time_limit_s = 5\nwhen_gone = "{when}"')
+    study = study_in(tmp_path, text.replace("practice = 1", "practice = 0"))
+    with on_page(study, study.add(hand="right", hand_size=1.0, language="en")) as running:
+        with opened(running) as page:
+            leave(page, page.until("sheet", kind="consent"), "yes")
+            page.until("sheet", kind="form")
+            running.type("s")
+            leave(page, page.until("sheet", kind="text"))
+            page.until("sheet", kind="none")
+            page.touch((1, 5.0, 3.0))
+            while page.until("frame")["time"] == 0.0:
+                pass
+        running.heard("page is gone")
+        time.sleep(0.2)
+        with opened(running) as page:
+            running.heard("page is back")
+            page.until("sheet", kind="none")
+            end = tapped_until_form(page)
+            answer(page, end, "effort", 5)
+            leave(page, end)
+            page.until("sheet", kind="end")
+        running.ended()
+    rows = list(csv.DictReader((running.folder / "trial_results.csv").open()))
+    assert [r["counted"] for r in rows] == ["1"]
+    state = SessionState.of(read_journal(running.folder / "journal.jsonl"))
+    assert len(state.attempts[1]) == (2 if when == "repeat" else 1)
+    measures = state.counted(1).end["result"]["measures"]  # type: ignore[union-attr,index]
+    assert measures["waited_s"] >= 0.0
+    assert (measures["away_s"] >= 3.0) == (measures["away"] == 1) == (when != "repeat")
+
+
+def test_a_screen_without_room_for_the_designs_rectangle_is_refused(
+    study: StudyFolder, person: Participant
+) -> None:
+    with on_page(study, person) as running:
+        running.page.wanted = 9.0, 6.0  # as in the design
+        small = {**SCREEN, "width_px": 800.0}
+        with Page(running.server.url, screen=small) as page:
+            running.heard("too small for the trials: it has 8.00 x 7.00 in, and")
+            leave(page, page.until("sheet", kind="consent"), "yes")
+            page.until("sheet", kind="form")
+            running.type("s")
+            leave(page, page.until("sheet", kind="text"))
+            with pytest.raises(StudyError, match="too small"):
+                running.ended(10.0)
+    assert not SessionState.of(read_journal(running.folder / "journal.jsonl")).attempts
+
+
+def test_all_languages_have_all_words() -> None:
+    for words in WORDS.values():
+        assert all(words.values())
+        assert "{low}" in words["number"] and "{high}" in words["number"]
+    assert words_in("de-AT") is WORDS["de"]
+    assert words_in("xx") is WORDS["en"]
+
+
+ANYTHING = st.one_of(st.none(), st.booleans(), st.floats(), st.integers(), st.text(max_size=30))
+
+
+@given(kind=st.sampled_from(["choice", "scale", "number", "text"]), value=ANYTHING)
+def test_whatever_a_page_sends_is_an_answer_of_the_item_or_none(kind: str, value: Any) -> None:
+    item = Item("x", kind, {"en": "?"}, choices=("a", "b"), low=0, high=10, step=5)
+    try:
+        kept = check_answer(item, value)
+    except StudyError:
+        return
+    if kept is None:
+        assert value is None or (kind == "text" and not value.strip())
+    elif kind == "choice":
+        assert kept in item.choices
+    elif kind == "text":
+        assert kept == value.strip()
+    else:
+        assert kept == value and 0 <= kept <= 10 and (kind == "number" or kept % 5 == 0)
+
+
+@given(st.integers(0, 70), st.sampled_from([0.1, 0.25, 0.7, 5.0]), st.integers(-3, 3))
+def test_a_scale_has_its_steps_as_they_are_written_and_nothing_between(
+    place: int, step: float, low: int
+) -> None:
+    item = Item("x", "scale", {"en": "?"}, low=low, high=low + 70 * step, step=step)
+    # What the page sends is what a person would write.
+    told = float(f"{low + place * step:.12g}")
+    assert check_answer(item, told) == told
+    between = float(f"{low + (place + 0.5) * step:.12g}")
+    for wrong in (between, math.nextafter(told, math.inf), -math.inf, math.nan, 10**400):
+        with pytest.raises(StudyError):
+            check_answer(item, wrong)
+
+
+def test_with_trials_elsewhere_the_page_has_the_forms_and_says_where_to_look(
+    tmp_path: Path,
+) -> None:
+    study = open_study(tmp_path)
+    person = study.add(**simulated_person(study.design, 0))
+    server = PageServer(study=study_view("de", ()))
+    page = StudyPage(server, "de")
+    said: list[str] = []
+    controls = Controls(said.append)
+    try:
+        with SessionFolder(study, person) as session:
+            runner = SessionRunner(
+                session, Beside(HeadlessPlayer(), page), simulated_device(person),
+                PageForms(page), controls, said.append,
+            )  # fmt: skip
+            thread = threading.Thread(target=runner.run)
+            thread.start()
+            with Page(server.url) as seen:
+                leave(seen, seen.until("sheet", kind="consent"), "yes")
+                form = seen.until("sheet", kind="form")
+                answer(seen, form, "age", 30)
+                leave(seen, form)
+                seen.until("sheet", kind="wait", text=words_in("de")["elsewhere"])
+                while not any(m.get("title") == TITLE for m in seen.told):
+                    seen.say(type="beat", t=1.0)
+                    seen.until("echo")
+                    time.sleep(0.1)
+                controls.type("q")
+            thread.join(20.0)
+            assert sum(session.state.counted(n) is not None for n in session.state.attempts) == 3
+    finally:
+        server.close()

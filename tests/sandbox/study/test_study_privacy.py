@@ -1,0 +1,237 @@
+"""An anonymous copy tells nothing that could say who somebody was, and still replays and counts."""
+
+from __future__ import annotations
+
+import csv
+import gzip
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from models.errors import StudyError
+from sandbox.recording.recording import load_recording
+from sandbox.study.record.folder import SIMULATED, StudyFolder
+from sandbox.study.record.journal import read_journal
+from sandbox.study.record.kept_sessions import session_path
+from sandbox.study.record.session_folder import SessionFolder
+from sandbox.study.record.state import SessionState
+from sandbox.study.run.simulate import run_simulated
+from sandbox.study.share.privacy import Anonymised, Masking, anonymise
+from sandbox.study.share.privacy_groups import binned, groups
+from sandbox.study.share.privacy_records import (
+    KEPT,
+    WITHHELD,
+    Disguise,
+    disguised,
+    disguised_line,
+    without_places,
+)
+from sandbox.study.tables.tables import rebuild_study
+from sandbox.trial.replay import replay
+from tests.support.study_files import DESIGN, TRIALS, design
+
+SECRET = "Anna Kowalczyk in room 412"
+TEXT = DESIGN.replace(
+    "[[questionnaires]]",
+    '[[demographics]]\nname = "remarks"\nkind = "text"\nask = "Remarks?"\noptional = true\n'
+    "[[questionnaires]]",
+)
+
+
+def quiet(text: str) -> None:
+    """Nobody listens."""
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
+    found = StudyFolder(tmp_path_factory.mktemp("kept"), design(TEXT), SIMULATED)
+    for number in range(2):
+        run_simulated(found, number, quiet)
+        with SessionFolder(found, found.participants()[number]) as session:
+            session.write("note", text=SECRET, trial=None)
+            session.write("exclude", trial=2, reason=SECRET)
+            session.write("draft", step="form:x", item="remarks", answer=SECRET)
+            answers = {"age": 37, "remarks": SECRET}
+            session.write("answers", step="form:demographics", form="demographics", block=0,
+                          levels={}, answers=answers, seconds=1.0)  # fmt: skip
+            session.write("of_a_later_version", name=SECRET)
+    rebuild_study(found)
+    return found
+
+
+@pytest.fixture(scope="module")
+def copy(study: StudyFolder, tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
+    out = tmp_path_factory.mktemp("shared") / "quick-simulated"
+    found = anonymise(study, out, Masking(bins={"age": 10}), quiet)
+    assert isinstance(found, Anonymised) and found.people == 2
+    return StudyFolder.at(out)
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    """All files, unpacked where they are packed."""
+    return {
+        str(p.relative_to(folder)): gzip.decompress(p.read_bytes())
+        if p.suffix == ".gz"
+        else p.read_bytes()
+        for p in folder.rglob("*")
+        if p.is_file()
+    }
+
+
+def rows_of(path: Path) -> list[dict[str, str]]:
+    return list(csv.DictReader(path.open(encoding="utf-8")))
+
+
+def test_nothing_in_the_copy_names_anybody_or_says_when_or_what_they_wrote(
+    study: StudyFolder, copy: StudyFolder
+) -> None:
+    old = [p.ppid for p in study.participants()]
+    day = read_journal(study.path / "study.jsonl")[0]["time"][:10]
+    found = contents(copy.path)
+    assert len(found) > 30
+    forbidden = [*old, study.id, day, SECRET, "Kowalczyk", str(study.path), str(Path.cwd())]
+    for name, data in found.items():
+        assert not any(ppid in name for ppid in old)
+        if not name.endswith(".parquet"):
+            for what in forbidden:
+                assert what.encode() not in data, (name, what)
+
+
+def test_every_journal_of_the_original_holds_what_the_copy_must_not(study: StudyFolder) -> None:
+    # Otherwise the test above could not fail.
+    found = contents(study.path)
+    journal = found[f"{study.participants()[0].ppid}/S001/journal.jsonl"]
+    assert journal.count(SECRET.encode()) == 5
+
+
+def test_results_are_the_same_but_for_names_and_dates(
+    study: StudyFolder, copy: StudyFolder
+) -> None:
+    def results(folder: StudyFolder) -> list[dict[str, str]]:
+        rows = rows_of(folder.path / "trial_results.csv")
+        files = ("ppid", "trial_recording_location_0", "hand_pose_location_0",
+                 "touches_location_0", "exclusion_reason")  # fmt: skip
+        rows.sort(key=lambda r: (int(r["participant_number"]), int(r["trial_num"])))
+        return [{k: v for k, v in r.items() if k not in files} for r in rows]
+
+    assert results(study) == results(copy) and len(results(copy)) == 2 * TRIALS
+    excluded = [r for r in rows_of(copy.path / "trial_results.csv") if r["excluded"] == "1"]
+    assert [r["trial_num"] for r in excluded] == ["2", "2"]
+    assert {r["exclusion_reason"] for r in excluded} == {WITHHELD}
+
+
+def test_files_that_tables_name_are_there_and_recordings_replay_to_the_bit(
+    copy: StudyFolder,
+) -> None:
+    rows = rows_of(copy.path / "trial_results.csv")
+    for row in rows:
+        for column in ("trial_recording_location_0", "hand_pose_location_0", "touches_location_0"):
+            assert (copy.path / row[column]).is_file()
+    recording = load_recording(copy.path / rows[0]["trial_recording_location_0"])
+    assert recording.header["study"]["ppid"] == rows[0]["ppid"]
+    _, found = replay(recording)
+    assert found.exact and found.complete
+
+
+def test_numbers_are_rounded_and_words_are_gone_unless_asked_for(
+    study: StudyFolder, copy: StudyFolder, tmp_path: Path
+) -> None:
+    people = rows_of(copy.path / "participants.csv")
+    assert [(p["age"], p["remarks"]) for p in people] == [("30", "")] * 2
+    anonymise(study, tmp_path / "more", Masking(words=True, drop=("age",)), quiet)
+    people = rows_of(tmp_path / "more/participants.csv")
+    assert [(p["age"], p["remarks"]) for p in people] == [("", SECRET)] * 2
+
+
+def test_the_copy_opens_like_any_study_and_has_nothing_left_to_do(
+    copy: StudyFolder, tmp_path: Path
+) -> None:
+    # Opening a session writes into it.
+    shutil.copytree(copy.path, tmp_path / copy.path.name)
+    opened = StudyFolder(tmp_path, design(TEXT), SIMULATED)
+    assert {p.number for p in opened.participants()} == {0, 1}
+    for person in opened.participants():
+        with SessionFolder(opened, person) as session:
+            assert session.state.complete and session.state.next_step(session.steps) is None
+
+
+def test_who_did_not_agree_is_not_in_the_copy(tmp_path: Path) -> None:
+    found = StudyFolder(tmp_path / "kept", design(), SIMULATED)
+    run_simulated(found, 0, quiet)
+    with SessionFolder(found, found.add(hand="left")) as session:
+        session.write("consent", step="consent", agreed=False, version="1", language="en")
+    done = anonymise(found, tmp_path / "open", Masking(), quiet)
+    assert (done.people, done.without_consent) == (1, 1)
+    assert "left" not in {p.hand for p in StudyFolder.at(tmp_path / "open").participants()}
+
+
+def test_a_copy_is_never_written_over_anything(study: StudyFolder, tmp_path: Path) -> None:
+    (tmp_path / "there").mkdir()
+    with pytest.raises(StudyError, match="exists already"):
+        anonymise(study, tmp_path / "there", Masking(), quiet)
+    with pytest.raises(StudyError, match="nobody was asked"):
+        anonymise(study, tmp_path / "other", Masking(drop=("income",)), quiet)
+    assert list(tmp_path.iterdir()) == [tmp_path / "there"]
+
+
+words = st.text(min_size=8).map(lambda t: "secret " + t)
+
+
+@given(st.dictionaries(st.sampled_from(["reason", "why", "text", "name", "path", "answer"]), words),
+       st.sampled_from([*KEPT, "unknown"]))  # fmt: skip
+def test_whatever_words_a_record_holds_none_of_them_stay(said: dict[str, str], kind: str) -> None:
+    record = {"n": 0, "time": "2026-11-21T10:00:00.000+00:00", "clock": 5.0, "kind": kind,
+              "form": "f", "answers": {}, "ppid": "3B5G5T", **said}  # fmt: skip
+    # A consent's `text` is the digest of what was read.
+    if kind == "consent":
+        record.pop("text", None)
+    (found,) = disguised([record], Disguise("NEW", "study", lambda f, i, v: None))
+    assert "secret" not in json.dumps(found, ensure_ascii=False)
+    assert "3B5G5T" not in json.dumps(found)
+    assert (
+        found["n"] == 0
+        and found["kind"] == (kind if kind in KEPT else "left_out")
+        and found["time"].startswith("2000-01-01")
+    )
+
+
+@pytest.mark.parametrize(
+    "path", ["/home/anna/design.py", "~/anna/design.py", "C:\\anna\\design.py", "../anna/design.py"]
+)
+def test_names_of_folders_are_gone_and_names_of_files_stay(path: str) -> None:
+    assert without_places({"a": [path, 3, "one/two"]}) == {"a": ["design.py", 3, "one/two"]}
+
+
+def test_what_is_played_is_not_touched() -> None:
+    line = b'{"kind":"input","step":8,"hand":0,"time":0.016,"contacts":[],"hash":"00"}'
+    assert disguised_line(line, Disguise("NEW", "study")) is line
+
+
+@given(st.lists(st.tuples(st.integers(0, 2), st.integers(0, 2)), min_size=1, max_size=30))
+def test_the_smallest_group_is_found_by_comparing_everybody_with_everybody(
+    people: list[tuple[int, int]],
+) -> None:
+    found = groups([{"a": a, "b": b} for a, b in people], ("a", "b"))
+    assert found.smallest == min(people.count(p) for p in people)
+    assert found.exposed == sum(people.count(p) < 5 for p in people)
+
+
+@given(st.integers(-1000, 1000), st.sampled_from([1, 5, 10]))
+def test_a_rounded_number_is_the_low_end_of_its_bin(value: int, width: int) -> None:
+    assert binned(value, width) % width == 0 and 0 <= value - binned(value, width) < width
+
+
+def test_a_session_state_says_the_same_of_the_disguised_journal(
+    study: StudyFolder, copy: StudyFolder
+) -> None:
+    def told(folder: StudyFolder, number: int) -> object:
+        person = next(p for p in folder.participants() if p.number == number)
+        path = session_path(folder.path, person.ppid) / "journal.jsonl"
+        state = SessionState.of(read_journal(path))
+        return state.finished, set(state.excluded), state.complete, sorted(state.attempts)
+
+    assert all(told(study, number) == told(copy, number) for number in range(2))

@@ -1,0 +1,291 @@
+"""Questionnaires score as published, ask as designed, and never fill in what was not answered."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sandbox.study.design.design import Form
+from sandbox.study.design.design_file import parse_design
+from sandbox.study.design.plan import FormStep, session_plan
+from sandbox.study.design.questionnaires import arranged, instruments
+from sandbox.study.design.reading import DesignError
+from sandbox.study.design.scoring import score, scores, tally
+from sandbox.study.record.folder import SIMULATED, StudyFolder
+from sandbox.study.run.answers import hint, read_answer
+from sandbox.study.run.simulate import run_simulated
+from tests.support.study_files import DESIGN, design
+
+TLX = ("mental", "physical", "temporal", "performance", "effort", "frustration")
+
+
+def form_of(use: str, languages: str = '["en"]') -> Form:
+    text = DESIGN.replace("seed = 3", f"seed = 3\nlanguages = {languages}")
+    if languages != '["en"]':
+        text = one_language(text)
+    return design(text + f'\n[[questionnaires]]\nuse = "{use}"\nat = "contact"\n').questionnaires[1]
+
+
+def one_language(text: str) -> str:
+    """The texts of a design in German, too."""
+    lines = []
+    for line in text.splitlines():
+        key = line.split(" = ")[0]
+        if key in ("text", "ask", "title"):
+            said = line.split(" = ")[1]
+            line = f"{key} = {{en = {said}, de = {said}}}"
+        lines.append(line)
+    return "\n".join(lines)
+
+
+def test_sus_gives_the_score_of_brookes_own_example() -> None:
+    # Brooke 1996: contributions 4 1 1 4 1 2 1 1 4 3, together 22, times 2.5.
+    given = (5, 4, 2, 1, 2, 3, 2, 4, 5, 2)
+    answers = {f"sus-{i}": value for i, value in enumerate(given, start=1)}
+    (found,) = scores(form_of("sus").scales, answers)
+    assert found.value == 55.0 and found.missing == 0
+
+
+@given(st.lists(st.integers(1, 5), min_size=10, max_size=10))
+def test_sus_is_odd_less_one_and_five_less_even_times_two_and_a_half(given: list[int]) -> None:
+    answers = {f"sus-{i}": value for i, value in enumerate(given, start=1)}
+    wanted = 2.5 * (sum(v - 1 for v in given[::2]) + sum(5 - v for v in given[1::2]))
+    (found,) = scores(form_of("sus").scales, answers)
+    assert found.value == wanted and 0 <= wanted <= 100
+
+
+def chosen_by(form: Form, weights: dict[str, int]) -> dict[str, str]:
+    """Choices in which each factor wins as often as it should: by rank wins are 5, 4, ..., and
+    so on; for other tallies they are searched."""
+    pairs = [item for item in form.items if item.kind == "choice"]
+
+    def search(i: int, left: dict[str, int]) -> dict[str, str] | None:
+        if i == len(pairs):
+            return {} if not any(left.values()) else None
+        for winner in pairs[i].choices:
+            if left[winner]:
+                rest = search(i + 1, {**left, winner: left[winner] - 1})
+                if rest is not None:
+                    return {pairs[i].name: winner, **rest}
+        return None
+
+    found = search(0, weights)
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize(
+    ("ratings", "total", "rounded"),
+    [((30, 15, 60, 40, 40, 30), 640, 43), ((30, 25, 70, 50, 30, 50), 730, 49)],
+)
+def test_weighted_tlx_is_the_sum_of_ratings_by_tallies_over_fifteen(
+    ratings: tuple[int, ...], total: int, rounded: int
+) -> None:
+    # Two tasks of one person, compared with the tallies MD 3, PD 0, TD 5, OP 1, EF 3, FR 3.
+    weights = dict(zip(TLX, (3, 0, 5, 1, 3, 3), strict=True))
+    form = form_of("nasa-tlx")
+    answers = {**dict(zip(TLX, ratings, strict=True)), **chosen_by(form, weights)}
+    scale = form.scales[0]
+    assert tally(scale, answers) == weights
+    found = score(scale, answers).value
+    assert found == pytest.approx(total / 15) and round(found) == rounded
+
+
+@given(st.lists(st.integers(0, 20), min_size=6, max_size=6), st.integers(0, 2**15 - 1))
+def test_weighted_tlx_lies_between_the_lowest_and_the_highest_rating(
+    ratings: list[int], wins: int
+) -> None:
+    form = form_of("nasa-tlx")
+    values = [5 * r for r in ratings]
+    pairs = [i for i in form.items if i.kind == "choice"]
+    answers = {
+        **dict(zip(TLX, values, strict=True)),
+        **{item.name: item.choices[wins >> i & 1] for i, item in enumerate(pairs)},
+    }
+    scale = form.scales[0]
+    assert sum(tally(scale, answers).values()) == 15
+    found = {s.scale: s.value for s in scores(form.scales, answers)}
+    assert found["workload"] is not None
+    assert min(values) - 1e-9 <= found["workload"] <= max(values) + 1e-9
+    assert found["workload-raw"] == pytest.approx(sum(values) / 6)
+    if len(set(values)) == 1:
+        assert found["workload"] == pytest.approx(values[0])
+
+
+def test_all_fifteen_pairs_are_compared_once() -> None:
+    pairs = [set(i.choices) for i in form_of("nasa-tlx").items if i.kind == "choice"]
+    assert len(pairs) == 15 and len({frozenset(p) for p in pairs}) == 15
+    assert all(pair <= set(TLX) and len(pair) == 2 for pair in pairs)
+
+
+@pytest.mark.parametrize("use", sorted(instruments()))
+def test_an_answer_that_is_missing_gives_no_score_and_says_so(use: str) -> None:
+    form = form_of(use)
+    whole = {i.name: i.choices[0] if i.choices else i.low for i in form.items}
+    assert all(s.value is not None and not s.missing for s in scores(form.scales, whole))
+    for scale in form.scales:
+        used = (*scale.items, *scale.pairs)
+        assert score(scale, {**whole, used[-1]: None}).value is None
+        assert score(scale, {k: v for k, v in whole.items() if k not in used}).missing == len(used)
+
+
+@pytest.mark.parametrize("use", sorted(instruments()))
+def test_every_text_of_the_package_is_there_in_english_and_in_german(use: str) -> None:
+    form = form_of(use, '["en", "de"]')
+    for item in form.items:
+        for text in (item.ask, *(item.ends or ()), *item.means):
+            assert text["en"] and text["de"]
+    with pytest.raises(DesignError, match="no text in ko"):
+        form_of(use, '["en", "de", "ko"]')
+
+
+def test_pairs_are_asked_in_another_order_by_everybody_and_ratings_are_not() -> None:
+    text = DESIGN + '\n[[questionnaires]]\nuse = "nasa-tlx"\nat = "end"\n'
+    plan = [session_plan(design(text), number) for number in range(8)]
+    forms = [s.form for steps in plan for s in steps
+             if isinstance(s, FormStep) and s.form.name == "nasa-tlx"]  # fmt: skip
+    assert len(forms) == 8
+    assert all(tuple(i.name for i in f.items[:6]) == TLX for f in forms)
+    orders = {tuple((i.name, i.choices) for i in f.items[6:]) for f in forms}
+    assert len(orders) == 8
+    again = [s.form for s in session_plan(design(text), 3) if isinstance(s, FormStep)]
+    assert forms[3] in again
+
+
+@given(st.integers(0, 2**32))
+def test_shuffling_loses_no_item_and_keeps_what_choices_are_called(seed: int) -> None:
+    form = form_of("nasa-tlx")
+    found = arranged(form, seed)
+    assert sorted(i.name for i in found.items) == sorted(i.name for i in form.items)
+    before = {i.name: i for i in form.items}
+    for item in found.items:
+        for choice in item.choices:
+            assert item.called(choice, "en") == before[item.name].called(choice, "en")
+    plain = replace(form, items=tuple(replace(i, shuffle=False) for i in form.items))
+    assert arranged(plain, seed) == plain
+
+
+def test_a_choice_is_called_by_its_name_in_the_participants_language() -> None:
+    item = form_of("nasa-tlx", '["en", "de"]').items[6]
+    assert hint(item, "de") == "(geistige Anforderung / körperliche Anforderung)"
+    assert read_answer(item, "Geistige Anforderung", "de") == "mental"
+    assert read_answer(item, "physical", "de") == "physical"
+
+
+OWN = """
+title.ja = "いまの課題について"
+[[items]]
+name = "tired"
+kind = "scale"
+low = 1
+high = 7
+ask.ja = "どのくらい疲れましたか。"
+low_means.ja = "全く疲れていない"
+high_means.ja = "とても疲れた"
+optional = true
+[[items]]
+name = "calm"
+kind = "scale"
+low = 1
+high = 7
+ask.ja = "どのくらい落ち着いていましたか。"
+[[scales]]
+name = "strain"
+rule = "mean"
+items = ["tired", "calm"]
+reverse = ["calm"]
+"""
+JAPANESE = DESIGN.split("[[questionnaires]]", maxsplit=1)[0].replace(
+    "seed = 3", 'seed = 3\nlanguages = ["ja"]'
+)
+
+
+def own(tmp_path: Path, text: str) -> Form:
+    (tmp_path / "strain.toml").write_text(text, encoding="utf-8")
+    added = '[[questionnaires]]\nname = "strain"\nfile = "strain.toml"\nat = "contact"\n'
+    return parse_design(JAPANESE + added, tmp_path / "design.toml").questionnaires[0]
+
+
+def test_a_questionnaire_of_ones_own_is_scored_by_its_rules_in_any_script(tmp_path: Path) -> None:
+    form = own(tmp_path, OWN)
+    assert form.items[0].ask["ja"] == "どのくらい疲れましたか。"
+    (found,) = scores(form.scales, {"tired": 6, "calm": 3})
+    assert found.value == (6 + 5) / 2
+    assert form.scales[0].range == (1, 7)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "what"),
+    [
+        ('reverse = ["calm"]', 'reverse = ["claim"]', "'claim' is not among the items"),
+        ('rule = "mean"', 'rule = "median"', "got 'median'"),
+        ('rule = "mean"', 'rule = "weighted"', "need each other"),
+        ('items = ["tired", "calm"]', 'items = ["tired", "sleep"]', "no scale or number"),
+        ('name = "calm"', 'name = "tired"', "there twice"),
+        ("[[scales]]", "[[scale]]", "Did you mean scales"),
+        ("low = 1\nhigh = 7", "low = 8\nhigh = 7", "not below"),
+        ("high = 7", "high = 7\nstep = 4", "do not end at 7"),
+        ("title.ja", "title.en", "no text in ja"),
+    ],
+)
+def test_a_mistake_in_a_questionnaires_file_is_told_with_file_and_line(
+    tmp_path: Path, old: str, new: str, what: str
+) -> None:
+    with pytest.raises(DesignError) as error:
+        own(tmp_path, OWN.replace(old, new, 1))
+    assert what in str(error.value) and "strain.toml, line " in str(error.value)
+
+
+@pytest.mark.parametrize("name", ["../strain.toml", "/etc/passwd", "design.toml", "strain.txt"])
+def test_a_file_from_elsewhere_is_refused(tmp_path: Path, name: str) -> None:
+    added = f'[[questionnaires]]\nname = "strain"\nfile = "{name}"\nat = "end"\n'
+    with pytest.raises(DesignError):
+        parse_design(JAPANESE + added, tmp_path / "design.toml")
+
+
+def test_an_unknown_questionnaire_is_refused_with_those_there_are() -> None:
+    with pytest.raises(DesignError, match="nasa-tlx, nasa-tlx-raw, sus"):
+        form_of("nasatlx")
+
+
+def test_another_text_of_a_questionnaire_is_another_design(tmp_path: Path) -> None:
+    added = '[[questionnaires]]\nname = "strain"\nfile = "strain.toml"\nat = "end"\n'
+    digests = set()
+    for high in (7, 9):
+        (tmp_path / "strain.toml").write_text(OWN.replace("high = 7", f"high = {high}"))
+        digests.add(parse_design(JAPANESE + added, tmp_path / "design.toml").digest)
+    assert len(digests) == 2
+
+
+def test_scores_are_a_table_with_conditions_that_is_rebuilt_like_all_others(
+    tmp_path: Path,
+) -> None:
+    text = DESIGN + '\n[[questionnaires]]\nuse = "sus"\nat = "contact"\n'
+    study = StudyFolder(tmp_path, design(text), SIMULATED)
+    run_simulated(study, 0, lambda said: None)
+    path = study.path / "questionnaire_scores.csv"
+    rows = list(csv.DictReader(path.open(encoding="utf-8")))
+    assert [(r["instrument"], r["scale"], r["place"]) for r in rows] == [
+        ("sus", "sus", "1"), ("sus", "sus", "2")]  # fmt: skip
+    assert {r["factor_contact"] for r in rows} == {"hard", "soft"}
+    asked = list(csv.DictReader((study.path / "questionnaires.csv").open(encoding="utf-8")))
+    for row in rows:
+        given = {
+            r["item"]: float(r["answer"])
+            for r in asked
+            if r["instrument"] == "sus" and r["factor_contact"] == row["factor_contact"]
+        }
+        (wanted,) = scores(study.design.questionnaires[1].scales, given)
+        assert float(row["score"]) == wanted.value and row["items_missing"] == "0"
+    meanings = {(r["table"], r["column"]) for r in
+                csv.DictReader((study.path / "codebook.csv").open(encoding="utf-8"))}  # fmt: skip
+    assert all(("questionnaire_scores.csv", name) in meanings for name in rows[0])
+    before = path.read_bytes()
+    path.unlink()
+    run_simulated(study, 0, lambda said: None)
+    assert path.read_bytes() == before

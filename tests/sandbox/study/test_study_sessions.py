@@ -1,0 +1,355 @@
+"""People who come several times: other orders, nothing mixed, and nobody begins in the middle."""
+
+from __future__ import annotations
+
+import csv
+import io
+import shutil
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from models.errors import StudyError
+from sandbox.cli.main import main
+from sandbox.study.design.design import Design
+from sandbox.study.design.plan import ConsentStep, FormStep, TrialStep, session_plan, trials_of
+from sandbox.study.design.reading import DesignError
+from sandbox.study.record.folder import SIMULATED, StudyFolder
+from sandbox.study.record.journal import read_journal
+from sandbox.study.record.kept_sessions import session_path, sessions_of
+from sandbox.study.record.session_folder import SessionFolder
+from sandbox.study.record.trial_files import find_recordings
+from sandbox.study.report.models.data import load_study
+from sandbox.study.run.simulate import run_simulated, simulate
+from sandbox.study.share.backup import back_up
+from sandbox.study.share.bids import export_bids
+from sandbox.study.share.merge import merge
+from sandbox.study.share.privacy import Masking, anonymise
+from sandbox.study.share.withdraw import withdraw
+from sandbox.study.tables.tables import rebuild_study
+from tests.support.study_files import (
+    DESIGN,
+    check_session,
+    design,
+    in_child,
+    killed_after,
+    told_finished,
+)
+
+TWICE = DESIGN.replace("seed = 3", "seed = 3\nsessions = 2").replace(
+    "repetitions = 2\npractice = 1\n", "repetitions = 1\npractice = 1\npractice_sessions = [1]\n"
+)
+FIRST, SECOND = 4, 2
+"""Trials of both sessions: the first one has practice before each of two levels."""
+CROSSED = """
+name = "crossed"
+seed = 5
+sessions = SESSIONS
+[[factors]]
+name = "contact"
+order = "latin"
+levels = ["hard", "soft"]
+[[factors]]
+name = "task"
+order = "ORDER"
+levels = ["box-to-goal", "stack", "wrench-turn"]
+[trials]
+repetitions = 2
+seeds = "SEEDS"
+"""
+
+
+def quiet(text: str) -> None:
+    """Nobody listens."""
+
+
+def crossed(sessions: int, order: str = "latin", seeds: str = "own", more: str = "") -> Design:
+    text = CROSSED.replace("SESSIONS", str(sessions)).replace("ORDER", order)
+    return design(text.replace("SEEDS", seeds).replace('order = "latin"', 'order = "latin"' + more,
+                                                       1))  # fmt: skip
+
+
+def trials(plan: Design, person: int, session: int) -> list[TrialStep]:
+    return trials_of(session_plan(plan, person, session))
+
+
+def order(steps: list[TrialStep], factor: str) -> list[str]:
+    levels = [step.levels[factor] for step in steps]
+    return [x for i, x in enumerate(levels) if i == 0 or x != levels[i - 1]]
+
+
+def rows_of(path: Path) -> list[dict[str, str]]:
+    return list(csv.DictReader(path.open(encoding="utf-8")))
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("made")
+    simulate(StudyFolder(out, design(TWICE), SIMULATED), 2, False, quiet)
+    return out
+
+
+@pytest.fixture
+def study(made: Path, tmp_path: Path) -> StudyFolder:
+    shutil.copytree(made, tmp_path / "a")
+    return StudyFolder(tmp_path / "a", design(TWICE), SIMULATED)
+
+
+@pytest.mark.parametrize("rule", ["latin", "random", "blocked", "factorial", "between"])
+def test_the_first_of_several_sessions_is_the_one_of_people_who_come_once(rule: str) -> None:
+    once, twice = crossed(1, rule), crossed(2, rule)
+    assert all(session_plan(once, n) == session_plan(twice, n, 1) for n in range(6))
+
+
+def test_in_a_later_session_everybody_has_the_order_of_the_next_participant() -> None:
+    plan = crossed(3)
+    for person in range(6):
+        for session in (2, 3):
+            mine = order(trials(plan, person, session), "contact")
+            assert mine == order(trials(plan, person + session - 1, 1), "contact")
+
+
+def test_every_session_for_itself_is_balanced_after_a_whole_cycle() -> None:
+    plan = crossed(2)
+    for session in (1, 2):
+        seen = [trials(plan, n, session) for n in range(12)]
+        for factor, levels in (("contact", 2), ("task", 3)):
+            first = Counter(order(steps, factor)[0] for steps in seen)
+            assert set(first.values()) == {12 // levels}
+
+
+def test_a_random_order_is_drawn_anew_and_levels_between_people_stay() -> None:
+    random, between = crossed(2, "random"), crossed(2, "between")
+    pairs = [[order(trials(random, n, s), "task") for s in (1, 2)] for n in range(12)]
+    assert any(a != b for a, b in pairs)
+    for n in range(6):
+        levels = {t.levels["task"] for s in (1, 2) for t in trials(between, n, s)}
+        assert len(levels) == 1
+
+
+def test_one_level_a_session_spreads_a_factor_over_sessions_in_balanced_order() -> None:
+    plan = crossed(2, more="\none_a_session = true")
+    of = {(n, s): {t.levels["contact"] for t in trials(plan, n, s)}
+          for n in range(6) for s in (1, 2)}  # fmt: skip
+    assert all(len(levels) == 1 for levels in of.values())
+    assert all(of[n, 1] | of[n, 2] == {"hard", "soft"} for n in range(6))
+    assert Counter(*[[min(of[n, 1]) for n in range(6)]]) == {"hard": 3, "soft": 3}
+
+
+def test_starts_are_others_in_another_session_unless_all_share_them() -> None:
+    own, shared = crossed(2), crossed(2, seeds="shared")
+    assert not {t.seed for t in trials(own, 0, 1)} & {t.seed for t in trials(own, 0, 2)}
+    by = [{(t.levels["task"], t.repetition): t.seed for t in trials(shared, 0, s)} for s in (1, 2)]
+    assert by[0] == by[1]
+
+
+def test_consent_and_questions_about_the_person_come_once_and_the_rest_where_it_was_asked() -> None:
+    text = TWICE.replace('at = "contact"\n', 'at = "contact"\nsessions = [2]\n')
+    plans = [session_plan(design(text), 0, s) for s in (1, 2)]
+    asked = [[s.form.name for s in plan if isinstance(s, FormStep)] for plan in plans]
+    assert asked == [["demographics"], ["effort", "effort"]]
+    assert [any(isinstance(s, ConsentStep) for s in plan) for plan in plans] == [True, False]
+    assert [sum(t.practice for t in trials_of(plan)) for plan in plans] == [2, 0]
+
+
+@pytest.mark.parametrize(("sound", "wrong", "told"), [
+    ("practice_sessions = [1]", "practice_sessions = [3]", "such as .1.; there are so many: 2"),
+    ("practice_sessions = [1]", "practice_sessions = [true]", "got .True."),
+    ("practice_sessions = [1]", "practice_sessions = 1", "got 1"),
+    ('order = "latin"', 'order = "between"\none_a_session = true', "Choose another order"),
+    ('["hard", "soft"]', '["hard", "soft", "none"]\none_a_session = true',
+     "3 levels, and 2 sessions. Write sessions = 3"),
+    ("[trials]", '[[factors]]\nname = "servo"\nlevels = ["orientation", "position"]\n'
+     "one_a_session = true\n[trials]", "only the outermost factor"),
+])  # fmt: skip
+def test_a_mistake_about_sessions_is_told(sound: str, wrong: str, told: str) -> None:
+    with pytest.raises(DesignError, match=told):
+        design(TWICE.replace(sound, wrong, 1))
+
+
+def test_both_sessions_have_folders_and_rows_of_their_own(study: StudyFolder) -> None:
+    rows = rows_of(study.path / "trial_results.csv")
+    for person in study.participants():
+        mine = [r for r in rows if r["ppid"] == person.ppid]
+        assert Counter(r["session_num"] for r in mine) == {"1": FIRST, "2": SECOND}
+        assert len({(r["session_num"], r["trial_num"]) for r in mine}) == FIRST + SECOND
+        for row in mine:
+            where = f"{person.ppid}/S00{row['session_num']}/"
+            assert row["trial_recording_location_0"].startswith(where)
+            assert (study.path / row["trial_recording_location_0"]).exists()
+        assert len(find_recordings(person.ppid, study.path)) == FIRST + SECOND
+        assert len({r["state_hash"] for r in mine}) == len({r["seed"] for r in mine})
+        own = session_path(study.path, person.ppid, 2) / "trial_results.csv"
+        assert [r["trial_num"] for r in rows_of(own)] == ["1", "2"]
+    people = rows_of(study.path / "participants.csv")
+    assert [(r["sessions_done"], r["trials_done"], r["trials_planned"], r["complete"], r["consent"])
+            for r in people] == 2 * [("2", "6", "6", "1", "1")]  # fmt: skip
+    assert all(r["age"] for r in people)
+
+
+def test_nobody_begins_with_the_second_session_or_comes_too_often(tmp_path: Path) -> None:
+    study = StudyFolder(tmp_path, design(TWICE), SIMULATED)
+    person = study.add()
+    with pytest.raises(StudyError, match="session 1 comes first"):
+        SessionFolder(study, person, 2)
+    SessionFolder(study, person).close()
+    with pytest.raises(StudyError, match="session 1 comes first"):
+        SessionFolder(study, person, 2)
+    for number in (0, 3):
+        with pytest.raises(StudyError, match="everybody comes 2 times"):
+            SessionFolder(study, person, number)
+    assert not session_path(study.path, person.ppid, 2).exists()
+
+
+def test_a_first_session_in_the_place_of_a_second_is_refused(study: StudyFolder) -> None:
+    person = study.participants()[0]
+    shutil.rmtree(session_path(study.path, person.ppid, 2))
+    shutil.copytree(session_path(study.path, person.ppid), session_path(study.path, person.ppid, 2))
+    with pytest.raises(StudyError, match="another study, participant or time"):
+        SessionFolder(study, person, 2)
+
+
+def test_kills_in_both_sessions_lose_nothing_and_count_nothing_twice(tmp_path: Path) -> None:
+    study = StudyFolder(tmp_path, design(TWICE), SIMULATED)
+    rng = np.random.default_rng(4)
+    finished, kills, killed, in_second = [0, 0], 0, True, 0
+
+    def begun() -> bool:
+        """However fast this machine is, one kill is in the second session."""
+        return not in_second and any(study.path.glob("*/S002/trials/*"))
+
+    while killed:
+        wait = float(rng.uniform(0.0, 0.8)) if kills < 8 or not in_second else 120.0
+        child = in_child(lambda say: simulate(study, 1, True, say))
+        killed, said = killed_after(child, wait, begun)
+        kills += killed
+        at_least = finished[1] if finished[0] == FIRST else 0
+        if finished[0] < FIRST:
+            finished[0] = check_session(study, 0, finished[0])
+        finished[1] = check_session(study, 0, at_least, 2)
+        in_second += killed and finished[0] == FIRST and finished[1] < SECOND
+        assert finished[1] == 0 or finished[0] == FIRST
+        assert told_finished(said) <= max(finished)
+    assert finished == [FIRST, SECOND] and in_second
+    rows = rows_of(study.path / "trial_results.csv")
+    assert [(r["session_num"], r["trial_num"]) for r in rows if r["counted"] == "1"] == [
+        *(("1", str(n + 1)) for n in range(FIRST)), *(("2", str(n + 1)) for n in range(SECOND)),
+    ]  # fmt: skip
+
+
+def test_who_is_excluded_in_one_session_is_left_out_in_all(study: StudyFolder) -> None:
+    first, second = study.participants()
+    with SessionFolder(study, first, 2) as session:
+        session.write("exclude", durable=True, trial=None, reason="fell asleep")
+    rebuild_study(study)
+    for row in rows_of(study.path / "trial_results.csv"):
+        gone = row["ppid"] == first.ppid
+        assert row["excluded"] == str(int(gone))
+        assert row["exclusion_reason"] == ("participant: fell asleep" if gone else "")
+    assert [r["excluded"] for r in rows_of(study.path / "participants.csv")] == ["1", "0"]
+    assert second.ppid != first.ppid
+
+
+def test_a_rule_about_people_waits_for_their_last_session(tmp_path: Path) -> None:
+    rule = '[[exclusions]]\nname = "all"\nof = "participant"\nmeasure = "time_s"\nabove = 0.0\n'
+    study = StudyFolder(tmp_path, design(TWICE + rule), SIMULATED)
+    run_simulated(study, 0, quiet)
+    reasons = {r["exclusion_reason"] for r in rows_of(study.path / "trial_results.csv")}
+    assert reasons == {"participant: rule all"}
+    shutil.rmtree(session_path(study.path, study.participants()[0].ppid, 2))
+    rebuild_study(study)
+    assert {r["excluded"] for r in rows_of(study.path / "trial_results.csv")} == {"0"}
+
+
+def test_copies_hold_both_sessions_and_count_everybody_once(
+    study: StudyFolder, tmp_path: Path
+) -> None:
+    checked = back_up(study, tmp_path / "backup.tar.gz")
+    assert len(checked.ppids) == 2 and checked.trials == 2 * (FIRST + SECOND)
+    assert anonymise(study, tmp_path / "anonymous", Masking(), quiet).people == 2
+    copy = StudyFolder.at(tmp_path / "anonymous")
+    for person in copy.participants():
+        sessions = sessions_of(copy, person)
+        assert [s.number for s in sessions] == [1, 2] and all(s.state.complete for s in sessions)
+    hashes = [sorted(r["state_hash"] for r in rows_of(s.path / "trial_results.csv"))
+              for s in (study, copy)]  # fmt: skip
+    assert hashes[0] == hashes[1]
+    assert export_bids(study, tmp_path / "bids", quiet) == 2 * (2 + SECOND)
+    for person in study.participants():
+        for session in ("ses-01", "ses-02"):
+            folder = tmp_path / f"bids/sub-{person.ppid}/{session}/motion"
+            files = sorted(p.name for p in folder.glob("*_motion.tsv"))
+            assert len(files) == 2
+            assert all(f.startswith(f"sub-{person.ppid}_{session}_task-") for f in files)
+
+
+def test_who_withdraws_is_gone_with_all_sessions(study: StudyFolder) -> None:
+    gone = study.participants()[0].ppid
+    withdraw(study, gone, "")
+    assert not (study.path / gone).exists()
+    assert gone not in {r["ppid"] for r in rows_of(study.path / "trial_results.csv")}
+    with (
+        SessionFolder(study, study.participants()[0], 2),
+        pytest.raises(StudyError, match="in use"),
+    ):
+        withdraw(study, study.participants()[0].ppid, "")
+
+
+def test_of_two_copies_the_one_with_the_second_session_is_taken(
+    study: StudyFolder, tmp_path: Path
+) -> None:
+    shutil.copytree(tmp_path / "a", tmp_path / "b")
+    earlier = StudyFolder(tmp_path / "b", design(TWICE), SIMULATED)
+    for person in earlier.participants():
+        shutil.rmtree(session_path(earlier.path, person.ppid, 2))
+    for i, (one, other) in enumerate(((study, earlier), (earlier, study))):
+        found = merge(one, other, tmp_path / f"c{i}/quick-simulated")
+        assert found.people == 2 and len(found.both) == 2 and not found.renamed
+        merged = StudyFolder(tmp_path / f"c{i}", design(TWICE), SIMULATED)
+        for person in merged.participants():
+            with SessionFolder(merged, person, 2) as session:
+                assert session.state.complete
+
+
+def test_a_report_compares_sessions_where_people_did_the_same_in_both(made: Path) -> None:
+    data = load_study(made / "quick-simulated")
+    assert [f.name for f in data.factors] == ["session", "contact"]
+    assert data.factor("session").levels == ("session 1", "session 2")
+    assert data.factor("session").within and len(data.conditions) == 4
+    assert data.codebook["factor_session"][1]
+    # Nobody's first trial of a second session is their first one.
+    assert list(data.used.groupby("ppid")["position"].max()) == [4, 4]
+
+
+def test_a_report_does_not_compare_sessions_that_had_levels_of_their_own(tmp_path: Path) -> None:
+    text = TWICE.replace('order = "latin"', 'order = "latin"\none_a_session = true')
+    study = StudyFolder(tmp_path, design(text), SIMULATED)
+    simulate(study, 2, False, quiet)
+    data = load_study(study.path)
+    assert [f.name for f in data.factors] == ["contact"] and data.factors[0].within
+
+
+def test_the_command_begins_the_next_session_and_refuses_what_is_not_its_turn(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "design.toml").write_text(TWICE)
+    monkeypatch.chdir(Path(__file__).parents[3])
+    monkeypatch.setattr("sys.stdin", io.StringIO(""))
+    run = ["study", "run", str(tmp_path / "design.toml"), "--out", str(tmp_path), "--pilot",
+           "--device", "simulated", "--view", "none", "--forms", "page"]  # fmt: skip
+    assert main([*run, "--participant", "new", "--session", "2"]) == 2
+    assert "begins with session 1" in capsys.readouterr().err
+    study = StudyFolder(tmp_path, design(TWICE), "pilot")
+    assert not study.participants()
+    run_simulated(study, 0, quiet)
+    person = study.participants()[0].ppid
+    for _ in range(2):
+        # What is complete has nothing left to do.
+        assert main([*run, "--participant", person, "--session", "2"]) == 0
+        assert f"{person}, session 2 of 2: complete" in capsys.readouterr().out
+    assert main([*run, "--participant", person, "--session", "3"]) == 2
+    assert "everybody comes 2 times" in capsys.readouterr().err
+    records = read_journal(session_path(study.path, person, 2) / "journal.jsonl")
+    assert sum(r["kind"] == "trial_end" for r in records) == SECOND

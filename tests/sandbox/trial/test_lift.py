@@ -1,0 +1,207 @@
+"""The lift control: the hand rises by it, quietly, and everything else stays as it was."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from encoders.reconstruction.lift import Lift, LiftSettings
+from models.errors import InputError
+from models.frames import Contact, TouchFrame
+from models.kinematics import Kinematics
+from sandbox.devices.wrappers.lift_keys import SPEED, LiftKeys
+from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.recording.recording import RecordingWriter, load_recording
+from sandbox.trial.assembly import build
+from sandbox.trial.headless import run_trial
+from sandbox.trial.lift import with_lift
+from sandbox.trial.replay import replay
+from sandbox.trial.settings import RunSettings
+from tasks.box_to_goal import BoxToGoal
+from tasks.stack import Stack
+
+PERIOD = 0.016
+
+
+def touches(now: float) -> tuple[Contact, ...]:
+    """Thumb and index, at rest, from 0.1 s on; far from both boxes of seed 1."""
+    if now < 0.1:
+        return ()
+    return (Contact(1, 0.08, 0.13, label=0), Contact(2, 0.12, 0.13, label=1))
+
+
+def poses(control, seconds: float = 1.2, task: str = "stack", **settings) -> list:
+    """What is reconstructed with a lift control that is time -> its position."""
+    options = RunSettings(task=task, seed=1, **settings)
+    reconstructor = build(options, lambda task, surface: None).rigs[0].reconstructor
+    times = np.arange(round(seconds / PERIOD)) * PERIOD
+    return [reconstructor.step(TouchFrame(t, touches(t), control(t))) for t in times]
+
+
+def test_without_a_lift_control_the_hand_is_where_it_is_with_one_at_rest():
+    for a, b in zip(poses(lambda t: None), poses(lambda t: 0.0), strict=True):
+        np.testing.assert_array_equal(a.q, b.q)
+        assert a.phase == b.phase
+
+
+def test_tasks_without_a_lift_take_no_notice_of_it():
+    still = poses(lambda t: None, task="box-to-goal")
+    moved = poses(lambda t: 0.7, task="box-to-goal")
+    for a, b in zip(still, moved, strict=True):
+        np.testing.assert_array_equal(a.q, b.q)
+
+
+@pytest.mark.parametrize("person", [{}, {"hand_size": 1.2}, {"hand": "left", "turn": 90}])
+def test_every_hand_rises_by_the_tasks_range_and_keeps_its_place_otherwise(person):
+    low, high = (poses(lambda t, x=x: x, seconds=3.0, **person)[-1] for x in (0.0, 0.5))
+    assert low.down and high.down and low.fingers == high.fingers
+    rise = high.q - low.q
+    assert rise[2] == pytest.approx(0.5 * Stack.lift_range, abs=1e-4)
+    np.testing.assert_allclose(np.delete(rise, 2), 0.0, atol=1e-9)
+
+
+def test_a_hand_that_is_lifted_while_it_is_down_stays_down_and_keeps_its_fingers():
+    found = poses(lambda t: 0.0 if t < 1.2 else 1.0, seconds=3.0)
+    first = next(i for i, r in enumerate(found) if r.down)
+    assert first * PERIOD < 1.2
+    assert all(r.down and r.fingers == found[first].fingers for r in found[first:])
+    assert found[-1].q[2] - found[first].q[2] > 0.9 * Stack.lift_range
+
+
+def test_a_hand_that_comes_while_the_lift_is_up_comes_down_to_its_height():
+    low, high = (poses(lambda t, x=x: x, seconds=3.0) for x in (0.0, 0.8))
+    when = [next(i for i, r in enumerate(found) if r.down) for found in (low, high)]
+    assert when[0] == when[1]
+    tips = Kinematics(build(RunSettings(), lambda t, s: None).rigs[0].hand.skeleton).tips
+    rise = tips(high[-1].q)[:2, 2] - tips(low[-1].q)[:2, 2]
+    np.testing.assert_allclose(rise, 0.8 * Stack.lift_range, atol=1e-4)
+
+
+def test_a_noisy_slider_hardly_shakes_the_hand():
+    rng = np.random.default_rng(3)
+    lift = Lift(LiftSettings(reach=0.18))
+    heights, wanted = [], []
+    for _ in range(3_000):
+        control = float(np.clip(0.5 + 0.03 * rng.normal(), 0.0, 1.0))
+        lift.step(control, PERIOD)
+        heights.append(lift.height)
+        wanted.append(0.18 * control)
+    assert np.std(heights[500:]) < 0.3 * np.std(wanted)
+    assert np.mean(heights[500:]) == pytest.approx(0.09, abs=3e-4)
+
+
+@given(st.lists(st.floats(0.0, 1.0) | st.none(), min_size=1, max_size=60), st.floats(0.0, 0.3))
+def test_no_lift_control_moves_the_hand_faster_than_it_may_or_out_of_its_range(controls, reach):
+    settings = LiftSettings(reach=reach)
+    lift = Lift(settings)
+    before = 0.0
+    for control in controls:
+        lift.step(control, PERIOD)
+        assert abs(lift.height - before) <= settings.speed * PERIOD + 1e-12
+        assert -1e-12 <= lift.height <= reach + 1e-12
+        before = lift.height
+    lift.reset()
+    assert lift.height == 0.0
+
+
+def test_recordings_keep_the_lift(tmp_path: Path):
+    path = tmp_path / "lift.jsonl"
+    writer = RecordingWriter(path, {"settings": {}, "versions": {}})
+    frames = [TouchFrame(0.0, (), lift) for lift in (None, 0.0, 1 / 3, 1.0)]
+    for step, frame in enumerate(frames):
+        writer.input(step, 0, frame, "")
+    writer.close()
+    assert [i.frame.lift for i in load_recording(path).inputs[0]] == [f.lift for f in frames]
+
+
+@pytest.mark.parametrize("lift", ["1.5", "-0.1", '"high"', "[]", "true0"])
+def test_a_recording_with_an_impossible_lift_is_read_up_to_it(tmp_path: Path, lift: str):
+    path = tmp_path / "bad.jsonl"
+    line = '{"kind":"input","step":0,"hand":0,"time":0.0,"contacts":[],"hash":""'
+    head = '{"kind":"header","schema":1,"settings":{}}'
+    path.write_text(f'{head}\n{line}}}\n{line},"lift":{lift}}}\n')
+    recording = load_recording(path)
+    assert len(recording.inputs[0]) == 1
+    assert "line 3 is damaged" in recording.damage
+
+
+class Still:
+    """A device that says one thing once."""
+
+    name = "still"
+    finished = False
+
+    def __init__(self) -> None:
+        self.frames = [TouchFrame(0.0, (Contact(4, 0.01, 0.02),))]
+        self.closed = False
+
+    def poll(self, now: float) -> list[TouchFrame]:
+        frames, self.frames = self.frames, []
+        return frames
+
+    def close(self) -> None:
+        self.closed = True
+
+
+def polled(keys: LiftKeys, begin: float, seconds: float) -> list[TouchFrame]:
+    times = begin + np.arange(1, round(seconds / PERIOD) + 1) * PERIOD
+    return [frame for t in times for frame in keys.poll(float(t))]
+
+
+def test_a_key_that_is_held_lifts_and_a_key_let_go_holds_still():
+    keys = LiftKeys(Still())
+    (first,) = keys.poll(0.0)
+    assert first.lift == 0.0
+    keys.hold(1.0)
+    up = polled(keys, 0.0, 0.8)
+    assert up[-1].lift == pytest.approx(0.8 * SPEED, rel=0.03)
+    assert all(b.lift > a.lift for a, b in pairwise(up))
+    assert all(frame.contacts == first.contacts for frame in up), "the touches stay"
+    keys.hold(0.0)
+    assert polled(keys, 0.8, 0.3) == [], "nothing new is nothing to say"
+    keys.hold(-1.0)
+    assert polled(keys, 1.1, 3.0)[-1].lift == 0.0
+    keys.hold(1.0)
+    assert polled(keys, 4.1, 5.0)[-1].lift == 1.0
+
+
+def test_a_key_tapped_between_two_polls_does_something():
+    keys = LiftKeys(Still())
+    keys.poll(0.0)
+    keys.hold(1.0)
+    keys.hold(0.0)
+    assert keys.poll(PERIOD)[0].lift > 0.0
+    assert keys.poll(2 * PERIOD) == []
+
+
+@pytest.mark.parametrize("keys", [True, False])
+def test_a_task_that_needs_a_lift_control_gets_one_or_says_so(keys):
+    device = Still()
+    make = with_lift(lambda task, surface: device, keys)
+    surface = RunSettings().surface
+    assert make(BoxToGoal.draw(1, surface), surface) is device
+    task = Stack.draw(1, surface)
+    if keys:
+        assert make(task, surface).device is device
+        return
+    with pytest.raises(InputError, match="needs a lift control") as error:
+        make(task, surface)
+    assert "sandbox play stack" in str(error.value)
+    assert device.closed
+
+
+def test_a_run_with_lift_replays_to_the_bit(tmp_path: Path):
+    path = tmp_path / "stack.jsonl"
+    chosen = plan(SceneOptions(task="stack", seed=3))
+    result = run_trial(chosen.settings, chosen.make_device, record=path, about=chosen.about)
+    recording = load_recording(path)
+    assert max(i.frame.lift for i in recording.inputs[0]) > 0.3
+    session, verification = replay(recording)
+    assert verification.exact and verification.complete
+    assert session.state_hash == result["state_hash"]
+    assert result["success"]

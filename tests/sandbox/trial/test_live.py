@@ -1,0 +1,54 @@
+"""A session with a person: what breaks in its own thread is heard of by who waits for it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import pytest
+
+from models.errors import DeviceError
+from models.frames import TouchFrame
+from models.surface import Surface
+from sandbox.trial.assembly import build
+from sandbox.trial.live import LiveSession
+from sandbox.trial.settings import RunSettings
+from tests.support.processes import until
+
+
+class Breaking:
+    """A device that breaks once it was asked some times.
+
+    Args:
+        error: How.
+    """
+
+    name = "breaking"
+    finished = False
+
+    def __init__(self, error: Exception) -> None:
+        self._error, self._asked = error, 0
+
+    def poll(self, now: float) -> Sequence[TouchFrame]:
+        self._asked += 1
+        if self._asked > 5:
+            raise self._error
+        return []
+
+    def close(self) -> None:
+        self.finished = True
+
+
+@pytest.mark.parametrize("error", [DeviceError("unplugged"), ZeroDivisionError("somebody's code")])
+def test_a_device_that_breaks_ends_the_session_and_is_no_trial_that_was_played(
+    error: Exception,
+) -> None:
+    def breaks(_task: object, _surface: Surface) -> Breaking:
+        return Breaking(error)
+
+    session = build(RunSettings(), breaks)
+    live = LiveSession(session)
+    assert not live.over and live.failure is None
+    live.start()
+    until(lambda: live.over)
+    live.stop()
+    assert live.failure is error and not session.over

@@ -1,0 +1,163 @@
+"""The paper's pictures of a hand, in memory, on a page and in a file."""
+
+from __future__ import annotations
+
+import io
+import sys
+import urllib.error
+import urllib.request
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import glfw
+import numpy as np
+import pytest
+from PIL import Image
+
+from encoders.paalm import Paalm
+from models.errors import DeviceError
+from sandbox.cli.main import main
+from sandbox.devices.leap.leap_truth import write_take
+from sandbox.server.picture_page import PicturePage
+from sandbox.views.paalm.diagram import HandMemory, ball_radius, diagram
+from sandbox.views.paalm.picture import PaalmPicture
+from sandbox.views.paalm.window import PaalmWindow
+from sandbox.views.palette import FINGER_COLOURS
+from tests.support.leap_hands import take
+from tests.support.screen import screen
+
+SIZE = (800, 800)
+
+
+@cache
+def seen(side: str = "right"):
+    """A frame with five fingers, and what a calibrated PAALM made of it."""
+    frames = take(0, side=side).frames
+    paalm = Paalm()
+    paalm.calibrate(frames, side, 100)
+    frame = next(f for f in frames if len(f.hands[0].fingers) == 5)
+    return frame, paalm.step(frame)
+
+
+def colours(picture: Image.Image) -> set[int]:
+    """Labels whose finger's colour is in a picture."""
+    pixels = np.asarray(picture, float) / 255
+    return {
+        label
+        for label, colour in enumerate(FINGER_COLOURS)
+        if (np.abs(pixels - colour).max(axis=2) < 0.03).sum() > 5
+    }
+
+
+def test_every_finger_that_is_seen_has_its_colour():
+    frame, result = seen()
+    assert len(frame.hands[0].fingers) == 5
+    hands = HandMemory().look(frame, result.hands)
+    assert colours(diagram(hands, SIZE, 62.0, -38.0)) == {0, 1, 2, 3, 4}
+
+
+def test_a_finger_that_vanishes_stays_in_the_palm_and_is_dimmed():
+    frame, result = seen()
+    memory = HandMemory()
+    before = memory.look(frame, result.hands)[0].fingers
+    hand = result.hands["right"]
+    gone = replace(hand, ids=hand.ids | {"ring": None}, held=frozenset({"ring"}))
+    after = memory.look(frame, {"right": gone})
+    assert not after[0].fingers[3].seen and after[0].fingers[2].seen
+    assert np.allclose(after[0].fingers[3].tip, before[3].tip)
+    assert colours(diagram(after, SIZE, 62.0, -38.0)) == {0, 1, 2, 4}
+
+
+def test_vectors_are_direction_times_length():
+    frame, result = seen()
+    hand = HandMemory().look(frame, result.hands)[0]
+    ids = result.hands["right"].ids
+    for finger in frame.hands[0].fingers:
+        label = list(ids.values()).index(finger.id)
+        vector = hand.fingers[label].tip - hand.fingers[label].base
+        assert np.allclose(vector, finger.length * np.array(finger.direction), atol=1e-9)
+
+
+def test_the_ball_goes_through_palm_and_fingertips():
+    rng = np.random.default_rng(0)
+    around = rng.normal(size=(4, 3))
+    tips = 0.05 * around / np.linalg.norm(around, axis=1, keepdims=True)
+    palm, normal = np.array([0.0, 0.0, 0.05]), np.array([0.0, 0.0, -1.0])
+    assert ball_radius(palm, normal, list(tips)) == pytest.approx(0.05)
+    assert ball_radius(palm, normal, [np.array([0.1, 0.0, 0.06])] * 5) is None
+
+
+@pytest.mark.needs("opengl")
+@pytest.mark.parametrize("side", ["right", "left"])
+def test_the_whole_picture_has_the_size_and_both_halves(side):
+    frame, result = seen(side)
+    with PaalmPicture((side,)) as picture:
+        drawn = picture.draw(frame, result)
+        assert drawn.size == (1100, 620)
+        assert colours(drawn.crop((0, 0, 550, 460))) == {0, 1, 2, 3, 4}
+        halves = [np.asarray(drawn.crop((x, 50, x + 550, 460)), float).std() for x in (0, 550)]
+        assert min(halves) > 5.0
+        picture.resize((500, 400))
+        assert picture.draw(frame, result).size == (500, 400)
+
+
+def test_a_page_shows_the_newest_picture_to_this_machine_only():
+    with PicturePage("a hand") as page:
+        page.show(Image.new("RGB", (40, 30), (255, 0, 0)))
+        assert b"<img" in urllib.request.urlopen(page.url, timeout=5).read()
+        with urllib.request.urlopen(page.url + "pictures", timeout=5) as stream:
+            head = stream.readline() + stream.readline()
+            assert b"image/jpeg" in head
+            length = int(stream.readline().split(b":")[1])
+            stream.readline()
+            assert Image.open(io.BytesIO(stream.read(length))).size == (40, 30)
+        asked = urllib.request.Request(page.url, headers={"Host": "elsewhere.example"})
+        with pytest.raises(urllib.error.HTTPError) as refused:
+            urllib.request.urlopen(asked, timeout=5)
+        assert refused.value.code == 403
+        taken = int(page.url.rstrip("/").rpartition(":")[2])
+        with pytest.raises(DeviceError):
+            PicturePage("another", taken)
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory) -> Path:
+    path = tmp_path_factory.mktemp("paalm") / "hand.json"
+    write_take(take(0), path, {"seed": 0})
+    return path
+
+
+@pytest.mark.needs("opengl")
+def test_the_command_writes_a_picture(file, tmp_path):
+    out = tmp_path / "hand.png"
+    assert main(["paalm", "show", str(file), "--picture", str(out), "--seconds", "0.3"]) == 0
+    assert Image.open(out).size == (1100, 620)
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="needs an X server in memory")
+def test_a_window_shows_the_same_and_closes_with_escape():
+    frame, result = seen()
+    with screen() as display:
+        with PaalmWindow(("right",)) as window:
+            still_open = [window.show(frame, result)]
+            assert window.picture is not None
+            assert colours(window.picture) == {0, 1, 2, 3, 4}
+            assert colours(Image.fromarray(display.picture().astype(np.uint8))) == {0, 1, 2, 3, 4}
+            display.do(lambda: still_open.append(window.rest()), "key", "--delay", 300, "Escape")
+            assert still_open[0] and not all(still_open)
+        glfw.terminate()
+
+
+@pytest.mark.parametrize(
+    ("options", "expected"),
+    [
+        (["--picture", "no/such/folder/a.png"], "no such folder"),
+        (["--picture", "a.txt"], "no picture"),
+        (["--view", "web", "--json"], "no JSON"),
+    ],
+)
+def test_what_cannot_be_shown_is_one_line(file, capsys, options, expected):
+    assert main(["paalm", "show", str(file), *options]) == 2
+    said = capsys.readouterr().err
+    assert expected in said and said.count("\n") == 1

@@ -1,0 +1,363 @@
+"""Pictures without a screen: what is seen, that nothing is changed by it, and who reads it."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import combinations
+from pathlib import Path
+from xml.etree import ElementTree
+
+import mujoco
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+from PIL import Image
+
+from models.errors import InputError
+from models.frames import FINGERS
+from models.hand import Hand
+from models.scene import SceneSpec, scene_xml
+from models.surface import Surface
+from sandbox.session.messages import ContactView, Snapshot
+from sandbox.views import palette
+from sandbox.views.cameras import camera_above, film_camera, window_camera
+from sandbox.views.drawing import Drawing, Hidden
+from sandbox.views.lens import Lens
+from sandbox.views.overlay import Words, stickers
+from sandbox.views.renderer import Renderer
+from tasks.score import Score, Status
+from tests.support.needs import require
+from tests.support.processes import ROOT
+from tests.support.viewed import Viewed, model_bytes, viewed, with_contacts
+
+SIZE = (480, 270)
+BELOW = slice(110, None)
+"""Rows below the status panel, which says `ghost` or `solid` and so is never the same."""
+
+Picture = NDArray[np.float64]
+
+
+@pytest.fixture(scope="module")
+def v() -> Viewed:
+    return viewed()
+
+
+@pytest.fixture(scope="module")
+def renderer(v: Viewed) -> Iterator[Renderer]:
+    require("opengl")
+    with Renderer(v.scene, v.surface, SIZE, camera=film_camera(v.solid, v.surface)) as r:
+        yield r
+
+
+def look(renderer: Renderer, snapshot: Snapshot) -> Picture:
+    return np.asarray(renderer.frame(snapshot), float)
+
+
+def changed(a: Picture, b: Picture) -> NDArray[np.bool_]:
+    """Pixels that differ visibly."""
+    return np.abs(a - b).max(axis=-1) > 12
+
+
+def like(picture: Picture, colour: palette.Colour) -> NDArray[np.bool_]:
+    """Pixels of a colour's hue, lit or shaded."""
+    direction = picture / np.maximum(np.linalg.norm(picture, axis=-1, keepdims=True), 1.0)
+    wanted = np.array(colour) / np.linalg.norm(colour)
+    return (direction @ wanted > 0.995) & (picture.max(axis=-1) > 60)
+
+
+def test_a_ghost_is_seen_through_and_a_solid_hand_is_not(v: Viewed, renderer: Renderer) -> None:
+    solid = replace(v.ghost, hands=(replace(v.ghost.hands[0], solid=frozenset({0, 1})),))
+    ghost, opaque = look(renderer, v.ghost), look(renderer, solid)
+    region = changed(ghost[BELOW], opaque[BELOW])
+    assert region.sum() > 2000
+    assert np.abs(ghost[BELOW] - opaque[BELOW])[region].mean() > 20
+
+
+def test_a_ghost_is_mixed_half_and_half_with_what_is_behind_it(
+    v: Viewed, renderer: Renderer
+) -> None:
+    hand = replace(v.ghost.hands[0], contacts=())
+    ghost = look(renderer, replace(v.ghost, hands=(hand,)))
+    opaque = look(renderer, replace(v.ghost, hands=(replace(hand, solid=frozenset({0})),)))
+    # Far below the table a hand is not seen, and all else is as it was.
+    qpos = v.ghost.qpos.copy()
+    qpos[v.scene.qpos_slice(0)][2] = -2.0
+    nothing = look(renderer, replace(v.ghost, hands=(hand,), qpos=qpos))
+    assert np.abs(ghost - (opaque + nothing) / 2)[BELOW].max() <= 1.0
+
+
+def test_only_hands_that_are_to_be_hidden_are_left_out(v: Viewed) -> None:
+    drawing = Drawing(v.scene, v.surface)
+    camera = window_camera(v.surface)
+    ghost = with_contacts(v.ghost)
+    solid = replace(ghost, hands=(replace(ghost.hands[0], solid=frozenset({0})),))
+
+    def geoms(snapshot: Snapshot, hidden: Hidden | None) -> int:
+        drawing.update(snapshot, camera, hidden)
+        return int(drawing.view.ngeom)
+
+    everything = geoms(ghost, None)
+    assert geoms(ghost, "ghosts") < everything - 20
+    assert geoms(solid, "ghosts") == geoms(solid, None) == everything
+    assert geoms(solid, "hands") == geoms(ghost, "ghosts")
+
+
+def test_looking_changes_neither_model_nor_snapshot(v: Viewed, renderer: Renderer) -> None:
+    model, qpos = model_bytes(v.scene.model), v.solid.qpos.copy()
+    positions = [c.position.copy() for c in v.solid.hands[0].contacts]
+    held = replace(v.solid, score=Score(True, True, True, Status.RUNNING, 1.0, "", 3.0))
+    for snapshot in (v.ghost, v.solid, held):
+        renderer.frame(snapshot)
+    assert model_bytes(v.scene.model) == model
+    assert np.array_equal(v.solid.qpos, qpos)
+    for contact, position in zip(v.solid.hands[0].contacts, positions, strict=True):
+        assert np.array_equal(contact.position, position)
+
+
+def test_the_same_snapshot_gives_the_same_picture(v: Viewed, renderer: Renderer) -> None:
+    first = look(renderer, v.solid)
+    renderer.frame(v.ghost)
+    assert np.array_equal(look(renderer, v.solid), first)
+
+
+def test_the_look_of_the_palm_is_no_part_of_the_physics() -> None:
+    root = ElementTree.fromstring(scene_xml(SceneSpec((Hand(),))))
+    whole = mujoco.MjModel.from_xml_string(ElementTree.tostring(root, encoding="unicode"))
+    seen = 0
+    for body in root.iter("body"):
+        for geom in [g for g in body.findall("geom") if g.get("group") == "1"]:
+            body.remove(geom)
+            seen += 1
+    plain = mujoco.MjModel.from_xml_string(ElementTree.tostring(root, encoding="unicode"))
+    assert seen > 10
+    for name in ("body_mass", "body_inertia", "body_ipos", "body_iquat", "dof_armature"):
+        assert np.array_equal(getattr(whole, name), getattr(plain, name)), name
+    look_only = whole.geom_group == 1
+    assert not whole.geom_contype[look_only].any() and not whole.geom_conaffinity[look_only].any()
+
+
+@given(
+    st.floats(-180, 180),
+    st.floats(-88, -15),
+    st.floats(0.15, 1.5),
+    st.floats(-0.1, 0.3),
+    st.floats(-0.1, 0.25),
+)
+@settings(max_examples=40)
+def test_a_pixel_touches_the_surface_where_the_surface_is_drawn(
+    azimuth: float, elevation: float, distance: float, x: float, y: float
+) -> None:
+    v = viewed()
+    drawing = Drawing(v.scene, v.surface)
+    camera = window_camera(v.surface)
+    camera.azimuth, camera.elevation, camera.distance = azimuth, elevation, distance
+    drawing.update(v.ghost, camera)
+    lens = Lens.of(drawing.view, (640, 400))
+    pixel, ahead = lens.project(v.surface.to_world([x, y]))
+    picked = lens.pick(pixel, v.surface)
+    assert not ahead or (picked is not None and np.allclose(picked, [x, y], atol=1e-6))
+
+
+def test_a_line_of_sight_that_misses_the_surface_touches_nothing(v: Viewed) -> None:
+    drawing = Drawing(v.scene, v.surface)
+    camera = window_camera(v.surface)
+    camera.elevation = -12.0
+    drawing.update(v.ghost, camera)
+    assert Lens.of(drawing.view, (640, 400)).pick((320.0, 0.0), v.surface) is None
+
+
+@pytest.mark.needs("opengl")
+@pytest.mark.parametrize("choose", ["film", "window", "above"])
+@pytest.mark.parametrize("share", [(0.5, 0.5), (0.1, 0.15), (0.9, 0.8)])
+def test_a_contact_is_drawn_where_the_lens_says(
+    v: Viewed, choose: str, share: tuple[float, float]
+) -> None:
+    cameras = {
+        "film": film_camera(v.ghost, v.surface),
+        "window": window_camera(v.surface),
+        "above": camera_above(v.surface),
+    }
+    place = v.surface.to_world(np.array(share) * v.surface.size)
+    qpos = v.ghost.qpos.copy()
+    qpos[int(v.scene.model.joint("box").qposadr[0]) + 2] = -1.0
+    empty = with_contacts(replace(v.ghost, goals=(), qpos=qpos))
+    marked = with_contacts(empty, ContactView(1, place, None, "active"))
+    with Renderer(
+        v.scene, v.surface, SIZE, camera=cameras[choose], rings_on_table=False
+    ) as renderer:
+        renderer.see_through = True
+        before = look(renderer, empty)
+        after = look(renderer, marked)
+        lens = renderer.lens
+    assert lens is not None
+    (x, y), ahead = lens.project(place)
+    assert ahead
+    rows, columns = np.nonzero(changed(before, after))
+    near = np.hypot(columns - x, rows - y) < 40
+    assert near.any()
+    # The ring's and the disc's pixels lie around the point; the name lies farther out.
+    inner = np.hypot(columns - x, rows - y) < 8
+    assert inner.sum() >= 5
+    assert abs(columns[inner].mean() - x) < 3 and abs(rows[inner].mean() - y) < 3
+
+
+def test_every_finger_has_a_colour_of_its_own_and_the_ignored_are_grey(
+    v: Viewed, renderer: Renderer
+) -> None:
+    place = v.surface.to_world([0.02, 0.13])
+    pictures = {}
+    for label in range(len(FINGERS)):
+        contact = ContactView(1, place, label, "active")
+        pictures[label] = look(renderer, with_contacts(v.ghost, contact))
+        assert like(pictures[label], palette.FINGER_COLOURS[label]).sum() > 30
+    for a, b in combinations(pictures.values(), 2):
+        assert changed(a, b).sum() > 60
+    grey = look(renderer, with_contacts(v.ghost, ContactView(1, place, 0, "ignored")))
+    assert like(grey, palette.FINGER_COLOURS[0]).sum() < 10
+
+
+def test_the_goal_is_green_and_turns_golden_when_it_was_held(v: Viewed, renderer: Renderer) -> None:
+    running = look(renderer, with_contacts(v.ghost))[BELOW]
+    score = Score(True, True, True, Status.RUNNING, 1.0, "", 3.0)
+    held = look(renderer, replace(with_contacts(v.ghost), score=score))[BELOW]
+    assert like(running, palette.GOAL).sum() > 150
+    assert like(held, palette.HELD).sum() > 150
+    assert like(running, palette.HELD).sum() < 20 and like(held, palette.GOAL).sum() < 20
+
+
+def test_progress_reason_time_and_caption_are_written(v: Viewed) -> None:
+    def written(snapshot: Snapshot, caption: str = "") -> Picture:
+        drawing = Drawing(v.scene, v.surface)
+        drawing.update(snapshot, camera_above(v.surface))
+        lens = Lens.of(drawing.view, (960, 540))
+        paper = Image.new("RGB", lens.size)
+        for s in stickers(snapshot, lens, v.surface, drawing.drop, Words(caption)):
+            paper.paste(s.image, (s.x, s.y), s.image)
+        return np.asarray(paper, float)
+
+    one = with_contacts(v.ghost)
+    first = written(one)
+    for other in (
+        replace(one, time=one.time + 1.0),
+        replace(one, score=replace(one.score, progress=0.5)),
+        replace(one, score=replace(one.score, reason="something else is missing")),
+        replace(one, notices=("a word to the person",)),
+    ):
+        assert changed(first, written(other)).any()
+    named = written(one, "SIMULATED USER")
+    rows, columns = np.nonzero(changed(first, named))
+    assert rows.min() > 450 and columns.max() < 400
+    assert like(named, palette.WARNING).sum() > 500
+    guessed = Surface(calibrated=False).centred_at((0.0, 0.0, 0.022))
+    words = stickers(one, Lens.of(_drawn(v).view, (960, 540)), guessed, np.zeros(3), Words())
+    known = stickers(one, Lens.of(_drawn(v).view, (960, 540)), v.surface, np.zeros(3), Words())
+    assert len(words) == len(known) + 1
+
+
+def _drawn(v: Viewed) -> Drawing:
+    drawing = Drawing(v.scene, v.surface)
+    drawing.update(v.ghost, camera_above(v.surface))
+    return drawing
+
+
+@given(st.lists(st.tuples(st.floats(0, 0.19), st.floats(0, 0.14)), min_size=1, max_size=10))
+@settings(max_examples=30)
+def test_names_of_fingers_never_hide_each_other(places: list[tuple[float, float]]) -> None:
+    v = viewed()
+    contacts = [
+        ContactView(i, v.surface.to_world(xy), i % 5, "active") for i, xy in enumerate(places)
+    ]
+    drawing = _drawn(v)
+    lens = Lens.of(drawing.view, (960, 540))
+    snapshot = with_contacts(v.ghost, *contacts)
+    names = stickers(snapshot, lens, v.surface, drawing.drop, Words())[: len(contacts)]
+    boxes = [(s.x, s.y, s.x + s.image.width, s.y + s.image.height) for s in names]
+    for a, b in combinations(boxes, 2):
+        assert a[2] <= b[0] or b[2] <= a[0] or a[3] <= b[1] or b[3] <= a[1]
+
+
+@pytest.mark.parametrize("size", [(10, 10), (640, 5000), (640.5, 360), (640,)])
+def test_a_picture_of_no_sensible_size_is_refused(v: Viewed, size: tuple[int, int]) -> None:
+    with pytest.raises(InputError, match="cannot be drawn"):
+        Renderer(v.scene, v.surface, size)
+
+
+_DRAW = """
+import json, sys
+import numpy as np
+from sandbox.views.errors import GraphicsError
+from sandbox.views.graphics import choose_backend
+from sandbox.views.renderer import Renderer
+from tests.support.viewed import viewed
+import os
+v = viewed()
+try:
+    with Renderer(v.scene, v.surface, (160, 90)) as r:
+        picture = np.asarray(r.frame(v.solid))
+except GraphicsError as error:
+    print(json.dumps({"error": str(error)}))
+else:
+    told = {"backend": choose_backend(), "leaked": os.environ.get("MUJOCO_GL", "")}
+    np.save(sys.argv[1], picture)
+    print(json.dumps(told))
+"""
+
+
+def _draw_elsewhere(folder: Path, **environment: str) -> tuple[str, Picture | None]:
+    """A picture drawn by a process with another environment."""
+    target = folder / "picture.npy"
+    clean = {k: x for k, x in os.environ.items() if k not in ("MUJOCO_GL", "PYOPENGL_PLATFORM")}
+    done = subprocess.run(
+        [sys.executable, "-c", _DRAW, str(target)],
+        env={**clean, **environment, "PYTHONPATH": str(ROOT)},
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=True,
+    )
+    return done.stdout.strip(), np.load(target).astype(float) if target.exists() else None
+
+
+@pytest.mark.needs("egl", "osmesa")
+@pytest.mark.skipif(sys.platform != "linux", reason="EGL and OSMesa are Linux's")
+def test_without_a_driver_for_egl_osmesa_draws_the_same_picture(tmp_path: Path) -> None:
+    (tmp_path / "a").mkdir()
+    (tmp_path / "b").mkdir()
+    egl, one = _draw_elsewhere(tmp_path / "a")
+    # No vendor's library is found there, so libEGL is present but can do nothing.
+    nothing = str(tmp_path)
+    osmesa, other = _draw_elsewhere(tmp_path / "b", __EGL_VENDOR_LIBRARY_DIRS=nothing)
+    assert '"backend": "egl", "leaked": ""' in egl
+    assert '"backend": "osmesa", "leaked": ""' in osmesa
+    assert one is not None and other is not None
+    assert np.abs(one - other).mean() < 4.0
+
+
+@pytest.mark.needs("egl")
+@pytest.mark.skipif(sys.platform != "linux", reason="EGL and OSMesa are Linux's")
+def test_where_there_is_no_opengl_one_error_says_what_to_install(tmp_path: Path) -> None:
+    told, picture = _draw_elsewhere(
+        tmp_path, MUJOCO_GL="egl", __EGL_VENDOR_LIBRARY_DIRS=str(tmp_path)
+    )
+    assert picture is None
+    assert "no OpenGL" in told and "apt-get install" in told and "libegl1" in told
+    told, picture = _draw_elsewhere(tmp_path, MUJOCO_GL="off")
+    assert picture is None and "MUJOCO_GL" in told
+
+
+def test_nothing_of_opengl_is_loaded_until_something_is_drawn() -> None:
+    code = (
+        "import sys, sandbox.views.film, sandbox.views.renderer, sandbox.session.session\n"
+        "print([m for m in ('OpenGL', 'mujoco.egl', 'mujoco.osmesa') if m in sys.modules])"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    assert done.stdout.strip() == "[]"

@@ -1,0 +1,109 @@
+"""What tests of networks need: a UDP sender, a running `sandbox` command, and patience."""
+
+from __future__ import annotations
+
+import os
+import re
+import socket
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+PATIENCE = 60.0
+"""Seconds after which something that should happen is given up; nothing is judged by it."""
+
+
+class Sender:
+    """A UDP socket of its own, as every sender has one."""
+
+    def __init__(self, port: int) -> None:
+        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.socket.connect(("127.0.0.1", port))
+
+    def __call__(self, *packets: bytes) -> None:
+        for packet in packets:
+            self.socket.send(packet)
+
+    def __enter__(self) -> Sender:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.socket.close()
+
+
+def until(condition: Callable[[], bool]) -> None:
+    end = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < end, "this should have happened by now"
+        time.sleep(0.002)
+
+
+class Program:
+    """A running `sandbox` command; its standard error is read along."""
+
+    def __init__(self, *arguments: str | Path) -> None:
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "sandbox.cli.main", *map(str, arguments)],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            cwd=ROOT,
+            # Lines must come at once because the program says so, not because of a setting here.
+            env={key: value for key, value in os.environ.items() if key != "PYTHONUNBUFFERED"},
+        )
+        self.errors: list[str] = []
+        self._reader = threading.Thread(target=self._read_errors)
+        self._reader.start()
+
+    def _read_errors(self) -> None:
+        assert self.process.stderr is not None
+        self.errors.extend(iter(self.process.stderr.readline, ""))
+
+    def error_line(self, pattern: str) -> re.Match[str]:
+        """Waits for a line on standard error."""
+        found: list[re.Match[str]] = []
+
+        def look() -> bool:
+            found.extend(m for line in list(self.errors) if (m := re.search(pattern, line)))
+            assert found or self._reader.is_alive(), f"it ended saying only {self.errors}"
+            return bool(found)
+
+        until(look)
+        return found[0]
+
+    def port(self) -> int:
+        return int(self.error_line(r"listening.*127\.0\.0\.1:(\d+)")[1])
+
+    def end(self) -> tuple[int, list[str]]:
+        """Its exit status and what is left of its standard output, once it ends by itself."""
+        assert self.process.stdout is not None
+        lines = self.process.stdout.read().splitlines()
+        status = self.process.wait(PATIENCE)
+        self._reader.join(PATIENCE)
+        return status, lines
+
+
+@contextmanager
+def program(*arguments: str | Path) -> Iterator[Program]:
+    started = Program(*arguments)
+    try:
+        yield started
+    finally:
+        started.process.kill()
+        started.process.wait()
+        assert started.process.stdout is not None
+        assert started.process.stderr is not None
+        started.process.stdout.close()
+        started._reader.join(PATIENCE)
+        started.process.stderr.close()
+
+
+def run(*arguments: str | Path) -> tuple[int, list[str], str]:
+    with program(*arguments) as started:
+        status, lines = started.end()
+        return status, lines, "".join(started.errors)

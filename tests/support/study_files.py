@@ -1,0 +1,144 @@
+"""What tests of user studies share: a small design, a study in a folder, and children to kill."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+import traceback
+from collections.abc import Callable
+from pathlib import Path
+
+from sandbox.study.design.design import Design
+from sandbox.study.design.design_file import parse_design
+from sandbox.study.design.plan import session_plan, trials_of
+from sandbox.study.record.folder import SIMULATED, StudyFolder
+from sandbox.study.record.journal import read_journal
+from sandbox.study.record.kept_sessions import session_path
+from sandbox.study.record.session_folder import finished_result
+from sandbox.study.record.state import SessionState
+from sandbox.study.tables.tables import trial_rows
+
+DESIGN = """
+name = "quick"
+seed = 3
+participants = 2
+[settings]
+task = "tests/support/regress_tasks.py:Quick"
+encoder = "linear"
+[[factors]]
+name = "contact"
+order = "latin"
+levels = ["hard", "soft"]
+[trials]
+repetitions = 2
+practice = 1
+practice_each = "contact"
+[consent]
+text = "Do you agree?"
+[[demographics]]
+name = "age"
+kind = "number"
+low = 18
+ask = "How old are you?"
+[[questionnaires]]
+name = "effort"
+at = "contact"
+title = "About what you have just done"
+[[questionnaires.items]]
+name = "effort"
+kind = "scale"
+step = 5
+ask = "How much effort was it?"
+"""
+TRIALS = 6
+"""Of every session of this design, practice included."""
+
+
+def design(text: str = DESIGN) -> Design:
+    return parse_design(text, Path("design.toml"))
+
+
+def open_study(out: Path, text: str = DESIGN, mode: str = SIMULATED) -> StudyFolder:
+    return StudyFolder(out, design(text), mode)
+
+
+def in_child(work: Callable[[Callable[[str], object]], object]) -> tuple[int, int]:
+    """Runs `work(say)` in a process of its own; its id, and the end of a pipe with what it says."""
+    reading, writing = os.pipe()
+    pid = os.fork()
+    if pid:
+        os.close(writing)
+        return pid, reading
+    try:
+        os.close(reading)
+        work(lambda text: os.write(writing, f"{text}\n".encode()))
+        os._exit(0)
+    except BaseException as error:
+        os.write(writing, "".join(traceback.format_exception(error)).encode())
+        os._exit(1)
+
+
+def killed_after(
+    child: tuple[int, int], seconds: float, soon: Callable[[], bool] = lambda: False
+) -> tuple[bool, str]:
+    """Whether a child was still alive and had to be killed; and all it said.
+
+    It is killed after so long, or `soon` after something has become true.
+    """
+    pid, reading = child
+    end = time.monotonic() + seconds
+    status = None
+    while status is None and time.monotonic() < end and not soon():
+        done, found = os.waitpid(pid, os.WNOHANG)
+        status = found if done else None
+        time.sleep(0.001)
+    killed = status is None
+    if killed:
+        os.kill(pid, signal.SIGKILL)
+        _, status = os.waitpid(pid, 0)
+    said = b""
+    while piece := os.read(reading, 65_536):
+        said += piece
+    os.close(reading)
+    text = said.decode()
+    assert killed or status == 0, text
+    return killed, text
+
+
+def told_finished(said: str) -> int:
+    """How many trials a session had finished at least when it said this."""
+    numbers = [int(line.split("trial ")[1].split()[0]) for line in said.splitlines() if
+               "  trial " in line]  # fmt: skip
+    return max(numbers, default=1) - 1
+
+
+def check_session(study: StudyFolder, number: int, at_least: int, nth: int = 1) -> int:
+    """What must be true of somebody's nth session at any moment; how many of its trials are
+    finished."""
+    person = next((p for p in study.participants() if p.number == number), None)
+    if person is None:
+        assert at_least == 0
+        return 0
+    path = session_path(study.path, person.ppid, nth)
+    if not (path / "journal.jsonl").exists():
+        assert at_least == 0
+        return 0
+    state = SessionState.of(read_journal(path / "journal.jsonl"))
+    ended = {n: [a for a in some if a.end] for n, some in state.attempts.items()}
+    finished = [n for n, some in ended.items() if some]
+    # A finished trial may still wait to be taken in from its recording: one at most.
+    left = state.open_attempt()
+    waits = left is not None and finished_result(path / left.start["file"]) is not None
+    assert len(finished) + waits >= at_least
+    assert all(len(some) <= 1 for some in ended.values()), "no trial is finished twice"
+    for some in ended.values():
+        for attempt in some:
+            assert finished_result(path / attempt.start["file"]) is not None
+    files = [a.start["file"] for some in state.attempts.values() for a in some]
+    assert len(set(files)) == len(files), "no attempt wrote over another"
+    rows = trial_rows(study.design, state)
+    assert sorted(r["trial_num"] for r in rows if r["counted"]) == sorted(finished)
+    planned = [t.number for t in trials_of(session_plan(study.design, number, nth))]
+    assert planned[: len(finished)] == sorted(finished), "they come in the order of the plan"
+    return len(finished)

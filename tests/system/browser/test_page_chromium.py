@@ -1,0 +1,396 @@
+"""The page in a real browser: what its fingers do, what it forgets and what it never asks for."""
+
+from __future__ import annotations
+
+import os
+import socket
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from models.frames import Contact
+from models.surface import METRES_PER_INCH
+from sandbox.devices.simulated.simulated import SimulatedDevice
+from sandbox.server import audience
+from sandbox.server.audience import SILENCE
+from sandbox.server.page_server import PageServer
+from sandbox.server.protocol.describe import describe_scene
+from sandbox.server.protocol.rectangle import rectangle
+from sandbox.server.protocol.senses import senses
+from tasks.user import UserConfiguration
+from tests.sandbox.server.staged_page import (
+    HEIGHT,
+    KNOWN,
+    PPI,
+    READY,
+    TASKS,
+    WATCHED,
+    WIDTH,
+    frames,
+    nobody_else_was_asked,
+    px,
+    staged,
+)
+from tests.sandbox.server.test_page_server import Stage, wait_for
+from tests.support.chromium import BINARY, Browser, Tab
+from tests.support.processes import PATIENCE
+from tests.support.scripted import scripted
+
+pytestmark = pytest.mark.skipif(not os.path.exists(BINARY), reason="Debian's chromium is missing")
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
+    browser = Browser(tmp_path_factory.mktemp("chromium"))
+    yield browser
+    browser.close()
+
+
+@pytest.fixture(autouse=True)
+def slow_page(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A page on a busy machine may say nothing for longer than a second, fingers down."""
+    monkeypatch.setattr(audience, "SILENCE", PATIENCE)
+
+
+@pytest.fixture
+def server() -> Iterator[PageServer]:
+    server = PageServer(tasks=TASKS)
+    yield server
+    server.close()
+
+
+@pytest.fixture
+def stage(server: PageServer) -> Stage:
+    return staged(server)
+
+
+@pytest.fixture
+def tab(browser: Browser, server: PageServer) -> Iterator[Tab]:
+    tab = browser.open(server.url, width=WIDTH, height=HEIGHT, storage=KNOWN)
+    yield tab
+    tab.close()
+
+
+@pytest.mark.parametrize(
+    "fingers", [3, pytest.param(2, marks=pytest.mark.full), pytest.param(5, marks=pytest.mark.full)]
+)
+def test_fingers_on_the_page_bring_the_box_to_its_goal(
+    server: PageServer, tab: Tab, tmp_path: Path, fingers: int
+) -> None:
+    # Buttons are as large as on a tablet, the rest is half as large: they lie beside the rectangle.
+    stage = staged(server, surface_in=(9.0, 6.0))
+    corner = (WIDTH - 9.0 * PPI) / 2, (HEIGHT - 6.0 * PPI) / 2
+    session, task = stage.session, stage.session.task
+    surface = session.rigs[0].reconstructor.surface
+    user = SimulatedDevice(task, UserConfiguration(fingers=fingers), surface, 0)
+    tab.wait(READY)
+    assert wait_for(lambda: stage.server.wait_for_player(0.0))
+    stage.advance()
+    tab.wait("document.querySelector('.reason').textContent.includes('mm from the goal')")
+    last, most = [], 0
+    while not session.over:
+        snapshot = session.advance()
+        user.show(snapshot)
+        stage.server.publish(snapshot, senses=senses(session))
+        # In step with the browser, however slow it is today: what the user's fingers do in this
+        # period has arrived before the next one begins. Moves go out twenty times a second.
+        wanted = px(user.poll(snapshot.time)[-1], *corner)
+        other = [i for i, _, _ in wanted] != [i for i, _, _ in last]
+        if other or (wanted != last and session.step % (3 * session.scene.substeps) == 0):
+            tab.touch(wanted)
+            assert wait_for(stage.device.news.is_set)
+            last, most = wanted, max(most, len(wanted))
+    assert most == fingers
+    assert session.scorer.score.success, session.scorer.score
+    stage.server.publish(session.snapshot())
+    tab.wait("document.querySelector('.end-words').textContent.startsWith('Done in')")
+    (tmp_path / "success.png").write_bytes(tab.picture())
+    assert (tmp_path / "success.png").stat().st_size > 10_000
+    assert "drawn" in stage.server.latency.percentiles()
+    assert nobody_else_was_asked(tab, stage.server)
+    assert not tab.events("Runtime.exceptionThrown")
+
+
+def test_a_moving_finger_is_sent_before_the_picture_that_has_its_ring(
+    stage: Stage, tab: Tab
+) -> None:
+    tab.wait(READY)
+    stage.advance()
+    tab.wait("document.querySelector('.task').textContent !== ''")
+    tab.evaluate(WATCHED)
+    tab.touch([(1, 200.0, 200.0)])
+    places = [210.25, 220.5, 230.75]
+    for x in places:
+        tab.touch([(1, x, 200.0)])
+        tab.wait(f"told.some(([what, at]) => what === 'ring' && at === {x})")
+    told = tab.evaluate("told")
+    for x in places:
+        message = next(i for i, t in enumerate(told) if t[:2] == ["message", x])
+        ring = next(i for i, t in enumerate(told) if t[:2] == ["ring", x])
+        assert message < ring
+        assert told[message][2] == told[ring][2]
+    tab.touch([])
+
+
+def test_ten_fingers_keep_their_ids_and_each_is_lifted_alone(stage: Stage, tab: Tab) -> None:
+    tab.wait(READY)
+    stage.advance()
+    places = [(i, 30.0 + 30 * i, 190.0 + 13 * i) for i in range(10)]
+    tab.touch(places)
+    down = frames(stage, lambda found: len(found[-1:] and found[-1].contacts) == 10)[-1]
+    tab.touch([(i, x + 4, y + 2) for i, x, y in places])
+    moved = frames(stage, lambda found: bool(found) and px(found[-1])[0][1] == 34.0)[-1]
+    assert [c.id for c in moved.contacts] == [c.id for c in down.contacts]
+    assert [p[1:] for p in px(moved)] == [(x + 4, y + 2) for _, x, y in places]
+    gone = moved.contacts[3].id
+    tab.touch([(i, x + 4, y + 2) for i, x, y in places if i != 3])
+    one_less = frames(stage, lambda found: len(found[-1:] and found[-1].contacts) == 9)[-1]
+    assert {c.id for c in moved.contacts} - {c.id for c in one_less.contacts} == {gone}
+    assert not one_less.cancelled
+
+
+def test_what_the_system_takes_away_is_not_lifted(stage: Stage, tab: Tab) -> None:
+    tab.wait(READY)
+    for take_away in (tab.cancel, lambda: tab.evaluate("dispatchEvent(new Event('blur'))")):
+        tab.touch([(1, 100.0, 290.0), (2, 150.0, 290.0)])
+        down = frames(stage, lambda found: len(found[-1:] and found[-1].contacts) == 2)[-1]
+        take_away()
+        last = frames(stage, lambda found: bool(found) and not found[-1].contacts)
+        cancelled = frozenset().union(*(frame.cancelled for frame in last))
+        assert cancelled == {c.id for c in down.contacts}
+        tab.touch([])
+    tab.touch([(1, 100.0, 290.0)])
+    frames(stage, lambda found: len(found[-1:] and found[-1].contacts) == 1)
+    tab.touch([])
+    lifted = frames(stage, lambda found: bool(found) and not found[-1].contacts)
+    assert not any(frame.cancelled for frame in lifted)
+
+
+def test_fingers_that_rest_are_not_taken_for_gone(
+    stage: Stage, tab: Tab, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(audience, "SILENCE", SILENCE)
+
+    def rests() -> bool:
+        silences = stage.server.counters["silent page"]
+        tab.touch([])
+        tab.touch([(1, 100.0, 290.0)])
+        assert wait_for(lambda: stage.device.touched)
+        time.sleep(1.5 * SILENCE)
+        return stage.device.touched and stage.server.counters["silent page"] == silences
+
+    tab.wait(READY)
+    # A browser that gets no processor for a second is silent indeed; not each time.
+    assert wait_for(rests)
+
+
+def test_a_mouse_is_one_finger_and_the_rectangle_lies_in_the_middle(
+    browser: Browser, server: PageServer
+) -> None:
+    stage = staged(server, surface_in=(5.6, 4.2))
+    tab = browser.open(server.url, width=WIDTH, height=HEIGHT, storage=KNOWN)
+    tab.wait(READY)
+    tab.wait("!!document.querySelector('.task').textContent")
+    corner = (WIDTH - 5.6 * PPI) / 2, (HEIGHT - 4.2 * PPI) / 2
+    for kind, x in (("mousePressed", 220), ("mouseMoved", 250), ("mouseReleased", 250)):
+        tab.call("Input.dispatchMouseEvent", type=kind, x=x, y=240, button="left", buttons=1,
+                 clickCount=1)  # fmt: skip
+    found = frames(stage, lambda found: bool(found) and not found[-1].contacts)
+    places = [px(frame) for frame in found if frame.contacts]
+    assert {len(place) for place in places} == {1}
+    assert places[0][0][1:] == pytest.approx((220 - corner[0], 240 - corner[1]), abs=0.02)
+    assert places[-1][0][1:] == pytest.approx((250 - corner[0], 240 - corner[1]), abs=0.02)
+    tab.close()
+
+
+def test_a_page_finds_back_when_the_server_restarts(browser: Browser, server: PageServer) -> None:
+    staged(server)
+    tab = browser.open(server.url, width=WIDTH, height=HEIGHT, storage=KNOWN)
+    tab.wait(READY)
+    server.close()
+    tab.wait("document.querySelector('.dot').dataset.condition !== 'open'")
+    again = PageServer(port=server.access.port, tasks=TASKS, token=server.access.token)
+    try:
+        stage = staged(again)
+        tab.wait(READY)
+        assert again.wait_for_player(PATIENCE)
+        tab.touch([(1, 100.0, 290.0)])
+        assert wait_for(lambda: stage.device.touched)
+    finally:
+        again.close()
+        tab.close()
+
+
+def test_a_page_does_not_wait_for_a_computer_that_never_answers(browser: Browser) -> None:
+    server = PageServer(tasks=TASKS)
+    staged(server)
+    tab = browser.open(server.url, width=WIDTH, height=HEIGHT, storage=KNOWN)
+    tab.wait(READY)
+    server.close()
+    with socket.create_server((server.access.host, server.access.port)):
+        # Connections are made here, and nobody ever says a word.
+        for condition in ("connecting", "lost", "connecting", "lost"):
+            assert tab.wait(f"!!document.querySelector('.dot[data-condition={condition}]')")
+    tab.close()
+
+
+def test_a_page_with_a_wrong_token_gets_nothing(browser: Browser, server: PageServer) -> None:
+    staged(server)
+    tab = browser.open(server.url + "x", width=WIDTH, height=HEIGHT, storage=KNOWN)
+    tab.wait("document.body && document.body.innerText.includes('not valid')")
+    assert tab.evaluate("document.scripts.length + document.querySelectorAll('canvas').length") == 0
+    # Nor does a script that knows the address but not the token.
+    tried = (
+        "new Promise(r => { const s = new WebSocket(location.origin.replace('http', 'ws') + "
+        "'/?token=guess'); s.onclose = e => r('closed'); s.onmessage = () => r('told') })"
+    )
+    assert tab.evaluate(tried) == "closed"
+    assert server.counters["wrong token"] >= 2
+    assert server.clients == 0
+    tab.close()
+
+
+def test_the_token_is_not_left_in_the_address(stage: Stage, tab: Tab) -> None:
+    tab.wait(READY)
+    assert tab.evaluate("location.search") == ""
+    assert stage.server.access.token not in tab.evaluate("location.href")
+
+
+def test_a_card_held_to_the_screen_gives_its_inches(browser: Browser, server: PageServer) -> None:
+    staged(server)
+    tab = browser.open(server.url, width=900, height=700, storage={"hand-sandbox:quality": "3"})
+    tab.wait("!!document.querySelector('.card')")
+    assert wait_for(lambda: server.screen is not None)
+    assert not server.screen.calibrated
+    tab.evaluate(
+        "(() => { const s = document.querySelector('.slider'); s.value = 101.5;"
+        "s.dispatchEvent(new Event('input')); })()"
+    )
+    card = tab.evaluate(
+        "(() => { const b = document.querySelector('.card').getBoundingClientRect();"
+        "return [b.width, b.height] })()"
+    )
+    # A card is 85.60 by 53.98 mm: on this screen, so many pixels.
+    np.testing.assert_allclose(card, np.array([85.60, 53.98]) / 25.4 * 101.5, atol=0.1)
+    tab.tap("It fits")
+    assert wait_for(lambda: server.screen is not None and server.screen.calibrated)
+    assert server.screen.px_per_in == 101.5
+    inches = rectangle(server.screen)["surface_in"]
+    np.testing.assert_allclose(inches, [900 / 101.5, 700 / 101.5], atol=1e-3)
+    # What hides in a screen that nobody has measured is said until somebody does.
+    assert tab.evaluate("document.querySelector('.badge.warn').hidden")
+    asked = server.asked()
+    assert [ask.what for ask in asked if ask.what == "retry"] == ["retry"]
+    tab.close()
+
+
+def test_the_lift_control_lifts_and_is_no_finger(browser: Browser, server: PageServer) -> None:
+    stage = staged(server, task="stack")
+    tab = browser.open(server.url, width=WIDTH, height=HEIGHT, storage=KNOWN)
+    tab.wait(READY)
+    tab.wait("!document.querySelector('.lift').hidden")
+    left, top, width, height = tab.evaluate(
+        "(() => { const b = document.querySelector('.lift').getBoundingClientRect();"
+        "return [b.left, b.top, b.width, b.height] })()"
+    )
+    x = left + width / 2
+    tab.touch([(1, 200.0, 300.0)])
+    tab.touch([(1, 200.0, 300.0), (2, x, top + 0.9 * height)])
+    tab.touch([(1, 200.0, 300.0), (2, x, top + 0.2 * height)])
+    high = frames(stage, lambda found: bool(found) and (found[-1].lift or 0.0) > 0.7)
+    assert max(len(frame.contacts) for frame in high) == 1
+    tab.touch([(1, 200.0, 300.0)])
+    tab.touch([(1, 210.0, 300.0)])
+    after = frames(stage, lambda found: bool(found) and px(found[-1])[0][1] > 205)[-1]
+    assert after.lift == high[-1].lift
+    tab.close()
+
+
+def test_a_lift_control_and_a_finger_that_move_together_are_one_message(
+    browser: Browser, server: PageServer
+) -> None:
+    staged(server, task="stack")
+    tab = browser.open(server.url, width=WIDTH, height=HEIGHT, storage=KNOWN)
+    tab.wait(READY)
+    tab.wait("!document.querySelector('.lift').hidden")
+    box = "document.querySelector('.lift').getBoundingClientRect()"
+    x, top, height = (tab.evaluate(f"{box}.{what}") for what in ("left", "top", "height"))
+    tab.evaluate(WATCHED)
+    tab.touch([(1, 200.0, 300.0), (2, x + 20.0, top + 0.9 * height)])
+    places = [210.25, 220.5, 230.75]
+    for k, at in enumerate(places):
+        tab.touch([(1, at, 300.0), (2, x + 20.0, top + (0.8 - 0.1 * k) * height)])
+        tab.wait(f"told.some(([what, at]) => what === 'message' && at === {at})")
+    told = tab.evaluate("told.filter(([what]) => what === 'message')")
+    moved = [t for t in told if t[1] in places]
+    # A page that rests repeats itself, but never within a picture.
+    assert len({t[2] for t in moved}) == len(moved)
+    tab.close()
+
+
+def test_a_spectator_only_looks(browser: Browser, server: PageServer) -> None:
+    stage = staged(server)
+    tab = browser.open(server.url + "&role=spectator", width=WIDTH, height=HEIGHT, storage=KNOWN)
+    tab.wait(READY)
+    stage.advance()
+    tab.wait("document.querySelector('.reason').textContent.includes('mm')")
+    tab.touch([(1, 100.0, 290.0)])
+    time.sleep(0.3)
+    assert not stage.device.touched
+    assert server.counters["not the player"] == 0
+    assert tab.evaluate("document.querySelector('.buttons').hidden")
+    assert server.screen is None
+    tab.close()
+
+
+def test_what_the_buttons_ask_for_is_heard(stage: Stage, tab: Tab) -> None:
+    tab.wait(READY)
+    tab.wait("!!document.querySelector('.task').textContent")
+    tab.tap("Again")
+    tab.tap("Right hand")
+    tab.tap("Tasks")
+    tab.tap("Box to goal")
+    found: list[tuple[str, str]] = []
+
+    def heard() -> bool:
+        found.extend((ask.what, ask.value) for ask in stage.server.asked())
+        return ("task", "box-to-goal") in found
+
+    assert wait_for(heard)
+    assert found == [
+        ("retry", ""), ("hand", "left"), ("pause", ""), ("resume", ""), ("task", "box-to-goal")
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("task", ["box-to-goal", "stack-vertical"])
+def test_a_place_on_the_surface_is_drawn_on_the_pixel_that_touches_it(
+    browser: Browser, server: PageServer, task: str
+) -> None:
+    x_in, y_in = 2.5, 4.5
+    session = scripted(
+        lambda now: [Contact(1, x_in * METRES_PER_INCH, y_in * METRES_PER_INCH)],
+        task=task,
+        surface_in=(WIDTH / PPI, HEIGHT / PPI),
+    )
+    surface = session.rigs[0].reconstructor.surface
+    # Fingers that are not on this screen are drawn where the program has them in the world.
+    message = describe_scene(1, session.scene, session.task, surface, "right", "somebody else")
+    server.show_scene(message, session.scene)
+    tab = browser.open(server.url, width=WIDTH, height=HEIGHT, storage=KNOWN)
+    tab.wait(READY)
+    tab.wait("!!document.querySelector('.task').textContent")
+    server.publish(session.advance())
+    left, right, bottom = tab.wait(
+        "(() => { const c = document.querySelector('.rings'), w = c.width;"
+        "const d = c.getContext('2d').getImageData(0, 0, w, c.height).data;"
+        "let l = w, r = -1, b = -1; for (let i = 3; i < d.length; i += 4) if (d[i] > 40) {"
+        "const n = (i - 3) / 4; l = Math.min(l, n % w); r = Math.max(r, n % w);"
+        "b = Math.max(b, Math.floor(n / w)); } return r > 0 && [l, r, b]; })()"
+    )
+    radius = (right - left) / 2
+    assert (left + right) / 2 == pytest.approx(x_in * PPI, abs=1.0)
+    assert bottom - radius == pytest.approx(y_in * PPI, abs=1.5)
+    tab.close()

@@ -1,0 +1,56 @@
+"""The first thing a new user runs, as a new user runs it."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+ROOT = Path(__file__).parents[3]
+
+
+def demo(folder: Path, *options: str, **environment: str) -> subprocess.CompletedProcess:
+    kept = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
+    return subprocess.run(
+        [sys.executable, "-m", "sandbox.cli.main", "demo", *options],
+        cwd=folder,
+        env={**kept, "PYTHONPATH": str(ROOT), "COLUMNS": "200", **environment},
+        capture_output=True,
+        text=True,
+        timeout=180,
+        check=False,
+    )
+
+
+@pytest.mark.needs("opengl")
+def test_the_demo_succeeds_and_leaves_a_film_and_a_picture(tmp_path):
+    done = demo(tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "box-to-goal: done" in done.stdout
+    assert "simulated" in done.stdout
+    with Image.open(tmp_path / "sandbox-demo" / "demo.webp") as film:
+        # Still moments are one long frame, so that there are fewer frames than pictures.
+        assert film.n_frames > 30
+        first = film.convert("L").resize((64, 36)).tobytes()
+        film.seek(film.n_frames - 1)
+        assert film.convert("L").resize((64, 36)).tobytes() != first
+    with Image.open(tmp_path / "sandbox-demo" / "demo.png") as picture:
+        assert len(picture.convert("RGB").getcolors(10**6)) > 1000
+
+
+def test_without_opengl_the_demo_plays_and_scores_and_says_what_is_missing(tmp_path):
+    done = demo(tmp_path, MUJOCO_GL="disabled")
+    assert done.returncode == 0, done.stderr
+    assert "box-to-goal: done" in done.stdout
+    assert "no film" in done.stdout and "MUJOCO_GL" in done.stdout
+
+
+def test_a_folder_that_cannot_be_written_costs_the_film_only(tmp_path):
+    (tmp_path / "sandbox-demo").write_text("a file is in the way")
+    done = demo(tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "box-to-goal: done" in done.stdout and "no film" in done.stdout

@@ -1,0 +1,293 @@
+"""A left hand is the right-hand code between two mirrors, and a person may sit anywhere."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from models.errors import InputError
+from models.frames import Contact, TouchFrame
+from models.hand import Hand
+from models.kinematics import Kinematics
+from models.objects import Box
+from models.person import HANDS, TURNS, Person, PersonFrame
+from models.pose import mirrored
+from models.rotations import exp
+from models.scene import Scene, SceneSpec
+from models.skeleton import ADULT
+from models.surface import Surface
+from sandbox.devices.mouse import MouseDevice
+from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.recording.recording import load_recording
+from sandbox.trial.assembly import build
+from sandbox.trial.headless import run_trial
+from sandbox.trial.replay import replay
+from sandbox.trial.settings import RunSettings
+from tasks.simulated_user.seated import Seat
+from tasks.task import Goal
+from tasks.user import SeenObject, Sight
+from tests.support.scripted import Script
+from tests.support.simulation import legal_poses, put
+
+MIRROR = np.diag([-1.0, 1.0, 1.0])
+SCREEN = Surface(7.76, 5.82)
+
+people = st.builds(Person, st.sampled_from(HANDS), st.floats(0.6, 1.6), st.sampled_from(TURNS))
+places = st.tuples(st.floats(0.0, 1.0), st.floats(0.0, 1.0))
+
+
+def trial(record: Path | None = None, **options) -> dict:
+    chosen = plan(SceneOptions(**options))
+    return run_trial(chosen.settings, chosen.make_device, record=record, about=chosen.about)
+
+
+def grasp(now: float) -> list[Contact]:
+    """One shortly after another, four fingers land; they move and turn."""
+    x, y, turn = 0.09 + 0.02 * np.sin(3 * now), 0.08 + 0.01 * np.cos(2 * now), 0.3 * np.sin(now)
+    c, s = np.cos(turn), np.sin(turn)
+    offsets = [(-0.03, 0.03), (0.0, -0.03), (0.025, -0.035), (0.045, -0.025)]
+    return [
+        Contact(i, x + c * a - s * b, y + s * a + c * b)
+        for i, (a, b) in enumerate(offsets)
+        if now > 0.02 * i
+    ]
+
+
+def reconstructed(touch, **about):
+    """Reconstructions of 2 s of touches, by the default settings."""
+    session = build(RunSettings(**about), lambda task, surface: Script(lambda now: []))
+    reconstructor = session.rigs[0].reconstructor
+    frames = [TouchFrame(t, tuple(touch(t))) for t in np.arange(130) * 0.016]
+    return reconstructor.surface, [reconstructor.step(f) for f in frames]
+
+
+def test_mirrored_touches_give_the_mirrored_left_hand():
+    surface, right = reconstructed(grasp)
+    width = float(surface.size[0])
+
+    def other_side(now):
+        return [replace(c, x=width - c.x) for c in grasp(now)]
+
+    _, left = reconstructed(other_side, hand="left")
+    assert any(r.down and len(r.fingers) == 4 for r in right)
+    for a, b in zip(right, left, strict=True):
+        # The screen's middle is at x = 0 of the world, where the mirror stands.
+        np.testing.assert_allclose(b.q, mirrored(a.q), atol=1e-12, rtol=0)
+        assert [c.label for c in a.contacts] == [c.label for c in b.contacts]
+        assert (a.phase, a.fingers) == (b.phase, b.fingers)
+        assert b.probability == pytest.approx(a.probability, rel=1e-9)
+        for mine, other in zip(a.contacts, b.contacts, strict=True):
+            np.testing.assert_allclose(other.xy, [width - mine.xy[0], mine.xy[1]], atol=1e-15)
+
+
+@pytest.mark.parametrize(("turn", "hand"), [(90, "right"), (180, "left"), (270, "left")])
+def test_a_person_at_another_side_gets_the_same_hand_turned_about_the_screens_middle(turn, hand):
+    # On a square screen the same person may sit anywhere.
+    square = (6.0, 6.0)
+    _, here = reconstructed(grasp, hand=hand, surface_in=square)
+    middle = Surface(*square).size / 2
+    angle = np.deg2rad(turn)
+    # Counterclockwise seen from above, in a frame whose y points down.
+    down = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+
+    def there(now):
+        for c in grasp(now):
+            x, y = middle + down @ (np.array([c.x, c.y]) - middle)
+            yield replace(c, x=float(x), y=float(y))
+
+    _, found = reconstructed(there, hand=hand, turn=turn, surface_in=square)
+    rotation = exp(np.array([0.0, 0.0, angle]))
+    for a, b in zip(here, found, strict=True):
+        np.testing.assert_allclose(b.q[:3], rotation @ a.q[:3], atol=1e-9)
+        np.testing.assert_allclose(exp(b.q[3:6]), rotation @ exp(a.q[3:6]), atol=1e-8)
+        np.testing.assert_allclose(b.q[6:], a.q[6:], atol=1e-8)
+
+
+@given(person=people, shares=st.lists(places, min_size=1, max_size=5))
+def test_the_screen_and_all_on_it_come_back_from_a_persons_frame(person, shares):
+    frame = PersonFrame(person, SCREEN)
+    xy = np.array(shares) * SCREEN.size
+    inside = frame.inwards(xy)
+    np.testing.assert_allclose(frame.outwards(inside), xy, atol=1e-12)
+    assert np.all(inside >= -1e-12) and np.all(inside <= frame.surface.size + 1e-12)
+    # Distances are those of a hand of the trained size.
+    np.testing.assert_allclose(
+        np.linalg.norm(inside - inside[0], axis=1) * person.hand_size,
+        np.linalg.norm(xy - xy[0], axis=1),
+        atol=1e-12,
+    )
+
+
+def test_a_person_at_the_right_edge_has_their_right_at_the_screens_upper_edge():
+    frame = PersonFrame(Person(turn=90), SCREEN)
+    width, height = SCREEN.size
+    # A point near the middle of the right edge is near the middle of the person's lower edge.
+    np.testing.assert_allclose(frame.inwards((width, height / 2)), (height / 2, width))
+    np.testing.assert_allclose(frame.inwards((width, 0.0)), (height, width))
+
+
+@given(person=people, q=legal_poses)
+def test_fingertips_of_the_pose_that_comes_back_are_where_their_points_come_back_to(person, q):
+    frame = PersonFrame(person, SCREEN)
+    inside = Kinematics(ADULT).tips(q)
+    tips = Kinematics(person.skeleton(ADULT)).tips(frame.outward_pose(q))
+    xy = frame.outwards(inside[:, :2] * [1.0, -1.0])
+    np.testing.assert_allclose(tips[:, :2] * [1.0, -1.0], xy, atol=1e-9)
+    np.testing.assert_allclose(tips[:, 2], inside[:, 2] * person.hand_size, atol=1e-9)
+
+
+@given(q=legal_poses)
+@settings(max_examples=30)
+def test_the_left_skeleton_is_the_right_one_in_a_mirror_and_mujoco_agrees(q):
+    left = ADULT.mirrored()
+    assert left.side == "left" and left.mirrored().side == "right"
+    right = Kinematics(ADULT).place(q)
+    place = Kinematics(left).place(mirrored(q))
+    np.testing.assert_allclose(place.tips, right.tips @ MIRROR, atol=1e-12)
+    np.testing.assert_allclose(place.rotations, MIRROR @ right.rotations @ MIRROR, atol=1e-12)
+    joints = mirrored(q)[6:]
+    assert np.all(joints >= left.lower - 1e-12) and np.all(joints <= left.upper + 1e-12)
+    scene, data = left_scene()
+    put(scene, data, mirrored(q))
+    mujoco.mj_kinematics(scene.model, data)
+    names = [scene.spec.hands[0].element_name(b.name) for b in left.bones]
+    found = np.array([data.body(n).xpos for n in names])
+    np.testing.assert_allclose(found, place.joints, atol=1e-9, rtol=0)
+
+
+_ONCE: list[tuple[Scene, mujoco.MjData]] = []
+
+
+def left_scene() -> tuple[Scene, mujoco.MjData]:
+    if not _ONCE:
+        scene = Scene(SceneSpec((Hand("left", ADULT.mirrored()),)))
+        _ONCE.append((scene, mujoco.MjData(scene.model)))
+    return _ONCE[0]
+
+
+def test_both_hands_weigh_and_look_the_same():
+    left, right = left_scene()[0].model, Scene(SceneSpec((Hand(),))).model
+    np.testing.assert_allclose(left.body_mass, right.body_mass, rtol=1e-9)
+    np.testing.assert_allclose(left.body_inertia, right.body_inertia, rtol=1e-6)
+    np.testing.assert_allclose(left.geom_size, right.geom_size, atol=1e-9)
+    np.testing.assert_allclose(left.body_pos, right.body_pos @ MIRROR, atol=1e-9)
+
+
+def test_a_mirror_twice_gives_the_same_skeleton_to_the_bit():
+    again = ADULT.mirrored().mirrored()
+    for a, b in zip(again.bones, ADULT.bones, strict=True):
+        assert a.anchor == b.anchor
+        for name in ("rest", "lower", "upper"):
+            np.testing.assert_array_equal(getattr(a, name), getattr(b, name))
+
+
+@pytest.fixture(scope="module")
+def left_run(tmp_path_factory):
+    path = tmp_path_factory.mktemp("left") / "run.jsonl"
+    return trial(path, seed=5, fingers=3, hand="left"), path
+
+
+def test_the_left_handed_simulated_user_brings_the_box_to_its_goal(left_run):
+    result, _ = left_run
+    assert result["success"], result["reason"]
+    assert result["settings"]["hand"] == "left"
+
+
+def test_a_left_handed_recording_replays_to_the_same_hashes(left_run):
+    result, path = left_run
+    session, found = replay(load_recording(path))
+    assert found.exact and found.complete and found.compared > 100
+    assert session.state_hash == result["state_hash"]
+    assert session.scene.spec.hands[0].skeleton.side == "left"
+
+
+def test_a_left_handed_recording_as_a_device_keeps_its_hand_unless_asked_otherwise(left_run):
+    result, path = left_run
+    assert trial(device=str(path))["state_hash"] == result["state_hash"]
+    assert plan(SceneOptions(device=str(path), hand="right")).settings.hand == "right"
+
+
+def test_the_keys_of_the_mouse_put_down_a_left_hand_and_a_turned_one():
+    def touches(person: Person) -> np.ndarray:
+        mouse = MouseDevice(SCREEN, person)
+        mouse.hand(3, SCREEN.size / 2)
+        contacts = sorted(mouse.poll(0.0)[-1].contacts, key=lambda c: c.label)
+        assert [c.label for c in contacts] == [0, 1, 2]
+        return np.array([(c.x, c.y) for c in contacts]) - SCREEN.size / 2
+
+    right = touches(Person())
+    np.testing.assert_allclose(touches(Person("left")), right * [-1.0, 1.0], atol=1e-12)
+    np.testing.assert_allclose(touches(Person(turn=180)), -right, atol=1e-12)
+    np.testing.assert_allclose(touches(Person(hand_size=1.2)), right, atol=1e-12)
+
+
+@pytest.mark.parametrize("turn", [90, 180, 270])
+def test_the_simulated_user_succeeds_from_every_side_of_the_screen(turn):
+    result = trial(seed=5, fingers=3, turn=turn)
+    assert result["success"], result["reason"]
+
+
+def test_recordings_from_before_hands_could_be_chosen_are_right_hands():
+    values = RunSettings(seed=3).as_json()
+    for name in ("hand", "hand_size", "turn"):
+        del values[name]
+    assert RunSettings.from_json(values) == RunSettings(seed=3)
+
+
+@given(x=st.floats(-0.1, 0.1), y=st.floats(-0.1, 0.1), yaw=st.floats(-3.0, 3.0), person=people)
+def test_a_seated_users_sight_keeps_distances_heights_and_what_is_at_its_goal(x, y, yaw, person):
+    screen = SCREEN.centred_at((0.0, 0.0, 0.02))
+    seat = Seat(person, screen)
+    c, s = np.cos(yaw), np.sin(yaw)
+    rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    box = Box("box", (0.02, 0.03, 0.025), 0.1, (x, y, 0.025), yaw)
+    sight = Sight(
+        0.0,
+        {7: np.array([0.01, 0.02, 0.03])},
+        True,
+        {"box": SeenObject(box, np.array([x, y, 0.025]), rotation)},
+        (Goal("box", (x, y, 0.025), yaw),),
+        False,
+    )
+    seen = seat.sight(sight)
+    box_seen, goal = seen.objects["box"], seen.goals[0]
+    np.testing.assert_allclose(box_seen.position, goal.position, atol=1e-12)
+    assert np.cos(box_seen.yaw - goal.yaw) == pytest.approx(1.0)
+    assert np.linalg.det(box_seen.rotation) == pytest.approx(1.0)
+    assert box_seen.position[2] == pytest.approx(0.025)
+    apart = np.linalg.norm(sight.tips[7] - sight.objects["box"].position)
+    assert np.linalg.norm(seen.tips[7] - box_seen.position) == pytest.approx(apart)
+    # What the user touches on their screen is felt at the same place of the world.
+    spot = np.array([x, y, 0.02])
+    on_theirs = seat.surface.to_surface(seat.point(spot))
+    frame = seat.frame(TouchFrame(0.0, (Contact(1, float(on_theirs[0]), float(on_theirs[1])),)))
+    felt = screen.to_world((frame.contacts[0].x, frame.contacts[0].y))
+    np.testing.assert_allclose(felt, spot, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"hand": "middle"}, {"turn": 45}, {"hand_size": 0.0}, {"hand_size": float("nan")}]
+)
+def test_a_person_that_cannot_be_is_one_clear_error(wrong):
+    with pytest.raises(InputError, match="expected"):
+        Person(**wrong)
+    with pytest.raises(InputError, match="expected"):
+        RunSettings(**wrong)
+
+
+def test_the_command_line_knows_the_hand(tmp_path):
+    done = subprocess.run(
+        [sys.executable, "-m", "sandbox.cli.main", "run", "--hand", "left", "--hand-size", "9"],
+        cwd=tmp_path, capture_output=True, text=True, timeout=240, check=False,
+        env={"PYTHONPATH": str(Path(__file__).parents[3]), "PATH": "/usr/bin:/bin"},
+    )  # fmt: skip
+    assert done.returncode == 2 and "--hand-size" in done.stderr
+    assert len(done.stderr.splitlines()) == 1

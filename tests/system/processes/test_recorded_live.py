@@ -1,0 +1,92 @@
+"""`sandbox capture record` with two devices that run: a Leap service and a sender of TUIO."""
+
+from __future__ import annotations
+
+import json
+import socket
+import threading
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from encoders.captures.together.simulated import FROZEN_TOGETHER, Together, simulate_together
+from encoders.store import load_capture
+from sandbox.cli.capture.simulate import write_simulated
+from sandbox.cli.main import main
+from sandbox.devices.files.together_file import HANDS
+from sandbox.devices.leap.leap_fake import FakeLeapd
+from sandbox.devices.leap.leap_file import read_leap
+from sandbox.devices.tuio.tuio_sender import TuioOutput
+
+
+def free_port() -> int:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as found:
+        found.bind(("127.0.0.1", 0))
+        return int(found.getsockname()[1])
+
+
+QUICK = replace(FROZEN_TOGETHER, play=4.0, leap_rate=100.0, open_seconds=2.6)
+
+
+class Touching(threading.Thread):
+    """Sends a session's touches as they were made, from when somebody listens to the Leap."""
+
+    def __init__(self, s: Together, leapd: FakeLeapd, port: int) -> None:
+        super().__init__(daemon=True)
+        self._session, self._leapd = s, leapd
+        self._out = TuioOutput(f"127.0.0.1:{port}", s.surface)
+        self.stop = threading.Event()
+
+    def run(self) -> None:
+        while not self._leapd.counts["frames"]:
+            if self.stop.wait(0.001):
+                return
+        begin = time.monotonic() - self._session.leap_arrived[0]
+        for frame, due in zip(self._session.touches, self._session.touch_arrived, strict=True):
+            if self.stop.wait(max(0.0, begin + due - time.monotonic())):
+                break
+            self._out.send([frame], time.monotonic())
+        self._out.close()
+
+
+def test_live_touches_and_a_live_leap_become_a_capture_of_the_same_fingers(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    s = simulate_together(3, 1, "first", "v3", "right", QUICK)
+    write_simulated(s, tmp_path / "day", "P1")
+    messages = read_leap(tmp_path / "day" / HANDS).messages
+    leapd = FakeLeapd(messages, port=0, rate=QUICK.leap_rate)
+    port = free_port()
+    touching = Touching(s, leapd, port)
+    touching.start()
+    try:
+        status = main([
+            "capture", "record", "--touches", "tuio", "--port", str(port), "--leap", leapd.address,
+            "--surface", f"{s.surface.width_in}x{s.surface.height_in}in", "--free",
+            "--seconds", f"{s.leap_arrived[-1] - s.leap_arrived[0] + 0.5:.2f}",
+            "--out", str(tmp_path / "live"),
+        ])  # fmt: skip
+    finally:
+        touching.stop.set()
+        touching.join()
+        leapd.close()
+    assert status == 0, capsys.readouterr().err
+    about = json.loads((tmp_path / "live" / "about.json").read_text())
+    assert about["simulated"] is True, "its service is a fake one, and says so"
+    for folder in ("day", "live"):
+        out = tmp_path / f"{folder}.npz"
+        assert main(["capture", "--recorded", str(tmp_path / folder), "--out", str(out)]) == 0
+    filed, live = (load_capture(tmp_path / f"{name}.npz") for name in ("day", "live"))
+    # Both are made of the same touches: as many frames of every set of fingers, but for those at
+    # its ends.
+    sets = [{tuple(row) for row in c.down.tolist()} for c in (filed, live)]
+    assert sets[0] == sets[1]
+    assert len(live) == pytest.approx(len(filed), rel=0.05)
+    seconds = [np.array([c.down[:, f].mean() for f in range(5)]) for c in (filed, live)]
+    np.testing.assert_allclose(seconds[1], seconds[0], atol=0.05)
+    notes = [c.meta["conversion"] for c in (filed, live)]
+    place = [np.array(n["device_at_m"]) for n in notes]
+    assert np.linalg.norm(place[0] - place[1]) < 0.004

@@ -1,0 +1,165 @@
+"""The script for Blender, in a real Blender: the module `bpy`, in an environment made for it.
+
+`bpy` is 370 MB to fetch and wants a NumPy older than ours, so this is no quick check: it runs with
+`.ci/run --full`. `HAND_SANDBOX_BPY` names the Python of an environment that has it already.
+"""
+
+from __future__ import annotations
+
+import os
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from models.motion.armature import Y_UP, Armature, Keys
+from models.motion.read.bvh import read_bvh
+from models.motion.write.bvh import BvhWriter
+from models.person import Person
+from models.skeleton import ADULT
+from sandbox.stream.lines import BLENDER, HandLines
+from sandbox.stream.script import script
+from sandbox.stream.sender import Sender
+from tests.support.motion_poses import moving
+
+VERSION = "bpy==5.0.1"
+"""The newest for Python 3.11; for another Python another one is taken."""
+PATIENT = 60.0
+TOLERANCE = 2e-6
+"""m: the stream has six digits of places and seven of turns, Blender counts in single precision."""
+
+pytestmark = pytest.mark.full
+
+
+@pytest.fixture(scope="session")
+def python(tmp_path_factory) -> str:
+    """A Python that has bpy."""
+    if there := os.environ.get("HAND_SANDBOX_BPY"):
+        return there
+    folder = tmp_path_factory.mktemp("bpy")
+    subprocess.run([sys.executable, "-m", "venv", str(folder)], check=True)
+    own = str(folder / "bin" / "python")
+    wanted = VERSION if sys.version_info[:2] == (3, 11) else "bpy"
+    subprocess.run([own, "-m", "pip", "install", "-q", wanted], check=True)
+    return own
+
+
+def streamed(python: str, folder: Path, hand: HandLines, keys: Keys, *words: str) -> str:
+    """Streams keys into Blender; what it said."""
+    (folder / "side.py").write_text(script("blender"))
+    side = subprocess.Popen(
+        [python, "side.py", "--port", "0", *words],
+        cwd=folder, stdout=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    assert side.stdout is not None
+    said = ""
+    while "listening" not in said:
+        line = side.stdout.readline()
+        assert line, said
+        said += line
+    sender = Sender("127.0.0.1", int(line.rsplit(":", 1)[1]), [hand.rig])
+    try:
+        for i in range(len(keys.root)):
+            one = Keys(keys.root[i : i + 1], keys.turns[i : i + 1])
+            assert sender.show("right", lambda i=i, one=one: hand.lines(i / 60.0, one), PATIENT)
+        sender.order(hand.stop)
+        assert sender.flush(PATIENT)
+        out, _ = side.communicate(timeout=PATIENT)
+    finally:
+        sender.close()
+        side.kill()
+    assert side.returncode == 0, said + out
+    return said + out
+
+
+@pytest.mark.parametrize("side", ["right", "left"])
+def test_what_blender_keys_and_exports_is_what_we_export(python, tmp_path, side):
+    armature = Armature(Person(side).skeleton(ADULT))
+    keys = armature.keys(moving(ADULT, 120, 3))
+    hand = HandLines(armature, side, BLENDER)
+    said = streamed(python, tmp_path, hand, keys, "--out", "theirs.bvh")
+    assert f"hand_sandbox_{side}, frames [1, 120]" in said
+    with BvhWriter(tmp_path / "ours.bvh", armature, 60.0) as writer:
+        writer.write(keys)
+    theirs, ours = read_bvh(tmp_path / "theirs.bvh"), read_bvh(tmp_path / "ours.bvh")
+    assert theirs.names == ours.names and len(theirs) == len(ours) == 120
+    a, b = theirs.place(), ours.place()
+    assert np.abs(a.positions - b.positions @ Y_UP).max() < TOLERANCE
+    assert np.nanmax(np.abs(a.ends - b.ends @ Y_UP)) < TOLERANCE
+    assert abs(theirs.frame_time - 1 / 60) < 1e-6
+
+
+RIG = """
+import bpy
+bpy.ops.wm.read_factory_settings(use_empty=True)
+data = bpy.data.armatures.new("Rig")
+rig = bpy.data.objects.new("Rig", data)
+bpy.context.scene.collection.objects.link(rig)
+bpy.context.view_layer.objects.active = rig
+bpy.ops.object.mode_set(mode="EDIT")
+root = data.edit_bones.new("root")
+root.head, root.tail = (0, 0, 0), (0, 0, 1)
+for c, bones in enumerate((1, 2, 5)):
+    above = root
+    for i in range(bones):
+        bone = data.edit_bones.new(f"chain{c}_{i}")
+        bone.head, bone.tail = (0.5 * c, 1 + i, 0.2), (0.5 * c, 2 + i, 0.2)
+        bone.parent, above = above, bone
+        bone.roll = 0.3 * c
+bpy.ops.object.mode_set(mode="OBJECT")
+bpy.ops.wm.save_as_mainfile(filepath="rig.blend")
+"""
+
+
+def test_chains_of_any_number_of_bones_reach_as_far_and_point_as_the_fingers_do(python, tmp_path):
+    (tmp_path / "rig.py").write_text(RIG)
+    subprocess.run([python, "rig.py"], cwd=tmp_path, check=True, capture_output=True)
+    armature = Armature(ADULT)
+    keys = armature.keys(moving(ADULT, 60, 5))
+    hand = HandLines(armature, "right", BLENDER)
+    chains = [f"chain{c}_0" for c in range(3)]
+    streamed(python, tmp_path, hand, keys, "--open", "rig.blend", "--armature", "Rig",
+             "--chains", *chains, "--out", "theirs.bvh")  # fmt: skip
+    theirs = read_bvh(tmp_path / "theirs.bvh")
+    placed = theirs.place()
+    joints, tips = armature.place(keys)
+    first = placed.rotations[0, theirs.index("root")]
+    for c, bones in enumerate((1, 2, 5)):
+        bone = 1 + int(ADULT.first_bone[c])
+        size = sum(b.length for b in ADULT.bones if b.finger == c)
+        # In the palm's frame, which here is the root's at the first key.
+        way = np.einsum("nji,nj->ni", keys.turns[:, 0], tips[:, c] - joints[:, bone]) / size
+        a = placed.positions[:, theirs.index(f"chain{c}_0")]
+        b = placed.ends[:, theirs.index(f"chain{c}_{bones - 1}")]
+        turn = placed.rotations[:, theirs.index("root")] @ first.T
+        found = np.einsum("nji,nj->ni", turn, b - a) / bones
+        if bones == 1:
+            way /= np.linalg.norm(way, axis=1, keepdims=True)
+        assert np.abs(found - way).max() < 1e-3, c
+
+
+def test_a_port_in_blender_outlives_whatever_is_written_to_it(python, tmp_path):
+    (tmp_path / "side.py").write_text(script("blender"))
+    side = subprocess.Popen(
+        [python, "side.py", "--port", "0"], cwd=tmp_path, stdout=subprocess.PIPE, text=True
+    )
+    assert side.stdout is not None
+    port = int(side.stdout.readline().rsplit(":", 1)[1])
+    armature = Armature(ADULT)
+    hand = HandLines(armature, "right", BLENDER)
+    keys = armature.keys(moving(ADULT, 1, 0))
+    for rude in (b"\n\n\n", b"import os\n", b"\xff" * 9000, b"hs1 r right 0 0 p nan\n"):
+        with socket.create_connection(("127.0.0.1", port)) as channel:
+            channel.sendall(rude)
+            time.sleep(0.05)
+    sender = Sender("127.0.0.1", port, [hand.rig])
+    sender.show("right", lambda: hand.lines(0.0, keys), PATIENT)
+    sender.order(hand.stop)
+    assert sender.flush(PATIENT)
+    assert "frames [1, 1]" in side.communicate(timeout=PATIENT)[0]
+    sender.close()
+    assert side.returncode == 0

@@ -1,0 +1,221 @@
+"""Killed anywhere, out of disk, or run twice at once: no finished trial of a study is ever lost."""
+
+from __future__ import annotations
+
+import csv
+import os
+import resource
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from models.errors import InputError, StudyError
+from sandbox.study.design.plan import trials_of
+from sandbox.study.record.folder import REAL, StudyFolder
+from sandbox.study.record.journal import SYNC, Journal
+from sandbox.study.record.kept_sessions import session_path
+from sandbox.study.record.session_folder import SessionFolder
+from sandbox.study.run.simulate import run_simulated, simulate
+from sandbox.study.tables.tables import rebuild_session, rebuild_study
+from tests.support.study_files import (
+    TRIALS,
+    check_session,
+    in_child,
+    killed_after,
+    open_study,
+    told_finished,
+)
+
+Say = Callable[[str], object]
+
+WHOLE = 120.0
+"""s after which a child that nobody kills is given up."""
+
+
+def kill_often(out: Path, kills: int, seed: int) -> int:
+    """Kills simulated studies at random moments and resumes them; how often it took effect."""
+    rng = np.random.default_rng(seed)
+    done = round_ = 0
+    while done < kills:
+        study = open_study(out / f"round{round_}")
+        round_ += 1
+        killed, finished = True, 0
+        while killed:
+            # Mostly within a trial or two; every so often at once, before anything is open.
+            wait = float(rng.choice([rng.uniform(0.0, 0.02), rng.uniform(0.0, 0.5)]))
+            wait = wait if done < kills else WHOLE
+            child = in_child(lambda say, study=study: simulate(study, 1, True, say))
+            killed, said = killed_after(child, wait)
+            done += killed
+            before = finished
+            finished = check_session(study, 0, max(before, told_finished(said)))
+        assert finished == TRIALS
+        rows = list(csv.DictReader((study.path / "trial_results.csv").open()))
+        assert [int(r["trial_num"]) for r in rows if r["counted"] == "1"] == [1, 2, 3, 4, 5, 6]
+        person = study.participants()
+        assert len(person) == 1
+        trackers = session_path(study.path, person[0].ppid) / "trackers"
+        for row in rows:
+            assert (study.path / row["hand_pose_location_0"]).exists()
+        assert not [p for p in trackers.iterdir() if p.name.startswith(".tmp")]
+    return done
+
+
+def test_a_study_killed_at_random_moments_loses_nothing_and_counts_nothing_twice(
+    tmp_path: Path,
+) -> None:
+    assert kill_often(tmp_path, 20, seed=1) >= 20
+
+
+@pytest.mark.full
+def test_a_study_killed_two_hundred_times_loses_nothing(tmp_path: Path) -> None:
+    assert kill_often(tmp_path, 200, seed=2) >= 200
+
+
+def test_a_kill_while_tables_are_rebuilt_leaves_them_whole(tmp_path: Path) -> None:
+    study = open_study(tmp_path)
+    run_simulated(study, 0, lambda text: None)
+    person = study.participants()[0]
+    folder = session_path(study.path, person.ppid)
+    names = ("trial_results.csv", "questionnaires.csv", "session_info/log.csv", "codebook.csv")
+    before = {n: (folder / n).read_bytes() for n in names}
+
+    def work(say: Say) -> None:
+        with SessionFolder(study, person) as session:
+            while True:
+                session.write("exclude", trial=2, reason=f"no. {len(session.journal.records)}")
+                rebuild_session(session)
+                rebuild_study(study)
+
+    rng = np.random.default_rng(4)
+    for _ in range(6):
+        killed, _ = killed_after(in_child(work), float(rng.uniform(0.02, 0.2)))
+        assert killed
+        for name in names:
+            text = (folder / name).read_bytes()
+            head = before[name].split(b"\n")[0]
+            assert text.startswith(head) and text.endswith(b"\n")
+            assert text.count(b"\n") >= before[name].count(b"\n")
+    with SessionFolder(study, person) as session:
+        rebuild_session(session)
+        assert not list(folder.rglob(".tmp*"))
+        assert session.state.excluded[2].startswith("no. ")
+    rows = list(csv.DictReader((folder / "trial_results.csv").open()))
+    assert [r["excluded"] for r in rows] == ["0", "1", "0", "0", "0", "0"]
+
+
+def test_two_programs_that_are_killed_while_they_fill_one_study_do_not_disturb_each_other(
+    tmp_path: Path,
+) -> None:
+    study = open_study(tmp_path)
+    rng = np.random.default_rng(5)
+    finished, alive = [0, 0], [True, True]
+    rounds = 0
+    while any(alive):
+        rounds += 1
+        children = [in_child(lambda say, n=n: run_simulated(study, n, say)) for n in (0, 1)]
+        for n, child in enumerate(children):
+            wait = float(rng.uniform(0.1, 0.6)) if rounds <= 4 else WHOLE
+            alive[n], said = killed_after(child, wait)
+            finished[n] = check_session(study, n, max(finished[n], told_finished(said)))
+    assert finished == [TRIALS, TRIALS]
+    rebuild_study(study)
+    rows = list(csv.DictReader((study.path / "trial_results.csv").open()))
+    counted = [(r["participant_number"], r["trial_num"]) for r in rows if r["counted"] == "1"]
+    assert len(counted) == len(set(counted)) == 2 * TRIALS
+    assert sorted(p.number for p in study.participants()) == [0, 1]
+
+
+def test_a_session_that_is_open_is_opened_by_nobody_else(tmp_path: Path) -> None:
+    study = open_study(tmp_path)
+    person = study.add()
+    with SessionFolder(study, person), pytest.raises(StudyError, match="in use by another"):
+        SessionFolder(study, person)
+    SessionFolder(study, person).close()
+
+
+def test_a_full_disk_ends_a_session_with_one_clear_error_and_costs_no_finished_trial(
+    tmp_path: Path,
+) -> None:
+    study = open_study(tmp_path)
+    finished = 0
+
+    def work(limit: int, say: Say) -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+        try:
+            run_simulated(study, 0, say)
+            say("no error")
+        except InputError as error:
+            say(f"refused: {error}")
+
+    for limit in (300, 1500, 4000, 9000, 14_000, 30_000):
+        child = in_child(lambda say, limit=limit: work(limit, say))
+        killed, said = killed_after(child, WHOLE)
+        assert not killed
+        assert limit > 14_000 or ("refused" in said and "File too large" in said), said
+        finished = check_session(study, 0, max(finished, told_finished(said)))
+    run_simulated(study, 0, lambda text: None)
+    assert check_session(study, 0, finished) == TRIALS
+
+
+def test_a_journal_on_a_full_device_says_so(tmp_path: Path) -> None:
+    (tmp_path / "journal.jsonl").symlink_to("/dev/full")
+    journal = Journal(tmp_path / "journal.jsonl")
+    with pytest.raises(StudyError, match="No space left"):
+        journal.append("note", text="lost")
+    assert journal.records == []
+    journal.close()
+
+
+def test_a_session_whose_recording_never_reaches_the_disk_finishes_no_trial(
+    tmp_path: Path,
+) -> None:
+    study = open_study(tmp_path)
+    with SessionFolder(study, study.add()) as session:
+        trial = trials_of(session.steps)[0]
+        recording = session.begin(trial)
+        recording.symlink_to("/dev/full")
+        time.sleep(2.5 * SYNC)
+        recording.unlink()
+        recording.write_text("as if nothing had been")
+        with pytest.raises(StudyError, match="the disk did not take"):
+            session.finish(trial, {"status": "held"})
+        assert trial.id not in session.state.finished
+        assert session.journal.records[-1]["kind"] == "trial_start"
+
+
+def test_a_folder_that_cannot_be_written_is_refused_before_anything_runs() -> None:
+    with tempfile.TemporaryDirectory() as name:
+        out = Path(name) / "locked"
+        out.mkdir()
+        for folder, mode in ((Path(name), 0o755), (out, 0o555)):
+            folder.chmod(mode)
+
+        def work(say: Say) -> None:
+            if os.geteuid() == 0:
+                # The superuser may write everywhere: be somebody else.
+                os.setuid(65534)
+            try:
+                open_study(out, mode=REAL)
+            except StudyError as error:
+                say(f"refused: {error}")
+
+        _, said = killed_after(in_child(work), WHOLE)
+        assert "refused" in said and "Permission denied" in said
+        assert not list(out.iterdir())
+
+
+def test_a_session_folder_of_another_study_is_refused(tmp_path: Path) -> None:
+    study, other = open_study(tmp_path / "a"), open_study(tmp_path / "b")
+    person = study.add()
+    SessionFolder(study, person).close()
+    there = session_path(other.path, person.ppid)
+    there.parent.mkdir()
+    session_path(study.path, person.ppid).rename(there)
+    with pytest.raises(StudyError, match="another study"):
+        SessionFolder(other, person)
+    assert isinstance(other, StudyFolder)

@@ -1,0 +1,317 @@
+"""`sandbox touches` as real processes that send to each other."""
+
+from __future__ import annotations
+
+import json
+import os
+import pty
+import re
+import signal
+import socket
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from models.surface import Surface
+from sandbox.cli.main import main
+from sandbox.devices.tuio.tuio import TuioDevice
+from sandbox.devices.tuio.tuio_sender import send_packet
+from tests.support.processes import PATIENCE, ROOT, Sender, program, run, until
+from tests.support.tuio_packets import MALFORMED, bundle, frame, message, reference_frames
+
+
+def capture_file(path: Path, packets: list[bytes], step: float = 0.01) -> Path:
+    records = [{"t": 5.0 + n * step, "hex": data.hex()} for n, data in enumerate(packets)]
+    path.write_text("".join(json.dumps(record) + "\n" for record in records))
+    return path
+
+
+SCENES = [frame(n, {1: (n / 64, 0.5), 2: (0.5, n / 64)}, source="s") for n in range(1, 41)]
+
+
+def shown_and_sent(capture: Path, wanted: int, speed: float) -> tuple[list[str], list[str]]:
+    """Frames shown by one process while another sends a capture; and the former's errors."""
+    with program(
+        *("touches", "show", "--device", "tuio", "--port", "0", "--json"),
+        *("--surface", "7.76x5.82in", "--frames", str(wanted), "--seconds", str(PATIENCE)),
+        # However long the sender waits for a processor between two packets.
+        *("--stale-after", str(PATIENCE)),
+    ) as show:
+        port = show.port()
+        status, _, errors = run(
+            "touches", "send", capture, "--to", f"127.0.0.1:{port}", "--speed", str(speed)
+        )
+        assert status == 0, errors
+        status, lines = show.end()
+        assert status == 0
+        return lines, show.errors
+
+
+def inches(lines: list[str]) -> list[dict[int, tuple[float, float]]]:
+    """Positions by id from JSON lines; checks their form."""
+    frames = []
+    for line in lines:
+        record = json.loads(line)
+        assert record.keys() == {"time", "contacts"}
+        assert all(c.keys() == {"id", "x", "y", "finger"} for c in record["contacts"])
+        assert all(c["finger"] is None for c in record["contacts"])
+        frames.append({c["id"]: (c["x"], c["y"]) for c in record["contacts"]})
+    times = [json.loads(line)["time"] for line in lines]
+    assert times == sorted(times)
+    return frames
+
+
+def expected_inches(packets: list[bytes]) -> list[dict[int, tuple[float, float]]]:
+    return [
+        {touch: (7.76 * x, 5.82 * y) for touch, (x, y) in touches.items()}
+        for touches in reference_frames(packets)
+    ]
+
+
+def assert_same(
+    shown: list[dict[int, tuple[float, float]]], expected: list[dict[int, tuple[float, float]]]
+) -> None:
+    assert [set(f) for f in shown] == [set(f) for f in expected]
+    for got, wanted in zip(shown, expected, strict=True):
+        for touch in wanted:
+            assert got[touch] == pytest.approx(wanted[touch], abs=1e-9)
+
+
+def test_what_one_process_sends_another_shows_line_by_line_in_inches(tmp_path: Path) -> None:
+    capture = capture_file(tmp_path / "touches.jsonl", SCENES)
+    lines, errors = shown_and_sent(capture, len(SCENES), 1.0)
+    assert_same(inches(lines), expected_inches(SCENES))
+    # Where the sender takes long to start, there is a warning that nothing comes.
+    events = [e for e in map(json.loads, errors) if e["event"] != "warning"]
+    assert [event["event"] for event in events] == ["listening", "end"]
+    assert set(events[0]) == {"event", "address"}
+    assert (events[1]["frames"], events[1]["malformed"]) == (len(SCENES), 0)
+
+
+def test_the_recorded_session_is_shown_as_a_second_decoder_reads_it(shared_data: Path) -> None:
+    capture = shared_data / "tuio" / "tuio11_capture.jsonl"
+    packets = [bytes.fromhex(json.loads(line)["hex"]) for line in capture.open()]
+    expected = expected_inches(packets)
+    lines, _ = shown_and_sent(capture, len(expected), 10.0)
+    assert_same(inches(lines), expected)
+
+
+def test_a_capture_played_as_a_device_shows_the_same_frames(tmp_path: Path) -> None:
+    capture = capture_file(tmp_path / "touches.jsonl", SCENES)
+    status, lines, _ = run(
+        "touches", "show", "--device", capture, "--json", "--surface", "7.76x5.82in"
+    )
+    assert status == 0
+    assert_same(inches(lines), expected_inches(SCENES))
+    times = [json.loads(line)["time"] for line in lines]
+    assert times == pytest.approx([0.01 * n for n in range(len(SCENES))])
+
+
+def test_sending_keeps_bytes_order_and_pauses(tmp_path: Path) -> None:
+    packets = [b"abcd", *MALFORMED.values(), b"", b"\x00" * 60_000, SCENES[0]]
+    capture = capture_file(tmp_path / "odd.jsonl", packets)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver:
+        receiver.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 22)
+        receiver.bind(("127.0.0.1", 0))
+        receiver.settimeout(PATIENCE)
+        port = receiver.getsockname()[1]
+        with program("touches", "send", capture, "--to", f"localhost:{port}", "--speed", "2") as it:
+            assert [receiver.recv(65_536) for _ in packets] == packets
+            assert it.end()[0] == 0
+            took = it.error_line(r"sent (\d+) packets in ([\d.]+) s")
+    assert int(took[1]) == len(packets)
+    assert float(took[2]) >= round(0.01 * (len(packets) - 1) / 2, 1)  # it never runs ahead
+
+
+def test_sending_to_nobody_says_so(tmp_path: Path) -> None:
+    capture = capture_file(tmp_path / "touches.jsonl", SCENES)
+    status, _, errors = run("touches", "send", capture, "--to", f"127.0.0.1:{free_port()}")
+    assert status == 0
+    assert "nobody listens" in errors
+
+
+def test_the_packet_that_meets_the_news_of_a_refusal_is_not_lost() -> None:
+    with (
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver,
+        Sender(free_port()) as send,
+    ):
+        to = send.socket.getpeername()
+        send(b"to nobody")
+        receiver.bind(to)
+        receiver.settimeout(PATIENCE)
+        assert send_packet(send.socket, b"heard", "there")
+        assert receiver.recv(100) == b"heard"
+        assert not send_packet(send.socket, b"again", "there")
+
+
+def free_port() -> int:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
+        taken.bind(("127.0.0.1", 0))
+        return int(taken.getsockname()[1])
+
+
+def test_a_damaged_capture_is_used_up_to_the_line_that_is_named(tmp_path: Path) -> None:
+    capture = capture_file(tmp_path / "touches.jsonl", SCENES)
+    whole = capture.read_text().splitlines(keepends=True)
+    capture.write_text("".join(whole[:25]) + whole[25][:40])
+    with TuioDevice(Surface(), port=0, stale_after=PATIENCE) as device:
+        status, _, errors = run("touches", "send", capture, "--to", device.address)
+        until(lambda: device.statistics.frames == 25)
+    shown, lines, more_errors = run("touches", "show", "--device", capture, "--json")
+    assert len(lines) == 25
+    assert (status, shown) == (2, 2)
+    before, _, _ = run("touches", "show", "--device", capture, "--json", "--frames", "10")
+    assert before == 0, "what was asked for was there"
+    for said in (errors, more_errors):
+        assert "touches.jsonl, line 26" in said
+        assert "Traceback" not in said
+
+
+def test_control_c_ends_cleanly() -> None:
+    longest = ("--seconds", str(PATIENCE), "--stale-after", str(PATIENCE))
+    with program("touches", "show", "--port", "0", "--json", *longest) as show:
+        with Sender(show.port()) as send:
+            send(SCENES[0])
+            assert show.process.stdout is not None
+            assert json.loads(show.process.stdout.readline())["contacts"], "flushed at once"
+        show.process.send_signal(signal.SIGINT)
+        status, lines = show.end()
+        assert (status, lines) == (0, [])
+        assert json.loads(show.errors[-1])["event"] == "end"
+        assert len([line for line in show.errors if json.loads(line)["event"] != "warning"]) == 2
+
+
+def test_it_stops_after_the_time_given() -> None:
+    status, lines, errors = run("touches", "show", "--port", "0", "--json", "--seconds", "0.2")
+    assert (status, lines) == (0, [])
+    assert [json.loads(line)["event"] for line in errors.splitlines()] == [
+        "listening",
+        "warning",
+        "end",
+    ]
+    assert "--bind 0.0.0.0" in errors, "it says what to check where nothing came"
+
+
+def test_people_are_told_the_address_and_what_touches_there_are() -> None:
+    with program("touches", "show", "--port", "0", "--frames", "2") as show:
+        with Sender(show.port()) as send:
+            send(b"nonsense", frame(1, {7: (0.5, 0.5)}), frame(2, {}))
+        status, lines = show.end()
+        assert status == 0
+        assert "7: 3.88, 2.91" in lines[0]
+        assert "no touch" in lines[1]
+        assert "a guess" in show.errors[0], "TUIO has no sizes; without --surface inches are none"
+        assert "1 malformed" in show.errors[-1]
+
+
+def test_a_terminal_shows_a_table_that_follows_the_touches() -> None:
+    ours, theirs = pty.openpty()
+    show = subprocess.Popen(
+        [sys.executable, "-m", "sandbox.cli.main", "touches", "show", "--port", "0"],
+        stdout=theirs,
+        stderr=theirs,
+        cwd=ROOT,
+        env=os.environ | {"TERM": "xterm", "COLUMNS": "100"},
+    )
+    os.close(theirs)
+    said = ""
+
+    def read_until(pattern: str) -> re.Match[str]:
+        nonlocal said
+        while not (found := re.search(pattern, said)):
+            said += os.read(ours, 65_536).decode()
+        return found
+
+    try:
+        port = int(read_until(r"listening on 127\.0\.0\.1:(\d+)")[1])
+        with Sender(port) as send:
+            send(frame(1, {7: (0.5, 0.5)}, source="table"))
+            read_until(r"7 +│ 3\.88 +│ 2\.91")
+            read_until(r"table at 127\.0\.0\.1:\d+: 1 touch\b")
+        show.send_signal(signal.SIGINT)
+        assert show.wait(PATIENCE) == 0
+    finally:
+        show.kill()
+        show.wait()
+        os.close(ours)
+
+
+def test_a_capture_of_tuio_2_is_shown_like_one_of_tuio_1(shared_data: Path) -> None:
+    capture = shared_data / "tuio" / "tuio20_capture.jsonl"
+    status, lines, _ = run("touches", "show", "--device", capture, "--json")
+    assert status == 0
+    assert max(len(frame) for frame in inches(lines)) == 4
+    assert inches(lines)[-1] == {}
+
+
+def test_packets_without_touches_are_named_as_what_is_wrong(tmp_path: Path) -> None:
+    things = [bundle(message("/tuio/2Dobj", "alive"), message("/tuio/2Dobj", "fseq", 1))] * 3
+    status, _, errors = run(
+        "touches", "show", "--device", capture_file(tmp_path / "things.jsonl", things)
+    )
+    assert status == 0
+    assert "/tuio/2Dobj" in errors
+    assert "2Dcur" in errors
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["show", "--surface", "big"], "WIDTHxHEIGHT"),
+        (["show", "--frames", "0"], "--frames"),
+        (["show", "--seconds", "nan"], "--seconds"),
+        (["show", "--device", "no/such/file"], "no/such/file"),
+        (["show", "--port", "999999"], "0 to 65535"),
+        (["show", "--device", "pyproject.toml"], "pyproject.toml, line 1"),
+        (["send", "pyproject.toml", "--to", "127.0.0.1:1"], "pyproject.toml, line 1"),
+        (["send", "x", "--to", "127.0.0.1:1", "--speed", "0"], "--speed"),
+        (["send", "x"], "--tuio"),
+        (["send", "--to", "127.0.0.1:1"], "no file"),
+        (["send", "--to", "127.0.0.1:1", "--tuio", "127.0.0.1:1"], "one of the two"),
+        (["show", "--tuio-connect", "udp://127.0.0.1"], "tcp://HOST:PORT"),
+        (["show", "--tuio-transport", "pigeon"], "websocket"),
+        (["show", "--device", "evdev:/dev/input/none"], "/dev/input/none"),
+        (["show", "--device", "no/such.py:Pad"], "no/such.py"),
+        (["record", "pyproject.toml"], "not written over"),
+        (["record", "no/such/folder/file"], "no/such/folder"),
+        (["show", "--nonsense"], "nonsense"),
+        ([], "show"),
+    ],
+    ids=str,
+)
+def test_bad_input_is_one_clear_message_and_status_2(
+    arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    status = main(["touches", *arguments])
+    lines, errors = capsys.readouterr()
+    assert status == 2
+    assert lines == ""
+    assert said in errors
+    assert "Traceback" not in errors
+
+
+@pytest.mark.parametrize("to", ["3333", "127.0.0.1", "127.0.0.1:x", "127.0.0.1:70000", ":"])
+def test_an_address_that_is_none_is_refused(
+    tmp_path: Path, to: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    capture = capture_file(tmp_path / "c", SCENES)
+    assert main(["touches", "send", str(capture), "--to", to]) == 2
+    assert "HOST:PORT" in capsys.readouterr().err
+
+
+def test_help_and_formats_teach(capsys: pytest.CaptureFixture[str]) -> None:
+    for command, words in (
+        (["--help"], ["show", "record", "send", "formats"]),
+        (["show", "--help"], ["--bind 0.0.0.0", "touches send CAPTURE", "--surface", "inches"]),
+        (["send", "--help"], ["--to", "--speed"]),
+        (["formats"], ["TUIO 1.1", "TUIO 2.0", "evdev", "hex"]),
+    ):
+        try:
+            status = main(["touches", *command])
+        except SystemExit as stop:  # after --help
+            status = int(stop.code or 0)
+        text = capsys.readouterr().out
+        assert status == 0
+        assert all(word in text for word in words), text

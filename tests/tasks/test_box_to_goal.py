@@ -1,0 +1,281 @@
+"""Box to goal: every trial is a fair one, and nothing counts as done that is not."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from benchmarks.pinch import pinch_poses
+from models.errors import InputError
+from models.hand import Hand
+from models.rotations import exp, matrix_to_quaternion
+from models.scene import Scene, SceneSpec
+from models.surface import PRESETS, Surface
+from tasks.box_to_goal import BORDER, DISTANCE, EDGE, MASS, TURN, BoxToGoal
+from tasks.sensing import Sensing
+from tasks.task import Measure
+from tests.support.simulation import no_warning, put, run
+
+seeds = st.integers(0, 2**63 - 1)
+surfaces = st.builds(
+    lambda width, height, centre: Surface(width, height).centred_at(centre),
+    st.floats(6.0, 40.0),
+    st.floats(4.5, 40.0),
+    st.tuples(st.floats(-0.5, 0.5), st.floats(-0.5, 0.5), st.just(BoxToGoal.touch_height)),
+)
+TABLET = Surface().centred_at((0.0, 0.0, BoxToGoal.touch_height))
+AWAY = np.concatenate([[0.0, 0.0, 0.30], np.zeros(45)])
+
+
+def turned(degrees: float, axis: int = 2) -> np.ndarray:
+    return exp(np.deg2rad(degrees) * np.eye(3)[axis])
+
+
+class Trial:
+    """A trial in its real scene, with the box put where a test wants it."""
+
+    def __init__(self, seed: int = 4) -> None:
+        self.task = BoxToGoal.draw(seed, TABLET)
+        self.scene = Scene(SceneSpec((Hand(),), self.task.objects, self.task.table_friction))
+        self.data = mujoco.MjData(self.scene.model)
+        put(self.scene, self.data, AWAY)
+        self.scene.set_solid(0, frozenset())
+        self.sensing = Sensing(self.scene, self.data)
+        self.goal = np.asarray(self.task.goals[0].position)
+        self.joint = self.data.joint("box")
+
+    def place(self, shift=(0.0, 0.0, 0.0), turn: float = 0.0, rotation=None) -> None:
+        """The box at rest at its goal, but for a shift (m), a turn (degrees) and a rotation."""
+        yaw = turned(np.rad2deg(self.task.goals[0].yaw) + turn)
+        matrix = yaw if rotation is None else yaw @ rotation
+        self.joint.qpos[:3] = self.goal + np.asarray(shift)
+        self.joint.qpos[3:] = matrix_to_quaternion(matrix)
+        self.joint.qvel[:] = 0.0
+
+    def measure(self) -> Measure:
+        """What the task says of the box, exactly as it is now."""
+        mujoco.mj_forward(self.scene.model, self.data)
+        no_warning(self.data)
+        return self.task.measure(self.sensing)
+
+
+@pytest.fixture
+def trial() -> Trial:
+    return Trial()
+
+
+@given(seed=seeds, surface=st.sampled_from([Surface(*s) for s in PRESETS.values()]) | surfaces)
+def test_every_trial_is_within_its_ranges(seed, surface):
+    task = BoxToGoal.draw(seed, surface)
+    (box,), (goal,) = task.objects, task.goals
+    start, end = np.array(box.position), np.array(goal.position)
+    assert DISTANCE[0] - 1e-9 <= np.linalg.norm(end - start) <= DISTANCE[1] + 1e-9
+    assert MASS[0] <= box.mass <= MASS[1]
+    assert box.half_size == (EDGE / 2,) * 3
+    assert abs(box.yaw) <= np.pi / 4
+    assert abs(goal.yaw - box.yaw) <= TURN
+    # On the table, wherever the surface is, and where fingertips still have room beside them.
+    assert start[2] == end[2] == EDGE / 2
+    for place in surface.to_surface(np.stack([start, end])):
+        assert np.all(place >= BORDER - 1e-9)
+        assert np.all(place <= surface.size - BORDER + 1e-9)
+
+
+@given(seed=seeds, surface=surfaces)
+def test_the_same_seed_on_the_same_surface_is_the_same_trial(seed, surface):
+    again = Surface(surface.width_in, surface.height_in, surface.origin)
+    assert BoxToGoal.draw(seed, surface) == BoxToGoal.draw(seed, again)
+
+
+def test_other_seeds_are_other_trials_that_fill_the_ranges():
+    tasks = [BoxToGoal.draw(seed, TABLET) for seed in range(400)]
+    assert len({task.objects[0].position for task in tasks}) == len(tasks)
+    drawn = {
+        "mass": ([t.objects[0].mass for t in tasks], MASS),
+        "yaw": ([t.objects[0].yaw for t in tasks], (-np.pi / 4, np.pi / 4)),
+        "turn": ([t.goals[0].yaw - t.objects[0].yaw for t in tasks], (-TURN, TURN)),
+    }
+    for name, (values, (low, high)) in drawn.items():
+        for share in (0.1, 0.5, 0.9):
+            # Ten standard errors of a quantile of 400 uniform draws.
+            expected = low + share * (high - low)
+            assert abs(np.quantile(values, share) - expected) < 0.25 * (high - low), name
+
+
+@given(seed=seeds, centre=st.tuples(st.floats(-1, 1), st.floats(-1, 1), st.floats(0, 0.1)))
+def test_a_trial_moves_with_the_surface(seed, centre):
+    here, there = Surface().centred_at((0, 0, 0)), Surface().centred_at(centre)
+    a, b = BoxToGoal.draw(seed, here), BoxToGoal.draw(seed, there)
+    shift = np.array([centre[0], centre[1], 0.0])
+    np.testing.assert_allclose(
+        np.array(b.objects[0].position) - a.objects[0].position, shift, atol=1e-12
+    )
+    np.testing.assert_allclose(
+        np.array(b.goals[0].position) - a.goals[0].position, shift, atol=1e-12
+    )
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_no_trial_begins_done(seed):
+    trial = Trial(seed)
+    run(trial.scene, trial.data, 0.1)
+    measure = trial.task.measure(trial.sensing)
+    assert not measure.reached
+    assert measure.progress < 0.05
+    assert "mm from the goal" in measure.reason
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_box_that_stands_on_its_goal_has_arrived(seed):
+    trial = Trial(seed)
+    trial.place()
+    run(trial.scene, trial.data, 0.1)
+    assert trial.task.measure(trial.sensing) == Measure(True, 1.0, "")
+
+
+@pytest.mark.parametrize("degrees", [90.0, 180.0, -90.0, 270.0])
+def test_a_quarter_turn_of_a_cube_is_no_turn(trial, degrees):
+    trial.place(turn=degrees)
+    run(trial.scene, trial.data, 0.1)
+    assert trial.task.measure(trial.sensing).reached
+
+
+def resting(trial: Trial, **place) -> Measure:
+    """What is said of a box that was put somewhere near the goal and has come to rest."""
+    trial.place(**place)
+    run(trial.scene, trial.data, 0.2)
+    return trial.task.measure(trial.sensing)
+
+
+@pytest.mark.parametrize("direction", [(1, 0), (-1, 0), (0, 1), (0, -1), (0.6, 0.8)])
+def test_a_centimetre_off_is_off(trial, direction):
+    step = np.array([*direction, 0.0])
+    assert resting(trial, shift=0.009 * step).reached
+    measure = resting(trial, shift=0.011 * step)
+    assert not measure.reached
+    assert measure.reason == "the box is 11 mm from the goal"
+
+
+@pytest.mark.parametrize("quarter", [0.0, 90.0, 180.0, 270.0])
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_eleven_degrees_are_too_many(trial, sign, quarter):
+    assert resting(trial, turn=quarter + 9.0 * sign).reached
+    measure = resting(trial, turn=quarter + 11.0 * sign)
+    assert not measure.reached
+    assert measure.reason == "the box is turned by 11 degrees against the goal"
+
+
+def on_edge(degrees: float, axis: int) -> dict[str, object]:
+    """A box tilted on one of its edges, which is pressed into the table as a weight presses it."""
+    angle = np.deg2rad(abs(degrees))
+    lowest = EDGE / 2 * (np.cos(angle) + np.sin(angle))
+    return {"shift": (0, 0, lowest - EDGE / 2 - 1e-5), "rotation": turned(degrees, axis)}
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_a_tilted_box_has_not_arrived(trial, axis, sign):
+    trial.place(**on_edge(4.0 * sign, axis))
+    assert trial.measure().reached
+    trial.place(**on_edge(6.0 * sign, axis))
+    measure = trial.measure()
+    assert not measure.reached
+    assert measure.reason == "the box is tilted by 6 degrees"
+
+
+def test_a_box_on_another_face_is_no_upright_one(trial):
+    # It looks the same; the task asks for the face that was below, and says so.
+    measure = resting(trial, rotation=turned(90.0, 0))
+    assert not measure.reached
+    assert "tilted by 90 degrees" in measure.reason
+
+
+def test_a_box_in_the_air_has_not_arrived(trial):
+    trial.place(shift=(0.0, 0.0, 0.003))
+    measure = trial.measure()
+    assert not measure.reached
+    assert measure.reason == "the box does not stand on the table"
+    trial.place(shift=(0.0, 0.0, 0.011))
+    assert trial.measure().reason == "the box is 11 mm from the goal"
+
+
+def test_a_box_that_moves_has_not_arrived(trial):
+    trial.place(shift=(0.0, 0.0, -1e-5))
+    trial.joint.qvel[:3] = 0.009, 0.0, 0.0
+    assert trial.measure().reached
+    trial.joint.qvel[:3] = 0.0, 0.011, 0.0
+    measure = trial.measure()
+    assert not measure.reached
+    assert measure.reason == "the box is still moving"
+
+
+def test_a_box_in_somebodys_fingers_has_not_arrived_until_they_let_go(trial):
+    trial.place()
+    box = trial.task.objects[0]
+    at_goal = type(box)(
+        box.name, box.half_size, box.mass, tuple(trial.goal), trial.task.goals[0].yaw
+    )
+    opened, closed = pinch_poses(at_goal)
+    put(trial.scene, trial.data, opened)
+    trial.scene.set_solid(0, frozenset({0, 1}))
+    run(trial.scene, trial.data, 0.1)
+    assert trial.task.measure(trial.sensing).reached, "fingers beside the box do not hold it"
+    for share in np.linspace(0.0, 1.0, 20):
+        trial.data.ctrl[:] = opened + share * (closed - opened)
+        run(trial.scene, trial.data, 0.016)
+    run(trial.scene, trial.data, 0.3)
+    measure = trial.task.measure(trial.sensing)
+    assert not measure.reached
+    assert measure.reason == "a hand still touches the box"
+    assert 0.9 < measure.progress < 1.0
+    trial.data.ctrl[:] = opened
+    run(trial.scene, trial.data, 0.5)
+    assert trial.task.measure(trial.sensing).reached
+
+
+def test_a_ghost_in_the_box_does_not_hold_it(trial):
+    trial.place()
+    inside = AWAY.copy()
+    put(trial.scene, trial.data, inside)
+    mujoco.mj_forward(trial.scene.model, trial.data)
+    inside[:3] += trial.goal - trial.data.body("right_index_dip").xpos
+    put(trial.scene, trial.data, inside)
+    run(trial.scene, trial.data, 0.2)
+    assert trial.task.measure(trial.sensing).reached
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_progress_grows_on_the_way_to_the_goal_and_is_whole_only_there(seed):
+    trial = Trial(seed)
+    start = np.asarray(trial.task.objects[0].position)
+    said = []
+    for share in np.linspace(0.0, 1.0, 101):
+        trial.place(shift=(1.0 - share) * (start - trial.goal) - [0.0, 0.0, 1e-5])
+        measure = trial.measure()
+        said.append(measure.progress)
+        assert (measure.progress == 1.0) == measure.reached
+    assert said[0] < 0.01
+    assert np.all(np.diff(said) >= 0)
+    assert said[-1] == 1.0
+    trial.place(shift=2.0 * (start - trial.goal))
+    assert trial.measure().progress == 0.0, "farther than at the start is no progress"
+
+
+def test_measuring_moves_nothing(trial):
+    trial.place(shift=(0.004, 0.0, 0.001))
+    mujoco.mj_forward(trial.scene.model, trial.data)
+    spec = mujoco.mjtState.mjSTATE_INTEGRATION
+    before, after = (np.empty(mujoco.mj_stateSize(trial.scene.model, spec)) for _ in range(2))
+    mujoco.mj_getState(trial.scene.model, trial.data, before, spec)
+    trial.task.measure(trial.sensing)
+    mujoco.mj_getState(trial.scene.model, trial.data, after, spec)
+    np.testing.assert_array_equal(before, after)
+
+
+@pytest.mark.parametrize("size", [(2.0, 2.0), (3.0, 10.0), (5.0, 3.0)])
+def test_a_surface_without_room_for_start_and_goal_is_refused(size):
+    with pytest.raises(InputError, match="too small"):
+        BoxToGoal.draw(0, Surface(*size))

@@ -1,0 +1,276 @@
+"""Two hands in one scene: a tray is carried by two, and by no one alone."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from models.errors import InputError
+from models.objects import Box
+from models.rotations import exp, matrix_to_quaternion
+from models.surface import Surface, enclosing
+from models.tray import GRIP, HANDLE
+from sandbox.cli.main import main
+from sandbox.devices.simulated.simulated import SimulatedDevice
+from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.second_hand import named
+from sandbox.recording.recording import load_recording
+from sandbox.regress.plan import RegressionPlan
+from sandbox.trial.assembly import build
+from sandbox.trial.headless import run_trial
+from sandbox.trial.replay import replay
+from sandbox.trial.settings import RunSettings, SecondHand
+from tasks.carry_together import BORDER, SEAM, SLOPE_TOLERANCE, CarryTogether
+from tasks.registry import draw_task
+from tasks.sensing import Sensing
+from tasks.simulated_user.carrier import Carrier
+from tasks.simulated_user.control_arms import IdleUser
+from tasks.user import UserConfiguration
+
+TASK = "carry-together"
+BOTH = Surface(15.52, 5.82).centred_at((0.0, 0.0, 0.0))
+
+
+def carry(seed: int, **options):
+    chosen = plan(SceneOptions(task=TASK, seed=seed, **options))
+    return run_trial(chosen.settings, chosen.make_device, about=chosen.about)
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory):
+    path = tmp_path_factory.mktemp("two") / "carry.jsonl"
+    assert main(["run", TASK, "--seed", "3", "--record", str(path)]) == 0
+    return load_recording(path)
+
+
+def test_two_simulated_users_carry_the_tray(recording):
+    for result in (carry(0), recording.end["result"]):
+        assert result["success"] and result["final"]
+
+
+def test_the_recording_of_two_hands_replays_to_the_bit_and_plays_as_two_devices(recording):
+    assert set(recording.inputs) == {0, 1}
+    session, found = replay(recording)
+    assert found.exact and found.complete and session.scorer.score.held
+    assert len(session.rigs) == 2
+    again = plan(SceneOptions(device=str(recording.path)))
+    result = run_trial(again.settings, again.make_device)
+    assert result["state_hash"] == recording.end["result"]["state_hash"]
+
+
+def test_a_recording_of_one_hand_says_nothing_of_a_second_one_and_an_older_one_is_read():
+    values = RunSettings(seed=3).as_json()
+    assert "second" not in values
+    assert RunSettings.from_json(values) == RunSettings(seed=3)
+    two = RunSettings(second=SecondHand("right", 0.9, 180, True))
+    assert RunSettings.from_json(json.loads(json.dumps(two.as_json()))) == two
+    with pytest.raises(InputError, match="second hand"):
+        RunSettings.from_json({**two.as_json(), "second": {"hand": "left"}})
+
+
+def test_one_skilled_hand_alone_only_tips_the_tray():
+    """One skilled user who waits for nobody, and one who does nothing."""
+    chosen = plan(SceneOptions(task=TASK, seed=0, second_user="idle"))
+    session = build(chosen.settings, chosen.make_device)
+    user, idle = (rig.device.user for rig in session.rigs)
+    assert isinstance(user, Carrier) and isinstance(idle, IdleUser)
+    user.patient = False
+    slopes = []
+    while session.time < 7.0:
+        snapshot = session.advance()
+        for rig in session.rigs:
+            rig.device.show(snapshot)
+        tray = snapshot.objects["tray"]
+        end = tray.position[2] + abs(GRIP * tray.rotation[2, 0]) - HANDLE[2]
+        if end > 0.03:
+            slopes.append(float(np.arcsin(abs(tray.rotation[2, 0]))))
+    assert len(slopes) > 30 and min(slopes) > SLOPE_TOLERANCE
+    assert not session.scorer.score.instant
+
+
+def test_in_a_mirror_the_same_trial_is_drawn_for_the_hands_sides():
+    settings = RunSettings(task=TASK, second=SecondHand())
+    swapped = replace(settings, hand="left", second=SecondHand("right"))
+
+    def places(chosen):
+        session = build(chosen, plan(SceneOptions(task=TASK)).make_device)
+        return [r.reconstructor.surface.to_world(r.reconstructor.surface.size / 2)[0]
+                for r in session.rigs], session  # fmt: skip
+
+    (right, left), session = places(settings)
+    (first, second), other = places(swapped)
+    assert right == pytest.approx(-left) and right > 0
+    assert (first, second) == pytest.approx((left, right))
+    assert session.task == other.task
+    whole = session.whole_surface
+    assert whole.width_in == pytest.approx(2 * settings.surface_in[0])
+    np.testing.assert_allclose(whole.to_world(whole.size / 2)[:2], 0.0, atol=1e-12)
+
+
+def test_a_left_hand_first_and_a_right_one_second_carry_the_tray_too():
+    assert carry(4, hand="left", second_hand="right")["success"]
+
+
+def test_two_hands_on_one_large_surface_carry_the_tray():
+    result = carry(3, one_surface=True, surface="15.5x5.8in")
+    assert result["success"]
+
+
+@pytest.fixture(scope="module")
+def still():
+    """A session that nobody plays."""
+    chosen = plan(SceneOptions(task=TASK, seed=3, user="idle", second_user="idle"))
+    return build(chosen.settings, chosen.make_device)
+
+
+DEGREE = np.deg2rad(1.0)
+
+
+@pytest.mark.parametrize(
+    ("off", "turn", "slope", "roll", "speed", "reason"),
+    [
+        (0.0, 0.0, 0.0, 0.0, 0.0, ""),
+        (0.0149, 7.9, 5.9, 24.9, 0.049, ""),
+        (0.0151, 0.0, 0.0, 0.0, 0.0, "15 mm from the goal"),
+        (0.0, 8.1, 0.0, 0.0, 0.0, "turned by 8 degrees"),
+        (0.0, -8.1, 0.0, 0.0, 0.0, "turned by 8 degrees"),
+        (0.0, 180.0, 0.0, 0.0, 0.0, "turned by 180 degrees"),
+        (0.0, 0.0, 6.1, 0.0, 0.0, "slopes by 6 degrees"),
+        (0.0, 0.0, -6.1, 0.0, 0.0, "slopes by 6 degrees"),
+        (0.0, 0.0, 0.0, 25.1, 0.0, "rolled by 25 degrees"),
+        (0.0, 0.0, 0.0, -25.1, 0.0, "rolled by 25 degrees"),
+        (0.0, 0.0, 0.0, 180.0, 0.0, "rolled by 180 degrees"),
+        (0.0, 0.0, 0.0, 0.0, 0.051, "still moving"),
+    ],
+)
+def test_the_tray_is_in_its_place_within_what_the_task_says(
+    still, off, turn, slope, roll, speed, reason
+):
+    task, goal = still.task, still.task.goals[0]
+    model, data = still.scene.model, mujoco.MjData(still.scene.model)
+    joint = model.joint("tray")
+    (q,), (v,) = joint.qposadr, joint.dofadr
+    data.qpos[q : q + 3] = goal.position + np.array([0.6, 0.0, 0.8]) * off
+    # First about the line from handle to handle, then about the other axis, the vertical last.
+    turned = (
+        exp([0.0, 0.0, goal.yaw + turn * DEGREE])
+        @ exp([0.0, slope * DEGREE, 0.0])
+        @ exp([roll * DEGREE, 0.0, 0.0])
+    )
+    data.qpos[q + 3 : q + 7] = matrix_to_quaternion(turned)
+    data.qvel[v : v + 3] = [0.6 * speed, 0.0, 0.8 * speed]
+    mujoco.mj_forward(model, data)
+    found = task.measure(Sensing(still.scene, data))
+    assert reason in found.reason and found.reached == (not reason)
+    assert (found.progress == 1.0) == (not reason)
+
+
+def test_a_tray_that_stands_on_the_table_is_not_in_its_place(still):
+    data = mujoco.MjData(still.scene.model)
+    for _ in range(50):
+        mujoco.mj_step(still.scene.model, data)
+    found = still.task.measure(Sensing(still.scene, data))
+    assert found.reason == "the tray is on the table" and not found.reached
+
+
+def test_every_grip_is_on_its_hands_half_and_trials_follow_from_their_seeds():
+    for seed in range(200):
+        task = CarryTogether.draw(seed, BOTH)
+        assert task == CarryTogether.draw(seed, BOTH)
+        tray, goal = task.objects[0], task.goals[0]
+        for place, yaw in ((tray.position, tray.yaw), (goal.position, goal.yaw)):
+            for side in (1, -1):
+                grip = np.array(place) + side * GRIP * np.array([np.cos(yaw), np.sin(yaw), 0.0])
+                x, y = BOTH.to_surface(grip)
+                assert side * (x - BOTH.size[0] / 2) >= SEAM - 1e-9
+                assert min(x, BOTH.size[0] - x, y, BOTH.size[1] - y) >= BORDER - 1e-9
+
+
+def test_a_tray_s_clearance_is_that_of_its_boxes():
+    tray = CarryTogether.draw(0, BOTH).objects[0]
+    points = np.array([[0.0, 0.0, 0.0], [GRIP, 0.0, 0.0], [0.0, 0.2, -0.011], [0.3, 0.0, 0.0]])
+    found = tray.clearance(points, np.zeros(3), np.eye(3))
+    np.testing.assert_allclose(found, [0.004, -0.015, 0.14, 0.15], atol=1e-9)
+    larger = tray.scaled(1.5)
+    assert larger.position[2] - larger.handle[2] == pytest.approx(tray.position[2] - HANDLE[2])
+
+
+@pytest.mark.parametrize("vary", ["size=0.9,mass=0.7,start=10", "latency=60,noise=1"])
+def test_varied_trials_run(vary):
+    chosen = plan(SceneOptions(task=TASK, seed=1, vary=vary))
+    session = build(chosen.settings, chosen.make_device)
+    for _ in range(80):
+        snapshot = session.advance()
+        for rig in session.rigs:
+            rig.device.show(snapshot)
+    assert not session.diverged and len(snapshot.hands) == 2
+
+
+def test_the_rectangle_around_one_surface_is_that_surface():
+    assert enclosing([BOTH]) is BOTH and enclosing([BOTH, BOTH]) is BOTH
+    apart = [BOTH.centred_at((x, 0.1, 0.0)) for x in (0.3, -0.1)]
+    around = enclosing(apart)
+    assert around.size[0] == pytest.approx(BOTH.size[0] + 0.4)
+    np.testing.assert_allclose(around.to_world(around.size / 2), (0.1, 0.1, 0.0), atol=1e-12)
+
+
+def test_what_is_said_twice_is_for_the_second_hand():
+    words = ["box-to-goal", "--device", "a", "--hand=left", "--device=b", "--hand", "right"]
+    assert named(words) == ["box-to-goal", "--device", "a", "--hand=left", "--second-device=b",
+                            "--second-hand", "right"]  # fmt: skip
+    with pytest.raises(InputError, match="two hands"):
+        named(["--device", "a", "--device", "b", "--device", "c"])
+
+
+def test_what_makes_no_second_hand_is_refused():
+    for options, what in (
+        ({"second_hand": "left"}, "one hand only"),
+        ({"task": TASK, "one_surface": True}, "too small"),
+        ({"task": TASK, "one_surface": True, "device": "mouse"}, "one hand's"),
+        ({"task": TASK, "one_surface": True, "device": "tuio", "second_device": "tuio"}, "one dev"),
+        ({"task": TASK, "second_hand_size": 7.0}, "no hand is of this size"),
+    ):
+        with pytest.raises(InputError, match=what):
+            chosen = plan(SceneOptions(**options))
+            build(chosen.settings, chosen.make_device)
+    with pytest.raises(InputError, match="for two hands"):
+        build(RunSettings(task=TASK), plan(SceneOptions()).make_device)
+    two = RunSettings(second=SecondHand())
+    with pytest.raises(InputError, match="device of its own"):
+        build(two, plan(SceneOptions()).make_device)
+
+
+def test_two_people_with_a_screen_each_share_a_task_for_one_hand():
+    chosen = plan(SceneOptions(seed=4, second_device="simulated", second_turn=180))
+    session = build(chosen.settings, chosen.make_device)
+    first, second = (rig.reconstructor.surface for rig in session.rigs)
+    assert first is second and session.scene.spec.hands[0].name != session.scene.spec.hands[1].name
+    assert session.task == draw_task(type(session.task), 4, first)
+
+
+def test_two_people_with_a_right_hand_each_carry_it_from_the_command_line(tmp_path: Path):
+    out = tmp_path / "result.json"
+    words = ["--device", "simulated", "--device", "simulated", "--hand", "right", "--hand", "right"]
+    assert main(["run", TASK, "--seed", "2", *words, "--json", str(out)]) == 0
+    result = json.loads(out.read_text())
+    assert result["success"] and result["second"]["device"] == "simulated"
+    assert result["settings"]["second"]["hand"] == "right"
+
+
+def test_a_task_for_two_hands_without_a_tray_needs_users_of_its_own():
+    task = CarryTogether.draw(0, BOTH)
+    box = Box("tray", (0.02, 0.02, 0.02), 0.1, task.objects[0].position)
+    with pytest.raises(InputError, match="user of its own"):
+        SimulatedDevice(replace(task, objects=(box,)), UserConfiguration(), BOTH, 0)
+
+
+def test_a_regression_run_of_all_tasks_has_the_configuration_of_one_of_them():
+    first, second = (RegressionPlan(tasks, (0,)) for tasks in (("box-to-goal", TASK), (TASK,)))
+    assert first.configuration() == second.configuration()
+    asked = RegressionPlan((TASK,), (0,), {"second_hand": "right"})
+    assert asked.configuration()["settings"]["second"]["hand"] == "right"

@@ -1,0 +1,268 @@
+"""A lab's own task, in a file or in an installed package, is drawn, played and found like ours."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from models.errors import InputError, RecordingError
+from models.objects import Box
+from models.surface import Surface
+from sandbox.cli.main import main
+from sandbox.recording.recording import load_recording
+from sandbox.trial.replay import settings_of
+from sandbox.trial.settings import RunSettings
+from tasks.own_task import OwnTask, judge, two_places
+from tasks.registry import TASKS, draw_task, find_task, origin
+from tasks.task import Goal
+from tests.support.processes import ROOT
+
+pytest_plugins = ["sandbox.regression"]
+
+MUG = ROOT / "examples" / "push_the_mug.py"
+SURFACE = Surface().centred_at((0.0, 0.0, 0.015))
+
+
+class Slide(OwnTask):
+    name = "test-slide"
+
+    @classmethod
+    def place(cls, rng, surface):
+        start, end = two_places(rng, surface)
+        box = Box("it", (0.02, 0.02, 0.02), 0.1, (start[0], start[1], 0.02))
+        return [box], [Goal("it", (end[0], end[1], 0.02), 0.0)]
+
+    def measure(self, sensing):
+        return judge(0.5, (True, "never"))
+
+
+def test_a_seed_and_a_version_are_one_trial():
+    class Second(Slide):
+        version = 2
+
+    class Renamed(Slide):
+        name = "test-slide-too"
+
+    first = draw_task(Slide, 3, SURFACE)
+    assert first == draw_task(Slide, 3, SURFACE)
+    starts = {draw_task(k, s, SURFACE).objects[0].position
+              for k, s in ((Slide, 3), (Slide, 4), (Second, 3), (Renamed, 3))}  # fmt: skip
+    assert len(starts) == 4
+
+
+@given(seed=st.integers(0, 10_000))
+def test_two_places_are_apart_and_off_the_border(seed):
+    a, b = two_places(np.random.default_rng(seed), SURFACE, (0.05, 0.06), 0.03)
+    assert 0.05 <= np.linalg.norm(a - b) <= 0.06
+    assert a[2] == b[2] == 0.0
+    for place in (a, b):
+        xy = SURFACE.to_surface(place)
+        assert np.all(xy >= 0.03 - 1e-9) and np.all(xy <= SURFACE.size - 0.03 + 1e-9)
+
+
+def test_the_first_lack_is_told_and_only_success_is_all():
+    assert judge(2.0, (False, "a"), (True, "b"), (True, "c")).reason == "b"
+    assert judge(2.0, (True, "b")).progress < 1.0
+    assert judge(-1.0, (True, "b")).progress == 0.0
+    assert judge(0.2, (False, "b")).reached and judge(0.2).progress == 1.0
+
+
+def broken(**parts):
+    return type("Broken", (Slide,), {"name": "test-broken", **parts})
+
+
+def fails(cls, rng, surface):
+    raise ZeroDivisionError("a lab's own bug")
+
+
+BOX = Box("it", (0.02, 0.02, 0.02), 0.1, (0.0, 0.0, 0.02))
+
+
+@pytest.mark.parametrize(
+    ("place", "says"),
+    [
+        (fails, "ZeroDivisionError: a lab's own bug .*test_own_task.py:"),
+        (lambda cls, rng, surface: ([], []), "different names"),
+        (lambda cls, rng, surface: ([BOX, BOX], []), "different names"),
+        (lambda cls, rng, surface: ([BOX], [Goal("that", (0, 0, 0), 0)]), "no thing of the task"),
+        (lambda cls, rng, surface: ([BOX], [Goal("it", (0, 0, np.nan), 0)]), "not finite"),
+        (lambda cls, rng, surface: 5, "TypeError"),
+        (lambda cls, rng, surface: two_places(rng, surface, (9.0, 9.5)), "too small"),
+    ],
+)
+def test_a_trial_that_cannot_be_drawn_is_refused_in_a_line(place, says):
+    with pytest.raises(InputError, match=says) as error:
+        draw_task(broken(place=classmethod(place)), 0, SURFACE)
+    assert "\n" not in str(error.value)
+
+
+def write(path: Path, body: str) -> Path:
+    path.write_text("from tests.tasks.test_own_task import Slide\n" + body)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("body", "says"),
+    [
+        ("1/0", "ZeroDivisionError.*lab.py:2"),
+        ("def", "SyntaxError"),
+        ("import nobody_has_this", "No module named"),
+        ("", "which task .*no task"),
+        ("class A(Slide): name = 'a'\nclass B(Slide): name = 'b'", "which task .*A, B"),
+        ("class A(Slide): name = 'box-to-goal'", "another task has this name"),
+        ("class A(Slide): name = 'Too Nice'", "name is missing or odd"),
+        ("class A(Slide): name = 'a'; hold_time = 'long'", "hold_time is missing or odd"),
+        ("class A(Slide): name = 'a'; plane = 'ceiling'", "plane is missing or odd"),
+        ("from tasks.own_task import OwnTask\nclass A(OwnTask): name = 'a'", "lacks .*measure"),
+    ],
+)
+def test_a_file_without_a_sound_task_is_refused_in_a_line(tmp_path, body, says):
+    with pytest.raises(InputError, match=says) as error:
+        find_task(str(write(tmp_path / "lab.py", body)))
+    assert "\n" not in str(error.value)
+
+
+def test_places_are_found_by_class_too(tmp_path):
+    path = write(tmp_path / "lab.py", "class A(Slide): name = 'a'\nclass B(Slide): name = 'b'")
+    assert find_task(f"{path}:B").name == "b"
+    assert origin(f"{path}:B") == {"file": str(path), "member": "B", "task_version": 1}
+    assert find_task("tests.support.regress_tasks:Quick").name == "quick"
+    assert all(origin(name) == {} for name in TASKS)
+    with pytest.raises(InputError, match=r"nothing of this name.*A, B"):
+        find_task(f"{path}:C")
+    with pytest.raises(InputError, match="no such file"):
+        find_task(str(tmp_path / "other.py"))
+
+
+def test_the_example_has_forty_lines_of_code_and_is_done_by_the_simulated_user(tmp_path, capsys):
+    code = [line for line in MUG.read_text().split('"""', 2)[2].splitlines() if line.strip()]
+    assert len(code) <= 40
+    record, out = tmp_path / "mug.jsonl", tmp_path / "mug.json"
+    arguments = ["run", str(MUG), "--seed", "2", "--record", str(record), "--json", str(out)]
+    assert main(arguments) == 0
+    result = json.loads(out.read_text())
+    assert result["success"] and result["task"] == "my-lab-push-the-mug"
+    assert main(["replay", str(record)]) == 0
+    assert "exact" in capsys.readouterr().out
+
+
+def test_without_a_touch_the_example_is_not_done(regression):
+    report = regression(str(MUG), "0:2", user="idle")
+    assert [t["success"] for t in report.trials] == [False, False]
+    assert {t["task"] for t in report.trials} == {"my-lab-push-the-mug"}
+    assert f"sandbox run {MUG}" in report.command(report.trials[0])
+
+
+def recorded(path: Path, task: str, **source: object) -> None:
+    """A recording's header, with where its task is from."""
+    header = {"kind": "header", "schema": 1, "settings": RunSettings(task=task).as_json()}
+    path.write_text(json.dumps({**header, "task_from": source}) + "\n")
+
+
+def test_a_recording_of_another_version_of_its_task_is_refused(tmp_path):
+    path = tmp_path / "run.jsonl"
+    recorded(path, "tests.support.regress_tasks:Quick",
+    entry_point="tests.support.regress_tasks:Quick",
+             task_version=7)  # fmt: skip
+    with pytest.raises(RecordingError, match="version 1 of the task, not 7"):
+        settings_of(load_recording(path))
+
+
+def test_a_recording_whose_task_is_gone_says_what_to_install(tmp_path):
+    path = tmp_path / "run.jsonl"
+    recorded(path, "my-lab-gone", entry_point="gone_lab.tasks:Gone", package="gone-lab",
+             version="1.2")  # fmt: skip
+    with pytest.raises(RecordingError, match=r"pip install 'gone-lab==1\.2'"):
+        settings_of(load_recording(path))
+
+
+LAB = """
+from tests.tasks.test_own_task import Slide
+from tasks.simulated_user.control_arms import IdleUser
+from tasks.own_task import judge
+class Timed(Slide):
+    name = "tiny-lab-timed"
+    time_limit = 0.2
+    hold_time = 0.05
+    user = lambda configuration, surface, seed: IdleUser(configuration, surface, seed)
+    def measure(self, sensing):
+        return judge(1.0, (self.seed == 1, "seed one fails"))
+class Renamed(Timed):
+    name = "tiny-lab-other"
+"""
+
+METADATA = {
+    "METADATA": "Metadata-Version: 2.1\nName: tiny-lab\nVersion: 0.3\n",
+    "WHEEL": "Wheel-Version: 1.0\nGenerator: a test\nRoot-Is-Purelib: true\nTag: py3-none-any\n",
+    "RECORD": "",
+    "entry_points.txt": """[hand_sandbox.tasks]
+tiny-lab-timed = tiny_lab:Timed
+tiny-lab-renamed = tiny_lab:Renamed
+tiny-lab-missing = tiny_lab_nowhere:Gone
+box-to-goal = tiny_lab:Timed
+""",
+}
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a package of a lab, installed by pip from a wheel."""
+    target = tmp_path_factory.mktemp("site")
+    wheel = tmp_path_factory.mktemp("wheel") / "tiny_lab-0.3-py3-none-any.whl"
+    with zipfile.ZipFile(wheel, "w") as archive:
+        archive.writestr("tiny_lab.py", LAB)
+        for name, text in METADATA.items():
+            archive.writestr(f"tiny_lab-0.3.dist-info/{name}", text)
+    subprocess.run(
+        [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--no-index",
+         "--disable-pip-version-check", "--target", str(target), str(wheel)],
+        check=True,
+    )  # fmt: skip
+    return target
+
+
+def sandbox(site: Path | None, *arguments: str) -> subprocess.CompletedProcess[str]:
+    path = [str(site)] if site else []
+    return subprocess.run(
+        [sys.executable, "-c",
+         f"import sys; sys.path[:0] = {[str(ROOT), *path]!r}\n"
+         f"from sandbox.cli.main import main; sys.exit(main({list(arguments)!r}))"],
+        capture_output=True, text=True, cwd=ROOT, check=False,
+    )  # fmt: skip
+
+
+def test_an_installed_package_s_task_is_listed_run_recorded_and_replayed(installed, tmp_path):
+    record = str(tmp_path / "run.jsonl")
+    listed = sandbox(installed).stdout
+    assert "  tiny-lab-timed\n" in listed
+    assert "tiny-lab-missing: " in listed and "No module named 'tiny_lab_nowhere'" in listed
+    assert "tiny-lab-renamed: " in listed and "different names" in listed
+    assert "box-to-goal: tiny-lab 0.3 offers a task of the same name as ours" in listed
+    ran = sandbox(installed, "run", "tiny-lab-timed", "--record", record)
+    assert ran.returncode == 0, ran.stderr
+    assert "done" in ran.stdout
+    again = sandbox(installed, "replay", record)
+    assert again.returncode == 0 and "exact" in again.stdout
+    without = sandbox(None, "replay", record)
+    assert without.returncode == 2
+    assert "pip install 'tiny-lab==0.3'" in without.stderr and without.stderr.count("\n") == 1
+
+
+def test_an_installed_task_that_is_broken_is_refused_alone(installed, tmp_path):
+    out = tmp_path / "out.json"
+    ran = sandbox(installed, "regress", "--tasks", "tiny-lab-timed", "--seeds", "0:2",
+                  "--json", str(out))  # fmt: skip
+    assert ran.returncode == 0, ran.stderr
+    found = json.loads(out.read_text())["tasks"]["tiny-lab-timed"]
+    assert (found["n"], found["successes"]) == (2, 1)
+    refused = sandbox(installed, "regress", "--tasks", "all", "--seeds", "0:1")
+    assert refused.returncode == 2 and refused.stderr.count("\n") == 1
+    assert "entry point tiny-lab-" in refused.stderr

@@ -1,0 +1,272 @@
+"""Stacking: every trial is a fair one, and only a stack is a stack."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from models.errors import InputError
+from models.hand import Hand
+from models.rotations import exp, matrix_to_quaternion
+from models.scene import TABLE, Scene, SceneSpec
+from models.surface import PRESETS, Surface
+from tasks.goals import flat_yaw, place
+from tasks.sensing import Sensing
+from tasks.stack import GAP, SIDE, Stack, StackThree
+from tasks.stacking import EDGE, MASS, OFFSET_TOLERANCE, YAW
+from tasks.task import Goal, Measure
+from tests.support.simulation import put, run
+
+seeds = st.integers(0, 2**63 - 1)
+TABLET = Surface().centred_at((0.0, 0.0, Stack.touch_height))
+AWAY = np.concatenate([[0.0, 0.0, 0.40], np.zeros(45)])
+
+
+class Trial:
+    """A trial in its real scene, with boxes put where a test wants them."""
+
+    def __init__(self, kind: type[Stack] = Stack, seed: int = 4, task: Stack | None = None) -> None:
+        self.task = task or kind.draw(seed, TABLET)
+        self.scene = Scene(SceneSpec((Hand(),), self.task.objects, self.task.table_friction))
+        self.data = mujoco.MjData(self.scene.model)
+        put(self.scene, self.data, AWAY)
+        self.scene.set_solid(0, frozenset())
+        self.sensing = Sensing(self.scene, self.data)
+
+    def edge(self, number: int) -> float:
+        return 2 * self.task.objects[number].half_size[0]
+
+    def put(self, number: int, position, rotation=None) -> None:
+        """A box, at rest, with its middle there."""
+        joint = self.data.joint(self.task.objects[number].name)
+        joint.qpos[:3] = position
+        if rotation is not None:
+            joint.qpos[3:] = matrix_to_quaternion(rotation)
+        joint.qvel[:] = 0.0
+
+    def stack(self, number: int, on: int, off=(0.0, 0.0), rotation=None) -> None:
+        """A box on another one, off its middle by (2,) m."""
+        below = self.data.joint(self.task.objects[on].name).qpos[:3]
+        height = (self.edge(number) + self.edge(on)) / 2
+        self.put(number, below + np.array([*off, height]), rotation)
+
+    def after(self, seconds: float = 0.3) -> Measure:
+        run(self.scene, self.data, seconds)
+        return self.task.measure(self.sensing)
+
+    def weight(self, number: int) -> float:
+        return 9.81 * self.task.objects[number].mass
+
+
+@pytest.fixture
+def trial() -> Trial:
+    return Trial()
+
+
+@pytest.fixture
+def three() -> Trial:
+    return Trial(StackThree)
+
+
+@settings(max_examples=25)
+@given(
+    seed=seeds,
+    kind=st.sampled_from([Stack, StackThree]),
+    surface=st.sampled_from([Surface(*PRESETS[n]) for n in ("ipad2", "ipad-11", "ipad-13")]),
+)
+def test_every_trial_is_within_its_ranges(seed, kind, surface):
+    surface = surface.centred_at((0.1, -0.2, kind.touch_height))
+    task = kind.draw(seed, surface)
+    assert len(task.objects) == kind.count and len(task.goals) == kind.count - 1
+    for box in task.objects:
+        edge = 2 * box.half_size[0]
+        assert EDGE[0] <= edge <= EDGE[1] and len(set(box.half_size)) == 1
+        assert MASS[0] <= box.mass <= MASS[1]
+        assert abs(box.yaw) <= YAW
+        assert box.position[2] == edge / 2
+        xy = surface.to_surface(box.position)
+        assert np.all(xy >= edge / 2 + SIDE - 1e-9)
+        assert np.all(xy <= surface.size - edge / 2 - SIDE + 1e-9)
+        for other in task.objects:
+            if other is not box:
+                apart = np.linalg.norm(np.subtract(box.position, other.position)[:2])
+                assert apart >= edge / 2 + other.half_size[0] + GAP - 1e-9
+    for goal, below, box in zip(task.goals, task.objects, task.objects[1:], strict=False):
+        assert (goal.object, goal.on) == (box.name, below.name)
+
+
+@given(seed=seeds)
+def test_the_same_seed_on_the_same_surface_is_the_same_trial(seed):
+    assert Stack.draw(seed, TABLET) == Stack.draw(seed, Surface(origin=TABLET.origin))
+
+
+@pytest.mark.parametrize("kind", [Stack, StackThree])
+@pytest.mark.parametrize("size", [(2.0, 2.0), (2.5, 10.0), (4.0, 3.0)])
+def test_a_surface_without_room_for_the_boxes_is_refused(kind, size):
+    with pytest.raises(InputError, match="too small"):
+        kind.draw(1, Surface(*size))
+
+
+@pytest.mark.parametrize("kind", [Stack, StackThree])
+@pytest.mark.parametrize("seed", range(3))
+def test_no_trial_begins_done(kind, seed):
+    measure = Trial(kind, seed).after(0.1)
+    assert not measure.reached
+    assert measure.progress < 0.01
+    assert measure.reason == "the second box stands on the table"
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_box_on_the_middle_of_the_other_is_a_stack(seed):
+    trial = Trial(seed=seed)
+    trial.stack(1, 0)
+    assert trial.after() == Measure(True, 1.0, "")
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+@pytest.mark.parametrize("degrees", [90.0, 180.0])
+def test_a_cube_is_a_cube_on_whichever_face_it_stands(trial, axis, degrees):
+    trial.stack(1, 0, rotation=exp(np.deg2rad(degrees) * np.eye(3)[axis]))
+    assert trial.after().reached
+
+
+@pytest.mark.parametrize("direction", [(1, 0), (0, -1), (0.6, 0.8)])
+def test_the_offset_counts_in_edges_of_the_smaller_box(trial, direction):
+    smaller = min(trial.edge(0), trial.edge(1))
+    trial.stack(1, 0, off=(OFFSET_TOLERANCE * smaller - 0.001) * np.array(direction))
+    assert trial.after().reached
+    trial.stack(1, 0, off=(OFFSET_TOLERANCE * smaller + 0.001) * np.array(direction))
+    measure = trial.after()
+    assert not measure.reached and "off the middle of the base box" in measure.reason
+
+
+def test_boxes_side_by_side_that_push_each_other_are_no_stack(trial):
+    base = np.array(trial.task.objects[0].position)
+    trial.put(0, base, np.eye(3))
+    beside = (trial.edge(0) + trial.edge(1)) / 2
+    trial.put(1, [base[0] + beside, base[1], trial.edge(1) / 2], np.eye(3))
+    trial.data.body("second").xfrc_applied[0] = -0.7 * trial.weight(1)
+    measure = trial.after()
+    assert trial.sensing.force("base", "second")[0] < -0.1 * trial.weight(1)
+    assert not trial.sensing.rests_on("second", "base")
+    assert not trial.sensing.rests_on("base", "second")
+    assert not measure.reached
+
+
+def test_a_box_that_leans_on_the_other_and_on_the_table_is_no_stack():
+    edges, masses = np.array([0.040, 0.060]), np.array([0.2, 0.1])
+    trial = Trial(task=Stack.of(0, edges, masses, np.array([[-0.04, 0], [0.04, 0]]), np.zeros(2)))
+    # One edge of the large box on the table, and the face beside it on the small one's upper edge.
+    tilt = np.deg2rad(43.0)
+    rotation = exp(np.array([0.0, tilt, 0.0]))
+    corner = np.array([-0.020 + 0.040 / np.tan(tilt), 0.0, 0.0])
+    trial.put(1, corner - rotation @ np.array([0.030, 0.0, -0.030]), rotation)
+    both = 0
+    for _ in range(30):
+        measure = trial.after(0.01)
+        both += trial.sensing.touching("second", "base") and trial.sensing.touching("second", TABLE)
+        assert not measure.reached
+    assert both > 5, "it hardly leaned, and nothing was tested"
+
+
+def test_a_stack_with_the_base_on_top_is_the_wrong_one(trial):
+    low = np.array(trial.task.objects[1].position)
+    trial.put(1, low)
+    trial.stack(0, 1)
+    measure = trial.after()
+    assert not measure.reached
+    assert measure.reason == "the base box does not stand on the table"
+
+
+def test_a_box_in_the_air_over_the_other_is_no_stack(trial):
+    trial.stack(1, 0)
+    assert trial.after().reached
+    trial.data.joint("second").qpos[2] += 0.002
+    mujoco.mj_forward(trial.scene.model, trial.data)
+    measure = trial.task.measure(trial.sensing)
+    assert measure.reason == "the second box does not stand on the base box"
+
+
+def test_a_stack_that_slides_is_not_done(trial):
+    trial.stack(1, 0)
+    assert trial.after().reached
+    for name in ("base", "second"):
+        trial.data.joint(name).qvel[:3] = 0.02, 0.0, 0.0
+    mujoco.mj_forward(trial.scene.model, trial.data)
+    assert trial.task.measure(trial.sensing).reason == "the base box is still moving"
+
+
+def test_three_boxes_count_in_their_order_only(three):
+    three.stack(1, 0)
+    half = three.after()
+    assert not half.reached and 0.5 <= half.progress < 0.6
+    assert half.reason == "the third box stands on the table"
+    three.stack(2, 1)
+    assert three.after() == Measure(True, 1.0, "")
+
+
+def test_the_third_on_the_base_and_the_second_on_it_are_the_wrong_order(three):
+    three.stack(2, 0)
+    three.stack(1, 2)
+    measure = three.after()
+    assert not measure.reached
+    assert measure.reason == "the second box does not stand on the base box"
+
+
+def test_forces_between_boxes_are_opposite_and_bear_the_weights(three):
+    three.stack(1, 0)
+    three.stack(2, 1)
+    three.after(0.5)
+    force = three.sensing.force
+    for a, b in (("base", "second"), ("second", "third"), ("base", "third")):
+        np.testing.assert_array_equal(force(a, b), -force(b, a))
+    assert force("third", "second")[2] == pytest.approx(three.weight(2), rel=1e-3)
+    both = three.weight(1) + three.weight(2)
+    assert force("second", "base")[2] == pytest.approx(both, rel=1e-3)
+    assert force("base", TABLE)[2] == pytest.approx(both + three.weight(0), rel=1e-3)
+    assert not three.sensing.touching("third", "base")
+
+
+@dataclass
+class Pose:
+    position: np.ndarray
+    rotation: np.ndarray
+
+
+def test_a_goal_on_a_box_goes_where_the_box_goes():
+    goal = Goal("b", (0.0, 0.0, 0.05), 0.3, "a")
+    for angle, shift in ((0.0, 0.0), (0.4, 0.1), (-2.0, -0.3)):
+        turn = exp(np.array([0.0, 0.0, angle]))
+        poses = {"a": Pose(np.array([shift, 0.2, 0.025]), turn)}
+        (placed,) = place([goal], poses)
+        np.testing.assert_allclose(placed.position, [shift, 0.2, 0.075])
+        assert np.cos(placed.yaw - angle - 0.3) == pytest.approx(1.0)
+        assert placed.on is None
+
+
+def test_what_goes_on_a_box_that_is_not_yet_there_is_shown_where_that_will_be():
+    goals = [Goal("b", (0, 0, 0.05), 0.0, "a"), Goal("c", (0, 0, 0.04), 0.0, "b")]
+    base, flat = np.array([0.1, 0.0, 0.025]), np.eye(3)
+    away = place(goals, {"a": Pose(base, flat), "b": Pose(np.array([-0.1, 0, 0.025]), flat)})
+    np.testing.assert_allclose(away[1].position, [0.1, 0.0, 0.115])
+    there = np.array([0.106, 0.0, 0.075])
+    stacked = place(goals, {"a": Pose(base, flat), "b": Pose(there, flat)})
+    np.testing.assert_allclose(stacked[1].position, [0.106, 0.0, 0.115])
+
+
+def test_a_goal_in_the_world_stays_as_it_is():
+    goal = Goal("box", (0.1, 0.2, 0.3), 0.4)
+    assert place([goal], {}) == (goal,)
+
+
+@given(angle=st.floats(-3.0, 3.0), face=st.sampled_from([0, 1, 2]), turns=st.integers(0, 3))
+def test_the_direction_of_a_cube_is_the_same_on_every_face_but_for_quarter_turns(
+    angle, face, turns
+):
+    rotation = exp(np.array([0.0, 0.0, angle])) @ exp(turns * np.pi / 2 * np.eye(3)[face])
+    assert np.sin(2 * (flat_yaw(rotation) - angle)) == pytest.approx(0.0, abs=1e-9)

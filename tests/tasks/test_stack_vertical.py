@@ -1,0 +1,189 @@
+"""Stacking in an upright plane: what is drawn, what counts as stacked, and that it can be done."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from models.errors import InputError
+from models.hand import Hand
+from models.rotations import exp, matrix_to_quaternion
+from models.scene import Scene, SceneSpec
+from models.surface import Surface
+from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.recording.recording import load_recording
+from sandbox.session.respawn import AWAY
+from sandbox.trial.assembly import build, place_surface
+from sandbox.trial.headless import run_trial
+from sandbox.trial.replay import replay
+from tasks.sensing import Sensing
+from tasks.stack_vertical import GAP, SIDE, StackVertical
+from tasks.stacking import EDGE, MASS
+from tasks.task import Measure
+from tests.support.scripted import run as proceed
+from tests.support.scripted import scripted
+from tests.support.simulation import no_warning, put, run
+
+FAR = np.concatenate([[0.0, -0.3, 0.10], np.zeros(45)])
+seeds = st.integers(0, 10**6)
+sizes = st.tuples(st.floats(7.0, 12.0), st.floats(5.5, 9.0))
+UPRIGHT = place_surface(Surface(), StackVertical)
+
+
+@given(seeds, sizes)
+@settings(max_examples=50)
+def test_every_trial_is_within_its_ranges(seed, size):
+    surface = place_surface(Surface(*size), StackVertical)
+    trial = StackVertical.draw(seed, surface)
+    edges = [2 * box.half_size[0] for box in trial.objects]
+    for box, edge in zip(trial.objects, edges, strict=True):
+        assert EDGE[0] <= edge <= EDGE[1] and MASS[0] <= box.mass <= MASS[1]
+        x, y, z = box.position
+        assert y == 0.0 and np.isclose(z, edge / 2) and box.yaw == 0.0
+        assert abs(x) <= surface.size[0] / 2 - SIDE - max(edges) / 2 + 1e-12
+    low, high = sorted(box.position[0] for box in trial.objects)
+    assert high - low >= np.mean(edges) + GAP
+    # The stack has room on the surface, with the fingers that carry the upper box over it.
+    assert edges[0] + edges[1] / 2 + 0.03 <= surface.origin[2]
+    assert [(goal.object, goal.on) for goal in trial.goals] == [("second", "base")]
+
+
+@given(seeds)
+def test_the_same_seed_on_the_same_surface_is_the_same_trial(seed):
+    assert StackVertical.draw(seed, UPRIGHT) == StackVertical.draw(seed, UPRIGHT)
+
+
+def test_other_seeds_are_other_trials_with_either_box_on_either_side():
+    trials = [StackVertical.draw(seed, UPRIGHT) for seed in range(60)]
+    assert len({t.objects for t in trials}) == 60
+    sides = [t.objects[1].position[0] > t.objects[0].position[0] for t in trials]
+    assert 15 < sum(sides) < 45
+
+
+@pytest.mark.parametrize("size", [(4.0, 6.0), (7.76, 3.0)])
+def test_a_surface_without_room_is_refused(size):
+    with pytest.raises(InputError, match="too small for this task"):
+        StackVertical.draw(0, place_surface(Surface(*size), StackVertical))
+
+
+class Stack:
+    """A trial in its scene, with the second box put on, beside or before the base."""
+
+    def __init__(self, seed: int = 3) -> None:
+        self.task = StackVertical.draw(seed, UPRIGHT)
+        self.scene = Scene(SceneSpec((Hand(),), self.task.objects, self.task.table_friction))
+        self.data = mujoco.MjData(self.scene.model)
+        put(self.scene, self.data, FAR)
+        self.scene.set_solid(0, frozenset())
+        self.sensing = Sensing(self.scene, self.data)
+        self.edge = 2 * min(box.half_size[0] for box in self.task.objects)
+
+    def place(
+        self, right: float, away: float, turn: tuple[float, float, float] = (0, 0, 0)
+    ) -> None:
+        """The second box on the base, but for shares of the smaller edge and degrees."""
+        base, second = self.task.objects
+        middle = np.asarray(base.position)
+        height = base.half_size[2] + second.half_size[2] - 1e-5
+        joint = self.data.joint("second")
+        shift = np.array([right * self.edge, away * self.edge, height])
+        joint.qpos[:3] = middle + shift
+        joint.qpos[3:] = matrix_to_quaternion(exp(np.deg2rad(turn)))
+
+    def measure(self, seconds: float = 0.3) -> Measure:
+        run(self.scene, self.data, seconds)
+        no_warning(self.data)
+        return self.task.measure(self.sensing)
+
+
+def test_no_trial_begins_done():
+    stack = Stack()
+    measure = stack.measure()
+    assert not measure.reached and measure.reason == "the second box stands on the table"
+    assert measure.progress < 0.05
+
+
+@pytest.mark.parametrize("turn", [(0, 0, 0), (0, 0, 40), (90, 0, 0), (0, 90, 20), (180, 0, 0)])
+def test_a_cube_on_the_base_is_stacked_whichever_face_is_below_and_wherever_it_looks(turn):
+    stack = Stack()
+    stack.place(0.1, -0.1, turn)
+    measure = stack.measure()
+    assert measure.reached, measure.reason
+    assert measure.progress == 1.0
+
+
+@pytest.mark.parametrize(("right", "away"), [(0.40, 0.0), (-0.40, 0.0), (0.0, 0.40), (0.0, -0.40)])
+def test_depth_counts_for_the_offset_as_much_as_what_is_seen(right, away):
+    stack = Stack()
+    stack.place(right, away)
+    measure = stack.measure()
+    assert not measure.reached
+    assert measure.reason.endswith("mm off the middle of the base box")
+    stack.place(0.75 * right, 0.75 * away)
+    assert stack.measure().reached
+
+
+def test_a_box_in_the_air_is_not_stacked():
+    stack = Stack()
+    stack.place(0.0, 0.0)
+    stack.data.joint("second").qpos[2] += 0.02
+    mujoco.mj_forward(stack.scene.model, stack.data)
+    assert not stack.task.measure(stack.sensing).reached
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+@pytest.mark.parametrize("taken", [False, True])
+def test_a_box_that_fingers_can_no_longer_meet_comes_back_into_their_plane(sign, taken):
+    session = scripted(lambda now: (), task="stack-vertical", seed=3)
+    base, second = session.task.objects
+    start = int(session.scene.model.joint("second").qposadr[0])
+    depth = sign * (second.half_size[0] + base.half_size[0] + 0.005)
+    session.data.qpos[start + 1] = depth
+    if taken:
+        other = int(session.scene.model.joint("base").qposadr[0])
+        session.data.qpos[other] = second.position[0] + 0.01
+    proceed(session, AWAY - 0.1)
+    assert np.isclose(session.data.qpos[start + 1], depth, atol=1e-3)
+    proceed(session, 0.4)
+    assert session.respawned == 1
+    back = session.scene.object_pose(session.data, "second")[0]
+    assert np.isclose(back[1], 0.0, atol=1e-3)
+    aside = abs(back[0] - second.position[0])
+    assert 0.02 < aside < 0.15 if taken else aside < 1e-3
+
+
+@pytest.mark.parametrize("deeper", [-0.012, 0.012])
+def test_a_box_that_fingers_still_meet_is_left_at_its_depth(deeper):
+    session = scripted(lambda now: (), task="stack-vertical", seed=3)
+    start = int(session.scene.model.joint("second").qposadr[0])
+    session.data.qpos[start + 1] = deeper
+    proceed(session, 1.0)
+    assert session.respawned == 0
+    assert np.isclose(session.data.qpos[start + 1], deeper, atol=1e-3)
+
+
+@pytest.mark.parametrize(("seed", "hand", "fingers"), [(0, "right", 3), (3, "left", 2)])
+def test_the_simulated_user_stacks_with_one_hand_and_replay_shows_it_to_the_bit(
+    tmp_path, seed, hand, fingers
+):
+    options = SceneOptions(task="stack-vertical", seed=seed, hand=hand, fingers=fingers)
+    planned = plan(options)
+    file = tmp_path / "trial.jsonl"
+    result = run_trial(planned.settings, planned.make_device, record=file)
+    assert result["success"], result["reason"]
+    session, verification = replay(load_recording(file))
+    assert verification.exact and verification.complete
+    assert session.state_hash == result["state_hash"]
+
+
+@pytest.mark.parametrize("user", ["idle", "random"])
+def test_who_does_not_try_does_not_stack(user):
+    planned = plan(SceneOptions(task="stack-vertical", seed=1, user=user))
+    session = build(planned.settings, planned.make_device)
+    device = session.rigs[0].device
+    for _ in range(400):
+        device.show(session.advance())
+    assert not session.scorer.score.instant

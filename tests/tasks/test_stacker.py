@@ -1,0 +1,117 @@
+"""The simulated user who stacks: does it, keeps away from neighbours, and moves a real slider."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from models.objects import Box
+from models.surface import Surface
+from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.trial.headless import run_trial
+from tasks.simulated_user.lift import IdleLiftUser, RandomLiftUser, Slider
+from tasks.simulated_user.room import Surroundings, roomiest_grasp
+from tasks.stack import Stack
+from tasks.user import SeenObject, UserConfiguration
+
+TABLET = Surface().centred_at((0.0, 0.0, Stack.touch_height))
+USER = UserConfiguration()
+
+
+def trial(**options) -> dict:
+    chosen = plan(SceneOptions(**options))
+    return run_trial(chosen.settings, chosen.make_device, about=chosen.about)
+
+
+@pytest.mark.parametrize("fingers", [2, 3, 5])
+def test_the_simulated_user_stacks_two_boxes(fingers):
+    result = trial(task="stack", seed=2, fingers=fingers)
+    assert result["success"] and result["final"] and result["respawned"] == 0
+
+
+def test_the_simulated_user_stacks_three_boxes():
+    result = trial(task="stack-three", seed=0)
+    assert result["success"] and result["final"]
+
+
+@pytest.mark.parametrize("person", [{"hand": "left"}, {"turn": 180}, {"hand_size": 0.9}])
+def test_left_handed_people_at_other_sides_stack_too(person):
+    assert trial(task="stack", seed=0, **person)["success"]
+
+
+def test_touching_nothing_stacks_nothing():
+    user = IdleLiftUser(USER, TABLET, 3, Stack.lift_range)
+    for now in np.arange(100) * 0.016:
+        frame = user.touch(float(now))
+        assert not frame.contacts and not frame.lift
+
+
+def test_random_touches_come_with_a_slider_that_goes_anywhere():
+    user = RandomLiftUser(USER, TABLET, 3, Stack.lift_range)
+    lifts = [user.touch(float(now)).lift for now in np.arange(2_000) * 0.016]
+    assert min(lifts) == 0.0 and max(lifts) > 0.8
+    assert 0.2 < np.mean(np.array(lifts) > 0.1) < 0.9
+
+
+@given(
+    seed=st.integers(0, 1_000),
+    heights=st.lists(st.floats(-0.1, 0.3), min_size=1, max_size=6),
+)
+def test_a_slider_stays_on_its_way_and_goes_where_it_should(seed, heights):
+    slider = Slider(0.18, np.random.default_rng(seed))
+    now = 0.0
+    for height in heights:
+        arrival = slider.move(height, now)
+        assert arrival > now
+        for t in np.linspace(now, arrival, 20):
+            assert 0.0 <= slider.control(float(t)) <= 1.0
+        now = arrival
+        wanted = np.clip(height, 0.0, 0.18)
+        assert abs(slider.height(now) - wanted) < 0.18 * 0.2
+        if height <= 0.0:
+            assert slider.control(now) == 0.0, "at its lower end it rests"
+
+
+def seen(xy, edge: float = 0.05, height: float = 0.025, yaw: float = 0.0) -> SeenObject:
+    c, s = np.cos(yaw), np.sin(yaw)
+    shape = Box("box", (edge / 2,) * 3, 0.1, (*xy, height))
+    rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    return SeenObject(shape, np.array([*xy, height]), rotation)
+
+
+@pytest.mark.parametrize("direction", np.linspace(0.0, 2 * np.pi, 8, endpoint=False))
+def test_fingers_are_put_where_there_is_room(direction):
+    box = seen((0.0, 0.0))
+    beside = 0.068 * np.array([np.cos(direction), np.sin(direction)])
+    neighbour = seen(beside, yaw=direction)
+    grasp = roomiest_grasp(box, 0.0, USER, Surroundings(TABLET, (neighbour,)))
+    places = grasp.places(np.zeros(2), USER.opening, USER)
+    points = np.column_stack([places, np.full(len(places), 0.028)])
+    room = neighbour.shape.clearance(points, neighbour.position, neighbour.rotation)
+    assert room.min() > 0.0
+
+
+@pytest.mark.parametrize("yaw", np.linspace(-0.7, 0.7, 5))
+def test_what_has_failed_is_not_tried_again_at_once(yaw):
+    box = seen((0.0, 0.0), yaw=yaw)
+    first = roomiest_grasp(box, 0.0, USER, Surroundings(TABLET))
+    second = roomiest_grasp(box, 0.0, USER, Surroundings(TABLET), first)
+    assert abs(np.sin(second.axis - first.axis)) > 0.9 or np.cos(second.axis - first.axis) < -0.9
+
+
+def test_a_grasp_is_chosen_that_fits_on_the_screen_at_the_goal_as_well():
+    width = TABLET.size[0]
+    goal = TABLET.to_world([width - 0.030, TABLET.size[1] / 2])[:2]
+    grasp = roomiest_grasp(seen((0.0, 0.0)), 0.0, USER, Surroundings(TABLET, (), goal))
+    places = grasp.places(goal, -USER.squeeze, USER)
+    xy = TABLET.to_surface(np.column_stack([places, np.zeros(len(places))]))
+    assert np.all(xy > 0.0) and np.all(xy < TABLET.size)
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("task", ["stack", "stack-three"])
+def test_random_touches_with_a_random_slider_hardly_ever_stack(task):
+    done = [trial(task=task, seed=seed, user="random")["success"] for seed in range(100)]
+    assert sum(done) < 5

@@ -1,0 +1,354 @@
+"""Varied trials: what is changed is changed by just that much, and nothing else is."""
+
+import json
+from dataclasses import replace
+from itertools import pairwise
+
+import mujoco
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from models.errors import InputError
+from models.frames import Contact, TouchFrame
+from models.hand import Hand
+from models.objects import Wrench
+from models.scene import CONTROL_PERIOD, Scene, SceneSpec
+from models.surface import Surface
+from sandbox.devices.wrappers.drop_outs import LENGTH
+from sandbox.devices.wrappers.spoiled import FIRST_GHOST, GHOST_LENGTH, SpoiledDevice
+from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.variations import KINDS, parse_variation
+from sandbox.recording.recording import load_recording
+from sandbox.trial.assembly import build, place_surface
+from sandbox.trial.headless import run_trial
+from sandbox.trial.replay import replay
+from sandbox.trial.settings import RunSettings
+from tasks.box_to_goal import BoxToGoal
+from tasks.goals import place
+from tasks.stack import Stack, StackThree
+from tasks.variation import RANGES, Variation, vary
+from tasks.wrench_slide import WrenchSlide
+
+FLAT = place_surface(Surface(), BoxToGoal)
+STEP = CONTROL_PERIOD
+seeds = st.integers(0, 10_000)
+
+
+class Scripted:
+    """A device that gives the frame of every control period from a list, and then none."""
+
+    name = "scripted"
+
+    def __init__(self, frames):
+        self.frames, self.next = frames, 0
+
+    def poll(self, now):
+        self.next += 1
+        return [self.frames[self.next - 1]] if self.next <= len(self.frames) else []
+
+    @property
+    def finished(self):
+        return self.next >= len(self.frames)
+
+    def close(self):
+        pass
+
+
+def frames_of(n, *contacts):
+    return [TouchFrame(i * STEP, contacts) for i in range(n)]
+
+
+def played(variation, frames, seed=0, more=0):
+    """Frames that come out at every control period; None where there is none."""
+    device = SpoiledDevice(Scripted(frames), variation, FLAT, seed)
+    out = []
+    for i in range(len(frames) + more):
+        polled = device.poll(i * STEP)
+        out.append(polled[-1] if polled else None)
+    return out
+
+
+def standing(task):
+    """Poses of a task's boxes as they start."""
+    return {box.name: Pose(np.array(box.position), np.eye(3)) for box in task.objects}
+
+
+class Pose:
+    def __init__(self, position, rotation):
+        self.position, self.rotation = position, rotation
+
+
+@given(seeds)
+def test_a_neutral_variation_gives_the_very_same_trial(seed):
+    task = BoxToGoal.draw(seed, FLAT)
+    assert vary(task, Variation(), FLAT) is task
+    assert vary(task, Variation(friction=0.5, latency=0.1, noise=1e-3), FLAT) is task
+
+
+def test_a_run_with_a_neutral_variation_has_the_hash_of_one_without():
+    def run(text):
+        chosen = plan(SceneOptions(seed=2, vary=text))
+        session = build(chosen.settings, chosen.make_device)
+        for _ in range(40):
+            session.advance()
+        return session.state_hash, chosen.settings.as_json(), chosen.about
+
+    plain = run("")
+    assert run("size=1,mass=1,friction=1,hand-size=1,latency=0,noise=0,ghosts=0") == plain
+    assert "variation" not in plain[1] and "variation" not in plain[2]
+    assert run("mass=2")[0] != plain[0]
+
+
+@given(seeds, st.floats(0.05, 20.0))
+@settings(max_examples=25)
+def test_mass_times_k_gives_objects_k_times_as_heavy_and_nothing_else(seed, k):
+    task = StackThree.draw(seed, FLAT)
+    heavier = vary(task, Variation(mass=k), FLAT)
+    for box, was in zip(heavier.objects, task.objects, strict=True):
+        assert box.mass == pytest.approx(k * was.mass)
+        assert replace(box, mass=was.mass) == was
+    assert heavier.goals == task.goals
+
+
+def test_a_compiled_object_weighs_k_times_as_much():
+    task = BoxToGoal.draw(1, FLAT)
+    weights = [
+        Scene(SceneSpec((Hand(),), vary(task, Variation(mass=k), FLAT).objects)).model
+        for k in (1.0, 3.0)
+    ]
+    light, heavy = (float(m.body("box").mass[0]) for m in weights)
+    assert heavy == pytest.approx(3.0 * light)
+    assert np.allclose(weights[1].body("box").inertia, 3.0 * weights[0].body("box").inertia)
+
+
+@given(seeds, st.floats(0.3, 2.0))
+def test_a_scaled_box_stands_on_the_table_at_its_start_and_at_its_goal(seed, k):
+    task = BoxToGoal.draw(seed, FLAT)
+    scaled = vary(task, Variation(size=k), FLAT)
+    (box,), (was,) = scaled.objects, task.objects
+    assert np.allclose(box.half_size, k * np.array(was.half_size))
+    assert box.position[2] == pytest.approx(box.half_size[2])
+    assert scaled.goals[0].position[2] == pytest.approx(box.half_size[2])
+    assert box.position[:2] == was.position[:2]
+    assert scaled.goals[0].position[:2] == task.goals[0].position[:2]
+    assert (box.mass, box.yaw, scaled.goals[0].yaw) == (was.mass, was.yaw, task.goals[0].yaw)
+
+
+@given(seeds, st.floats(0.3, 2.0))
+@settings(max_examples=25)
+def test_goals_of_scaled_stacks_lie_face_on_face(seed, k):
+    scaled = vary(StackThree.draw(seed, FLAT), Variation(size=k), FLAT)
+    top = 2 * scaled.objects[0].half_size[2]
+    for goal, box in zip(place(scaled.goals, standing(scaled)), scaled.objects[1:], strict=True):
+        assert goal.position[2] == pytest.approx(top + box.half_size[2])
+        top += 2 * box.half_size[2]
+
+
+@given(seeds, st.floats(0.001, 0.030), st.sampled_from([BoxToGoal, Stack, WrenchSlide]))
+def test_objects_start_just_so_far_away_on_the_surface_and_none_nearer_to_another(seed, way, kind):
+    surface = place_surface(Surface(), kind)
+    task = kind.draw(seed, surface)
+    moved = vary(task, Variation(start=way), surface)
+    new, old = (np.array([t.position for t in x.objects]) for x in (moved, task))
+    assert np.allclose(np.linalg.norm(new - old, axis=1), way)
+    assert np.allclose(new[:, 2], old[:, 2])
+    on = surface.to_surface(new)
+    assert np.all(on >= 0) and np.all(on <= surface.size)
+    for i in range(len(new)):
+        for j in range(i):
+            assert np.linalg.norm(new[i] - new[j]) >= np.linalg.norm(old[i] - old[j])
+    assert moved.goals == task.goals
+    assert vary(task, Variation(start=way), surface) == moved
+
+
+class OneSize(Wrench):
+    """A thing that nobody has said how to scale."""
+
+    scaled = None
+
+
+def test_what_has_one_size_only_is_refused():
+    task = WrenchSlide.draw(0, FLAT)
+    task = replace(task, objects=(OneSize(**vars(task.objects[0])),))
+    with pytest.raises(InputError, match="one size only"):
+        vary(task, Variation(size=0.9), FLAT)
+    assert vary(task, Variation(mass=2.0), FLAT).objects[0].mass == 2.0 * task.objects[0].mass
+
+
+def test_friction_times_k_is_every_sliding_friction_times_k_and_no_other():
+    def model(text):
+        chosen = plan(SceneOptions(vary=text))
+        return build(chosen.settings, chosen.make_device).scene.model
+
+    plain, slippery = model(""), model("friction=0.25")
+    assert np.array_equal(slippery.geom_friction[:, 0], 0.25 * plain.geom_friction[:, 0])
+    assert np.array_equal(slippery.geom_friction[:, 1:], plain.geom_friction[:, 1:])
+    assert np.array_equal(slippery.body_mass, plain.body_mass)
+
+
+def test_a_box_on_a_slippery_table_slides_at_a_slope_at_which_it_else_stays():
+    def slid(friction):
+        chosen = plan(SceneOptions(user="idle", seed=1, vary=f"friction={friction}"))
+        session = build(chosen.settings, chosen.make_device)
+        # Friction is 0.5 against the table: it holds at a slope of 0.3 and not at 0.3 if halved.
+        session.scene.model.opt.gravity[:] = [0.3 * 9.81, 0.0, -9.81]
+        start = session.scene.object_pose(session.data, "box")[0]
+        for _ in range(20):
+            session.advance()
+        return float(np.linalg.norm(session.scene.object_pose(session.data, "box")[0] - start))
+
+    assert slid(1.0) < 1e-3 < 1e-2 < slid(0.4)
+
+
+@given(st.integers(0, 30), seeds)
+def test_latency_gives_the_same_touches_so_many_steps_later(steps, seed):
+    rng = np.random.default_rng(seed)
+    frames = [
+        TouchFrame(0.0, tuple(Contact(j, *rng.uniform(0, 0.1, 2)) for j in range(i % 4)), i % 3 / 2)
+        for i in range(20)
+    ]
+    out = played(Variation(latency=steps * STEP), frames, more=steps)
+    assert out[:steps] == [None] * steps
+    for sent, arrived in zip(frames, out[steps:], strict=True):
+        assert arrived.contacts == sent.contacts and arrived.lift == sent.lift
+
+
+def test_a_late_device_is_not_finished_while_touches_are_on_their_way():
+    device = SpoiledDevice(
+        Scripted(frames_of(2, Contact(1, 0.05, 0.05))), Variation(latency=3 * STEP), FLAT, 0
+    )
+    ended = []
+    for i in range(6):
+        device.poll(i * STEP)
+        ended.append(device.finished)
+    assert ended == [False, False, False, False, True, True]
+
+
+def test_noise_has_the_deviation_asked_for_about_the_true_place_and_keeps_everything_else():
+    contact = Contact(7, 0.05, 0.06, size=0.01, label=2)
+    out = played(Variation(noise=2e-3), frames_of(3000, contact))
+    xy = np.array([[f.contacts[0].x, f.contacts[0].y] for f in out])
+    assert np.allclose(xy.mean(axis=0), [0.05, 0.06], atol=2e-4)
+    assert np.allclose(xy.std(axis=0), 2e-3, rtol=0.06)
+    assert abs(np.corrcoef(xy[1:, 0], xy[:-1, 0])[0, 1]) < 0.06
+    assert {(c.id, c.size, c.label) for f in out for c in f.contacts} == {(7, 0.01, 2)}
+
+
+@given(st.lists(st.integers(0, 2**31 - 1), max_size=5, unique=True), seeds, st.floats(1.0, 20.0))
+@settings(max_examples=40)
+def test_ghosts_share_no_id_and_real_touches_stay_as_they_are(ids, seed, rate):
+    contacts = tuple(Contact(i, 0.01 * n, 0.02) for n, i in enumerate(ids))
+    seen = set()
+    # Frames refuse two contacts of one id by themselves.
+    for frame in played(Variation(ghosts=rate), frames_of(100, *contacts), seed):
+        assert frame.contacts[: len(contacts)] == contacts
+        for ghost in frame.contacts[len(contacts) :]:
+            assert ghost.id >= FIRST_GHOST and ghost.id not in ids
+            assert 0 <= ghost.x <= FLAT.size[0] and 0 <= ghost.y <= FLAT.size[1]
+            seen.add((ghost.id, ghost.x, ghost.y))
+    assert len({i for i, _, _ in seen}) == len(seen)
+
+
+def test_ghosts_appear_as_often_as_asked_and_stay_their_time():
+    out = played(Variation(ghosts=4.0), frames_of(12_000))
+    stays = {}
+    for frame in out:
+        for ghost in frame.contacts:
+            stays[ghost.id] = stays.get(ghost.id, 0) + 1
+    assert len(stays) / (12_000 * STEP) == pytest.approx(4.0, rel=0.15)
+    assert max(stays.values()) == int(np.ceil(GHOST_LENGTH / STEP - 1e-9))
+
+
+def test_a_dropped_touch_comes_back_under_another_id_at_its_place():
+    out = played(Variation(dropped=1.0), frames_of(2000, Contact(3, 0.05, 0.05)))
+    gone = [not f.contacts for f in out]
+    ids = list(dict.fromkeys(c.id for f in out for c in f.contacts))
+    losses = sum(b and not a for a, b in pairwise(gone))
+    assert losses == pytest.approx(2000 * STEP * 1.0, rel=0.5) and len(ids) in (losses, losses + 1)
+    assert sum(gone) == pytest.approx(losses * LENGTH / STEP, rel=0.2)
+    assert {(c.x, c.y) for f in out for c in f.contacts} == {(0.05, 0.05)}
+
+
+def test_a_touch_that_came_back_is_cancelled_under_the_id_it_came_back_with():
+    frames = frames_of(2000, Contact(3, 0.05, 0.05))
+    frames.append(TouchFrame(2000 * STEP, cancelled=frozenset({3})))
+    out = played(Variation(dropped=1.0), frames)
+    last = [c.id for f in out for c in f.contacts][-1]
+    assert last != 3 and out[-1].cancelled == {last}
+
+
+def test_spoiling_follows_from_the_seed():
+    bad = Variation(noise=1e-3, dropped=1.0, ghosts=3.0, latency=0.05)
+    frames = frames_of(300, Contact(1, 0.05, 0.05), Contact(2, 0.08, 0.05))
+    assert played(bad, frames, 4) == played(bad, frames, 4) != played(bad, frames, 5)
+    assert played(Variation(), frames) == [replace(f, time=f.time) for f in frames]
+
+
+def test_a_varied_run_replays_to_the_bit_and_is_marked_in_recording_and_result(tmp_path):
+    text = "size=0.9,mass=2,friction=0.8,start=10,noise=0.5,dropped=1,ghosts=1,latency=30"
+    chosen = plan(SceneOptions(seed=6, vary=text + ",hand-size=1.05"))
+    path = tmp_path / "varied.jsonl"
+    result = run_trial(chosen.settings, chosen.make_device, record=path, about=chosen.about)
+    recording = load_recording(path)
+    session, found = replay(recording)
+    assert found.exact and found.complete and session.state_hash == result["state_hash"]
+    assert session.task.objects[0].half_size[0] == pytest.approx(0.9 * 0.025)
+    again = RunSettings.from_json(recording.header["settings"])
+    assert again == chosen.settings and again.hand_size == 1.05
+    assert (
+        result["variation"]
+        == again.variation.as_json()
+        == json.loads(json.dumps(recording.header["variation"]))
+    )
+
+
+def test_settings_of_an_older_recording_are_not_varied():
+    values = RunSettings().as_json()
+    assert "variation" not in values
+    assert RunSettings.from_json(values).variation.neutral
+
+
+@given(st.text(max_size=30))
+def test_no_text_is_taken_for_a_variation_that_it_is_not(text):
+    try:
+        variation, hand = parse_variation(text)
+    except InputError:
+        return
+    assert hand > 0 and all(low <= getattr(variation, n) <= up for n, (low, up) in RANGES.items())
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["size", "size=", "size=nan", "size=0", "size=1,size=2", "mass=inf", "latency=-1", "speed=2",
+     "noise=99", "hand-size=0", "size=1e9", "=1"],
+)  # fmt: skip
+def test_what_is_no_variation_is_one_clear_error(text):
+    with pytest.raises(InputError, match="--vary"):
+        parse_variation(text)
+
+
+def test_all_values_that_are_tried_by_themselves_can_be_had():
+    for kind in KINDS.values():
+        for value in (*kind.down, *kind.up):
+            variation, hand = parse_variation(f"{kind.name}={value}")
+            assert variation.neutral == (hand != 1.0)
+        assert all(a > b for a, b in zip((kind.neutral, *kind.down), kind.down, strict=False))
+        assert all(a < b for a, b in zip((kind.neutral, *kind.up), kind.up, strict=False))
+
+
+@pytest.mark.parametrize("values", [[], "size", {"speed": 1.0}, {"size": 99.0}])
+def test_a_recording_with_another_variation_is_refused(values):
+    with pytest.raises(InputError):
+        RunSettings.from_json({**RunSettings().as_json(), "variation": values})
+
+
+def test_a_simulation_of_the_smallest_and_heaviest_box_stands_still_at_its_start():
+    task = vary(BoxToGoal.draw(3, FLAT), Variation(size=0.3, mass=32.0), FLAT)
+    scene = Scene(SceneSpec((Hand(),), task.objects))
+    data = mujoco.MjData(scene.model)
+    mujoco.mj_forward(scene.model, data)
+    start = scene.object_pose(data, "box")[0]
+    mujoco.mj_step(scene.model, data, 250)
+    assert np.linalg.norm(scene.object_pose(data, "box")[0] - start) < 5e-4

@@ -1,0 +1,330 @@
+"""Wrenches: every trial is in reach, the bolt is a bolt, and nothing counts that is not done."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+
+from models.errors import InputError
+from models.hand import Hand
+from models.objects import HANDLE, JAW, THICKNESS, Wrench, bolt_place
+from models.rotations import exp, matrix_to_quaternion
+from models.scene import Scene, SceneSpec
+from models.surface import PRESETS, Surface
+from tasks import wrench_base, wrench_slide, wrench_turn
+from tasks.sensing import Sensing
+from tasks.task import Measure
+from tasks.variation import Variation, vary
+from tasks.wrench_base import wrapped
+from tasks.wrench_slide import WrenchSlide
+from tasks.wrench_turn import WrenchTurn
+from tests.support.simulation import put, run
+
+seeds = st.integers(0, 2**63 - 1)
+tablets = st.sampled_from([Surface(*PRESETS[n]) for n in ("ipad2", "ipad-11", "ipad-13")])
+"""A smaller one has no room for the way of a handle."""
+both = pytest.mark.parametrize("kind", [WrenchTurn, WrenchSlide])
+TABLET = Surface().centred_at((0.0, 0.0, WrenchTurn.touch_height))
+AWAY = np.concatenate([[0.0, 0.0, 0.30], np.zeros(45)])
+
+
+def turned(degrees: float, axis: int = 2) -> np.ndarray:
+    return exp(np.deg2rad(degrees) * np.eye(3)[axis])
+
+
+class Trial:
+    """A trial in its real scene, with the wrench put where a test wants it."""
+
+    def __init__(
+        self, kind: type[WrenchTurn] | type[WrenchSlide], seed: int = 4, size: float = 1.0
+    ) -> None:
+        self.task = vary(kind.draw(seed, TABLET), Variation(size=size), TABLET)
+        self.scene = Scene(SceneSpec((Hand(),), self.task.objects, self.task.table_friction))
+        self.data = mujoco.MjData(self.scene.model)
+        put(self.scene, self.data, AWAY)
+        self.scene.set_solid(0, frozenset())
+        mujoco.mj_forward(self.scene.model, self.data)
+        self.sensing = Sensing(self.scene, self.data)
+        self.goal = self.task.goals[0]
+        self.joint = self.data.joint("wrench")
+
+    def place(self, shift=(0.0, 0.0, 0.0), turn: float = 0.0, rotation=None) -> None:
+        """The wrench at rest at its goal, but for a shift (m), a turn (degrees) and a rotation."""
+        self.joint.qvel[:] = 0.0
+        yaw = self.goal.yaw + np.deg2rad(turn)
+        if isinstance(self.task, WrenchTurn):
+            self.joint.qpos[:] = yaw - self.task.objects[0].yaw
+            return
+        matrix = turned(np.rad2deg(yaw))
+        self.joint.qpos[:3] = np.asarray(self.goal.position) + np.asarray(shift)
+        self.joint.qpos[3:] = matrix_to_quaternion(
+            matrix if rotation is None else matrix @ rotation
+        )
+
+    def measure(self) -> Measure:
+        """What the task says of the wrench, exactly as it is now."""
+        mujoco.mj_forward(self.scene.model, self.data)
+        return self.task.measure(self.sensing)
+
+
+@settings(max_examples=40)
+@given(seed=seeds, surface=tablets)
+def test_a_wrench_to_turn_is_within_its_ranges_and_its_handle_within_reach(seed, surface):
+    task = WrenchTurn.draw(seed, surface)
+    (wrench,), (goal,) = task.objects, task.goals
+    low, high = wrench_turn.TURN
+    assert low - 1e-9 <= abs(goal.yaw - wrench.yaw) <= high + 1e-9
+    assert wrench_base.MASS[0] <= wrench.mass <= wrench_base.MASS[1]
+    assert wrench_turn.FRICTION[0] <= wrench.bolt <= wrench_turn.FRICTION[1]
+    bolt = np.array(bolt_place(wrench.position[:2], wrench.yaw))
+    np.testing.assert_allclose(bolt_place(goal.position[:2], goal.yaw), bolt, atol=1e-12)
+    for share in np.linspace(0.0, 1.0, 50):
+        yaw = wrench.yaw + share * (goal.yaw - wrench.yaw)
+        along = np.array([np.cos(yaw), np.sin(yaw)])
+        for place, border in (
+            (wrench_turn.GRIP, wrench_turn.GRIP_BORDER),
+            (JAW, WrenchTurn.border),
+        ):
+            xy = surface.to_surface(np.append(bolt + (place - JAW) * along, 0.0))
+            # Between two of the looked-at places of an arc there is a sagitta of 0.1 mm.
+            assert np.all(xy > border - 2e-4)
+            assert np.all(xy < surface.size - border + 2e-4)
+
+
+@settings(max_examples=40)
+@given(seed=seeds, surface=tablets)
+def test_a_wrench_to_slide_is_within_its_ranges_and_on_the_surface(seed, surface):
+    task = WrenchSlide.draw(seed, surface)
+    (wrench,), (goal,) = task.objects, task.goals
+    assert wrench.bolt is None
+    low, high = wrench_slide.TURN
+    assert low - 1e-9 <= abs(goal.yaw - wrench.yaw) <= high + 1e-9
+    way = np.linalg.norm(np.subtract(goal.position, wrench.position))
+    assert wrench_slide.DISTANCE[0] - 1e-9 <= way <= wrench_slide.DISTANCE[1] + 1e-9
+    assert wrench_base.MASS[0] <= wrench.mass <= wrench_base.MASS[1]
+    for place, yaw in ((wrench.position, wrench.yaw), (goal.position, goal.yaw)):
+        assert place[2] == THICKNESS / 2
+        middle = surface.to_surface(place)
+        assert np.all(middle >= WrenchSlide.border - 1e-9)
+        assert np.all(middle <= surface.size - WrenchSlide.border + 1e-9)
+        for along in (JAW, *HANDLE):
+            end = np.array(place) + along * np.array([np.cos(yaw), np.sin(yaw), 0.0])
+            assert np.all(surface.to_surface(end) > 0.0)
+            assert np.all(surface.to_surface(end) < surface.size)
+
+
+@both
+@settings(max_examples=40)
+@given(seed=seeds, x=st.floats(-1, 1), y=st.floats(-1, 1))
+def test_the_same_seed_is_the_same_trial_wherever_the_surface_is(kind, seed, x, y):
+    here, there = kind.draw(seed, Surface()), kind.draw(seed, Surface(origin=(x, y, 0.01)))
+    assert kind.draw(seed, Surface()) == here
+    assert there.objects[0].yaw == here.objects[0].yaw
+    shift = np.array([x, y, 0.0])
+    for a, b in ((here.objects[0], there.objects[0]), (here.goals[0], there.goals[0])):
+        np.testing.assert_allclose(np.add(a.position, shift), b.position, atol=1e-12)
+
+
+@both
+def test_seeds_turn_both_ways_and_point_all_ways(kind):
+    drawn = [kind.draw(seed, TABLET) for seed in range(200)]
+    turns = np.array([t.goals[0].yaw - t.objects[0].yaw for t in drawn])
+    assert 60 < np.sum(turns > 0) < 140
+    quarters = np.floor(np.array([t.objects[0].yaw for t in drawn]) / (np.pi / 2))
+    assert all(np.sum(quarters == q) > 15 for q in (-2, -1, 0, 1))
+
+
+@both
+@pytest.mark.parametrize("size", [(2.0, 2.0), (4.0, 3.0), (1.0, 12.0)])
+def test_a_surface_without_room_is_refused(kind, size):
+    with pytest.raises(InputError, match="too small"):
+        kind.draw(0, Surface(*size))
+
+
+@both
+def test_a_wrench_at_its_goal_is_there_and_one_turned_round_is_not(kind):
+    trial = Trial(kind)
+    trial.place(shift=(0.0, 0.0, -1e-5))
+    assert trial.measure() == Measure(True, 1.0, "")
+    trial.place(turn=180.0, shift=(0.0, 0.0, -1e-5))
+    assert "180 degrees" in trial.measure().reason
+
+
+@pytest.mark.parametrize(("kind", "limit"), [(WrenchTurn, 5.0), (WrenchSlide, 8.0)])
+@pytest.mark.parametrize("way", [-1.0, 1.0])
+def test_a_turn_counts_up_to_its_tolerance(kind, limit, way):
+    trial = Trial(kind)
+    trial.place(turn=way * (limit - 0.05), shift=(0.0, 0.0, -1e-5))
+    assert trial.measure().reached
+    trial.place(turn=way * (limit + 0.05), shift=(0.0, 0.0, -1e-5))
+    assert not trial.measure().reached
+
+
+@pytest.mark.parametrize("angle", np.linspace(0.0, 2 * np.pi, 7))
+def test_a_slide_counts_up_to_its_tolerance(angle):
+    trial = Trial(WrenchSlide)
+    way = np.array([np.cos(angle), np.sin(angle), 0.0])
+    trial.place(shift=0.0099 * way - [0, 0, 1e-5])
+    assert trial.measure().reached
+    trial.place(shift=0.0101 * way - [0, 0, 1e-5])
+    assert "10 mm from the goal" in trial.measure().reason
+
+
+def test_a_wrench_that_is_tilted_or_hangs_in_the_air_is_not_there():
+    trial = Trial(WrenchSlide)
+    trial.place(rotation=turned(6.0, axis=0))
+    assert "tilted" in trial.measure().reason
+    trial.place(shift=(0.0, 0.0, 0.003))
+    assert trial.measure().reason == "the wrench does not lie on the table"
+
+
+@both
+def test_a_moving_wrench_is_not_there(kind):
+    trial = Trial(kind)
+    trial.place(shift=(0.0, 0.0, -1e-5))
+    trial.joint.qvel[0] = 0.009 / (-JAW if kind is WrenchTurn else 1.0)
+    assert trial.measure().reached
+    trial.joint.qvel[0] *= 0.011 / 0.009
+    assert not trial.measure().reached
+
+
+@both
+def test_progress_grows_from_start_to_goal_and_is_whole_only_there(kind):
+    trial = Trial(kind)
+    began = trial.task.objects[0]
+    shift = np.subtract(began.position, trial.goal.position)
+    turn = np.rad2deg(began.yaw - trial.goal.yaw)
+    said = []
+    for left in np.linspace(1.0, 0.0, 41):
+        trial.place(left * shift - [0, 0, 1e-5], left * turn)
+        measure = trial.measure()
+        said.append(measure.progress)
+        assert (measure.progress == 1.0) == measure.reached
+    assert said[0] < 0.01
+    assert said[-1] == 1.0
+    assert np.all(np.diff(said) >= 0)
+
+
+@both
+def test_measuring_moves_nothing(kind):
+    trial = Trial(kind)
+    spec = mujoco.mjtState.mjSTATE_INTEGRATION
+    before, after = (np.empty(mujoco.mj_stateSize(trial.scene.model, spec)) for _ in range(2))
+    mujoco.mj_getState(trial.scene.model, trial.data, before, spec)
+    trial.task.measure(trial.sensing)
+    mujoco.mj_getState(trial.scene.model, trial.data, after, spec)
+    np.testing.assert_array_equal(before, after)
+
+
+@both
+def test_a_wrench_that_nobody_touches_stays_where_it_is(kind):
+    trial = Trial(kind)
+    began = trial.task.objects[0]
+    run(trial.scene, trial.data, 2.0)
+    now = trial.sensing.object("wrench")
+    np.testing.assert_allclose(now.position, began.position, atol=2e-4)
+    assert abs(now.yaw - began.yaw) < 1e-4
+    assert now.on_table == (kind is WrenchSlide)
+    assert not now.held
+
+
+@pytest.mark.parametrize("way", [-1.0, 1.0])
+def test_a_bolt_yields_to_more_than_its_friction_and_then_holds_again(way):
+    trial = Trial(WrenchTurn)
+    wrench = trial.task.objects[0]
+    trial.joint.qfrc_applied[0] = 0.9 * way * wrench.bolt
+    run(trial.scene, trial.data, 0.3)
+    # The solver's friction is a little soft.
+    assert abs(trial.joint.qpos[0]) < 1e-3
+    trial.joint.qfrc_applied[0] = 1.3 * way * wrench.bolt
+    run(trial.scene, trial.data, 0.2)
+    assert way * trial.joint.qpos[0] > 0.1
+    trial.joint.qfrc_applied[0] = 0.0
+    run(trial.scene, trial.data, 0.3)
+    stopped = float(trial.joint.qpos[0])
+    run(trial.scene, trial.data, 0.5)
+    assert abs(trial.joint.qpos[0] - stopped) < 1e-5
+    # The jaws are where they were: it turned about the bolt and about nothing else.
+    now = trial.sensing.object("wrench")
+    bolt = bolt_place(wrench.position[:2], wrench.yaw)
+    np.testing.assert_allclose(bolt_place(now.position[:2], now.yaw), bolt, atol=1e-9)
+
+
+def test_the_head_of_a_bolt_turns_with_its_wrench_and_nothing_of_it_can_be_touched():
+    trial = Trial(WrenchTurn)
+    trial.place(turn=20.0)
+    mujoco.mj_forward(trial.scene.model, trial.data)
+    head, wrench = (trial.data.body(name) for name in ("wrench_head", "wrench"))
+    np.testing.assert_allclose(head.xmat, wrench.xmat, atol=1e-12)
+    bolt = bolt_place(trial.goal.position[:2], trial.goal.yaw)
+    np.testing.assert_allclose(head.xpos[:2], bolt, atol=1e-12)
+    model = trial.scene.model
+    parts = [model.body(name).id for name in ("wrench_head", "wrench_bolt")]
+    shown = np.isin(model.geom_bodyid, parts)
+    assert shown.sum() == 5
+    assert not np.any(model.geom_contype[shown] | model.geom_conaffinity[shown])
+    assert model.body("wrench").subtreemass[0] == pytest.approx(trial.task.objects[0].mass)
+
+
+@pytest.mark.parametrize("speed", [-3.0, 0.4])
+def test_the_speed_of_a_wrench_on_a_bolt_is_that_of_its_middle(speed):
+    trial = Trial(WrenchTurn)
+    trial.joint.qvel[0] = speed
+    mujoco.mj_forward(trial.scene.model, trial.data)
+    before = trial.sensing.object("wrench")
+    trial.joint.qpos[0] += speed * 1e-6
+    mujoco.mj_forward(trial.scene.model, trial.data)
+    moved = np.linalg.norm(trial.sensing.object("wrench").position - before.position)
+    assert before.speed == pytest.approx(moved / 1e-6, rel=1e-5)
+
+
+@pytest.mark.parametrize("bolt", [None, 0.05])
+def test_a_wrench_weighs_what_it_says_and_balances_at_its_middle(bolt):
+    wrench = Wrench("wrench", 0.1, (0.02, 0.01, 0.012), 0.7, bolt)
+    scene = Scene(SceneSpec((Hand(),), (wrench,)))
+    body = scene.model.body("wrench")
+    assert body.mass[0] == pytest.approx(0.1)
+    assert np.linalg.norm(body.ipos) < 0.004
+    data = mujoco.MjData(scene.model)
+    mujoco.mj_forward(scene.model, data)
+    position, rotation = scene.object_pose(data, "wrench")
+    np.testing.assert_allclose(position, wrench.position, atol=1e-12)
+    np.testing.assert_allclose(rotation, exp(np.array([0, 0, 0.7])), atol=1e-12)
+
+
+@settings(max_examples=30)
+@given(
+    shares=hnp.arrays(float, (40, 3), elements=st.floats(-1.0, 1.0)),
+    yaw=st.floats(-3, 3),
+    size=st.sampled_from([1.0, 0.4, 2.5]),
+)
+def test_clearance_is_the_distance_to_the_nearest_solid_part_of_the_model(shares, yaw, size):
+    wrench = Wrench("wrench", 0.1, (0.02, -0.03, 0.02), yaw, size=size)
+    scene = Scene(SceneSpec((Hand(),), (wrench,)))
+    data = mujoco.MjData(scene.model)
+    mujoco.mj_forward(scene.model, data)
+    position, rotation = scene.object_pose(data, "wrench")
+    points = position + size * (shares * [0.09, 0.04, 0.03]) @ rotation.T
+    nearest = np.full(len(points), np.inf)
+    for g in np.flatnonzero(scene.model.geom_bodyid == scene.model.body("wrench").id):
+        own = (points - data.geom_xpos[g]) @ data.geom_xmat[g].reshape(3, 3)
+        half = scene.model.geom_size[g]
+        outside = np.linalg.norm(own - np.clip(own, -half, half), axis=1)
+        depth = np.min(half - np.abs(own), axis=1)
+        nearest = np.minimum(nearest, np.where(depth > 0, -depth, outside))
+    np.testing.assert_allclose(wrench.clearance(points, position, rotation), nearest, atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("past", [-40.0, -6.0, 0.0, 4.0, 14.0, 16.0, 100.0])
+def test_a_nut_turned_far_past_its_goal_is_spoiled(seed, past):
+    trial = Trial(WrenchTurn, seed)
+    way = np.sign(wrapped(trial.goal.yaw - trial.task.objects[0].yaw))
+    trial.place(turn=way * past)
+    measure = trial.measure()
+    assert measure.lost == (past > 15.0)
+    assert measure.reached == (abs(past) <= 5.0)

@@ -1,0 +1,207 @@
+"""Wrenches of other sizes: the same trial with a larger tool, which fits its bolt and its hand."""
+
+from __future__ import annotations
+
+from xml.etree.ElementTree import tostring
+
+import mujoco
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from models.objects import BOLT_LIFT, JAW, Wrench, bolt_place
+from models.rotations import exp
+from sandbox.devices.simulated.air_user.holds import carried, hold_of
+from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.recording.recording import load_recording
+from sandbox.trial.headless import run_trial
+from sandbox.trial.replay import replay
+from tasks.simulated_user.handling import handling_of
+from tasks.task import Goal
+from tasks.user import SeenObject, UserConfiguration
+from tasks.variation import RANGES, Variation, vary
+from tasks.wrench_slide import WrenchSlide
+from tasks.wrench_turn import GRIP, GRIP_BORDER, WrenchTurn
+from tests.support.simulation import run
+from tests.tasks.test_wrench import TABLET, Trial
+
+both = pytest.mark.parametrize("kind", [WrenchTurn, WrenchSlide])
+seeds = st.integers(0, 10_000)
+sizes = st.floats(*RANGES["size"])
+yaws = st.floats(-np.pi, np.pi)
+bolts = st.sampled_from([None, 2.2])
+
+
+def seen(yaw: float, size: float, bolt: float | None = None) -> SeenObject:
+    wrench = Wrench("wrench", 0.1, (0.01, -0.02, 0.012), yaw, bolt, size=size)
+    return SeenObject(wrench, np.array(wrench.position), exp([0.0, 0.0, yaw]))
+
+
+@given(yaw=yaws, bolt=bolts, x=st.floats(-0.1, 0.1), k=sizes)
+def test_a_wrench_of_factor_1_is_the_very_same_and_factors_multiply(yaw, bolt, x, k):
+    wrench = Wrench("wrench", 0.1, (x, 0.03, 0.012), yaw, bolt)
+    assert wrench.scaled(1.0) == wrench
+    assert tostring(wrench.scaled(1.0).body()) == tostring(wrench.body())
+    there, back = wrench.scaled(k), wrench.scaled(k).scaled(1.0 / k)
+    assert there.size == pytest.approx(k) and back.size == pytest.approx(1.0)
+    np.testing.assert_allclose(back.position, wrench.position, atol=1e-12)
+
+
+@given(seed=seeds, k=st.floats(0.3, 3.0))
+@settings(max_examples=40)
+def test_a_larger_wrench_sits_on_the_same_bolt_and_weighs_and_rubs_the_same(seed, k):
+    task = WrenchTurn.draw(seed, TABLET)
+    varied = vary(task, Variation(size=k), TABLET)
+    (was,), (now,) = task.objects, varied.objects
+    bolt = bolt_place(was.position[:2], was.yaw)
+    np.testing.assert_allclose(now.bolt_place(now.position[:2], now.yaw), bolt, atol=1e-12)
+    (goal,) = varied.goals
+    np.testing.assert_allclose(now.bolt_place(goal.position[:2], goal.yaw), bolt, atol=1e-12)
+    assert (now.mass, now.yaw, now.bolt) == (was.mass, was.yaw, was.bolt)
+    assert goal.yaw == task.goals[0].yaw
+    for middle in (now.position, goal.position):
+        assert middle[2] - now.thickness / 2 == pytest.approx(BOLT_LIFT)
+
+
+@given(seed=seeds, k=st.floats(0.3, 3.0))
+@settings(max_examples=40)
+def test_a_larger_free_wrench_lies_on_the_table_about_the_same_middle(seed, k):
+    task = WrenchSlide.draw(seed, TABLET)
+    varied = vary(task, Variation(size=k), TABLET)
+    for old, new in ((task.objects[0], varied.objects[0]), (task.goals[0], varied.goals[0])):
+        np.testing.assert_allclose(new.position[:2], old.position[:2], atol=1e-12)
+        assert new.position[2] == pytest.approx(varied.objects[0].thickness / 2)
+        assert new.yaw == old.yaw
+    assert varied.objects[0].mass == task.objects[0].mass
+
+
+@both
+@pytest.mark.parametrize("size", [0.5, 0.7, 1.4, 2.0])
+def test_a_wrench_of_any_size_is_at_its_goal_where_its_goal_is_drawn(kind, size):
+    trial = Trial(kind, size=size)
+    trial.place(shift=(0.0, 0.0, -1e-5))
+    assert trial.measure().reached
+    now = trial.sensing.object("wrench").position
+    np.testing.assert_allclose(now, trial.goal.position, atol=2e-5)
+
+
+@both
+@pytest.mark.parametrize("size", [0.5, 2.0])
+def test_a_wrench_of_any_size_that_nobody_touches_stays_where_it_is(kind, size):
+    trial = Trial(kind, size=size)
+    began = trial.task.objects[0]
+    run(trial.scene, trial.data, 1.0)
+    now = trial.sensing.object("wrench")
+    np.testing.assert_allclose(now.position, began.position, atol=2e-4)
+    assert abs(now.yaw - began.yaw) < 1e-4
+    assert now.on_table == (kind is WrenchSlide)
+
+
+@pytest.mark.parametrize("size", [0.5, 2.0])
+def test_from_above_a_larger_wrench_and_its_bolt_are_the_same_picture_so_many_times_larger(size):
+    def parts(k):
+        trial = Trial(WrenchTurn, size=k)
+        mujoco.mj_forward(trial.scene.model, trial.data)
+        model, data = trial.scene.model, trial.data
+        of = [model.body(name).id for name in ("wrench", "wrench_head", "wrench_bolt")]
+        geoms = np.flatnonzero(np.isin(model.geom_bodyid, of))
+        places = data.geom_xpos[geoms, :2] - data.body("wrench_head").xpos[:2]
+        return places, model.geom_size[geoms], model.geom_type[geoms]
+
+    (places, edges, kinds), (larger, longer, _) = parts(1.0), parts(size)
+    assert len(kinds) == 9
+    np.testing.assert_allclose(larger, size * places, atol=1e-9)
+    # A cylinder's radius is its first number, and its second is a height.
+    across = np.where(kinds[:, None] == mujoco.mjtGeom.mjGEOM_BOX, [True, True], [True, False])
+    np.testing.assert_allclose(longer[:, :2][across], size * edges[:, :2][across], atol=1e-9)
+
+
+@given(yaw=yaws, turn=st.floats(-1.5, 1.5), n=st.integers(2, 5), bolt=bolts, k=st.floats(0.6, 2.5))
+def test_fingers_come_down_beside_the_handle_that_is_there_and_close_on_it(yaw, turn, n, bolt, k):
+    c = UserConfiguration(fingers=n)
+    wrench = seen(yaw, k, bolt)
+    shape = wrench.shape
+    grasp = handling_of(shape).grasp(wrench, turn, c)
+    for gap in (c.opening, -c.squeeze):
+        places = grasp.places(grasp.middle(wrench), gap, c)
+        local = (places - wrench.position[:2]) @ wrench.rotation[:2, :2]
+        assert np.all((local[:, 0] > shape.handle[0]) & (local[:, 0] < shape.handle[1]))
+        assert np.all(np.sign(local[1:, 1]) == -np.sign(local[0, 1]))
+        outside = np.abs(local[:, 1]) - shape.handle_width / 2
+        assert np.all(outside > 0.0155 if gap > 0 else (outside > 0.0) & (outside < 0.0055))
+
+
+@given(yaw=yaws, turn=st.floats(-1.5, 1.5), n=st.integers(2, 5), bolt=bolts, k=sizes)
+def test_of_a_wrench_of_any_size_that_can_be_asked_for_fingers_know_where_to_go(
+    yaw, turn, n, bolt, k
+):
+    wrench = seen(yaw, k, bolt)
+    grasp = handling_of(wrench.shape).grasp(wrench, turn, UserConfiguration(fingers=n))
+    assert wrench.shape.handle[0] < grasp.grip < wrench.shape.handle[1]
+    assert grasp.face > 0.0 and grasp.width == wrench.shape.handle_width
+
+
+@given(seed=seeds, k=st.floats(1.0, 2.5), share=st.floats(0.0, 1.0))
+@settings(max_examples=20)
+def test_a_longer_handle_is_gripped_no_farther_from_the_bolt_than_the_screen_has_room(
+    seed, k, share
+):
+    task = vary(WrenchTurn.draw(seed, TABLET), Variation(size=k), TABLET)
+    (wrench,), (goal,) = task.objects, task.goals
+    yaw = wrench.yaw + share * (goal.yaw - wrench.yaw)
+    lever = np.hypot(*np.subtract(wrench.bolt_place((0.0, 0.0), yaw), (0.0, 0.0)))
+    sight = SeenObject(wrench, np.array(wrench.position), exp([0.0, 0.0, wrench.yaw]))
+    grasp = handling_of(wrench).grasp(sight, goal.yaw - wrench.yaw, UserConfiguration())
+    assert lever + grasp.grip <= GRIP - JAW + 1e-12
+    bolt = np.array(wrench.bolt_place(wrench.position[:2], wrench.yaw))
+    place = bolt + (lever + grasp.grip) * np.array([np.cos(yaw), np.sin(yaw)])
+    on = TABLET.to_surface(np.append(place, 0.0))
+    # The trial is drawn so for a wrench of size 1; nearer to the bolt there is more room, or as
+    # much as the bolt itself has.
+    border = min(GRIP_BORDER, WrenchTurn.border) - 2e-4
+    assert np.all(on > border) and np.all(on < TABLET.size - border)
+
+
+@given(yaw=yaws, k=sizes, bolt=bolts, turn=st.floats(-0.4, 0.4))
+def test_a_hand_in_the_air_closes_on_the_handle_that_is_there_and_turns_it_about_its_bolt(
+    yaw, k, bolt, turn
+):
+    wrench = seen(yaw, k, bolt)
+    hold = hold_of(wrench, np.zeros(2))
+    x, y, z = wrench.rotation.T @ (hold.position - wrench.position)
+    assert wrench.shape.handle[0] < x < wrench.shape.handle[1]
+    assert y == pytest.approx(0.0, abs=1e-12) and z == pytest.approx(0.0)
+    assert hold.width == wrench.shape.handle_width
+    assert hold.top == pytest.approx(wrench.position[2] + wrench.shape.thickness / 2)
+    if bolt is None:
+        return
+    pivot = np.array(wrench.shape.bolt_place(wrench.position[:2], yaw))
+    middle = pivot - wrench.shape.jaw * np.array([np.cos(yaw + turn), np.sin(yaw + turn)])
+    goal = Goal("wrench", (middle[0], middle[1], 0.012), yaw + turn)
+    step, by = carried(wrench, goal, hold.position[:2])
+    assert by == pytest.approx(turn)
+    arms = [np.linalg.norm(p - pivot) for p in (hold.position[:2], hold.position[:2] + step)]
+    assert arms[0] == pytest.approx(arms[1])
+
+
+@pytest.mark.parametrize(
+    ("task", "size", "more"),
+    [
+        ("wrench-turn", 0.7, {}),
+        ("wrench-turn", 1.4, {}),
+        ("wrench-slide", 0.7, {"fingers": 5}),
+        ("wrench-slide", 1.4, {"hand": "left", "turn": 90}),
+    ],
+)
+def test_the_simulated_user_does_it_with_another_wrench_and_it_replays_to_the_bit(
+    task, size, more, tmp_path
+):
+    chosen = plan(SceneOptions(task=task, seed=1, vary=f"size={size}", **more))
+    path = tmp_path / "varied.jsonl"
+    result = run_trial(chosen.settings, chosen.make_device, record=path, about=chosen.about)
+    assert result["success"], result["reason"]
+    assert result["variation"]["size"] == size
+    session, found = replay(load_recording(path))
+    assert found.exact and found.complete and session.state_hash == result["state_hash"]
+    assert session.task.objects[0].size == size

@@ -1,0 +1,176 @@
+"""Someone who plays with wrenches: where they grasp, how far they turn, and that they succeed."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from models.objects import HANDLE, HANDLE_WIDTH, JAW, Wrench, bolt_place
+from models.person import Person
+from models.rotations import exp
+from models.surface import Surface
+from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.trial.headless import run_trial
+from tasks import registry
+from tasks.simulated_user.grasp import within_comfort
+from tasks.simulated_user.handling import WrenchHandling, handling_of
+from tasks.simulated_user.seated import Seat
+from tasks.task import Goal
+from tasks.user import SeenObject, Sight, UserConfiguration
+
+TIP = 0.0075
+"""m, about a fingertip's radius."""
+TASKS = ("wrench-turn", "wrench-slide")
+yaws = st.floats(-np.pi, np.pi)
+turns = st.floats(-np.deg2rad(90), np.deg2rad(90))
+fingers = st.integers(2, 5)
+bolts = st.sampled_from([None, 0.05])
+
+
+def seen(yaw: float, bolt: float | None = None, x: float = 0.01, y: float = -0.02) -> SeenObject:
+    place = np.array([x, y, 0.012])
+    return SeenObject(Wrench("wrench", 0.1, tuple(place), yaw, bolt), place, exp([0.0, 0.0, yaw]))
+
+
+def wrapped(angle: float) -> float:
+    return float((angle + np.pi) % (2 * np.pi) - np.pi)
+
+
+@given(yaw=yaws, turn=turns, n=fingers, bolt=bolts)
+def test_thumb_and_fingers_come_down_beside_the_handle_and_close_on_it(yaw, turn, n, bolt):
+    c = UserConfiguration(fingers=n)
+    wrench = seen(yaw, bolt)
+    grasp = handling_of(wrench.shape).grasp(wrench, turn, c)
+    for gap in (c.opening, -c.squeeze):
+        places = grasp.places(grasp.middle(wrench), gap, c)
+        assert places.shape == (n, 2)
+        local = (places - wrench.position[:2]) @ wrench.rotation[:2, :2]
+        assert np.all((local[:, 0] > HANDLE[0] + TIP) & (local[:, 0] < HANDLE[1] - 0.001))
+        sides = np.sign(local[:, 1])
+        assert np.all(sides[1:] == -sides[0])
+        outside = np.abs(local[:, 1]) - HANDLE_WIDTH / 2
+        if gap > 0:
+            assert np.all(outside > TIP + 0.008), "the hand would be a ghost for good"
+        else:
+            assert np.all((outside > 0.0) & (outside < TIP - 0.002)), "the fingers would not hold"
+
+
+@given(yaw=yaws, turn=turns, n=fingers, bolt=bolts)
+def test_every_turn_is_made_in_three_grasps_without_a_wrist_that_is_broken(yaw, turn, n, bolt):
+    c = UserConfiguration(fingers=n)
+    handling = WrenchHandling(seen(0.0, bolt).shape)
+    left = turn
+    for _ in range(3):
+        wrench = seen(yaw, bolt)
+        grasp = handling.grasp(wrench, left, c)
+        made = handling.reach(wrench, grasp, left, c)
+        assert abs(made) <= abs(left) + 1e-12
+        assert made * left >= 0.0
+        for angle in (yaw, yaw + made):
+            off = wrapped(grasp.axis_on(angle) - c.natural_axis)
+            assert abs(off) < np.deg2rad(101), np.rad2deg(off)
+        yaw, left = yaw + made, left - made
+    assert abs(left) < 1e-9
+
+
+@given(axis=yaws, turn=turns)
+def test_a_wrist_turned_too_far_may_turn_back_but_no_further(axis, turn):
+    c = UserConfiguration()
+    now = wrapped(axis - c.natural_axis)
+    after = now + within_comfort(axis, turn, c)
+    assert abs(after) <= max(abs(now), np.deg2rad(95.0)) + 1e-9
+    if turn * now < 0 and abs(turn) < abs(now):
+        assert after == pytest.approx(now + turn)
+
+
+@given(yaw=yaws, turn=st.floats(0.1, 1.5), way=st.sampled_from([-1, 1]), bolt=bolts)
+def test_two_fingers_close_so_that_the_handle_begins_to_turn_the_right_way(yaw, turn, way, bolt):
+    c = UserConfiguration(fingers=2)
+    wrench = seen(yaw, bolt)
+    grasp = handling_of(wrench.shape).grasp(wrench, way * turn, c)
+    middle = grasp.middle(wrench)
+    thumb, index = grasp.places(middle, 0.0, c)
+    along = np.array([np.cos(grasp.axis), np.sin(grasp.axis)])
+    moment = sum(
+        float((p - middle)[0] * f[1] - (p - middle)[1] * f[0])
+        for p, f in ((thumb, along), (index, -along))
+    )
+    assert way * moment > 0.01
+
+
+@given(yaw=yaws, goal=yaws)
+def test_what_is_missing_brings_the_wrench_to_its_goal(yaw, goal):
+    at = Goal("wrench", (0.05, 0.03, 0.012), goal)
+    free = seen(yaw)
+    off, turn = WrenchHandling(free.shape).missing(free, at)
+    np.testing.assert_allclose(free.position[:2] + off, at.position[:2])
+    assert np.cos(yaw + turn - goal) == pytest.approx(1.0)
+    bolted = seen(yaw, 0.05)
+    handling = WrenchHandling(bolted.shape)
+    off, turn = handling.missing(bolted, at)
+    assert not off.any(), "a bolt cannot be moved"
+    assert np.cos(yaw + turn - goal) == pytest.approx(1.0)
+    np.testing.assert_allclose(handling.pivot(bolted), bolt_place(bolted.position[:2], yaw))
+
+
+@given(
+    yaw=yaws,
+    x=st.floats(-0.05, 0.05),
+    y=st.floats(-0.05, 0.05),
+    hand=st.sampled_from(["left", "right"]),
+    turn=st.sampled_from([0, 90, 180, 270]),
+)
+def test_from_every_seat_the_jaws_are_where_they_are_drawn(yaw, x, y, hand, turn):
+    seat = Seat(Person(hand=hand, turn=turn), Surface().centred_at((0.0, 0.0, 0.006)))
+    wrench = seen(yaw, None, x, y)
+    goal = Goal("wrench", tuple(wrench.position), yaw)
+    sight = seat.sight(Sight(0.0, {}, True, {"wrench": wrench}, (goal,), False))
+    shown = sight.objects["wrench"]
+    for local in ([JAW, 0.0, 0.0], [HANDLE[1], 0.0, 0.008]):
+        world = wrench.position + wrench.rotation @ local
+        np.testing.assert_allclose(
+            shown.position + shown.rotation @ local, seat.point(world), atol=1e-12
+        )
+    assert np.linalg.det(shown.rotation) == pytest.approx(1.0)
+    assert np.cos(sight.goals[0].yaw - shown.yaw) == pytest.approx(1.0)
+
+
+def play(task: str, seed: int, **options) -> dict:
+    chosen = plan(SceneOptions(task=task, seed=seed, **options))
+    return run_trial(chosen.settings, chosen.make_device, about=chosen.about)
+
+
+@pytest.mark.parametrize("task", TASKS)
+@pytest.mark.parametrize("n", [2, 3, 5])
+def test_the_simulated_user_succeeds_by_touch_alone(task, n):
+    result = play(task, 3, fingers=n)
+    assert result["success"], result["reason"]
+    assert result["task_version"] == registry.find_task(task).version
+
+
+@pytest.mark.parametrize("task", TASKS)
+def test_a_left_hand_from_another_seat_succeeds_as_well(task):
+    assert play(task, 1, hand="left", turn=90)["success"]
+
+
+@pytest.mark.full
+@pytest.mark.parametrize(("task", "least"), [("wrench-turn", 39), ("wrench-slide", 38)])
+@pytest.mark.parametrize("n", [2, 3, 5])
+def test_nearly_all_of_forty_trials_succeed(task, least, n):
+    assert sum(play(task, seed, fingers=n)["success"] for seed in range(40)) >= least
+
+
+@pytest.mark.full
+@pytest.mark.parametrize(
+    ("task", "user"),
+    [
+        ("wrench-slide", "idle"),
+        ("wrench-slide", "random"),
+        ("wrench-turn", "idle"),
+        ("wrench-turn", "random"),
+    ],
+)
+def test_control_arms_succeed_in_under_5_of_100_trials(task, user):
+    assert sum(play(task, seed, user=user)["success"] for seed in range(100)) < 5

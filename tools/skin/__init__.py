@@ -1,0 +1,1 @@
+"""Makes the skin that ships; needs the extra `skin`."""

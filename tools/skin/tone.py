@@ -1,0 +1,63 @@
+"""How warm and how bright the skin is, place by place: two numbers instead of a painted picture.
+
+Warm (0 to 1) where blood shows: fingertips, knuckles, the inside of the hand. Bright (0 to 1)
+except in creases and where flesh shadows flesh.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tools.skin.field import HandField
+from tools.skin.shapes import step
+
+Array = NDArray[np.float64]
+
+CREASE_DARKNESS = 0.44
+"""Brightness that the deepest crease takes away."""
+DEEPEST = 0.0006
+"""m, of a crease."""
+HOLLOWS = ((0.0025, 0.30), (0.006, 0.25), (0.012, 0.18))
+"""m from the skin at which nearness of other flesh is felt, and what it takes away at most."""
+
+
+def tone_of(field: HandField, vertices: Array, normals: Array) -> Array:
+    """(n, 2) warmth and brightness, 0 to 1, of places on the skin."""
+    return np.stack(
+        [_warmth(field, vertices, normals), _brightness(field, vertices, normals)], axis=1
+    )
+
+
+def _warmth(field: HandField, p: Array, out: Array) -> Array:
+    # The inside of the hand, softly; never the wrist.
+    warm = 0.26 * step(-out[:, 2], 0.0, 0.8) * step(p[:, 1], 0.004, 0.030)
+
+    def near(place: Array, reach: float, strength: float) -> None:
+        nonlocal warm
+        warm = np.maximum(
+            warm, strength * np.exp(-np.sum((p - place) ** 2, axis=1) / (2 * reach**2))
+        )
+
+    for finger, chain in enumerate(field.fingers):
+        last = chain[-1]
+        near(last.at(0, 1.0, -0.2), 0.0085, 0.80)
+        if finger == 0:
+            near(chain[1].at(0, 0.0, 0.7), 0.0085, 0.50)
+            near(chain[1].at(0, 0.5, 0.7), 0.0065, 0.62)
+            continue
+        near(chain[0].at(0, 0.0, 1.0), 0.0075, 0.55)
+        near(chain[1].at(0, 0.0, 0.8), 0.0060, 0.72)
+        near(chain[2].at(0, 0.0, 0.8), 0.0045, 0.55)
+    near(field.fingers[0][0].at(0.4, 0.45, -1.0), 0.013, 0.40)
+    near(np.array([0.034, 0.040, -0.018]), 0.015, 0.38)
+    return np.clip(warm, 0.0, 1.0)
+
+
+def _brightness(field: HandField, p: Array, out: Array) -> Array:
+    bright = np.ones(len(p))
+    for reach, most in HOLLOWS:
+        free = np.clip(field(p + reach * out) / reach, 0.0, 1.0)
+        bright *= 1.0 - most * (1.0 - free)
+    crease = field.relief(p) / DEEPEST
+    return np.clip(bright * (1.0 - CREASE_DARKNESS * crease), 0.0, 1.0)
