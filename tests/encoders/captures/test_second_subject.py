@@ -33,7 +33,7 @@ from models.pose import JOINTS, POSE_SIZE
 from models.skeleton import ADULT
 from models.surface import Surface
 
-ENCODERS = Path(__file__).resolve().parents[3] / "encoders"
+CAPTURES = Path(__file__).resolve().parents[3] / "encoders" / "captures"
 QUICK = replace(FROZEN, training_frames=(120, 120, 60, 48), test_frames=(60, 60, 60, 60))
 SIZES = {2: 2500, 3: 2020, 4: 874, 5: 1689}
 
@@ -63,7 +63,7 @@ def some_angles(frames: int, seed: int = 0, share: float = 1.0) -> np.ndarray:
 def imported(package: str) -> set[str]:
     """Every module that a package of `encoders` imports, names imported from it included."""
     found = set()
-    for file in sorted((ENCODERS / package).glob("**/*.py")):
+    for file in sorted((CAPTURES / package).glob("**/*.py")):
         for node in ast.walk(ast.parse(file.read_text("utf-8"))):
             if isinstance(node, ast.Import):
                 found |= {alias.name for alias in node.names}
@@ -77,7 +77,7 @@ def imported(package: str) -> set[str]:
 
 def test_neither_subject_imports_the_other():
     def knows(package: str, other: str) -> set[str]:
-        prefix = f"encoders.{other}"
+        prefix = f"encoders.captures.{other}"
         return {m for m in imported(package) if m == prefix or m.startswith(f"{prefix}.")}
 
     assert not knows("second_subject", "subject")
