@@ -148,10 +148,10 @@ class FingertipCorrection:
         return best
 
     def _kinematics_of(self, labels: tuple[int, ...]) -> OnePose:
-        found = self._kinematics.get(labels)
-        if found is None:
-            found = self._kinematics[labels] = OnePose(self._skeleton, labels)
-        return found
+        kinematics = self._kinematics.get(labels)
+        if kinematics is None:
+            kinematics = self._kinematics[labels] = OnePose(self._skeleton, labels)
+        return kinematics
 
     def _carried(self, kinematics: OnePose, q: Array) -> tuple[Array, Array]:
         """Touching fingertips and their Jacobian at the pose where a frame begins.
@@ -242,5 +242,5 @@ def _solved(S: Array, r: Array) -> Array:
     _, x, trouble = dposv(S, r)
     if trouble:
         raise EncoderError("the covariance of the guess is none", got=f"LAPACK dposv: {trouble}")
-    found: Array = x
-    return found
+    solution: Array = x
+    return solution

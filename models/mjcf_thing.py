@@ -129,17 +129,17 @@ class MjcfThing:
 
     def assets(self) -> list[Element]:
         """MJCF of its meshes, with their points written out."""
-        model, found = self._compiled, []
+        model, elements = self._compiled, []
         for mesh in sorted({int(model.geom_dataid[g]) for g in self._geoms} - {-1}):
             points = (
                 self.size * model.mesh_vert[_part(model.mesh_vertadr, model.mesh_vertnum, mesh)]
             )
             faces = model.mesh_face[_part(model.mesh_faceadr, model.mesh_facenum, mesh)]
-            found.append(Element("mesh", {
+            elements.append(Element("mesh", {
                 "name": f"{self.name}_mesh{mesh}", "vertex": _text(points.ravel()),
                 "face": " ".join(map(str, faces.ravel().tolist())),
             }))  # fmt: skip
-        return found
+        return elements
 
     def clearance(self, points: ArrayLike, position: Array, rotation: Array) -> Array:
         """(n,) m, signed distance of world points (n, 3) to it, negative inside.
@@ -262,15 +262,15 @@ class MjcfThing:
         kind, sizes = _TYPES[int(model.geom_type[geom])]
         material = int(model.geom_matid[geom])
         rgba = model.geom_rgba[geom] if material < 0 else model.mat_rgba[material]
-        found = Element("geom", {
+        element = Element("geom", {
             "name": f"{self.name}_{number}", "type": kind, "rgba": _text(rgba),
             "pos": _text(self.size * model.geom_pos[geom]), "quat": _text(model.geom_quat[geom]),
         })  # fmt: skip
         if sizes:
-            found.set("size", _text(self.size * model.geom_size[geom, :sizes]))
+            element.set("size", _text(self.size * model.geom_size[geom, :sizes]))
         else:
             # Its points were shifted to its middle, and so was the geom; a second time nothing is.
-            found.set("mesh", f"{self.name}_mesh{int(model.geom_dataid[geom])}")
+            element.set("mesh", f"{self.name}_mesh{int(model.geom_dataid[geom])}")
         if geom in self._solid:
             solid = {
                 "contype": str(CONTACT_OBJECT | CONTACT_TABLE), "conaffinity": "7", "condim": "4",
@@ -280,8 +280,8 @@ class MjcfThing:
         else:
             solid = {"contype": "0", "conaffinity": "0"}
         for key, value in solid.items():
-            found.set(key, value)
-        return found
+            element.set(key, value)
+        return element
 
 
 def _is_file(mjcf: str | Path) -> bool:

@@ -119,14 +119,14 @@ def _gathering(place: Indices, many: int) -> Indices:
     """`Chains.entry_of`."""
     blocks = np.arange((1 + LEVELS) * many * 9).reshape(1 + LEVELS, many, 3, 3)
     zero, one = blocks.size, blocks.size + 1
-    found = np.full((many, 3, POSE_SIZE), zero)
-    found[..., ROOT_POSITION] = np.where(np.eye(3), one, zero)
+    table = np.full((many, 3, POSE_SIZE), zero)
+    table[..., ROOT_POSITION] = np.where(np.eye(3), one, zero)
     for level in range(1 + LEVELS):
         for finger in range(many):
             columns = place[0] if level == 0 else place[1 + many * (level - 1) + finger]
             if columns[0] != ZERO:
-                found[finger][:, columns] = blocks[level, finger]
-    return found
+                table[finger][:, columns] = blocks[level, finger]
+    return table
 
 
 class OnePose:

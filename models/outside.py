@@ -17,13 +17,13 @@ from types import ModuleType
 
 def offered(group: str) -> dict[str, list[EntryPoint]]:
     """Entry points of a group that installed packages offer, by name; nothing of it is loaded."""
-    found: dict[str, list[EntryPoint]] = {}
+    entries: dict[str, list[EntryPoint]] = {}
     for entry in sorted(entry_points(group=group), key=lambda e: (e.name, e.value)):
         # A package that is on the path twice, as in a checkout, offers the same thing twice.
-        same = found.setdefault(entry.name, [])
+        same = entries.setdefault(entry.name, [])
         if entry.value not in [e.value for e in same]:
             same.append(entry)
-    return found
+    return entries
 
 
 def package(entry: EntryPoint) -> str:

@@ -120,8 +120,8 @@ class Surface:
     def to_surface(self, world: ArrayLike) -> NDArray[np.float64]:
         """Surface points (..., 2) under world positions (..., 3): the foot of the normal."""
         local = (np.asarray(world, float) - self.corner) @ self.rotation
-        found: NDArray[np.float64] = local[..., :2] * _FLIP
-        return found
+        points: NDArray[np.float64] = local[..., :2] * _FLIP
+        return points
 
 
 def enclosing(surfaces: Sequence[Surface]) -> Surface:

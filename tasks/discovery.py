@@ -54,16 +54,16 @@ def load_offered(name: str) -> type[Task] | None:
         )
     entry = entries[0]
     where = f"entry point {name} = {entry.value} of {package(entry)}"
-    found = _guarded(entry.load, where)
-    check_task(found, where)
-    if found.name != name:
+    task = _guarded(entry.load, where)
+    check_task(task, where)
+    if task.name != name:
         raise InputError(
             "the entry point and its task have different names",
             where=where,
-            got=found.name,
+            got=task.name,
             expected=name,
         )
-    return found
+    return task
 
 
 def is_place(text: str) -> bool:
@@ -86,12 +86,12 @@ def load_place(text: str) -> type[Task]:
         assert match is not None
         module_name, member = match["module"], match["member"]
         module = _guarded(lambda: importlib.import_module(module_name), text)
-    found = getattr(module, member, None)
-    if found is None:
+    task = getattr(module, member, None)
+    if task is None:
         raise InputError("there is nothing of this name", where=text, got=member,
                          expected=_names(_tasks_in(module)))  # fmt: skip
-    check_task(found, text)
-    kind: type[Task] = found
+    check_task(task, text)
+    kind: type[Task] = task
     return kind
 
 
@@ -139,8 +139,8 @@ def _guarded(load: Any, where: str) -> Any:
 def _module_of(path: Path) -> ModuleType:
     if not path.is_file():
         raise InputError("there is no such file", where="the task's file", got=str(path))
-    found: ModuleType = _guarded(lambda: load_file(path.resolve()), str(path))
-    return found
+    module: ModuleType = _guarded(lambda: load_file(path.resolve()), str(path))
+    return module
 
 
 def _looks_like_task(kind: Any) -> bool:

@@ -41,15 +41,15 @@ def find_task(name: str) -> type[Task]:
     if name in TASKS:
         return TASKS[name]
     if not is_place(name):
-        found = load_offered(name)
-        if found is None:
+        task = load_offered(name)
+        if task is None:
             raise InputError("there is no such task", got=name, expected=", ".join(task_names()))
-        return found
-    found = load_place(name)
-    if TASKS.get(found.name, found) is not found:
-        raise InputError("another task has this name", where=name, got=found.name,
+        return task
+    task = load_place(name)
+    if TASKS.get(task.name, task) is not task:
+        raise InputError("another task has this name", where=name, got=task.name,
                          remedy="Give it a name of its own")  # fmt: skip
-    return found
+    return task
 
 
 def task_names() -> tuple[str, ...]:
@@ -59,17 +59,17 @@ def task_names() -> tuple[str, ...]:
 
 def unusable_tasks() -> dict[str, str]:
     """What installed packages offer and cannot be used, by name, with the reason."""
-    found = {}
+    reasons = {}
     for name, entries in offered().items():
         if name in TASKS:
             others = ", ".join(package(e) for e in entries)
-            found[name] = f"{others} offers a task of the same name as ours, which is left out"
+            reasons[name] = f"{others} offers a task of the same name as ours, which is left out"
             continue
         try:
             load_offered(name)
         except InputError as error:
-            found[name] = str(error)
-    return found
+            reasons[name] = str(error)
+    return reasons
 
 
 def hands_of(task: type[Task] | Task) -> int:
@@ -120,9 +120,9 @@ def origin(name: str) -> dict[str, Any]:
     file = place_file(name)
     if file is not None:
         return {"file": str(file), "member": kind.__qualname__, "task_version": kind.version}
-    found = {
+    source = {
         "entry_point": f"{kind.__module__}:{kind.__qualname__}",
         "task_version": kind.version,
     }
     dist = next((e.dist for e in offered().get(name, []) if e.dist), None)
-    return {**found, "package": dist.name, "version": dist.version} if dist else found
+    return {**source, "package": dist.name, "version": dist.version} if dist else source

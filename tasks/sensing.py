@@ -114,8 +114,8 @@ class Sensing:
 
     def touching(self, name: str, other: str) -> bool:
         """Whether a force passes between an object and the table, a hand or another object."""
-        found, *force = self._read[name, other].tolist()
-        return found > 0 and any(force)
+        touches, *force = self._read[name, other].tolist()
+        return touches > 0 and any(force)
 
     def force(self, name: str, other: str) -> Array:
         """(3,) N in the world, with which the table, a hand or another object pushes an object."""

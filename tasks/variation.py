@@ -158,8 +158,8 @@ def _sized(thing: Thing, size: float, where: str) -> Thing:
             "this thing has one size only", where=where, got=thing.name,
             remedy="Vary something else, or give its class `scaled(size)`",
         )  # fmt: skip
-    found: Thing = scaled(size)
-    return found
+    resized: Thing = scaled(size)
+    return resized
 
 
 def _step(old: Thing, new: Thing) -> tuple[float, float, float]:

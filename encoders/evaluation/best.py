@@ -117,7 +117,7 @@ def train_best_model(
         EncoderError: The capture has one trial only.
     """
     U, Q = capture.u, capture.relative
-    found: dict[str, tuple[float, float]] = {}
+    scores: dict[str, tuple[float, float]] = {}
     predicted, covariances = {}, {}
     # The bones are the same for all candidates; that they have seen the trials that judge gives
     # none an advantage.
@@ -127,12 +127,12 @@ def train_best_model(
         covariance = covariances[candidate] = robust_covariance(Q - q)
         correction = PersonCorrection(bones, covariance, variance)
         corrected = correction.correct(absolute_pose(q, capture.leftmost), capture.xy)
-        found[candidate] = (badness(q, Q), badness(corrected, capture.q))
+        scores[candidate] = (badness(q, Q), badness(corrected, capture.q))
         if progress:
             progress((i + 1) / (len(CANDIDATES) + 1))
-    winner = min(found, key=lambda name: found[name][1])
+    winner = min(scores, key=lambda name: scores[name][1])
     correction = train_correction(capture, predicted[winner], covariances[winner], ADULT)
-    meta = origin(capture) | {"winner": winner, "validated": _in_cm_degrees(found)}
+    meta = origin(capture) | {"winner": winner, "validated": _in_cm_degrees(scores)}
     encoder = CANDIDATES[winner]().fit(U, Q)
     return rounded(TrainedModel(name, encoder, covariances[winner], U, Q, meta, correction))
 

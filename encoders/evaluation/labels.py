@@ -100,8 +100,8 @@ def own_labels(
             places = _shuffled(rng, truth, capture.xy[frame])
             if row == 0:
                 for contact, finger in truth.items():
-                    found = _ask(alone, {contact: places[contact]})
-                    first.append((found[contact] == finger, trial))
+                    named = _ask(alone, {contact: places[contact]})
+                    first.append((named[contact] == finger, trial))
             if not history:
                 labeller.reset()
             labels = labeller.assign(places, {}).labels
@@ -131,8 +131,8 @@ def _left_alone(
     if len(truth) < 2:
         return
     for contact, finger in truth.items():
-        found = _ask(labeller, {contact: places[contact]}) if known is None else known
-        yield found[contact] == finger
+        label = _ask(labeller, {contact: places[contact]}) if known is None else known
+        yield label[contact] == finger
 
 
 def _ask(labeller: Labeller, contacts: Contacts) -> Mapping[int, int]:

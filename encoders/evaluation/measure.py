@@ -142,7 +142,7 @@ def evaluate_method(
         done += len(capture)
     poses = {labels: np.concatenate(parts) for labels, parts in q.items()}
     single, batch, timed = _timed(method, tests)
-    found: dict[str, Copas] = {}
+    copas_by_part: dict[str, Copas] = {}
     if tested is not None and method.fresh is not None:
         U, Q, trial = tested.u, tested.relative, tested.trial
         for k, (name, blocked) in enumerate((("random", False), ("blocked", True))):
@@ -151,7 +151,7 @@ def evaluate_method(
                 if progress:
                     progress(share + (1.0 - share) * (half + x) / 2)
 
-            found[name] = copas(method.fresh, U, Q, trial, blocked, folds, fold)
+            copas_by_part[name] = copas(method.fresh, U, Q, trial, blocked, folds, fold)
     return MethodResult(
         method.name,
         poses,
@@ -165,7 +165,7 @@ def evaluate_method(
         single,
         batch,
         timed,
-        found,
+        copas_by_part,
     )
 
 

@@ -87,10 +87,10 @@ class AssignmentLabels:
                 barred[row, fixed[contact]] = 0.0
         # The contacts' middle starts over each expected place in turn: with few contacts it is
         # not known over which.
-        found = [
+        options = [
             self._settled(z, barred, turn, middle) for turn in _STARTS for middle in self.places
         ]
-        _, labels = min(found, key=lambda pair: pair[0])
+        _, labels = min(options, key=lambda pair: pair[0])
         return Labelling(dict(zip(ids, labels, strict=True)), 1.0)
 
     def reset(self) -> None:

@@ -161,14 +161,14 @@ class BeliefLabels:
         before = self._places
         shift = np.mean([now[i] - before[i] for i in stayed], axis=0)
         since = {i: before[i] for i in stayed}
-        found = {
+        lifted = {
             at: Lifted(before[i] + shift, self._looked[i], since)
             for at, i in enumerate(self._ids)
             if i not in now
         }
         for at, contact in enumerate(self._lifted, len(self._ids)):
-            found[at] = contact.carried(shift)
-        return {at: contact for at, contact in found.items() if contact.remembered(now)}
+            lifted[at] = contact.carried(shift)
+        return {at: contact for at, contact in lifted.items() if contact.remembered(now)}
 
     def _believed(self, stayed: tuple[int, ...], lifted: Mapping[int, Lifted]) -> Array:
         """The belief so far about contacts that stayed, then about some that have lifted."""

@@ -197,13 +197,13 @@ class _Play:
     def score(self, eta: float, stay: float, say: Callable[[str], None]) -> float:
         """Mean log probability of the truth at every frame."""
         if (eta, stay) not in self.scores:
-            found = []
+            logs = []
             for evidence, events in self._takes:
                 belief = BeliefLabels(TrainedBelief(evidence, eta, stay, ""))
                 for event in events:
                     belief.assign(event, {})
-                    found.append(belief.log_probability({i: i % len(FINGERS) for i in event}))
-            self.scores[eta, stay] = float(np.mean(found))
+                    logs.append(belief.log_probability({i: i % len(FINGERS) for i in event}))
+            self.scores[eta, stay] = float(np.mean(logs))
             say(f"eta {eta:g}, stay {stay:g}: log probability {self.scores[eta, stay]:.4f}")
         return self.scores[eta, stay]
 

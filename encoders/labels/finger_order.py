@@ -37,11 +37,11 @@ def order_shares(capture: Capture) -> dict[int, float]:
 
     By Laplace's rule, so that none is ever 0 or 1.
     """
-    found = {}
+    shares = {}
     touching = capture.down.sum(axis=1)
     for count in ORDERED_COUNTS:
         frames = np.flatnonzero(touching == count)
         # The first labelling of all is 0, 1, .. k - 1: contacts in the order of their fingers.
         ordered = [in_order(capture.xy[t, capture.down[t]])[0] for t in frames]
-        found[count] = (sum(ordered) + 1.0) / (len(frames) + 2.0)
-    return found
+        shares[count] = (sum(ordered) + 1.0) / (len(frames) + 2.0)
+    return shares

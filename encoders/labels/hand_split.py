@@ -90,8 +90,8 @@ class HandSplitter:
 
     def hand(self, contact: int) -> int | None:
         """The hand (0 or 1) of a contact that is down; None while it waits, or has none."""
-        found = self._hand.get(contact, -1)
-        return None if found < 0 else found
+        hand = self._hand.get(contact, -1)
+        return None if hand < 0 else hand
 
     def _part(self, frame: TouchFrame, hand: int) -> TouchFrame:
         contacts: tuple[Contact, ...] = tuple(
@@ -135,8 +135,8 @@ class HandSplitter:
 
     def _held(self, hand: int) -> Array:
         """(n, 2) m, contacts that a hand has."""
-        found = [self._places[i] for i, h in self._hand.items() if h == hand]
-        return np.array(found).reshape(-1, 2)
+        places = [self._places[i] for i, h in self._hand.items() if h == hand]
+        return np.array(places).reshape(-1, 2)
 
     def _cost(self, shares: Array, places: Array, held: list[Array], now: float) -> float:
         """m2, how unlikely a way to share contacts out is."""

@@ -58,12 +58,12 @@ def natural_prior(thumb_and_next: float = THUMB_AND_NEXT) -> dict[int, Array]:
     Args:
         thumb_and_next: How much likelier than any other the thumb with the fingers next to it is.
     """
-    found = {1: np.array(LONE_FINGER)}
+    prior = {1: np.array(LONE_FINGER)}
     for count in range(2, len(FINGERS) + 1):
         weights = np.ones(len(finger_sets(count)))
         weights[0] = thumb_and_next
-        found[count] = weights / weights.sum()
-    return found
+        prior[count] = weights / weights.sum()
+    return prior
 
 
 def even_prior() -> dict[int, Array]:

@@ -47,8 +47,8 @@ def summed(log_weights: Array, count: int, places: Sequence[int]) -> Array:
         return np.zeros(1)
     highest = log_weights.max()
     rows = rows_of(count, tuple(places))
-    found = np.bincount(rows, np.exp(log_weights - highest), len(hypotheses(len(places))))
-    return np.asarray(highest + np.log(np.maximum(found, _NEVER)))
+    sums = np.bincount(rows, np.exp(log_weights - highest), len(hypotheses(len(places))))
+    return np.asarray(highest + np.log(np.maximum(sums, _NEVER)))
 
 
 def bounded(log_weights: Array) -> Array:

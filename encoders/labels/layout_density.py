@@ -183,7 +183,7 @@ def layouts_of(capture: Capture, most: int) -> dict[int, Layouts]:
     Raises:
         EncoderError: Some fingers never touch together.
     """
-    found = {}
+    layouts = {}
     for count in range(2, len(FINGERS) + 1):
         frames = [np.flatnonzero(capture.down[:, s].all(axis=1)) for s in finger_sets(count)]
         number = min([most, *(len(f) for f in frames)])
@@ -194,13 +194,13 @@ def layouts_of(capture: Capture, most: int) -> dict[int, Layouts]:
                 got=[FINGERS[f] for f in rarest],
                 expected="every set of two or more fingers",
             )
-        found[count] = np.stack(
+        layouts[count] = np.stack(
             [
                 _layouts(capture.xy[f[_evenly(len(f), number)]][:, fingers])
                 for fingers, f in zip(finger_sets(count), frames, strict=True)
             ]
         )
-    return found
+    return layouts
 
 
 def _evenly(count: int, number: int) -> NDArray[np.int64]:

@@ -157,7 +157,7 @@ class NearestNeighbour:
         order = np.argsort(least)
         query, cell, least = query.take(order), cell.take(order), least.take(order)
         ends = np.cumsum(self._size.take(cell))
-        found: list[tuple[Indices, Indices, Array]] = []
+        candidates: list[tuple[Indices, Indices, Array]] = []
         start, at_once = 0, _FIRST
         while start < len(query) and least[start] <= np.sqrt(best):
             done = ends[start - 1] if start else 0
@@ -168,9 +168,11 @@ class NearestNeighbour:
             pair_query, point = pair_query.take(near), self._order.take(row.take(near))
             squares = squared_distances(queries, self._points, pair_query, point)
             best = min(best, float(squares.min(initial=np.inf)))
-            found.append((pair_query, point, squares))
+            candidates.append((pair_query, point, squares))
             start = stop
-        return first_of_closest(*(np.concatenate(column) for column in zip(*found, strict=True)))
+        return first_of_closest(
+            *(np.concatenate(column) for column in zip(*candidates, strict=True))
+        )
 
     def _pairs(self, query: Indices, cell: Indices) -> tuple[Indices, Indices]:
         """Every query of pairs (query, cell) with every row of its cell."""

@@ -61,11 +61,11 @@ def average_calibration(
 
 def _bones(frames: Sequence[HandFrame], side: str) -> np.ndarray | None:
     """(5, 3) m, the mean of the device's own bones; None where it knows none."""
-    found = []
+    bones = []
     for frame in frames:
         for hand in frame.hands:
             named = {f.finger: f.joints for f in hand.fingers if f.joints is not None}
             if hand.side == side and len(named) == len(FINGERS):
                 joints = np.array([named[i] for i in range(len(FINGERS))])
-                found.append(np.linalg.norm(np.diff(joints, axis=1), axis=2))
-    return np.mean(found, axis=0) if found else None
+                bones.append(np.linalg.norm(np.diff(joints, axis=1), axis=2))
+    return np.mean(bones, axis=0) if bones else None

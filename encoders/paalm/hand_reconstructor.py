@@ -172,10 +172,10 @@ class HandReconstructor:
             if not any(h.side in (None, self.side) for h in frame.hands):
                 return None
             self.paalm.use({self.side: average_calibration([frame], self.side, self.paalm.options)})
-        found = self.paalm.step(frame)
-        if found.refused:
-            self._refused, self._refused_at = found.refused, frame.time
-        return found.hands.get(self.side)
+        hands = self.paalm.step(frame)
+        if hands.refused:
+            self._refused, self._refused_at = hands.refused, frame.time
+        return hands.hands.get(self.side)
 
     def _follow(self, hand: PaalmHand, dt: float) -> None:
         s, goal = self.settings, self._pose(hand.table, hand.palm)

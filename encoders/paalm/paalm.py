@@ -130,16 +130,16 @@ class Paalm:
             raise EncoderError("nothing to measure", got=wanted, expected="1 frame or more")
         chooser = HandSides(sides)
         samples: dict[str, list[tuple[float, SeenHand | None]]] = {s: [] for s in sides}
-        found = dict.fromkeys(sides, 0)
+        counts = dict.fromkeys(sides, 0)
         for frame in frames:
             chosen = {} if _stacked(frame) else chooser.choose(frame)
             for side in sides:
                 hand = chosen.get(side)
                 samples[side].append((frame.time, hand))
-                found[side] += hand is not None and len(hand.fingers) == len(FINGERS)
+                counts[side] += hand is not None and len(hand.fingers) == len(FINGERS)
             if progress is not None:
-                progress(min(1.0, min(found.values()) / wanted))
-            if min(found.values()) >= wanted:
+                progress(min(1.0, min(counts.values()) / wanted))
+            if min(counts.values()) >= wanted:
                 break
         self.use({s: calibrated(samples[s], s, wanted) for s in sides})
         return self.calibration

@@ -133,11 +133,11 @@ class HandSizes:
             )  # fmt: skip
         logs = [_distances(self._by_label(a)[None])[0] for a in arrays]
         logs.sort(key=lambda one: float(one.mean()))
-        found = dict(zip(("closed", "natural", "wide"), logs, strict=True))
-        self._check_spreads(found)
+        logs_by_spread = dict(zip(("closed", "natural", "wide"), logs, strict=True))
+        self._check_spreads(logs_by_spread)
         alone, total = [], np.zeros(len(_GRID))
         for name in SPREADS:
-            likelihood = self._log_likelihood(name, found[name])
+            likelihood = self._log_likelihood(name, logs_by_spread[name])
             total += likelihood
             alone.append(float(np.exp(_GRID[np.argmax(likelihood)])))
         ratio, low, high = _interval(total)

@@ -100,12 +100,12 @@ class NaturalLayout:
 
     def _hypothetical(self, count: int) -> tuple[Complex, Array]:
         """Conjugate places (P, k) of all labellings about their middles, and their norms (P,)."""
-        found = self._laid.get(count)
-        if found is None:
+        table = self._laid.get(count)
+        if table is None:
             there = self.places[hypotheses(count)]
             there = there - there.mean(axis=1, keepdims=True)
-            found = self._laid[count] = there.conj(), np.linalg.norm(there, axis=1)
-        return found
+            table = self._laid[count] = there.conj(), np.linalg.norm(there, axis=1)
+        return table
 
 
 def of_capture(capture: Capture) -> NaturalLayout:

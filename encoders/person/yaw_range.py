@@ -65,9 +65,9 @@ class YawRange:
             )  # fmt: skip
         layout = NaturalLayout(five[:, :10].reshape(-1, 5, 2))
         low, high = np.quantile(layout.turns, [RARE, 1.0 - RARE])
-        found = cls(layout, float(low), float(high))
-        _LATEST["range"] = (U, found)
-        return found
+        yaw_range = cls(layout, float(low), float(high))
+        _LATEST["range"] = (U, yaw_range)
+        return yaw_range
 
     def turn(self, u: Array) -> float | None:
         """rad, how a contact vector's hand is turned; None where one touch cannot tell."""

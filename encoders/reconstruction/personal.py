@@ -92,11 +92,14 @@ class PersonalReconstructor:
         Returns:
             The person's hand. `u` alone stays as the encoder saw it: the trained hand's.
         """
-        found = self.trained.step(self._inward(frame))
-        contacts = tuple(replace(c, xy=self.frame.outwards(c.xy)) for c in found.contacts)
+        reconstruction = self.trained.step(self._inward(frame))
+        contacts = tuple(replace(c, xy=self.frame.outwards(c.xy)) for c in reconstruction.contacts)
         size = self.frame.person.hand_size
         return replace(
-            found, q=self._outward(found.q), tip_error=found.tip_error * size, contacts=contacts
+            reconstruction,
+            q=self._outward(reconstruction.q),
+            tip_error=reconstruction.tip_error * size,
+            contacts=contacts,
         )
 
     def _inward(self, frame: TouchFrame) -> TouchFrame:

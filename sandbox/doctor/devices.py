@@ -41,11 +41,11 @@ def port_check(kind: str, port: int) -> Check:
             probe.bind(("127.0.0.1", port))
             if stream:
                 probe.listen()
-            ok, found = True, "free"
+            ok, state = True, "free"
         except OSError as error:
-            ok, found = False, error.strerror or str(error)
+            ok, state = False, error.strerror or str(error)
     return Check(
-        "devices", f"{kind} port {port}", ok, found, f"tablets and tables that send TUIO by {kind}",
+        "devices", f"{kind} port {port}", ok, state, f"tablets and tables that send TUIO by {kind}",
         "" if ok else "Another program listens there, perhaps another session; end it, or give "
         "both sides another port (--port)",
     )  # fmt: skip
@@ -55,10 +55,10 @@ def _network() -> Check:
     from sandbox.server.connections.address import local_network_address
 
     try:
-        ok, found, remedy = True, local_network_address(), ""
+        ok, address, remedy = True, local_network_address(), ""
     except DeviceError as error:
-        ok, found, remedy = False, error.what, error.remedy or ""
-    return Check("devices", "network address", ok, found, "`sandbox play --tablet`", remedy)
+        ok, address, remedy = False, error.what, error.remedy or ""
+    return Check("devices", "network address", ok, address, "`sandbox play --tablet`", remedy)
 
 
 def _browser() -> Check:
@@ -78,14 +78,14 @@ def _inputs() -> list[Check]:
     events = sorted(folder.glob("event*")) if folder.is_dir() else []
     readable = [p for p in events if os.access(p, os.R_OK)]
     if not events:
-        found = "there are none here, as in most containers"
+        summary = "there are none here, as in most containers"
         remedy = "Connect a touch screen or trackpad to this machine itself"
     elif not readable:
-        found = f"{len(events)} devices, none of which may be read"
+        summary = f"{len(events)} devices, none of which may be read"
         remedy = 'sudo usermod -aG input "$USER", then log in again'
     else:
-        found, remedy = f"{len(readable)} of {len(events)} devices can be read", ""
+        summary, remedy = f"{len(readable)} of {len(events)} devices can be read", ""
     return [
-        Check("devices", "/dev/input", bool(readable), found,
+        Check("devices", "/dev/input", bool(readable), summary,
               "touch screens and trackpads (--device evdev)", remedy)
     ]  # fmt: skip

@@ -44,14 +44,14 @@ _BY_SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader")
 def graphics_checks() -> list[Check]:
     """The display, a window on it, and pictures without a screen."""
     display, shown = _display()
-    found = [
+    checks = [
         Check("pictures", "display", display, shown, "`sandbox play` in a window",
               "" if display else "Log in with a screen, try xvfb-run, or play in a browser: "
               "`sandbox play --view web`")
     ]  # fmt: skip
     if display:
         window = ask(_WINDOW)
-        found.append(
+        checks.append(
             Check("pictures", "window", window.ok, _told(window), "`sandbox play` in a window",
                   "" if window.ok else f"On Debian or Ubuntu: apt-get install {DEBIAN_PACKAGES}")
         )  # fmt: skip
@@ -66,12 +66,12 @@ def graphics_checks() -> list[Check]:
             f"{name}: {_told(a)}" if a.ok or not any_ok else f"no {name}, which is not needed then"
             for name, a in answers.items()
         )
-        found.append(
+        checks.append(
             Check("pictures", "without a screen", any_ok, told, "films and pictures",
                   "" if any_ok else f"On Debian or Ubuntu: apt-get install {DEBIAN_PACKAGES} "
                   "(or libosmesa6)")
         )  # fmt: skip
-    return found
+    return checks
 
 
 def _told(answer: Answer) -> str:

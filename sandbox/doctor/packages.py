@@ -47,10 +47,14 @@ class Requirement:
     def unmet(self) -> str:
         """Why it is not fulfilled here; empty where it is."""
         try:
-            found = version(self.package)
+            installed = version(self.package)
         except PackageNotFoundError:
             return f"{self.package} is not installed"
-        return "" if within(found, self.bounds) else f"{self.package} {found} is not {self.bounds}"
+        return (
+            ""
+            if within(installed, self.bounds)
+            else f"{self.package} {installed} is not {self.bounds}"
+        )
 
 
 def within(found: str, bounds: str) -> bool:
@@ -74,14 +78,14 @@ def declared() -> dict[str, list[Requirement]]:
         project = tomllib.loads(file.read_text(encoding="utf-8"))["project"]
         extras = {"": project["dependencies"], **project["optional-dependencies"]}
         return {extra: _parsed(lines) for extra, lines in extras.items()}
-    found: dict[str, list[str]] = {"": []}
+    declared_by_extra: dict[str, list[str]] = {"": []}
     about = metadata(NAME)
     for extra in about.get_all("Provides-Extra") or []:
-        found[extra] = []
+        declared_by_extra[extra] = []
     for line in about.get_all("Requires-Dist") or []:
         named = re.search(r"""extra\s*==\s*["']([\w.-]+)["']""", line)
-        found.setdefault(named[1] if named else "", []).append(line)
-    return {extra: _parsed(lines) for extra, lines in found.items()}
+        declared_by_extra.setdefault(named[1] if named else "", []).append(line)
+    return {extra: _parsed(lines) for extra, lines in declared_by_extra.items()}
 
 
 def package_checks() -> list[Check]:
@@ -89,7 +93,7 @@ def package_checks() -> list[Check]:
     known = declared()
     wrong = list(filter(None, (r.unmet() for r in known[""])))
     line = _pip("")
-    found = [
+    checks = [
         Check("program", "packages", not wrong,
               "; ".join(wrong) or ", ".join(r.package for r in known[""]),
               "everything", line if wrong else "")
@@ -99,11 +103,11 @@ def package_checks() -> list[Check]:
             continue
         wrong = list(filter(None, (r.unmet() for r in requirements)))
         versions = ", ".join(f"{r.package} {version(r.package)}" for r in requirements if not wrong)
-        found.append(
+        checks.append(
             Check("extras", extra, not wrong, "; ".join(wrong) or versions, USES.get(extra, ""),
                   _pip(extra) if wrong else "")
         )  # fmt: skip
-    return found
+    return checks
 
 
 def _checkout() -> Path:
@@ -120,12 +124,12 @@ def _pip(extra: str) -> str:
 
 
 def _parsed(lines: list[str]) -> list[Requirement]:
-    found = []
+    requirements = []
     for line in lines:
         match = _REQUIREMENT.match(line)
         if match and _here(match[3] or "") and match[1] != NAME:
-            found.append(Requirement(match[1], match[2].strip()))
-    return found
+            requirements.append(Requirement(match[1], match[2].strip()))
+    return requirements
 
 
 def _here(marker: str) -> bool:

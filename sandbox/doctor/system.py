@@ -36,11 +36,11 @@ def _python() -> Check:
 
 def _mujoco() -> Check:
     try:
-        found = version("mujoco")
+        installed = version("mujoco")
         import mujoco
 
         ok = mujoco.mj_versionString() is not None
-        return Check("program", "MuJoCo", ok, found, "everything")
+        return Check("program", "MuJoCo", ok, installed, "everything")
     except (PackageNotFoundError, ImportError, OSError) as error:
         return Check("program", "MuJoCo", False, str(error), "everything",
                      f"{sys.executable} -m pip install mujoco")  # fmt: skip
@@ -77,8 +77,8 @@ def _ffmpeg() -> Check:
     except (ImportError, RuntimeError):
         path = None
     other = shutil.which("ffmpeg")
-    found = path or (f"only {other}, which is not used" if other else "none")
-    return Check("program", "ffmpeg", path is not None, found, "films as mp4",
+    program = path or (f"only {other}, which is not used" if other else "none")
+    return Check("program", "ffmpeg", path is not None, program, "films as mp4",
                  "" if path else "Install the extra film")  # fmt: skip
 
 

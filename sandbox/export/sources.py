@@ -117,7 +117,7 @@ def _simulated(path: Path) -> Source:
     timestep = settings.timestep
 
     def run(take: Take) -> str:
-        found = False
+        any_rows = False
         for steps, qpos, damage in _tracks(path):
             if damage:
                 return damage
@@ -128,8 +128,8 @@ def _simulated(path: Path) -> Source:
                     expected=f"at least {len(names) * HAND_JOINTS}",
                 )  # fmt: skip
             take(poses_of_qpos(steps * timestep, qpos, len(names)))
-            found = True
-        if not found:
+            any_rows = True
+        if not any_rows:
             raise RecordingError(
                 "it holds no poses: it breaks off before the first, or an older version made it",
                 where=str(path),
@@ -156,8 +156,8 @@ def _commanded(path: Path) -> Source:
         def views(session: Session) -> list[Callable[[Snapshot], None]]:
             return [show]
 
-        _, found = replay(recording, views)
-        if found.exact:
+        _, verification = replay(recording, views)
+        if verification.exact:
             return recording.damage
         return "played again, the states are not the recorded ones: so may be what is commanded"
 
@@ -202,7 +202,7 @@ def _tracks(path: Path) -> Iterator[tuple[Array, Array, str]]:
 
     Where the file is damaged, the last item says so, and has no poses.
     """
-    nothing, number, ended, found = np.zeros(0), 0, False, False
+    nothing, number, ended, any_track = np.zeros(0), 0, False, False
     try:
         for text in _lines(path):
             number += 1
@@ -211,11 +211,11 @@ def _tracks(path: Path) -> Iterator[tuple[Array, Array, str]]:
             ended = begins.startswith(b'{"kind":"end"') and text.endswith(b"\n")
             if not begins.startswith(b'{"kind":"track"'):
                 continue
-            found, track = True, Track()
+            any_track, track = True, Track()
             read_line(json.loads(text), track)
             steps = sorted(track.qpos)
             yield np.array(steps, float), np.array([track.qpos[s] for s in steps]), ""
-        if found and not ended:
+        if any_track and not ended:
             yield nothing, nothing, "it breaks off before its end"
     except (ValueError, KeyError, TypeError, EOFError, OSError, zlib.error) as error:
         yield nothing, nothing, f"line {number} is damaged ({error}); what follows is left"

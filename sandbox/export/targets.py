@@ -124,15 +124,15 @@ def format_of(path: Path) -> Format:
     Raises:
         InputError: There is none.
     """
-    found = FORMATS.get(path.suffix.lower())
-    if found is None:
+    export_format = FORMATS.get(path.suffix.lower())
+    if export_format is None:
         raise InputError(
             "this kind of file cannot be written",
             where=str(path),
             got=path.suffix or "no ending",
             expected=", ".join(FORMATS),
         )
-    return found
+    return export_format
 
 
 class Exporter:

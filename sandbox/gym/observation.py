@@ -32,7 +32,7 @@ def observation_space(task: Task, hands: int = 1) -> spaces.Dict:
     """The space of a task's observations; see `HandSandboxEnv`."""
     things, goals = len(task.objects), len(task.goals)
     each = () if hands == 1 else (hands,)
-    found: dict[str, spaces.Space] = {
+    spaces_by_name: dict[str, spaces.Space] = {
         "pose": _symmetric(np.tile(np.repeat([FAR, np.pi], [3, 45]), (*each, 1))),
         "tips": _symmetric(np.full((*each, SLOTS, 3), FAR)),
         "solid": spaces.Box(0.0, 1.0, (*each, SLOTS), np.float64),
@@ -41,8 +41,8 @@ def observation_space(task: Task, hands: int = 1) -> spaces.Dict:
         "time": spaces.Box(0.0, _LATE, (1,), np.float64),
     }
     if goals:
-        found["goals"] = _symmetric(np.tile([FAR, FAR, FAR, np.pi], (goals, 1)))
-    return spaces.Dict(found)
+        spaces_by_name["goals"] = _symmetric(np.tile([FAR, FAR, FAR, np.pi], (goals, 1)))
+    return spaces.Dict(spaces_by_name)
 
 
 def _symmetric(bound: Array) -> spaces.Box:
@@ -64,7 +64,7 @@ def observe(
         space: Its bounds.
     """
     hands = [_hand(session, snapshot, i, ids) for i, ids in enumerate(touch_ids)]
-    found = {
+    observation = {
         # One hand is seen by itself, two have a row each.
         **(hands[0] if len(hands) == 1 else {n: np.stack([h[n] for h in hands]) for n in hands[0]}),
         "objects": np.array([_object(session, t.name) for t in session.task.objects]),
@@ -72,10 +72,10 @@ def observe(
     }
     if snapshot.goals:
         yaws = [float(np.arctan2(np.sin(g.yaw), np.cos(g.yaw))) for g in snapshot.goals]
-        found["goals"] = np.array(
+        observation["goals"] = np.array(
             [[*g.position, yaw] for g, yaw in zip(snapshot.goals, yaws, strict=True)], float
         )
-    return {name: _within(values, space[name]) for name, values in found.items()}
+    return {name: _within(values, space[name]) for name, values in observation.items()}
 
 
 def _hand(

@@ -151,13 +151,13 @@ class LslOutlets:
 
     def _measure(self) -> float:
         """LSL's clock less ours, s: the quickest of some measurements."""
-        found = []
+        measurements = []
         for _ in range(TRIES):
             before = time.monotonic()
             theirs = self._lsl.local_clock()
             after = time.monotonic()
-            found.append((after - before, theirs - (before + after) / 2))
-        return round(min(found)[1], 9)
+            measurements.append((after - before, theirs - (before + after) / 2))
+        return round(min(measurements)[1], 9)
 
     def _open(self, name: str) -> None:
         kind = name.split("_")[1]

@@ -196,7 +196,7 @@ def load_baseline(path: Path) -> Baseline:
         InputError: There is none, it is something else, damaged, or another version's.
     """
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))
+        document = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
         raise InputError(
             "there is no such baseline",
@@ -207,19 +207,19 @@ def load_baseline(path: Path) -> Baseline:
         raise InputError("it cannot be read", where=str(path), got=error.strerror) from None
     except (ValueError, RecursionError):
         raise InputError("this is not JSON", where=str(path)) from None
-    if not isinstance(found, dict) or found.get("kind") != KIND:
+    if not isinstance(document, dict) or document.get("kind") != KIND:
         raise InputError("this is no baseline of `sandbox regress`", where=str(path))
-    if found.get("schema") != SCHEMA:
+    if document.get("schema") != SCHEMA:
         raise InputError(
             "another version's baseline",
             where=str(path),
-            got=found.get("schema"),
+            got=document.get("schema"),
             expected=f"schema {SCHEMA}",
             remedy="--update-baseline makes it anew",
         )
     try:
-        tasks = {str(name): _task(values) for name, values in found["tasks"].items()}
-        return Baseline(dict(found["configuration"]), tasks, path)
+        tasks = {str(name): _task(values) for name, values in document["tasks"].items()}
+        return Baseline(dict(document["configuration"]), tasks, path)
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise InputError(
             "this baseline is damaged",

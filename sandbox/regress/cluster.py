@@ -67,12 +67,12 @@ class Cluster:
                 ready = done[0]
                 job = pending.pop(ready)
                 try:
-                    found = ray.get(ready)
+                    trial = ray.get(ready)
                 except ray.exceptions.RayError as error:
-                    found = crashed(job, f"{type(error).__name__}: {str(error).splitlines()[0]}")
-                if isinstance(found, HandSandboxError):
-                    raise found
-                yield found
+                    trial = crashed(job, f"{type(error).__name__}: {str(error).splitlines()[0]}")
+                if isinstance(trial, HandSandboxError):
+                    raise trial
+                yield trial
         finally:
             ray.shutdown()
 

@@ -168,10 +168,10 @@ class Processes:
                     job = worker.job
                     assert job is not None
                     try:
-                        found = worker.line.recv()
+                        trial = worker.line.recv()
                     except (EOFError, OSError):
                         worker.process.join()
-                        found = crashed(job, _death(worker.process.exitcode))
+                        trial = crashed(job, _death(worker.process.exitcode))
                         workers.remove(worker)
                         worker.line.close()
                         if waiting:
@@ -180,7 +180,7 @@ class Processes:
                     worker.job = None
                     if worker in workers:
                         _give(worker, waiting)
-                    yield _sound(found)
+                    yield _sound(trial)
         finally:
             for worker in workers:
                 worker.line.close()

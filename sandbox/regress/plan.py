@@ -112,7 +112,7 @@ class RegressionPlan:
         settings = planned.settings.as_json()
         for each in ("task", "seed"):
             del settings[each]
-        found = {
+        configuration = {
             "encoder": planned.settings.encoder,
             "settings": settings,
             "digests": digests(planned.settings),
@@ -121,16 +121,16 @@ class RegressionPlan:
         if not set(self.scene) & {f.name for f in fields(SecondOptions)}:
             # Which tasks have a second hand follows from the tasks.
             settings.pop("second", None)
-            found.pop("second", None)
-        return found
+            configuration.pop("second", None)
+        return configuration
 
     def versions(self) -> dict[str, int]:
         """Version of every task."""
-        found = {}
+        versions = {}
         for task in self.tasks:
             kind = find_task(task) if isinstance(task, str) else task
-            found[kind.name] = kind.version
-        return found
+            versions[kind.name] = kind.version
+        return versions
 
     def command(self, task: str, seed: int) -> str:
         """One line that runs a trial again, records it and shows what happened."""
@@ -202,7 +202,7 @@ def parse_seeds(text: str) -> tuple[int, ...]:
     Raises:
         InputError: It is not like that.
     """
-    found: list[int] = []
+    seeds: list[int] = []
     try:
         for part in text.split(","):
             first, colon, end = part.partition(":")
@@ -210,12 +210,12 @@ def parse_seeds(text: str) -> tuple[int, ...]:
             high = int(end) if colon else low + 1
             if low < 0 or high <= low or high - low > MOST_SEEDS:
                 raise ValueError
-            found += range(low, high)
+            seeds += range(low, high)
     except ValueError:
         raise InputError(
             "these are no seeds", where="--seeds", got=text, expected="such as 0:120 or 3,17,40:50"
         ) from None
-    return tuple(dict.fromkeys(found))
+    return tuple(dict.fromkeys(seeds))
 
 
 @contextmanager

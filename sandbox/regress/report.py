@@ -251,24 +251,24 @@ def make_report(
                 if c.significant
             ]
         if exact:
-            found, said = _exact(comparisons)
+            verdicts, said = _exact(comparisons)
             notes += said
-            reasons += found if complete else []
+            reasons += verdicts if complete else []
     return Report(plan, configuration, tasks, complete, comparisons, tuple(notes), tuple(reasons))
 
 
 def _compare(tasks: Sequence[TaskResult], baseline: Baseline) -> dict[str, Comparison]:
-    found = {
+    comparisons = {
         task.name: _pairs(task, baseline.tasks[task.name])
         for task in tasks
         if task.name in baseline.tasks
     }
-    found = {name: c for name, c in found.items() if c.pairs}
-    p = {name: statistics.mcnemar(len(c.lost), len(c.won)) for name, c in found.items()}
+    comparisons = {name: c for name, c in comparisons.items() if c.pairs}
+    p = {name: statistics.mcnemar(len(c.lost), len(c.won)) for name, c in comparisons.items()}
     adjusted = statistics.holm(p)
     return {
         name: Comparison(**{**vars(c), "p": p[name], "p_holm": adjusted[name]})
-        for name, c in found.items()
+        for name, c in comparisons.items()
     }
 
 

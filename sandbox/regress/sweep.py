@@ -57,8 +57,8 @@ def parse_wanted(words: Sequence[str]) -> tuple[Wanted, ...]:
         kind = find_kind(name)
         if kind in (w.kind for w in wanted):
             raise InputError("it is varied twice", where="--vary", got=name)
-        found = tuple(parse_value(kind, v) for v in values.split(",")) if equals else ()
-        wanted.append(Wanted(kind, found))
+        values_wanted = tuple(parse_value(kind, v) for v in values.split(",")) if equals else ()
+        wanted.append(Wanted(kind, values_wanted))
     return tuple(wanted)
 
 
@@ -126,14 +126,14 @@ class Curve:
     @property
     def breaks_below(self) -> float | None:
         """The value below the neutral one, and nearest to it, that breaks; None: none did."""
-        found = [p.value for p in self.points if p.breaks and p.value < self.kind.neutral]
-        return max(found, default=None)
+        broken = [p.value for p in self.points if p.breaks and p.value < self.kind.neutral]
+        return max(broken, default=None)
 
     @property
     def breaks_above(self) -> float | None:
         """The same, above."""
-        found = [p.value for p in self.points if p.breaks and p.value > self.kind.neutral]
-        return min(found, default=None)
+        broken = [p.value for p in self.points if p.breaks and p.value > self.kind.neutral]
+        return min(broken, default=None)
 
     def as_json(self) -> dict[str, Any]:
         """With every trial."""

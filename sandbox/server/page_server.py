@@ -308,11 +308,11 @@ class PageServer:
 
 def _all_of(waiting: queue.SimpleQueue[_T]) -> list[_T]:
     """What waits in a queue now."""
-    found = []
+    items = []
     with contextlib.suppress(queue.Empty):
         while True:
-            found.append(waiting.get_nowait())
-    return found
+            items.append(waiting.get_nowait())
+    return items
 
 
 def _silent_logger() -> logging.Logger:

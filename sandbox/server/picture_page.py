@@ -107,8 +107,8 @@ def _handler(page: PicturePage, title: str) -> Callable[..., BaseHTTPRequestHand
             self.end_headers()
             seen = 0
             try:
-                while (found := page.next(seen)) is not None:
-                    seen, jpeg = found
+                while (picture := page.next(seen)) is not None:
+                    seen, jpeg = picture
                     head = f"--{_BOUNDARY}\r\nContent-Type: image/jpeg\r\n"
                     head += f"Content-Length: {len(jpeg)}\r\n\r\n"
                     self.wfile.write(head.encode() + jpeg + b"\r\n")

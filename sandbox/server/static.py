@@ -38,10 +38,10 @@ class StaticFiles:
     """
 
     def __init__(self, folder: Path = STATIC) -> None:
-        found = sorted(folder.rglob("*")) if folder.is_dir() else []
+        paths = sorted(folder.rglob("*")) if folder.is_dir() else []
         self._files = {
             "/" + p.relative_to(folder).as_posix(): p.read_bytes()
-            for p in found
+            for p in paths
             if p.is_file() and p.suffix in _TYPES
         }
         if "/index.html" not in self._files:

@@ -53,7 +53,7 @@ class Listener:
 
     def poll(self) -> int:
         """Takes in what has come; how many lines."""
-        found = 0
+        count = 0
         if select.select([self.server], [], [], 0.0)[0]:
             guest, _ = self.server.accept()
             guest.setblocking(False)
@@ -73,10 +73,10 @@ class Listener:
                 self.guests[guest] = left
             for text in lines:
                 take(text.decode("utf-8", "replace"))
-                found += 1
+                count += 1
                 if guest in self.guests:
                     _answer(guest)
-        return found
+        return count
 
     def close(self) -> None:
         """Ends it."""

@@ -92,7 +92,7 @@ def _finite(words: Sequence[str], count: int) -> List[float]:
 
 
 def _vector(numbers: Sequence[float], longest: float) -> Vector:
-    found: Vector = (numbers[0], numbers[1], numbers[2])
-    if length(found) > longest:
+    vector: Vector = (numbers[0], numbers[1], numbers[2])
+    if length(vector) > longest:
         raise ValueError("too far away")
-    return found
+    return vector

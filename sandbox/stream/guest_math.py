@@ -124,11 +124,11 @@ def angles_of(q: Quaternion, before: Sequence[float]) -> Vector:
     x = math.degrees(math.atan2(m[2][1], m[2][2]))
     y = math.degrees(math.asin(max(-1.0, min(1.0, -m[2][0]))))
     z = math.degrees(math.atan2(m[1][0], m[0][0]))
-    found = []
+    angles = []
     for triple in ((x, y, z), (x + 180.0, 180.0 - y, z + 180.0)):
         near = [v + 360.0 * round((b - v) / 360.0) for v, b in zip(triple, before)]
-        found.append((sum(abs(v - b) for v, b in zip(near, before)), near))
-    best = min(found)[1]
+        angles.append((sum(abs(v - b) for v, b in zip(near, before)), near))
+    best = min(angles)[1]
     return (best[0], best[1], best[2])
 
 

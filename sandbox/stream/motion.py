@@ -70,8 +70,8 @@ def _without_physics(session: Session, stop: threading.Event, of: str, take: Tak
         hands = []
         for rig, heard in zip(rigs, newest, strict=True):
             heard.take(rig.device.poll(now), now)
-            found = rig.reconstructor.step(heard.frame)  # type: ignore[arg-type]
-            hands.append(poses_of(np.array([now]), found.q[None]))
+            reconstruction = rig.reconstructor.step(heard.frame)  # type: ignore[arg-type]
+            hands.append(poses_of(np.array([now]), reconstruction.q[None]))
         take(together(hands))
         ticks += 1
         clock.wait(ticks * CONTROL_PERIOD)

@@ -44,18 +44,18 @@ def capture_from_touches(
     """
     tracks = sound_contacts(log, rules, report)
     if sync == "tap":
-        found = offset_by_taps(tracks, joints)
+        clock_offset = offset_by_taps(tracks, joints)
         trial = ConversionReport()  # what is refused at the first offset is not refused for good
-        labelled = label_contacts(tracks, joints, found.offset, rules, trial)
-        found = refined_by_motion(found, labelled, joints, rules)
+        labelled = label_contacts(tracks, joints, clock_offset.offset, rules, trial)
+        clock_offset = refined_by_motion(clock_offset, labelled, joints, rules)
     else:
-        found = ClockOffset(offset, 0.0, 0, 0)
+        clock_offset = ClockOffset(offset, 0.0, 0, 0)
     report.notes["sync"] = sync
-    report.notes["offset_s"] = round(found.offset, 6)
+    report.notes["offset_s"] = round(clock_offset.offset, 6)
     if sync == "tap":
-        report.notes["offset_precision_s"] = round(found.precision, 6)
-        report.notes["taps_agreeing"] = f"{found.agreeing} of {found.taps}"
-    labelled = label_contacts(tracks, joints, found.offset, rules, report)
+        report.notes["offset_precision_s"] = round(clock_offset.precision, 6)
+        report.notes["taps_agreeing"] = f"{clock_offset.agreeing} of {clock_offset.taps}"
+    labelled = label_contacts(tracks, joints, clock_offset.offset, rules, report)
     if not labelled:
         raise CaptureError(
             "no touch is where a fingertip is",
@@ -65,7 +65,7 @@ def capture_from_touches(
         )
     apart = float(np.median([one.distance for one in labelled]))
     report.notes["touch_to_fingertip_mm"] = round(1000 * apart, 2)
-    return assemble(labelled, joints, found.offset, rules, report, meta)
+    return assemble(labelled, joints, clock_offset.offset, rules, report, meta)
 
 
 def capture_from_poses(

@@ -47,7 +47,7 @@ def label_contacts(
         rules: `reach`, `doubt`, `gap`, `rate`.
         report: Takes the counts.
     """
-    found = []
+    labelled = []
     for track in tracks:
         times = sample_times(track, rules.rate)
         distance, known = distances(track, times, joints, offset, rules)
@@ -65,8 +65,8 @@ def label_contacts(
                 f"nearer to another finger for more than {100 * rules.doubt:g} % of their time"
             )
         else:
-            found.append(LabelledTrack(track, finger, typical))
-    return _one_each(found, report)
+            labelled.append(LabelledTrack(track, finger, typical))
+    return _one_each(labelled, report)
 
 
 def sample_times(track: ContactTrack, rate: float) -> Array:

@@ -111,9 +111,9 @@ def recognised(names: Sequence[str], side: str, skeleton: Skeleton) -> dict[str,
     bare = {name: name.rpartition(":")[2] for name in names}
     best: dict[str, str] = {}
     for known in (_qualisys(), own, _mixamo(side)):
-        found = {name: known[short] for name, short in bare.items() if short in known}
-        if len(found) > len(best):
-            best = found
+        known_sites = {name: known[short] for name, short in bare.items() if short in known}
+        if len(known_sites) > len(best):
+            best = known_sites
     if _unseen(best, skeleton):
         raise CaptureError(
             "the names of markers or joints are not recognised",

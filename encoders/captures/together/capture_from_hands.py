@@ -189,13 +189,13 @@ def _pairs(
     labelled: list[LabelledTrack], track: SeenTrack, offset: float, rules: ConversionRules
 ) -> tuple[Array, Array]:
     """Touches (R, 2), y up, and their fingertips (R, 3) in the device's frame."""
-    touches, found = [], []
+    touches, fingertips = [], []
     for one in labelled:
         times = sample_times(one.track, rules.rate)
         tips, known = track.seen_at(times + offset, rules.gap)
         touches.append(one.track.at(times, rules.gap)[known] * [1.0, -1.0])
-        found.append(tips[known, one.finger])
-    return np.concatenate(touches), np.concatenate(found)
+        fingertips.append(tips[known, one.finger])
+    return np.concatenate(touches), np.concatenate(fingertips)
 
 
 def _whole(

@@ -43,7 +43,7 @@ def named_by_sight(
         report: Takes the counts.
     """
     seen = [_distances(one, track, offset, rules, held=False) for one in tracks]
-    found: dict[int, LabelledTrack] = {}
+    labelled: dict[int, LabelledTrack] = {}
     for number in sorted(range(len(tracks)), key=lambda n: _least(seen[n])):
         off = seen[number]
         votes = off[(off < BESIDE).any(axis=1)]
@@ -51,12 +51,12 @@ def named_by_sight(
             continue
         share = np.bincount(votes.argmin(axis=1), minlength=len(FINGERS)) / len(votes)
         finger = int(share.argmax())
-        if share[finger] < 1 - rules.doubt or finger in _taken(tracks, number, found):
+        if share[finger] < 1 - rules.doubt or finger in _taken(tracks, number, labelled):
             continue
         there = votes[:, finger][np.isfinite(votes[:, finger])]
-        found[number] = LabelledTrack(tracks[number], finger, float(np.median(there)))
+        labelled[number] = LabelledTrack(tracks[number], finger, float(np.median(there)))
     for number, one in enumerate(tracks):
-        if number in found:
+        if number in labelled:
             continue
         off = _distances(one, track, offset, rules, held=True)
         if not np.isfinite(off).any():
@@ -69,13 +69,13 @@ def named_by_sight(
             # It was seen, and elsewhere.
             if len(shown) >= _VOTES and np.median(shown) > rules.reach:
                 typical[finger] = np.inf
-        typical[list(_taken(tracks, number, found))] = np.inf
+        typical[list(_taken(tracks, number, labelled))] = np.inf
         finger = int(typical.argmin())
         if not np.isfinite(typical[finger]) or typical[finger] > 2 * rules.reach:
             report.drop_contacts(f"no free fingertip within {2000 * rules.reach:g} mm")
             continue
-        found[number] = LabelledTrack(one, finger, float(typical[finger]))
-    return [found[n] for n in sorted(found)]
+        labelled[number] = LabelledTrack(one, finger, float(typical[finger]))
+    return [labelled[n] for n in sorted(labelled)]
 
 
 def _distances(

@@ -141,10 +141,10 @@ def _tips(hands: Sequence[SeenHand], ids: dict[str, int | None], left: bool) -> 
     out = np.full((len(FINGERS), 3), np.nan)
     wanted = {id_: name for name, id_ in enumerate(ids[f] for f in FINGERS) if id_ is not None}
     for hand in hands:
-        found = {f.id: f.tip for f in hand.fingers}
-        if wanted and set(wanted) <= set(found):
+        tips = {f.id: f.tip for f in hand.fingers}
+        if wanted and set(wanted) <= set(tips):
             for id_, name in wanted.items():
-                out[name] = found[id_]
+                out[name] = tips[id_]
             break
     return out * [-1.0, 1.0, 1.0] if left else out
 

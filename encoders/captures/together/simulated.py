@@ -229,8 +229,8 @@ def _person(
     capture = subject.simulate(clean, seed, day, progress, skeleton)
 
     def placed(q: Array) -> Array:
-        found = kinematics.place(q)
-        return _by_finger(found.joints, found.tips)
+        placement = kinematics.place(q)
+        return _by_finger(placement.joints, placement.tips)
 
     return capture, placed, size * np.array(PALM_CENTRE)
 

@@ -149,7 +149,7 @@ def _check(joint: _Joint | None, where: str) -> None:
 
 def _read_head(path: Path, lines: list[str], at: int) -> tuple[int, float, int]:
     """Number of frames, seconds of one, and the index of the first frame's line."""
-    found: list[float] = []
+    values: list[float] = []
     for key in ("frames:", "frame time:"):
         while at < len(lines) and not lines[at].strip():
             at += 1
@@ -161,9 +161,9 @@ def _read_head(path: Path, lines: list[str], at: int) -> tuple[int, float, int]:
                 got=line[:40],
                 expected=key,
             )
-        found += numbers(line[len(key) :].split(), 1, f"{path}, line {at + 1}")
+        values += numbers(line[len(key) :].split(), 1, f"{path}, line {at + 1}")
         at += 1
-    count, frame_time = found
+    count, frame_time = values
     if count < 1 or count != int(count) or frame_time <= 0:
         raise MotionError(
             "these are no frames",

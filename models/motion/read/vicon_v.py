@@ -95,10 +95,10 @@ def motion_of(
     """
     columns: dict[tuple[str, str, str], int] = {}
     for i, label in enumerate(motion.labels):
-        found = _LABEL.fullmatch(label.strip())
-        if not found or found["segment"] not in skeleton.names:
+        match = _LABEL.fullmatch(label.strip())
+        if not match or match["segment"] not in skeleton.names:
             continue
-        key = (found["segment"], found["kind"].lower(), found["axis"])
+        key = (match["segment"], match["kind"].lower(), match["axis"])
         if key in columns:
             raise MotionError(
                 "two subjects move the same segments", where=str(path), got=label[:60],
@@ -154,18 +154,18 @@ def _groups(data: bytes) -> tuple[_Group, int]:
     (version,) = struct.unpack_from("<h", data, 2)
     if version != VERSION:
         raise ValueError
-    at, found = 4, None
+    at, group = 4, None
     while True:
         length, name = SECTION.unpack_from(data, at)
         at += SECTION.size
         if not length and not name.strip(b"\0"):
             break
-        if name.rstrip(b"\0").split(b"\0")[0] == b"DATAGROUP" and found is None:
-            found = _group(data, at)
+        if name.rstrip(b"\0").split(b"\0")[0] == b"DATAGROUP" and group is None:
+            group = _group(data, at)
         at += length
-    if found is None:
+    if group is None:
         raise ValueError
-    return found, at
+    return group, at
 
 
 def _group(data: bytes, at: int) -> _Group:

@@ -42,16 +42,16 @@ def senses(session: Session) -> list[HandSense]:
 def press(scene: Scene, data: mujoco.MjData) -> list[list[float]]:
     """N, what each finger of each hand presses things with, in a state that was just reached."""
     model = scene.model
-    found = [[0.0] * len(FINGERS) for _ in scene.spec.hands]
+    forces = [[0.0] * len(FINGERS) for _ in scene.spec.hands]
     if not data.ncon:
-        return found
+        return forces
     owner = _owners(scene)
     wrench = np.zeros(6)
     for k, pair in enumerate(owner[data.contact.geom].tolist()):
         for i, finger in (divmod(part, len(FINGERS)) for part in pair if part >= 0):
             mujoco.mj_contactForce(model, data, k, wrench)
-            found[i][finger] += float(np.linalg.norm(wrench[:3]))
-    return found
+            forces[i][finger] += float(np.linalg.norm(wrench[:3]))
+    return forces
 
 
 _OWNERS: WeakKeyDictionary[Scene, NDArray[np.int64]] = WeakKeyDictionary()

@@ -137,10 +137,10 @@ def _design(top: Table, text: str, path: Path) -> Design:
 
 def _digest(text: str, forms: tuple[Form, ...]) -> str:
     """Of the design and of all files that belong to it."""
-    found = blake2b(text.encode(), digest_size=16)
+    digest = blake2b(text.encode(), digest_size=16)
     for name, content in sorted({form.source for form in forms if form.source}):
-        found.update(b"\0" + name.encode() + b"\0" + content.encode())
-    return found.hexdigest()
+        digest.update(b"\0" + name.encode() + b"\0" + content.encode())
+    return digest.hexdigest()
 
 
 def _no_twice(top: Table, key: str, names: list[str]) -> None:
@@ -166,15 +166,15 @@ def _settings(table: Table) -> dict[str, Any]:
 
 def _factors(top: Table) -> tuple[Factor, ...]:
     tables = top.tables("factors")
-    found: list[Factor] = []
+    factors: list[Factor] = []
     for table in tables:
-        factor = _one_factor(table, found)
-        if factor.name in [f.name for f in found]:
+        factor = _one_factor(table, factors)
+        if factor.name in [f.name for f in factors]:
             table.wrong("name", f"{factor.name!r} is there twice", "Rename one of them")
-        found.append(factor)
+        factors.append(factor)
     if not tables:
         top.wrong("", "there is no factor", "Add [[factors]] with name, order and levels")
-    return tuple(found)
+    return tuple(factors)
 
 
 def _one_factor(table: Table, outer_ones: list[Factor]) -> Factor:
@@ -231,7 +231,7 @@ def _levels(table: Table, raw: Any, setting: str) -> tuple[Level, ...]:
     if not isinstance(raw, list) or not raw:
         table.wrong("levels", "levels are missing", 'Write a list such as levels = ["a", "b"]')
         return ()
-    found = []
+    levels = []
     for value in raw:
         if isinstance(value, dict):
             settings = dict(value)
@@ -250,10 +250,10 @@ def _levels(table: Table, raw: Any, setting: str) -> tuple[Level, ...]:
             if not isinstance(value, dict):
                 return ()
             continue
-        found.append(Level(name, settings))
-    if len({level.name for level in found}) < len(found):
+        levels.append(Level(name, settings))
+    if len({level.name for level in levels}) < len(levels):
         table.wrong("levels", "a level is there twice", "Leave it out, or name them differently")
-    return tuple(found)
+    return tuple(levels)
 
 
 def _instruction(table: Table, factors: tuple[Factor, ...]) -> Instruction:
@@ -263,23 +263,23 @@ def _instruction(table: Table, factors: tuple[Factor, ...]) -> Instruction:
     if level and level not in names:
         table.wrong("level", f"{at} has no level {level!r}",
                     f"Levels: {', '.join(names)}" if names else "Set `at` to a factor")  # fmt: skip
-    found = Instruction(table.text("text"), at, level, table.session_numbers("sessions"))
+    instruction = Instruction(table.text("text"), at, level, table.session_numbers("sessions"))
     table.done()
-    return found
+    return instruction
 
 
 def _exclusion(table: Table) -> Exclusion:
-    found = Exclusion(
+    exclusion = Exclusion(
         table.name("name"),
         table.choice("of", ("trial", "participant"), "trial"),
         table.choice("measure", OF_RULES, OF_RULES[0]),
         _bound(table, "below"),
         _bound(table, "above"),
     )
-    if found.below is None and found.above is None:
+    if exclusion.below is None and exclusion.above is None:
         table.wrong("", "the rule has no bound", "Add below = NUMBER or above = NUMBER")
     table.done()
-    return found
+    return exclusion
 
 
 def _bound(table: Table, key: str) -> float | None:

@@ -49,8 +49,8 @@ def power(effect: float, n: int, alpha: float = 0.05, between: bool = False) -> 
     # The mean over all estimates of the spread; scipy's own noncentral t fails in far tails.
     shares = (np.arange(POINTS) + 0.5) / POINTS
     spread = np.sqrt(stats.chi2.ppf(shares, freedom) / freedom)
-    found = stats.norm.cdf(shift - limit * spread) + stats.norm.cdf(-shift - limit * spread)
-    return float(np.mean(found))
+    probability = stats.norm.cdf(shift - limit * spread) + stats.norm.cdf(-shift - limit * spread)
+    return float(np.mean(probability))
 
 
 def detectable(

@@ -18,9 +18,9 @@ from sandbox.study.design.scoring import RULES, Scale
 def instruments() -> dict[str, str]:
     """Texts of the questionnaires in the package, by name."""
     folder = files("sandbox.study.design").joinpath("instruments")
-    found = {entry.name.removesuffix(".toml"): entry.read_text(encoding="utf-8")
+    texts = {entry.name.removesuffix(".toml"): entry.read_text(encoding="utf-8")
              for entry in folder.iterdir() if entry.name.endswith(".toml")}  # fmt: skip
-    return dict(sorted(found.items()))
+    return dict(sorted(texts.items()))
 
 
 def read_form(table: Table, factors: list[str], folder: Path) -> Form:
@@ -99,17 +99,17 @@ def arranged(form: Form, seed: int) -> Form:
     if not any(item.shuffle for item in form.items):
         return form
     rng = np.random.default_rng(seed)
-    found: list[Item] = []
+    items: list[Item] = []
     run: list[Item] = []
     for item in (*form.items, None):
         if item is not None and item.shuffle:
             run.append(item)
             continue
-        found += [_turned(run[i], rng) for i in rng.permutation(len(run))]
+        items += [_turned(run[i], rng) for i in rng.permutation(len(run))]
         run = []
         if item is not None:
-            found.append(item)
-    return replace(form, items=tuple(found))
+            items.append(item)
+    return replace(form, items=tuple(items))
 
 
 def _turned(item: Item, rng: np.random.Generator) -> Item:
@@ -148,10 +148,10 @@ def _scale(table: Table, items: tuple[Item, ...]) -> Scale:
     fitting = {i.name for i in items if i.kind == "choice" and set(i.choices) <= set(wanted)}
     _known(table, "pairs", pairs, fitting, "no choice among the items of this scale")
     bounds = tuple((known[n].low, known[n].high) for n in wanted if n in known)
-    found = Scale(name, rule, wanted, bounds, frozenset(reverse), table.flag("from_zero"),
+    scale = Scale(name, rule, wanted, bounds, frozenset(reverse), table.flag("from_zero"),
                   float(table.number("factor", 1.0, -1e6, 1e6)), pairs)  # fmt: skip
     table.done()
-    return found
+    return scale
 
 
 def _known(table: Table, key: str, names: tuple[str, ...], fit: set[str], what: str) -> None:
@@ -194,7 +194,7 @@ def _as_table(table: Table, text: str, file: str) -> Table | None:
         return None
     reader = Reader(text)
     reader.languages = table.reader.languages
-    found = Table(reader, values)
-    if found.raw("schema", SCHEMA) != SCHEMA:
+    item_table = Table(reader, values)
+    if item_table.raw("schema", SCHEMA) != SCHEMA:
         table.wrong("file", f"{file}: another version's", f"This version reads schema {SCHEMA}")
-    return found
+    return item_table

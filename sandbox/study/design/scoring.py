@@ -74,10 +74,10 @@ def score(scale: Scale, answers: Mapping[str, Any]) -> Score:
         for name, bounds in zip(scale.items, scale.bounds, strict=True)
     ]
     if scale.rule == "weighted":
-        found = _weighted(values, [tally(scale, answers)[name] for name in scale.items])
+        value = _weighted(values, [tally(scale, answers)[name] for name in scale.items])
     else:
-        found = sum(values) / (len(values) if scale.rule == "mean" else 1)
-    return Score(scale.name, found * scale.factor, 0)
+        value = sum(values) / (len(values) if scale.rule == "mean" else 1)
+    return Score(scale.name, value * scale.factor, 0)
 
 
 def scores(scales: Sequence[Scale], answers: Mapping[str, Any]) -> list[Score]:

@@ -20,12 +20,12 @@ LIBRARIES = ("hand-sandbox", "mujoco", "numpy", "scipy", "python")
 def code_digest() -> str:
     """Digest of the modules that take part in a trial, whatever their version calls itself."""
     root = Path(__file__).resolve().parents[3]
-    found = blake2b(digest_size=8)
+    digest = blake2b(digest_size=8)
     for folder in COMPUTES:
         paths = (root / folder).glob("*.py" if folder in SHALLOW else "**/*.py")
         for path in sorted(paths):
-            found.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes())
-    return found.hexdigest()
+            digest.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()
 
 
 def build_of(design: Design) -> dict[str, Any]:
@@ -48,9 +48,9 @@ def build_of(design: Design) -> dict[str, Any]:
 
 def changes(locked: dict[str, Any], here: dict[str, Any]) -> list[str]:
     """What differs, in words."""
-    found = []
+    differences = []
     for name in sorted(set(locked) | set(here)):
         if locked.get(name) != here.get(name):
             values = "" if name == "encoders" else f" ({locked.get(name)} -> {here.get(name)})"
-            found.append(f"{name}{values}")
-    return found
+            differences.append(f"{name}{values}")
+    return differences

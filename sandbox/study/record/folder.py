@@ -89,11 +89,11 @@ class StudyFolder:
         if not (path / "study.json").is_file():
             raise StudyError("this is no folder of a study", where=str(path),
                              expected="a folder with study.json, such as studies/NAME")  # fmt: skip
-        found = cls.__new__(cls)
-        found._about = read_about(path / "study.json")
-        found.path, found.mode = path, str(found._about["mode"])
-        found.design = load_design(path / "design.toml", try_out=False)
-        return found
+        folder = cls.__new__(cls)
+        folder._about = read_about(path / "study.json")
+        folder.path, folder.mode = path, str(folder._about["mode"])
+        folder.design = load_design(path / "design.toml", try_out=False)
+        return folder
 
     @property
     def about(self) -> dict[str, Any]:
@@ -128,12 +128,12 @@ class StudyFolder:
             StudyError: There is none of that name.
         """
         known = self.participants()
-        found = next((p for p in known if p.ppid == ppid), None)
-        if found is None:
+        participant = next((p for p in known if p.ppid == ppid), None)
+        if participant is None:
             raise StudyError("there is no such participant", where=str(self.path), got=ppid,
                              expected=", ".join(p.ppid for p in known[-8:]) or "new",
                              remedy="`--participant new` makes one")  # fmt: skip
-        return found
+        return participant
 
     def add(self, number: int | None = None, **about: Any) -> Participant:
         """A new participant, who gets the first number that nobody has, or a given one.

@@ -51,14 +51,14 @@ def sessions_of(study: StudyFolder, person: Participant) -> list[KeptSession]:
     Raises:
         StudyError: A journal is damaged.
     """
-    found = []
+    sessions = []
     for path in session_folders(study.path / person.ppid):
         journal = path / JOURNAL
         records = read_journal(journal) if journal.exists() else []
         state = SessionState.of(records)
         if state.start:
-            found.append(KeptSession(person, int(path.name[1:]), path, records, state))
-    return found
+            sessions.append(KeptSession(person, int(path.name[1:]), path, records, state))
+    return sessions
 
 
 def all_sessions(study: StudyFolder) -> Iterator[tuple[Participant, list[KeptSession]]]:

@@ -34,8 +34,8 @@ def pack(recording: Path) -> Path:
         raise explain(error, recording, "the recording cannot be read") from None
     write_atomically(target, packed(data))
     try:
-        found = read_stored(target)
-        if found.data != data or not found.whole:
+        stored = read_stored(target)
+        if stored.data != data or not stored.whole:
             target.unlink()
             raise StudyError("what is read is not what was written", where=str(target),
                              remedy="Do not trust this disk; nothing is lost yet")  # fmt: skip

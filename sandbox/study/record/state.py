@@ -102,8 +102,10 @@ class SessionState:
 
     def counted(self, trial: int) -> Attempt | None:
         """The attempt of a trial that counts: the last finished one that was not set aside."""
-        found = [a for a in self.attempts.get(trial, []) if a.end is not None and not a.set_aside]
-        return found[-1] if found else None
+        finished = [
+            a for a in self.attempts.get(trial, []) if a.end is not None and not a.set_aside
+        ]
+        return finished[-1] if finished else None
 
     def open_attempt(self) -> Attempt | None:
         """The last attempt, if it was neither finished nor broken off on purpose."""

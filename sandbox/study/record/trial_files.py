@@ -30,9 +30,9 @@ def find_recordings(name: str, out: Path) -> list[Path]:
     if stored(path).is_file():
         return [path]
     for base in (Path(), out):
-        found = _of_folder(base / path)
-        if found:
-            return found
+        paths = _of_folder(base / path)
+        if paths:
+            return paths
     # As much of the name as there is; no other folder than that of studies is anybody's business.
     near = next((p for p in (out / path).parents if p.is_relative_to(out) and p.is_dir()), None)
     kept = [p.name for p in near.iterdir() if p.is_dir() and p.name[0] != "."] if near else []

@@ -41,13 +41,13 @@ def make_report(
     say("reading the tables")
     data = load_study(folder)
     say(f"models of {len(data.used)} trials of {len(data.ppids)} participants")
-    found = analyse(data, measures)
+    analysis = analyse(data, measures)
     make_folder(out)
     say("pictures and tables")
-    for name, content in tables(found).items():
+    for name, content in tables(analysis).items():
         write_atomically(out / name, content, durable=False)
-    write_atomically(out / SCRIPT, script(found).encode(), durable=False)
-    write_atomically(out / PAGE, page(found).encode(), durable=False)
+    write_atomically(out / SCRIPT, script(analysis).encode(), durable=False)
+    write_atomically(out / PAGE, page(analysis).encode(), durable=False)
     return out / PAGE
 
 

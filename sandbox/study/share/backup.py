@@ -58,7 +58,7 @@ def back_up(study: StudyFolder, out: Path) -> Checked:
     work = out.parent / f"{TEMPORARY}{os.getpid()}-{out.name}"
     try:
         _write(study.path, work)
-        found = check_backup(work)
+        checked = check_backup(work)
         sync_file(work)
         refuse_existing(out)
         work.rename(out)
@@ -67,7 +67,7 @@ def back_up(study: StudyFolder, out: Path) -> Checked:
         raise explain(error, out, "the backup cannot be written") from None
     finally:
         work.unlink(missing_ok=True)
-    return found
+    return checked
 
 
 def check_backup(path: Path) -> Checked:
@@ -76,7 +76,7 @@ def check_backup(path: Path) -> Checked:
     Raises:
         StudyError: It is damaged or incomplete, or no backup.
     """
-    sums, found = "", {}
+    sums, digests = "", {}
     journals: dict[str, bytes] = {}
     size = 0
     try:
@@ -88,7 +88,7 @@ def check_backup(path: Path) -> Checked:
                 if inside == SUMS:
                     sums = data.decode()
                     continue
-                found[inside] = sha256(data).hexdigest()
+                digests[inside] = sha256(data).hexdigest()
                 size += len(data)
                 if inside.endswith("journal.jsonl"):
                     journals[inside] = data
@@ -100,14 +100,14 @@ def check_backup(path: Path) -> Checked:
                          remedy="Make another one; the study itself is untouched"
                          ) from None  # fmt: skip
     listed = {line[66:]: line[:64] for line in sums.splitlines()}
-    wrong = sorted(n for n in {*listed, *found} if listed.get(n) != found.get(n))
-    if not listed or wrong or "study.json" not in found:
+    wrong = sorted(n for n in {*listed, *digests} if listed.get(n) != digests.get(n))
+    if not listed or wrong or "study.json" not in digests:
         raise StudyError("the backup is damaged" if listed else "this is no backup of a study",
                          where=str(path), got=", ".join(wrong[:5]) or None,
                          expected="every file as it is listed in " + SUMS)  # fmt: skip
-    trials = sum(_finished(name, data, found, path) for name, data in journals.items())
+    trials = sum(_finished(name, data, digests, path) for name, data in journals.items())
     ppids = tuple(sorted({PurePosixPath(name).parts[0] for name in journals}))
-    return Checked(ppids, len(found), size, trials)
+    return Checked(ppids, len(digests), size, trials)
 
 
 def _finished(name: str, data: bytes, found: dict[str, str], path: Path) -> int:

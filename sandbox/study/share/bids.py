@@ -151,14 +151,14 @@ def motion(frames: Columns) -> tuple[list[Channel], Array]:
 def touch_events(touches: Columns, start: float) -> list[Row]:
     """One event for every contact, from its first to its last moment; its last name counts."""
     times = touches.numbers("time_s")[:, 0]
-    found: dict[str, Row] = {}
+    events: dict[str, Row] = {}
     for i, (contact, finger) in enumerate(
         zip(touches.words("contact"), touches.words("finger"), strict=True)
     ):
-        onset = found.setdefault(contact, {"onset": times[i] - start, "trial_type": "touch"})
+        onset = events.setdefault(contact, {"onset": times[i] - start, "trial_type": "touch"})
         onset |= {"duration": times[i] - start - onset["onset"], "contact": contact,
                   "finger": finger or onset.get("finger")}  # fmt: skip
-    return sorted(found.values(), key=lambda event: float(event["onset"]))
+    return sorted(events.values(), key=lambda event: float(event["onset"]))
 
 
 def _trial_event(row: Row, start: float) -> Row:

@@ -54,8 +54,8 @@ def copies(study: StudyFolder, ppid: str | None = None) -> list[Copy]:
     path = study.path / COPIES
     if not path.exists():
         return []
-    found = [
+    copies_made = [
         Copy(r["kind"], Path(r["path"]), r["time"], tuple(r["ppids"]), Path(r["path"]).exists())
         for r in read_journal(path) if r["kind"] != "recovered"
     ]  # fmt: skip
-    return [copy for copy in found if ppid is None or ppid in copy.ppids]
+    return [copy for copy in copies_made if ppid is None or ppid in copy.ppids]

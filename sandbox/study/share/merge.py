@@ -67,9 +67,9 @@ def merge(first: StudyFolder, second: StudyFolder, out: Path, force: str = "") -
     """
     different = _check(first, second, force)
     sites = {"A": first, "B": second}
-    found = Merged()
+    merged = Merged()
     new_id = str(uuid4())
-    chosen = _choose(sites, found)
+    chosen = _choose(sites, merged)
     with new_folder(out) as work:
         about = {"schema": SCHEMA, "study": new_id, "experiment": first.design.name,
                  "mode": first.mode, "created": now(), "build": first.build}  # fmt: skip
@@ -82,8 +82,8 @@ def merge(first: StudyFolder, second: StudyFolder, out: Path, force: str = "") -
         write_atomically(work / SITES, csv_bytes(rows, ["ppid", "site"]))
         rebuild_all(StudyFolder.at(work))
         (work / ".lock").unlink(missing_ok=True)
-    found.people = len(chosen)
-    return found
+    merged.people = len(chosen)
+    return merged
 
 
 def _check(first: StudyFolder, second: StudyFolder, force: str) -> list[str]:

@@ -88,7 +88,7 @@ def anonymise(study: StudyFolder, out: Path, masking: Masking, say: Say) -> Anon
         StudyError: A journal is damaged, there is nobody, or the copy cannot be written.
     """
     _check(study.design, masking)
-    sessions = {person.ppid: found for person, found in all_sessions(study)}
+    sessions = {person.ppid: kept_session for person, kept_session in all_sessions(study)}
     agreed = {p: some for p, some in sessions.items()
               if all(s.state.consent is not False for s in some)}  # fmt: skip
     if not agreed:
@@ -107,11 +107,11 @@ def anonymise(study: StudyFolder, out: Path, masking: Masking, say: Say) -> Anon
             for session in agreed[old]:
                 say(f"{names[old]}: {len(session.records)} records")
                 _write_session(work, session, disguise, masking)
-        found = _finish(work, masking, len(sessions) - len(agreed))
+        kept_session = _finish(work, masking, len(sessions) - len(agreed))
     starts = [r for some in agreed.values() for session in some for r in session.records
               if r["kind"] == "trial_start"]  # fmt: skip
     hidden = masking.recordings and not masking.hands
-    return replace(found, hands=sum(hidden and in_the_air(r["values"]) for r in starts))
+    return replace(kept_session, hands=sum(hidden and in_the_air(r["values"]) for r in starts))
 
 
 def _check(design: Design, masking: Masking) -> None:
@@ -211,19 +211,19 @@ def _finish(work: Path, masking: Masking, without_consent: int) -> Anonymised:
         if item.name not in masking.drop and (masking.words or item.kind != "text")
     ]  # fmt: skip
     columns = [name for name in columns if len({p.get(name) for p in people}) > 1]
-    found = groups(people, columns)
+    group_sizes = groups(people, columns)
     (work / ".lock").unlink(missing_ok=True)
     write_atomically(work / ABOUT, _json({
         "participants": len(people), "left_out_without_consent": without_consent,
         "words_kept": masking.words, "left_out": list(masking.drop),
         "rounded_down_to": dict(masking.bins or {}), "recordings": masking.recordings,
         "recordings_of_hands_in_the_air": masking.recordings and masking.hands,
-        "compared": list(found.columns), "smallest_group": found.smallest,
-        "people_in_groups_below_5": found.exposed,
+        "compared": list(group_sizes.columns), "smallest_group": group_sizes.smallest,
+        "people_in_groups_below_5": group_sizes.exposed,
         "may_still_tell": ["the order of arrival (participant_number)", "hand_size",
                            "how somebody moves (touches and poses)"],
     }))  # fmt: skip
-    return Anonymised(len(people), without_consent, found)
+    return Anonymised(len(people), without_consent, group_sizes)
 
 
 def lines(records: list[Record]) -> bytes:

@@ -74,12 +74,12 @@ class Disguise:
 
 def disguised(records: Iterable[Record], disguise: Disguise) -> list[Record]:
     """A session's journal, made anonymous: as many records, in the same order."""
-    found: list[Record] = []
+    masked: list[Record] = []
     start: Record | None = None
     for record in records:
         start = start or record
-        found.append(_one(record, start, disguise))
-    return found
+        masked.append(_one(record, start, disguise))
+    return masked
 
 
 def without_places(value: Any) -> Any:
@@ -109,32 +109,32 @@ def disguised_line(line: bytes, disguise: Disguise) -> bytes:
 
 def _one(record: Record, start: Record, disguise: Disguise) -> Record:
     kind = record["kind"] if record["kind"] in KEPT else LEFT_OUT
-    found: Record = {"n": record["n"], "time": _shifted(record["time"], start["time"]),
+    masked: Record = {"n": record["n"], "time": _shifted(record["time"], start["time"]),
                      "clock": round(record["clock"] - start["clock"], 6), "kind": kind}  # fmt: skip
-    found |= {k: without_places(record[k]) for k in KEPT.get(kind, ()) if k in record}
+    masked |= {k: without_places(record[k]) for k in KEPT.get(kind, ()) if k in record}
     if kind in NAMED:
-        found["ppid"] = disguise.ppid
+        masked["ppid"] = disguise.ppid
     if kind in ("session_start", "session_resume"):
-        found["study"] = disguise.study
+        masked["study"] = disguise.study
     if kind == "answers":
-        found["answers"] = {item: disguise.answer(record["form"], item, value)
+        masked["answers"] = {item: disguise.answer(record["form"], item, value)
                             for item, value in record["answers"].items()}  # fmt: skip
     if kind in WORDS:
         key = WORDS[kind]
-        found[key] = record.get(key, "") if disguise.words else WITHHELD
-    return found
+        masked[key] = record.get(key, "") if disguise.words else WITHHELD
+    return masked
 
 
 def _told(header: dict[str, Any], disguise: Disguise) -> dict[str, Any]:
     """A recording's header, or its result, which repeats it."""
-    found = without_places(header)
-    if isinstance(found.get("study"), dict):
-        found["study"]["ppid"] = disguise.ppid
-    if "broken_off" in found and not disguise.words:
-        found["broken_off"] = WITHHELD
-        if found.get("reason"):
-            found["reason"] = WITHHELD
-    return dict(found)
+    masked = without_places(header)
+    if isinstance(masked.get("study"), dict):
+        masked["study"]["ppid"] = disguise.ppid
+    if "broken_off" in masked and not disguise.words:
+        masked["broken_off"] = WITHHELD
+        if masked.get("reason"):
+            masked["reason"] = WITHHELD
+    return dict(masked)
 
 
 def _is_path(text: str) -> bool:

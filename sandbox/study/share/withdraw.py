@@ -84,11 +84,11 @@ def _without(record: Record, ppid: str, reason: str) -> Record:
     if record["kind"] == WITHDRAWN:
         return record
     if record.get("ppid") == ppid:
-        found: Record = {"n": record["n"], "time": now(), "clock": round(time.monotonic(), 6),
+        entry: Record = {"n": record["n"], "time": now(), "clock": round(time.monotonic(), 6),
                          "kind": REMOVED}  # fmt: skip
         if record["kind"] == "participant":
-            found |= {"kind": WITHDRAWN, "ppid": ppid, "reason": reason}
-        return found
+            entry |= {"kind": WITHDRAWN, "ppid": ppid, "reason": reason}
+        return entry
     return {key: _scrubbed(value, ppid) for key, value in record.items()}
 
 
@@ -125,7 +125,7 @@ def _traces(study: StudyFolder, ppid: str) -> list[Path]:
     those of other participants cannot."""
     others = {person.ppid for person in study.participants()}
     own = {study.path / "study.jsonl", study.path / COPIES}
-    found = []
+    paths = []
     for path in sorted(study.path.rglob("*")):
         inside = path.relative_to(study.path).parts
         if inside[0] in others or path in own or not path.is_file():
@@ -134,8 +134,8 @@ def _traces(study: StudyFolder, ppid: str) -> list[Path]:
             data = path.read_bytes()
             data = gzip.decompress(data) if path.suffix == ".gz" else data
         except (OSError, EOFError, zlib.error):
-            found.append(path)
+            paths.append(path)
             continue
         if ppid.encode() in data or ppid in str(Path(*inside)):
-            found.append(path)
-    return found
+            paths.append(path)
+    return paths

@@ -105,15 +105,15 @@ def ball_radius(palm: Array, normal: Array, tips: list[Array]) -> float | None:
     A ball whose middle is a radius r along the normal passes through a tip p where
     r = |p - palm|^2 / (2 (p - palm) . normal); the median over fingertips is taken.
     """
-    found = []
+    radii = []
     for tip in tips:
         way = tip - palm
         along = float(way @ normal)
         if along > 1e-3:
-            found.append(float(way @ way) / (2.0 * along))
-    if len(found) < 3:
+            radii.append(float(way @ way) / (2.0 * along))
+    if len(radii) < 3:
         return None
-    return float(np.clip(np.median(found), *_SPHERES))
+    return float(np.clip(np.median(radii), *_SPHERES))
 
 
 def diagram(

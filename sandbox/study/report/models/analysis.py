@@ -146,8 +146,8 @@ def _model(data: StudyData, what: Quantity) -> Modelled:
         return Modelled(described, "", [], success_differences(data, what.name))
     rows, y = rows_for_model(data, what)
     model = fit_mixed(data, rows, y)
-    found = [] if isinstance(model, str) else mixed_differences(data, rows, model)
-    return Modelled(described, model, found, [])
+    differences = [] if isinstance(model, str) else mixed_differences(data, rows, model)
+    return Modelled(described, model, differences, [])
 
 
 def adjusted(found: Sequence[Difference | Successes]) -> list[float]:

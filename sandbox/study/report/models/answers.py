@@ -73,15 +73,15 @@ def _each(
     data: StudyData, table: DataFrame, form: str, item: str, value: str, score: bool
 ) -> list[Scale]:
     table = table[~table["ppid"].isin(_left_out(data))]
-    found = []
+    scales = []
     for (name, scale), rows in table.groupby([form, item], sort=False):
         numbers = to_numbers(rows[value])
         given = rows[value].astype(str).str.strip() != ""
         # A text that looks like a number once is none; every answer has to be one.
         if not given.any() or numbers[given].isna().any():
             continue
-        found.append(_scale(data, str(name), str(scale), score, rows, numbers.to_numpy(float)))
-    return found
+        scales.append(_scale(data, str(name), str(scale), score, rows, numbers.to_numpy(float)))
+    return scales
 
 
 def _left_out(data: StudyData) -> list[str]:
@@ -129,7 +129,7 @@ def _level(data: StudyData, rows: DataFrame) -> tuple[Factor | None, np.ndarray]
 def _differences(
     factor: Factor | None, levels: tuple[str, ...], values: np.ndarray
 ) -> list[Difference]:
-    found = []
+    differences = []
     for j in range(len(levels)):
         for k in range(j + 1, len(levels)):
             assert factor is not None
@@ -139,7 +139,7 @@ def _differences(
                 d = b - a
                 d = d[np.isfinite(d)]
                 error = float(d.std(ddof=1) / np.sqrt(len(d))) if len(d) > 1 else np.nan
-                found.append(t_difference(pair, float(d.mean()) if len(d) else np.nan, error,
+                differences.append(t_difference(pair, float(d.mean()) if len(d) else np.nan, error,
                                           len(d) - 1.0))  # fmt: skip
                 continue
             a, b = a[np.isfinite(a)], b[np.isfinite(b)]
@@ -149,9 +149,12 @@ def _differences(
             # Welch's degrees of freedom.
             freedom = ((va + vb) ** 2 / (va**2 / (len(a) - 1) + vb**2 / (len(b) - 1))
                        if va + vb > 0.0 else 0.0)  # fmt: skip
-            found.append(t_difference(pair, float(b.mean() - a.mean()), float(np.sqrt(va + vb)),
-                                      float(freedom)))  # fmt: skip
-    return found
+            differences.append(
+                t_difference(
+                    pair, float(b.mean() - a.mean()), float(np.sqrt(va + vb)), float(freedom)
+                )
+            )
+    return differences
 
 
 def adjusted(scale: Scale) -> list[float]:

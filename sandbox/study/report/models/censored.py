@@ -129,14 +129,14 @@ def fit_censored(data: StudyData) -> Censored | str:
     seen = ~rows["censored"].to_numpy(bool)
     if seen.sum() <= X.shape[1] + 1:
         return f"{int(seen.sum())} successes are too few for {X.shape[1]} coefficients"
-    found = tobit(X, y, seen)
-    if found is None:
+    fit = tobit(X, y, seen)
+    if fit is None:
         return "the model has no most likely parameters here"
     who = rows["ppid"].to_numpy()
-    replicates = np.array([_without(X, y, seen, who != ppid, found)
+    replicates = np.array([_without(X, y, seen, who != ppid, fit)
                            for ppid in dict.fromkeys(who)])  # fmt: skip
-    return Censored(tuple(present), tuple(names), found[:-1] / found[-1], replicates,
-                    float(1.0 / found[-1]), people, len(rows), int((~seen).sum()))  # fmt: skip
+    return Censored(tuple(present), tuple(names), fit[:-1] / fit[-1], replicates,
+                    float(1.0 / fit[-1]), people, len(rows), int((~seen).sum()))  # fmt: skip
 
 
 def _without(
@@ -156,14 +156,14 @@ def _without(
 def censored_differences(data: StudyData, model: Censored) -> list[Difference]:
     """All pairs of levels, by the model: of log times."""
     used = data.used
-    found = []
+    differences = []
     for pair in pairs_of(data, model.present):
         weights = np.zeros(len(model.names))
         weights[: len(model.present)] = pair.weights(len(data.conditions))[list(model.present)]
         freedom = freedom_of(pair.factor, zip(used["ppid"], used[pair.factor.column], strict=True))
         value = float(weights @ model.coefficients)
-        found.append(t_difference(pair, value, model.error(weights), freedom))
-    return found
+        differences.append(t_difference(pair, value, model.error(weights), freedom))
+    return differences
 
 
 def rows_of(data: StudyData) -> DataFrame:

@@ -52,7 +52,7 @@ def pairs_of(data: StudyData, present: Collection[int] | None = None) -> list[Pa
     """
     names = [f.column for f in data.factors]
     seen = data.used[["cell", *names]].drop_duplicates("cell")
-    found = []
+    pairs = []
     for factor in data.factors:
         others = [name for name in names if name != factor.column]
         where: dict[str, dict[tuple[str, ...], int]] = {}
@@ -64,8 +64,8 @@ def pairs_of(data: StudyData, present: Collection[int] | None = None) -> list[Pa
             one, two = where.get(first, {}), where.get(second, {})
             cells = tuple((one[rest], two[rest]) for rest in one if rest in two)
             if cells:
-                found.append(Pair(factor, first, second, cells))
-    return found
+                pairs.append(Pair(factor, first, second, cells))
+    return pairs
 
 
 @dataclass(frozen=True)

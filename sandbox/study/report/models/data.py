@@ -186,11 +186,11 @@ def _optional(path: Path) -> DataFrame:
 
 def _only(trials: DataFrame, column: str, path: Path) -> str:
     """The one value of a column; empty where there is none."""
-    found = [x for x in dict.fromkeys(trials.get(column, ())) if x]
-    if len(found) > 1:
+    values = [x for x in dict.fromkeys(trials.get(column, ())) if x]
+    if len(values) > 1:
         raise StudyError("data of different kinds must not be mixed", where=f"{path}: {column}",
-                         got=", ".join(found[:4]), expected="the same in every row")  # fmt: skip
-    return str(found[0]) if found else ""
+                         got=", ".join(values[:4]), expected="the same in every row")  # fmt: skip
+    return str(values[0]) if values else ""
 
 
 def _about(folder: Path) -> dict[str, Any]:

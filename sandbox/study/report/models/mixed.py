@@ -115,14 +115,14 @@ def fit_mixed(data: StudyData, rows: DataFrame, y: np.ndarray) -> Mixed | str:
     factors, lacking = random_factors(rows, data.factors)
     left_out += lacking
     while True:
-        found = _fit(rows, y, X, factors)
-        if found is not None:
+        fit = _fit(rows, y, X, factors)
+        if fit is not None:
             break
         if not factors:
             return "the mixed model cannot be fitted to these data"
         left_out.append(f"person x {factors[-1].name}: it cannot be fitted")
         factors = factors[:-1]
-    spreads, converged = found
+    spreads, converged = fit
     covariance, coefficients = _generalised(rows, y, X, factors, spreads)
     return Mixed(tuple(present), tuple(names), coefficients, covariance, spreads, people,
                  len(rows), tuple(left_out), converged)  # fmt: skip
@@ -189,15 +189,15 @@ def _generalised(
 
 def mixed_differences(data: StudyData, rows: DataFrame, model: Mixed) -> list[Difference]:
     """All pairs of levels, by the model."""
-    found = []
+    differences = []
     for pair in pairs_of(data, model.present):
         weights = np.zeros(len(model.names))
         weights[: len(model.present)] = pair.weights(len(data.conditions))[list(model.present)]
         freedom = freedom_of(pair.factor, zip(rows["ppid"], rows[pair.factor.column], strict=True))
         error = float(np.sqrt(weights @ model.covariance @ weights))
         value = float(weights @ model.coefficients)
-        found.append(t_difference(pair, value, error, freedom))
-    return found
+        differences.append(t_difference(pair, value, error, freedom))
+    return differences
 
 
 def practice_effect(model: Mixed) -> tuple[float, float, float] | None:

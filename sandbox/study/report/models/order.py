@@ -45,14 +45,14 @@ def places(data: StudyData, what: Quantity, factor: Factor) -> list[Place]:
     everywhere = data.used[["ppid", factor.column, *outer]].assign(place=place)
     often = Counter(zip(*(everywhere.drop_duplicates()[c] for c in (factor.column, "place")),
                         strict=True))  # fmt: skip
-    found = []
+    result = []
     for name in factor.levels:
         for number in sorted({p for x, p in often if x == name}):
             mine = (level == name) & (at == number)
             means = _by_person(rows["ppid"].to_numpy()[mine], corrected[mine])
-            found.append(Place(factor.name, name, int(number), often[name, number],
+            result.append(Place(factor.name, name, int(number), often[name, number],
                                _back(what, mean_interval(means))))  # fmt: skip
-    return found
+    return result
 
 
 def _place(data: StudyData, factor: Factor, outer: list[str]) -> np.ndarray:
@@ -109,14 +109,14 @@ def learning(data: StudyData, what: Quantity, factor: Factor | None) -> list[Lea
     corrected = _corrected(data, rows["cell"].to_numpy(int), y, level)
     size = int(np.ceil(number.max() / POINTS))
     step = (number.to_numpy(int) - 1) // size
-    found = []
+    result = []
     for name in factor.levels if factor else ("all",):
         for k in sorted(set(step[level == name])):
             mine = (level == name) & (step == k)
             means = _by_person(rows["ppid"].to_numpy()[mine], corrected[mine])
-            found.append(Learned(name, int(k) * size + 1, (int(k) + 1) * size,
+            result.append(Learned(name, int(k) * size + 1, (int(k) + 1) * size,
                                  _back(what, mean_interval(means)), len(means)))  # fmt: skip
-    return found
+    return result
 
 
 def _corrected(data: StudyData, cell: np.ndarray, y: np.ndarray, level: np.ndarray) -> np.ndarray:

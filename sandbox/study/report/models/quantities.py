@@ -92,12 +92,12 @@ def quantity(data: StudyData, name: str) -> Quantity:
 def quantities(data: StudyData) -> list[Quantity]:
     """All measures of which a study has numbers that differ."""
     names = [n for n in BY_NAME if n in data.used.columns and n not in SAME_AS_MAIN]
-    found = []
+    measures = []
     for name in names:
         values = to_numbers(data.used[name])
         if values.nunique() > 1 or (name in MAIN and values.notna().any()):
-            found.append(quantity(data, name))
-    return found
+            measures.append(quantity(data, name))
+    return measures
 
 
 def rows_with(data: StudyData, what: Quantity) -> tuple[DataFrame, np.ndarray]:

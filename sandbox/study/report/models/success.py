@@ -123,8 +123,8 @@ def sign_test(differences: np.ndarray) -> float:
     else:
         signs = np.random.default_rng(len(d)).choice((-1.0, 1.0), (DRAWS, len(d)))
         extra = 1
-    found = np.abs(signs @ d) >= abs(d.sum()) - 1e-9
-    return float((found.sum() + extra) / (len(found) + extra))
+    as_extreme = np.abs(signs @ d) >= abs(d.sum()) - 1e-9
+    return float((as_extreme.sum() + extra) / (len(as_extreme) + extra))
 
 
 def group_test(a: np.ndarray, b: np.ndarray) -> float:
@@ -167,11 +167,11 @@ def odds(data: StudyData) -> list[Difference] | str:
     values, covariance = np.asarray(fit.params), np.asarray(fit.cov_params())
     if not (np.isfinite(values).all() and np.isfinite(covariance).all()):
         return "the equations have no finite solution here"
-    found = []
+    differences = []
     for pair in pairs_of(data, present):
         weights = np.zeros(len(names))
         weights[: len(present)] = pair.weights(len(data.conditions))[present]
         freedom = freedom_of(pair.factor, zip(used["ppid"], used[pair.factor.column], strict=True))
         error = float(np.sqrt(weights @ covariance @ weights))
-        found.append(t_difference(pair, float(weights @ values), error, freedom))
-    return found
+        differences.append(t_difference(pair, float(weights @ values), error, freedom))
+    return differences

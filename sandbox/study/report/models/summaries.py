@@ -113,12 +113,12 @@ def _shares(data: StudyData, what: Quantity, groups: list[tuple[str, list[int]]]
     _, own, done = rates(data, what.name)
     who = done.any(axis=1)
     usual = design_effect(list(_mean(own)[who]), [int(n) for n in done[who].sum(axis=1)])
-    found = []
+    shares = []
     for (_, cells), column in zip(groups, table.T, strict=True):
         known = np.isfinite(column)
-        found.append(share(list(column[known]),
+        shares.append(share(list(column[known]),
                            [int(n) for n in done[:, cells].sum(axis=1)[known]], usual))  # fmt: skip
-    return found
+    return shares
 
 
 def median_with_unseen(data: StudyData, cell: int) -> float:
