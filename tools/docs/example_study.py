@@ -1,4 +1,4 @@
-"""The example study for docs: `python -m benchmarks.example_study out/three-encoders-simulated`.
+"""The example study for docs: `python -m tools.docs.example_study out/three-encoders-simulated`.
 
 Makes the report on a simulated study, keeps its page as examples/study/report.html, and writes
 docs/example-study.md with some of its tables and pictures. Nobody took part.
@@ -42,7 +42,7 @@ TEXT = """# An example: three encoders by three tasks
 **Simulated. Nobody took part**: this shows how a study goes and what its report says, and nothing
 about people. The design is [examples/study/design.toml](../examples/study/design.toml), the whole
 report [examples/study/report.html](../examples/study/report.html) (save it, and open it in a
-browser). `python -m benchmarks.example_study FOLDER` wrote this page and all numbers in it.
+browser). `python -m tools.docs.example_study FOLDER` wrote this page and all numbers in it.
 
 ```console
 $ sandbox study check {design}

@@ -1,4 +1,4 @@
-"""What a participant sees, for docs/studies.md: `python -m benchmarks.study_pictures [FILE]`.
+"""What a participant sees, for docs/studies.md: `python -m tools.docs.study_pictures [FILE]`.
 
 A questionnaire that is half filled in, and a trial under a simulated user's fingers, on a page in a
 real Chromium, which has to be installed. Nobody took part.

@@ -1,6 +1,6 @@
 """The page as a person sees it, for the README.
 
-    python -m benchmarks.page_picture
+    python -m tools.docs.page_picture
 
 A simulated user's fingers touch the page in a real Chromium, which has to be installed; the picture
 is taken on the way, when the box is nearly at its goal. It also says how long a touch took to be

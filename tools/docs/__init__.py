@@ -1,0 +1,1 @@
+"""Makes pictures and pages of the documentation."""
