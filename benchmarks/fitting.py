@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.captures.subject.script import SETS
-from encoders.contact_vector import contact_vectors
+from encoders.input_vector import contact_vectors
 from encoders.regression.polynomial import PolynomialEncoder
 from models.pose import POSE_SIZE
 

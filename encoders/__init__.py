@@ -1,9 +1,64 @@
-"""From touches to a pose: contact vector, encoders, labels, correction, reconstructor."""
+"""From touches to a hand pose: contact vector, encoders, captures, trained models, PAALM.
 
-import models  # noqa: F401  (before NumPy: it pins the BLAS kernel)
-from encoders.contact_vector import contact_vector as contact_vector
-from encoders.paalm import Paalm as Paalm
-from encoders.regression.pca_ik import PcaIkEncoder as PcaIkEncoder
-from encoders.regression.polynomial import CubicEncoder as CubicEncoder
-from encoders.regression.polynomial import LinearEncoder as LinearEncoder
-from encoders.regression.polynomial import QuadraticEncoder as QuadraticEncoder
+The names in `__all__` are the public API; `docs/from-python.md` explains them. Every other module
+may change without notice.
+"""
+
+from typing import TYPE_CHECKING
+
+from models import lazy_names  # before NumPy: `models` pins the BLAS kernel
+
+if TYPE_CHECKING:
+    from encoders.capture import Capture
+    from encoders.input_vector import contact_vector
+    from encoders.paalm.paalm import Paalm
+    from encoders.regression.pca_ik import PcaIkEncoder
+    from encoders.regression.polynomial import CubicEncoder, LinearEncoder, QuadraticEncoder
+    from encoders.regression.trained import (
+        TrainedModel,
+        builtin,
+        builtin_capture,
+        load_model,
+        save_model,
+        train,
+    )
+    from encoders.store import load_capture, save_capture
+else:
+    __getattr__ = lazy_names(
+        __name__,
+        {
+            "Capture": "encoders.capture",
+            "CubicEncoder": "encoders.regression.polynomial",
+            "LinearEncoder": "encoders.regression.polynomial",
+            "Paalm": "encoders.paalm.paalm",
+            "PcaIkEncoder": "encoders.regression.pca_ik",
+            "QuadraticEncoder": "encoders.regression.polynomial",
+            "TrainedModel": "encoders.regression.trained",
+            "builtin": "encoders.regression.trained",
+            "builtin_capture": "encoders.regression.trained",
+            "contact_vector": "encoders.input_vector",
+            "load_capture": "encoders.store",
+            "load_model": "encoders.regression.trained",
+            "save_capture": "encoders.store",
+            "save_model": "encoders.regression.trained",
+            "train": "encoders.regression.trained",
+        },
+    )
+
+__all__ = [
+    "Capture",
+    "CubicEncoder",
+    "LinearEncoder",
+    "Paalm",
+    "PcaIkEncoder",
+    "QuadraticEncoder",
+    "TrainedModel",
+    "builtin",
+    "builtin_capture",
+    "contact_vector",
+    "load_capture",
+    "load_model",
+    "save_capture",
+    "save_model",
+    "train",
+]

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.contact_vector import contact_vectors
+from encoders.input_vector import contact_vectors
 from models.errors import CaptureError
 from models.frames import FINGERS
 from models.pose import POSE_SIZE, relative_pose

@@ -1,3 +1,56 @@
-"""What is to be done, and whether it was done."""
+"""Tasks: a scene with a goal, a test of success, its score, and simulated users who play it.
 
-import models  # noqa: F401  (before NumPy: it pins the BLAS kernel)
+The names in `__all__` are the public API; `docs/write-a-task.md` and `docs/from-python.md` explain
+them. Every other module may change without notice.
+"""
+
+from typing import TYPE_CHECKING
+
+from models import lazy_names  # before NumPy: `models` pins the BLAS kernel
+
+if TYPE_CHECKING:
+    from tasks.own_task import OwnTask, judge, two_places
+    from tasks.registry import draw_task, find_task, task_names
+    from tasks.score import Score, Status
+    from tasks.sensing import Sensing
+    from tasks.task import Goal, Measure, Task
+    from tasks.user import Sight, User, UserConfiguration
+else:
+    __getattr__ = lazy_names(
+        __name__,
+        {
+            "Goal": "tasks.task",
+            "Measure": "tasks.task",
+            "OwnTask": "tasks.own_task",
+            "Score": "tasks.score",
+            "Sensing": "tasks.sensing",
+            "Sight": "tasks.user",
+            "Status": "tasks.score",
+            "Task": "tasks.task",
+            "User": "tasks.user",
+            "UserConfiguration": "tasks.user",
+            "draw_task": "tasks.registry",
+            "find_task": "tasks.registry",
+            "judge": "tasks.own_task",
+            "task_names": "tasks.registry",
+            "two_places": "tasks.own_task",
+        },
+    )
+
+__all__ = [
+    "Goal",
+    "Measure",
+    "OwnTask",
+    "Score",
+    "Sensing",
+    "Sight",
+    "Status",
+    "Task",
+    "User",
+    "UserConfiguration",
+    "draw_task",
+    "find_task",
+    "judge",
+    "task_names",
+    "two_places",
+]

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.capture import Capture
-from encoders.contact_vector import contact_vectors
+from encoders.input_vector import contact_vectors
 from encoders.labels.belief import BeliefLabels, builtin_belief
 from encoders.labels.belief_training import train_belief
 from encoders.labels.labelling import Labeller

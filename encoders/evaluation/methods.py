@@ -9,8 +9,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.contact_vector import contact_vectors
 from encoders.evaluation.copas import Encoder
+from encoders.input_vector import contact_vectors
 from encoders.labels.labelling import Labeller
 from models.pose import absolute_pose
 

@@ -17,7 +17,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.contact_vector import CONTACT_VECTOR_SIZE, LIFTED, leftmost
+from encoders.input_vector import CONTACT_VECTOR_SIZE, LIFTED, leftmost
 from encoders.labels.nearest_neighbour import NearestNeighbour, Search
 from encoders.regression.trained import TrainedModel
 from models.errors import EncoderError

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.contact_vector import contact_vector
 from encoders.correction import PAD_HEIGHT, CorrectionSettings, FingertipCorrection
+from encoders.input_vector import contact_vector
 from encoders.labels.labelling import Labeller
 from encoders.reconstruction.arrival import Arrival, ArrivalSettings, Phase
 from encoders.reconstruction.contact_tracker import ContactTracker, TrackerSettings

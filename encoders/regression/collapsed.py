@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from encoders.contact_vector import CONTACT_VECTOR_SIZE, LIFTED
+from encoders.input_vector import CONTACT_VECTOR_SIZE, LIFTED
 from models.errors import EncoderError
 from models.frames import FINGERS
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from encoders.contact_vector import CONTACT_VECTOR_SIZE
+from encoders.input_vector import CONTACT_VECTOR_SIZE
 from encoders.numba_extra import ANY_ORDER, njit
 from encoders.regression.collapsed import FLAGS, SETS, ContactPoses, collapse, set_code
 from models.frames import FINGERS

@@ -14,7 +14,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from encoders.contact_vector import CONTACT_VECTOR_SIZE
+from encoders.input_vector import CONTACT_VECTOR_SIZE
 from encoders.regression.collapsed import (
     SETS,
     ContactPoses,

@@ -13,7 +13,7 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from encoders.contact_vector import CONTACT_VECTOR_SIZE
+from encoders.input_vector import CONTACT_VECTOR_SIZE
 from encoders.regression.touch_neighbour import Mask, TouchNeighbours, touches_of
 from models.errors import EncoderError
 from models.kinematics import Kinematics

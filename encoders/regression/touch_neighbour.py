@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from encoders.contact_vector import CONTACT_VECTOR_SIZE, contact_vectors
+from encoders.input_vector import CONTACT_VECTOR_SIZE, contact_vectors
 from models.errors import EncoderError
 from models.frames import FINGERS
 from models.pose import relative_pose

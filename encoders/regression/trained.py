@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.capture import Capture
-from encoders.contact_vector import CONTACT_VECTOR_SIZE
+from encoders.input_vector import CONTACT_VECTOR_SIZE
 from encoders.npz import read_npz, write_npz
 from encoders.regression.person_correction import PersonCorrection
 from encoders.regression.polynomial import PolynomialEncoder, ridge_path

@@ -18,7 +18,7 @@ from math import comb, cos, sin
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from encoders.contact_vector import CONTACT_VECTOR_SIZE, LIFTED
+from encoders.input_vector import CONTACT_VECTOR_SIZE, LIFTED
 from encoders.regression.collapsed import FLAGS, collapse
 from encoders.regression.polynomial import PolynomialEncoder, QuadraticEncoder
 from models.errors import EncoderError

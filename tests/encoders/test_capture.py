@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from encoders.capture import Capture
-from encoders.contact_vector import contact_vector
+from encoders.input_vector import contact_vector
 from encoders.store import load_capture, save_capture
 from models.errors import CaptureError
 from models.pose import absolute_pose

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from encoders.contact_vector import contact_vector, contact_vectors, leftmost
+from encoders.input_vector import contact_vector, contact_vectors, leftmost
 from models.errors import EncoderError
 from models.surface import METRES_PER_INCH
 

@@ -7,8 +7,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from encoders.contact_vector import contact_vector
 from encoders.correction import CorrectionSettings, FingertipCorrection
+from encoders.input_vector import contact_vector
 from encoders.labels.belief import builtin_belief
 from encoders.regression.trained import builtin
 from encoders.smoothing import common_motion, rigid_motion

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from encoders.contact_vector import contact_vector
+from encoders.input_vector import contact_vector
 from encoders.labels.assignment import AssignmentLabels
 from encoders.labels.labelling import (
     INDEX,

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from encoders.capture import Capture
 from encoders.captures.subject import FROZEN, SEED, simulate
-from encoders.contact_vector import contact_vectors
+from encoders.input_vector import contact_vectors
 from encoders.person.hand_size import SPREADS, HandSizes, builtin_sizes
 from encoders.person.natural_layout import of_capture
 from encoders.regression.trained import builtin, builtin_capture

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from encoders.contact_vector import contact_vector
+from encoders.input_vector import contact_vector
 from encoders.person.yaw_range import YawRange, YawWarning, YawWatch
 from encoders.regression.trained import builtin, builtin_capture
 from models.errors import CaptureError

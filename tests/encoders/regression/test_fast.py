@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from encoders.contact_vector import contact_vectors
+from encoders.input_vector import contact_vectors
 from encoders.regression.collapsed import SETS, collapse
 from encoders.regression.polynomial import LinearEncoder, PolynomialEncoder, QuadraticEncoder
 from models.errors import EncoderError

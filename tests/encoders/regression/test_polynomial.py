@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.linalg import lstsq
 
 from encoders.captures.subject.script import SETS
-from encoders.contact_vector import contact_vectors
+from encoders.input_vector import contact_vectors
 from encoders.regression.polynomial import (
     CubicEncoder,
     LinearEncoder,

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from encoders.contact_vector import contact_vectors
+from encoders.input_vector import contact_vectors
 from encoders.regression.polynomial import PolynomialEncoder, QuadraticEncoder
 from encoders.regression.trained import builtin_capture
 from encoders.regression.turned import SPREADS, TurnedEncoder, turn_of, turned_touches
