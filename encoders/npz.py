@@ -78,7 +78,7 @@ def read_npz(
             arrays = {name: file[name] for name in names}
             header = json.loads(bytes(file["header"].tobytes()).decode())
     except FileNotFoundError:
-        raise error("there is no such file", where=where) from None
+        raise error("no such file", where=where) from None
     except error:
         raise
     except _DAMAGE as damage:

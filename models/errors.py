@@ -1,6 +1,6 @@
 """The one exception tree of the project.
 
-Every message says what is wrong, where, what was found, what was expected and what to do next.
+Every message says what is wrong, where, what we got, what was expected and what to do next.
 A caller raises with facts; the sentence is built here, so that all messages read alike.
 """
 
@@ -12,7 +12,7 @@ class HandSandboxError(Exception):
 
     Args:
         what: What is wrong, one clause.
-        where: File, line, field or setting in which it was found.
+        where: File, line, field or setting that holds the mistake.
         got: The offending value, shortened by the caller where it may be long.
         expected: What would have been accepted.
         remedy: The next step for the person who reads the message.
@@ -43,7 +43,7 @@ class HandSandboxError(Exception):
 
 
 class InputError(HandSandboxError):
-    """Something a person or a file gave us cannot be used; the command line exits with 2."""
+    """Input from a person or a file cannot be used; the command line exits with 2."""
 
 
 class FrameError(InputError):
@@ -51,7 +51,7 @@ class FrameError(InputError):
 
 
 class DeviceError(InputError):
-    """A device cannot be opened, or what it says cannot be understood."""
+    """A device cannot be opened, or it sends data that cannot be read."""
 
 
 class CaptureError(InputError):
@@ -63,7 +63,7 @@ class MotionError(InputError):
 
 
 class EncoderError(InputError):
-    """An encoder cannot be fitted, loaded or asked for what it was asked for."""
+    """An encoder cannot be fitted or loaded, or does not support the call."""
 
 
 class RecordingError(InputError):

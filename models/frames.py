@@ -19,7 +19,7 @@ class Contact:
         id: Lives from touch-down to touch-up; unique among the contacts of one frame.
         x: Surface position, metres to the right of the top left corner.
         y: Surface position, metres down from the top left corner.
-        size: Contact diameter in metres, where the device measures one.
+        size: Contact diameter in metres; None where the device does not measure it.
         label: Finger (thumb 0 .. little 4), where the *device* knows it; None otherwise.
     """
 
@@ -51,8 +51,8 @@ class TouchFrame:
         time: Seconds on the device's own monotonic clock.
         contacts: The contacts that are down, in any order; ids are unique.
         lift: Position of the device's lift control, 0 (down) to 1, or None where it has none.
-        cancelled: Ids that left since the last frame because the system took them away. They
-            were not lifted by the person, so nothing is to be let go of because of them.
+        cancelled: Ids that left since the last frame because the system took them away. The person
+            did not lift these fingers, so the hand must not let go because of them.
         source: Name of the sender, for messages and logs.
     """
 
@@ -78,7 +78,7 @@ class TouchFrame:
 Vector = tuple[float, float, float]
 
 SIDES = ("right", "left")
-"""Which hand of a person."""
+"""The two hands of a person."""
 
 _UNIT = 1e-3
 """By how much the length of a direction may differ from 1; devices send six digits."""
@@ -90,14 +90,14 @@ class SeenFinger:
 
     Attributes:
         id: Lives from appearing to vanishing; unique among the fingers of one hand.
-        tip: m, place of the fingertip.
-        direction: Unit vector, where the device says that the finger points.
-        length: m, what the device calls the finger's length: the length that it sees (the first
-            Leap software), or that of the bones.
+        tip: m, position of the fingertip.
+        direction: Unit vector along the finger, as the device reports it.
+        length: m, finger length as the device reports it: the visible length (first Leap software),
+            or the sum of the bones.
         finger: Thumb 0 .. little 4 where the *device* knows it; None otherwise.
-        joints: m, (knuckle, PIP, DIP, tip) where the device models bones; None otherwise. Of the
-            thumb: (CMC, MCP, IP, tip).
-        extended: Whether the device holds the finger for stretched; None where it does not say.
+        joints: m, (knuckle, PIP, DIP, tip), for the thumb (CMC, MCP, IP, tip), where the device
+            models bones; None otherwise.
+        extended: True if the device reports the finger as stretched; None where it does not say.
     """
 
     id: int
@@ -132,11 +132,12 @@ class SeenHand:
         palm: m, centre of the palm.
         normal: Unit vector out of the palm (down, where the palm faces down).
         direction: Unit vector from the palm towards the fingers.
-        fingers: Those that are seen, in no order.
+        fingers: The visible fingers, in any order.
         side: `right`, `left`, or None where the device does not know.
         confidence: 0 to 1, the device's own; 1 where it has none.
-        sphere_radius: m, of the ball that the hand could hold; None where the device has none.
-        wrist: m, where the device knows it.
+        sphere_radius: m, radius of the ball that the hand could hold; None where the device does
+            not report it.
+        wrist: m, position of the wrist; None where the device does not know it.
     """
 
     id: int
@@ -177,7 +178,7 @@ class HandFrame:
 
     Attributes:
         time: Seconds on the device's own monotonic clock.
-        hands: Those that are seen, in no order.
+        hands: The visible hands, in any order.
         source: Name of the device, for messages and logs.
     """
 
@@ -194,7 +195,7 @@ class HandFrame:
 
 
 Frame = TouchFrame | HandFrame
-"""What a device says at one moment."""
+"""One input frame of a device, from a surface or from the air."""
 
 
 def _finite(vector: Vector, where: str, name: str) -> None:
@@ -207,4 +208,6 @@ def _finite(vector: Vector, where: str, name: str) -> None:
 def _unit(vector: Vector, where: str, name: str) -> None:
     length = math.hypot(*vector)
     if abs(length - 1.0) > _UNIT:
-        raise FrameError(f"{name} is no unit vector", where=where, got=vector, expected="length 1")
+        raise FrameError(
+            f"{name} is not a unit vector", where=where, got=vector, expected="length 1"
+        )

@@ -2,7 +2,7 @@
 
 The order of joints and actuators is the order of the pose `q`, so that a pose *is* the control
 vector. Servos are limited in force, as the motors of the paper's Bullet hand were: its largest
-motor impulse J per step of 1/60 s mirrors to the force limit J / (1/60 s), whatever our time step.
+motor impulse J per step of 1/60 s becomes the force limit J / (1/60 s), whatever our time step.
 """
 
 from __future__ import annotations
@@ -34,7 +34,8 @@ SERVOS = ("orientation", "position")
 Bullet's. `position`: three servos on the components of its rotation vector, each limited."""
 
 ROOT_MASS, ROOT_INERTIA = 1.0, 0.006
-"""kg and kg m2 added to the root's joints: a forearm's share, without which the hand jitters."""
+"""kg and kg m2 added to the root's joints for the mass of a forearm; the hand jitters without
+it."""
 ROOT_STIFFNESS, ROOT_TURN_STIFFNESS = 8000.0, 40.0
 """N/m and N m/rad of the root's servos, at servo stiffness 1."""
 
@@ -46,22 +47,22 @@ FLESH_DENSITY = 1100.0
 """kg/m3."""
 
 CUFF, SLEEVE = ".93 .94 .95 1", ".16 .20 .27 1"
-"""Colours, red green blue alpha, of what ends the hand at the wrist."""
+"""Colours, red green blue alpha, of cuff and sleeve, where the hand ends at the wrist."""
 
 
 @dataclass(frozen=True)
 class Hand:
-    """How one hand of a scene is made.
+    """Settings of one hand of a scene.
 
     Attributes:
         name: Prefix of its bodies, joints and actuators.
-        skeleton: Bones, of either side and any size.
+        skeleton: Its bones; either side, any size.
         servo: One of `SERVOS`.
         impulse: Impulse limit of every servo, N s (or N m s) per 1/60 s.
         stiffness: Factor on the servo stiffnesses of the skeleton and the root.
         finger_armature: Factor on the armature of the finger joints; see the function of this name.
-        solid_end: m of a last link, from the middle of its fingertip, that are solid where not the
-            whole hand is; None is all of it.
+        solid_end: m, length of the part of a last link that collides, measured from the middle of
+            the fingertip, where only fingertips are solid; None makes the whole link collide.
     """
 
     name: str = "right"
@@ -84,25 +85,26 @@ class Hand:
 
     @property
     def force_limit(self) -> float:
-        """N (slides) and N m (turns): impulse limit over the period it is counted in."""
+        """Force limit in N (slides) or N m (turns): impulse limit divided by its period of 1/60
+        s."""
         return self.impulse / IMPULSE_PERIOD
 
     def element_name(self, part: str) -> str:
-        """Name in the model of one of this hand's parts, `palm` or a bone's name."""
+        """Name in the MuJoCo model of a part of this hand: `palm` or a bone's name."""
         return f"{self.name}_{part}"
 
     def solid_name(self, bone: Bone) -> str:
-        """Name of the geom of a last link that meets objects."""
+        """Name of the geom that collides with objects in place of a last link."""
         return self.element_name(bone.name) + ("" if self.solid_end is None else "_end")
 
 
 def is_calm(impulse: float) -> bool:
-    """Whether a hand is no stronger than `safe`, and is to be slow and heavy as well."""
+    """True for a hand no stronger than `safe`, which is also made slow and heavy."""
     return impulse <= IMPULSE_PROFILES["safe"]
 
 
 def finger_armature(impulse: float) -> float:
-    """Factor on the armature that goes with an impulse limit, for `Hand.finger_armature`."""
+    """Armature factor for an impulse limit, to be used as `Hand.finger_armature`."""
     return CALM_ARMATURE if is_calm(impulse) else 1.0
 
 
@@ -120,7 +122,7 @@ def hand_default() -> Element:
 
 
 def hand_body(hand: Hand) -> Element:
-    """The palm's body with everything that hangs on it.
+    """The palm's body with all fingers attached.
 
     The bones' geoms are compiled as solid: MuJoCo decides at compile time which bodies may collide
     at all. A session turns geoms off and on again afterwards.
@@ -143,8 +145,8 @@ def hand_body(hand: Hand) -> Element:
             "name": hand.element_name(bone.name), "pos": _text(*bone.anchor),
             "quat": _text(*matrix_to_quaternion(bone.rest)), "gravcomp": "1",
         })  # fmt: skip
-        # The joint's own limit bounds the total angle only, a little outside the legal box; what
-        # keeps a finger straight is that its target is legal and its servo stiff.
+        # The joint's own limit bounds the total angle only, a little outside the legal box; a
+        # finger stays straight because its target is legal and its servo stiff.
         reach = float(np.linalg.norm(np.maximum(-bone.lower, bone.upper))) + np.deg2rad(10.0)
         SubElement(body, "joint", {
             "name": hand.element_name(bone.name), "type": "ball",
@@ -203,8 +205,8 @@ def _orientation(hand: Hand, joint: str, stiffness: float) -> Element:
 def _palm_geoms(palm: Element, hand: Hand) -> None:
     """Metacarpals from the wrist to each knuckle, the thumb's ball, and a stub of forearm.
 
-    The capsules with mass are the palm of the simulation and are hidden (group 3); what is seen
-    has none, so that the look can change without changing a single number of the physics.
+    The capsules with mass are the palm of the simulation and are hidden (group 3); the visible
+    geoms have no mass, so that the look can change without changing the physics.
     """
     skeleton, radius = hand.skeleton, hand.skeleton.palm_radius
     knuckles = [np.array(skeleton.bones[i].anchor) for i in skeleton.first_bone]
@@ -228,7 +230,7 @@ def _palm_geoms(palm: Element, hand: Hand) -> None:
 
 
 def _palm_look(palm: Element, knuckles: list[NDArray[np.float64]], radius: float) -> None:
-    """What is seen of the palm: no mass, no collisions.
+    """The visible palm: geoms without mass and collisions.
 
     Args:
         palm: Body to add to.

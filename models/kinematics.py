@@ -19,10 +19,10 @@ _LEVELS = 3
 
 
 class Placement(NamedTuple):
-    """Where every bone of the hand is, in the frame of the pose's root."""
+    """Positions and rotations of all bones and fingertips, in the frame of the pose's root."""
 
     joints: Array
-    """(..., 14, 3) m, places of the ball joints."""
+    """(..., 14, 3) m, positions of the ball joints."""
     rotations: Array
     """(..., 14, 3, 3) rotations of the bones."""
     tips: Array
@@ -32,8 +32,8 @@ class Placement(NamedTuple):
 class Kinematics:
     """Forward kinematics of one skeleton.
 
-    All five fingers are walked side by side, one bone outwards at a time, so that a single pose
-    costs three rounds of small array operations rather than fourteen.
+    All five fingers are computed side by side, one bone outwards at a time: a pose costs three
+    rounds of small array operations rather than fourteen.
     """
 
     def __init__(self, skeleton: Skeleton) -> None:
@@ -108,6 +108,6 @@ class Kinematics:
         return tips, jacobian
 
     def _padded(self, per_bone: Array) -> Array:
-        """Appends a turn that does nothing, for the levels that a short finger lacks."""
+        """Appends an identity rotation for the levels that a short finger lacks."""
         eye = np.broadcast_to(np.eye(3), (*per_bone.shape[:-3], 1, 3, 3))
         return np.concatenate([per_bone, eye], axis=-3)

@@ -1,4 +1,4 @@
-"""Values that are worked out when somebody looks at them, and never if nobody does."""
+"""Dataclass fields that are computed on first access."""
 
 from __future__ import annotations
 
@@ -7,30 +7,30 @@ from typing import TYPE_CHECKING, Any, Self
 
 
 class Later:
-    """A base for dataclasses of which some fields may be given as a way to work them out.
+    """Base class for dataclasses with lazy fields: a function computes them on first access.
 
-    What works them out must hold all that it needs and nothing that changes: it may be called at
-    any time, from any thread, and even twice. Nor may it hold who keeps what is made: each would
-    keep the other until Python looks for garbage.
+    The function must hold all data that it needs, and none that changes: it may be called at any
+    time, from any thread, even twice. It must not refer to an owner of the result: the two would
+    keep each other alive until Python's garbage collector runs.
     """
 
     @classmethod
     def later(cls, work_out: Callable[[], Mapping[str, Any]], **known: Any) -> Self:
-        """An object of which some fields are known already.
+        """Creates an object of which only some fields are known already.
 
         Args:
-            work_out: Gives the others by name.
-            known: Fields by name. Those with a default value that are in neither have it.
+            work_out: Returns the other fields by name.
+            known: Fields by name. A field in neither keeps its default value.
         """
         made = cls.__new__(cls)
         made.__dict__.update(known, _work_out=work_out)
         return made
 
     if not TYPE_CHECKING:
-        # Type checkers are to know the fields of a class, and no others.
+        # Hidden from type checkers, which then accept only the fields that a class declares.
 
         def __getattr__(self, name: str) -> Any:
-            """A field that is not there yet."""
+            """Computes the missing fields and returns the one asked for."""
             own = self.__dict__
             if name in type(self).__dataclass_fields__ and "_work_out" in own:
                 own.update(own["_work_out"]())

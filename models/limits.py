@@ -1,4 +1,4 @@
-"""Legal poses: anatomic ranges of the joints, and how fast a commanded pose may move."""
+"""Legal poses: anatomic ranges of the joints, and speed limits of a commanded pose."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ Array = NDArray[np.float64]
 def within_limits(q: ArrayLike, skeleton: Skeleton) -> Array:
     """Poses (..., 48) with every ball joint clamped, component by component, to its range.
 
-    Servo targets must pass here: a ball joint's own limit in the simulation bounds only the total
-    angle, and would let a finger bend sideways as far as it bends forward.
+    All servo targets must be clamped by this function: a ball joint's own limit in the simulation
+    bounds only the total angle, and would let a finger bend sideways as far as it bends forward.
     """
     q = np.array(q, float)
     q[..., JOINTS] = np.clip(q[..., JOINTS], skeleton.lower, skeleton.upper)
@@ -27,7 +27,7 @@ def within_limits(q: ArrayLike, skeleton: Skeleton) -> Array:
 
 
 def violations(q: ArrayLike, skeleton: Skeleton, tolerance: float = 1e-9) -> Array:
-    """(...) number of components outside their range by more than `tolerance` rad."""
+    """Number (...) of components outside their range by more than `tolerance` rad."""
     joints = np.asarray(q, float)[..., JOINTS]
     return np.sum(
         (joints < skeleton.lower - tolerance) | (joints > skeleton.upper + tolerance), axis=-1
@@ -36,7 +36,7 @@ def violations(q: ArrayLike, skeleton: Skeleton, tolerance: float = 1e-9) -> Arr
 
 @dataclass(frozen=True)
 class RateLimit:
-    """Bounds on the speed of a commanded pose; a safety net against jumps of the input.
+    """Speed limits of a commanded pose, a safety net against jumps of the input.
 
     Attributes:
         linear: m/s of the root.
@@ -47,11 +47,11 @@ class RateLimit:
     angular: float = 12.0
 
     def or_quicker(self, other: RateLimit) -> RateLimit:
-        """The higher bound of both, of each speed."""
+        """Limits that allow the higher speed of both, for linear and angular motion."""
         return RateLimit(max(self.linear, other.linear), max(self.angular, other.angular))
 
     def __call__(self, previous: Array, target: Array, dt: float) -> Array:
-        """Pose (48,) as far from previous towards target as dt seconds allow.
+        """Pose (48,) that moves from previous towards target as far as dt seconds allow.
 
         All parts are slowed by the same share, so that the fingers stay in step with the wrist.
         """
@@ -61,12 +61,12 @@ class RateLimit:
         goal[ROOT_ROTATION] = unwrapped(target[ROOT_ROTATION], previous[ROOT_ROTATION])
         step = goal - previous
         squares = step * step
-        # The order in which the three are added has decided what recorded sessions did.
+        # Recorded sessions depend on the order in which the three are added: do not change it.
         linear, *angular = (squares[::3] + squares[2::3] + squares[1::3]).tolist()
         share = sqrt(max(linear / self.linear**2, max(angular) / self.angular**2)) / dt
         return previous + step / share if share > 1.0 else goal
 
 
 GENTLE = RateLimit(0.6, 7.0)
-"""Of hands no stronger than the profile `safe`. At 1 m/s and 12 rad/s, 30 N or 6000 N, a tip may
-meet an object at 1.6 m/s, which is 3 mm in one physics step (benchmarks.soak)."""
+"""Speed limits of hands no stronger than the profile `safe`. At 1 m/s and 12 rad/s, 30 N or 6000 N,
+a tip may meet an object at 1.6 m/s, which is 3 mm in one physics step (benchmarks.soak)."""

@@ -1,8 +1,8 @@
-"""A thing of somebody's own, described in MJCF: text, or a file that any MuJoCo viewer opens.
+"""Custom objects described in MJCF, as text or as a file that any MuJoCo viewer opens.
 
-The description is compiled by MuJoCo on its own, with its defaults, meshes and includes, and what
-comes out is one rigid body of plain geoms, which goes into the scene. So nothing in it can clash
-with names or settings of the scene, and what is wrong with it is said before there is a scene.
+MuJoCo compiles the description on its own, with its defaults, meshes and includes. The result, one
+rigid body of plain geoms, goes into the scene. So names and settings cannot clash with those of the
+scene, and errors are reported before there is a scene.
 """
 
 from __future__ import annotations
@@ -31,42 +31,43 @@ _TYPES = {
     int(_GEOM.mjGEOM_BOX): ("box", 3),
     int(_GEOM.mjGEOM_MESH): ("mesh", 0),
 }
-"""MuJoCo's type of a geom -> its name in MJCF, and how many sizes it has."""
+"""MuJoCo's type of a geom -> its name in MJCF, and its number of sizes."""
 
 _PROBE = 1e-3
-"""m, radius of the ball with which distances are measured; it is added again."""
+"""m, radius of the ball with which distances are measured; the result is corrected by it."""
 _FLOOR = 10.0
-"""m below the thing, top of the block against which its lowest point is measured."""
+"""m below the object, top of the block against which its lowest point is measured."""
 _FAR = 100.0
-"""m, beyond which no distance is asked for."""
+"""m, largest distance that is measured."""
 
 _WORLD_NAMES = ("table", "mat")
-"""Names in a scene that no thing may have."""
+"""Names that a scene uses itself and an object may not have."""
 
 
 @dataclass(frozen=True)
 class MjcfThing:
-    """One rigid body from MJCF, free to move.
+    """An object from MJCF: one rigid body, free to move.
 
     Taken from the description: its one body with all bodies welded to it, their geoms (sphere,
     capsule, ellipsoid, cylinder, box; mesh, which collides as its convex hull), colours, friction
-    and how mass is spread. Geoms with contype and conaffinity 0 are only seen. How soft contacts
-    are and what collides with what is the scene's. Anything else in it (a floor, lights) helps to
-    look at the file, and is left out.
+    and distribution of mass. Geoms with contype and conaffinity 0 are only visible. The scene
+    decides the softness of contacts and which parts collide. Everything else in the description (a
+    floor, lights) is left out.
 
     Attributes:
-        name: Of its body.
+        name: Name of its body.
         mjcf: A whole description, `<mujoco>...`, or the path of a file.
-        mass: kg, whatever the description says; it is spread as described.
+        mass: kg, replaces the total mass of the description, whose distribution is kept.
         position: (3,) m, the body's origin at the start.
         yaw: rad about the vertical at the start; the place of the body in its description does not
             matter.
-        looks_alike: How often it looks the same in one full turn about its z axis: 1 for a thing
-            with a front, 4 for a square one, 0 for a round one. The simulated user goes by it.
+        looks_alike: Rotational symmetry, the number of times it looks the same in one full turn
+            about its z axis: 1 for an object with a front, 4 for a square one, 0 for a round one.
+            The simulated user turns the object accordingly.
         size: Factor on all lengths of the description.
 
     Raises:
-        InputError: MuJoCo does not understand it, or it is not one rigid body.
+        InputError: MuJoCo cannot compile the description, or it is not one rigid body.
     """
 
     name: str
@@ -79,7 +80,7 @@ class MjcfThing:
 
     def __post_init__(self) -> None:
         if not self.name or self.name in _WORLD_NAMES:
-            raise InputError("no thing can have this name", where="MjcfThing", got=self.name)
+            raise InputError("an object cannot have this name", where="MjcfThing", got=self.name)
         for what, value in (("mass", self.mass), ("size", self.size)):
             if not 0.0 < value < float("inf"):
                 raise InputError(
@@ -97,15 +98,15 @@ class MjcfThing:
         yaw: float = 0.0,
         looks_alike: int = 1,
     ) -> MjcfThing:
-        """The thing standing on the table as it is described.
+        """Creates the object standing on the table, upright as described.
 
         Args:
-            name: Of its body.
+            name: Name of its body.
             mjcf: Its description.
             mass: kg.
-            place: (2,) or more, m, where its origin is in the world; the height is found.
+            place: (2,) or more, m, position of its origin in the world; the height is computed.
             yaw: rad about the vertical.
-            looks_alike: See above.
+            looks_alike: See the class.
         """
         x, y = np.asarray(place, float)[:2]
         height = cls(name, mjcf, mass).height
@@ -128,7 +129,7 @@ class MjcfThing:
         return body
 
     def assets(self) -> list[Element]:
-        """MJCF of its meshes, with their points written out."""
+        """MJCF assets of its meshes, with their points written out."""
         model, elements = self._compiled, []
         for mesh in sorted({int(model.geom_dataid[g]) for g in self._geoms} - {-1}):
             points = (
@@ -142,14 +143,14 @@ class MjcfThing:
         return elements
 
     def clearance(self, points: ArrayLike, position: Array, rotation: Array) -> Array:
-        """(n,) m, signed distance of world points (n, 3) to it, negative inside.
+        """Signed distances (n,) m of world points (n, 3) to the object, negative inside.
 
         Measured by MuJoCo's own collision functions, to the solid geoms only.
 
         Args:
             points: World points.
-            position: (3,) m, where its origin is now.
-            rotation: (3, 3) how it is turned now.
+            position: (3,) m, current position of its origin.
+            rotation: (3, 3) current rotation.
         """
         local = (np.atleast_2d(np.asarray(points, float)) - position) @ rotation / self.size
         distances = np.full(len(local), np.inf)
@@ -161,20 +162,20 @@ class MjcfThing:
         return self.size * distances
 
     def scaled(self, size: float) -> MjcfThing:
-        """The same of another size and the same mass, standing where it stood."""
+        """The same object in another size, with the same mass and place."""
         x, y, z = self.position
         return replace(self, size=size * self.size, position=(x, y, z + (size - 1.0) * self.height))
 
     @cached_property
     def height(self) -> float:
-        """m, its origin above the table when it stands there as it is described."""
+        """m, height of its origin above the table when it stands as described."""
         mujoco.mj_kinematics(self._compiled, self._measuring)
         lowest = min(self._distance(geom, "floor") for geom in self._solid) - _FLOOR
         return -self.size * lowest
 
     @cached_property
     def bounds(self) -> tuple[Array, Array]:
-        """Lowest and highest corner (3,), (3,) m of a box about its solid geoms, in its frame."""
+        """Lowest and highest corner (3,), (3,) m of a box around its solid geoms, in its frame."""
         model = self._compiled
         corners = []
         for geom in self._solid:
@@ -192,10 +193,10 @@ class MjcfThing:
 
     @cached_property
     def _compiled(self) -> Any:
-        """MuJoCo's model of the body alone, beside a ball and a block to measure against."""
+        """MuJoCo's model of the body, with a ball and a block to measure distances to."""
         try:
             spec = _read(self.mjcf)
-            # Bodies welded to each other become one, so that all of it is one thing to a sensor.
+            # Bodies welded to each other become one, so that sensors treat them as one object.
             spec.compiler.fusestatic = True
             bodies = spec.worldbody.bodies
             count = len(bodies)
@@ -208,7 +209,7 @@ class MjcfThing:
             model = spec.compile()
         except (ValueError, OSError) as error:
             raise InputError(
-                "MuJoCo cannot read this thing",
+                "MuJoCo cannot read this object",
                 where=self._where,
                 got=" ".join(str(error).split())[:300],
                 remedy="Open it in MuJoCo's viewer (python -m mujoco.viewer) to see what it says",
@@ -223,7 +224,7 @@ class MjcfThing:
             )
         if not set(model.geom_type[model.geom_bodyid == 1].tolist()) <= set(_TYPES):
             raise InputError(
-                "it has a geom of a kind that cannot be moved about",
+                "it has a geom of an unsupported kind",
                 where=self._where,
                 expected=", ".join(name for name, _ in _TYPES.values()),
             )
@@ -234,7 +235,8 @@ class MjcfThing:
 
     @cached_property
     def _measuring(self) -> Any:
-        """Its own data: the body at the origin, the ball anywhere, the block far below."""
+        """MuJoCo data for measuring: the body at the origin, the ball anywhere, the block far
+        below."""
         data = mujoco.MjData(self._compiled)
         data.qpos[:] = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
         data.mocap_pos[1] = (0.0, 0.0, -2 * _FLOOR)
@@ -269,7 +271,8 @@ class MjcfThing:
         if sizes:
             element.set("size", _text(self.size * model.geom_size[geom, :sizes]))
         else:
-            # Its points were shifted to its middle, and so was the geom; a second time nothing is.
+            # The compiler shifted the points to their middle, and the geom with them; that is done
+            # once.
             element.set("mesh", f"{self.name}_mesh{int(model.geom_dataid[geom])}")
         if geom in self._solid:
             solid = {
@@ -293,7 +296,7 @@ def _read(mjcf: str | Path) -> Any:
     if not _is_file(mjcf):
         return mujoco.MjSpec.from_string(str(mjcf))
     if not Path(mjcf).is_file():
-        raise InputError("there is no such file", where="MjcfThing", got=str(mjcf))
+        raise InputError("no such file", where="MjcfThing", got=str(mjcf))
     return mujoco.MjSpec.from_file(str(mjcf))
 
 

@@ -1,4 +1,4 @@
-"""Things to manipulate."""
+"""Objects to manipulate: boxes and wrenches."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ STEEL, BRIGHT_STEEL, DARK_STEEL = (0.52, 0.55, 0.59), (0.74, 0.77, 0.80), (0.30,
 
 
 class Thing(Protocol):
-    """Anything that lies in a scene and is manipulated.
+    """Contract of an object that lies in a scene and is manipulated.
 
     Attributes:
-        name: Of its body, and of the joint that lets it move.
+        name: Name of its body, and of the joint that lets it move.
         mass: kg.
         position: (3,) m, its middle at the start.
         yaw: rad about the vertical at the start.
@@ -40,11 +40,11 @@ class Thing(Protocol):
     def yaw(self) -> float: ...
 
     def body(self) -> Element:
-        """MJCF, a child of the world."""
+        """MJCF of the body, a child of the world."""
         ...
 
     def clearance(self, points: ArrayLike, position: Array, rotation: Array) -> Array:
-        """(n,) m, signed distance of world points (n, 3) to it, negative inside."""
+        """Signed distances (n,) m of world points (n, 3) to the object, negative inside."""
         ...
 
 
@@ -53,7 +53,7 @@ class Box:
     """A solid box, free to move.
 
     Attributes:
-        name: Of its body.
+        name: Name of its body.
         half_size: (3,) m, half its edges.
         mass: kg.
         position: (3,) m, centre at the start.
@@ -81,12 +81,12 @@ class Box:
         return body
 
     def clearance(self, points: ArrayLike, position: Array, rotation: Array) -> Array:
-        """(n,) m, signed distance of world points (n, 3) to the box, negative inside.
+        """Signed distances (n,) m of world points (n, 3) to the box, negative inside.
 
         Args:
             points: World points.
-            position: (3,) m, where the box is now.
-            rotation: (3, 3) how it is turned now.
+            position: (3,) m, current position of the box.
+            rotation: (3, 3) current rotation.
         """
         away = np.asarray(points, float) - position
         return _box_clearance(away.dot(rotation), self.half_size)
@@ -103,17 +103,17 @@ class _Piece:
 
 
 THICKNESS = 0.016
-"""m, of a wrench of size 1, as all that follows."""
+"""m, for a wrench of size 1, as all lengths below."""
 HANDLE_WIDTH = 0.022
-"""m, across the handle, which is what fingers close on."""
+"""m, width of the handle, on which fingers close."""
 HANDLE = (-0.032, 0.060)
 """m along a wrench's x axis, where the handle begins and ends."""
 JAW = -0.052
-"""m along a wrench's x axis, the middle of its jaws, and of the bolt that it sits on."""
+"""m along a wrench's x axis, the middle of its jaws and of its bolt."""
 BOLT_FLAT = 0.0075
 """m, half the width across the flats of the bolt's head."""
 BOLT_LIFT = 0.004
-"""m by which a bolt holds its wrench above the table."""
+"""m, height at which a bolt holds its wrench above the table."""
 
 _SPLAY = np.deg2rad(9.0)
 _HALF = THICKNESS / 2
@@ -134,14 +134,14 @@ class Wrench:
     """An open-ended wrench that lies flat, free to move or set on a bolt about which it turns.
 
     Its frame is at the middle of its length and thickness, x along the handle away from the jaws,
-    z up. The bolt's head, which turns with it, only shows where it turns; fingers pass through it.
+    z up. The bolt's head turns with it and only marks the axis; fingers pass through it.
 
     Attributes:
-        name: Of its body.
+        name: Name of its body.
         mass: kg.
         position: (3,) m, middle at the start.
         yaw: rad about the vertical at the start.
-        bolt: N m of dry friction about the bolt it sits on; None lies free.
+        bolt: N m of dry friction about the bolt it sits on; None for a free wrench.
         rgb: Colour, 0 to 1.
         size: Factor on all its edges, and on the width of its bolt.
     """
@@ -175,13 +175,13 @@ class Wrench:
         return self.size * JAW
 
     def bolt_place(self, middle: ArrayLike, yaw: float) -> tuple[float, float]:
-        """(2,) m, where its jaws are when its middle (2,) and yaw are these."""
+        """Position (2,) m of its jaws when its middle is at (2,) m and its yaw is given in rad."""
         return bolt_place(middle, yaw, self.jaw)
 
     def scaled(self, size: float) -> Wrench:
-        """The same of another size and the same mass and friction, standing where it stood.
+        """The same wrench in another size, with the same mass, friction and place.
 
-        A free one keeps the place under its middle, one on a bolt its bolt's.
+        A free wrench keeps the place of its middle, one on a bolt keeps that of the bolt.
         """
         x, y, z = self.position
         if self.bolt is not None:
@@ -191,7 +191,7 @@ class Wrench:
         return replace(self, size=size * self.size, position=(float(x), float(y), z + raised))
 
     def body(self) -> Element:
-        """MJCF of the wrench; on a bolt, of the bolt with the wrench in it."""
+        """MJCF of the wrench, or of its bolt with the wrench in it."""
         quat = (np.cos(self.yaw / 2), 0.0, 0.0, np.sin(self.yaw / 2))
         body = Element("body", {"name": self.name, "pos": _text(self.position),
                                 "quat": _text(quat)})  # fmt: skip
@@ -221,7 +221,7 @@ class Wrench:
         return self._on_bolt(body, quat)
 
     def _on_bolt(self, body: Element, quat: ArrayLike) -> Element:
-        """What the bolt goes into, which stands still, with the wrench's body in it."""
+        """The fixed plate under the bolt, with the wrench's body in it."""
         x, y = self.bolt_place(self.position[:2], self.yaw)
         plate = Element("body", {"name": f"{self.name}_bolt",
                                  "pos": _text((x, y, 0.0)), "quat": _text(quat)})  # fmt: skip
@@ -242,12 +242,12 @@ class Wrench:
         return plate
 
     def clearance(self, points: ArrayLike, position: Array, rotation: Array) -> Array:
-        """(n,) m, signed distance of world points (n, 3) to the wrench, negative inside.
+        """Signed distances (n,) m of world points (n, 3) to the wrench, negative inside.
 
         Args:
             points: World points.
-            position: (3,) m, where the wrench's middle is now.
-            rotation: (3, 3) how it is turned now.
+            position: (3,) m, current position of the wrench's middle.
+            rotation: (3, 3) current rotation.
         """
         local = (np.asarray(points, float) - position) @ rotation / self.size
         distances = []
@@ -259,7 +259,7 @@ class Wrench:
 
 
 def bolt_place(middle: ArrayLike, yaw: float, jaw: float = JAW) -> tuple[float, float]:
-    """(2,) m, where the jaws of a wrench are whose middle (2,) and yaw are these."""
+    """Position (2,) m of a wrench's jaws, from its middle (2,) m and yaw rad."""
     x, y = np.asarray(middle, float)
     return float(x + jaw * np.cos(yaw)), float(y + jaw * np.sin(yaw))
 
@@ -272,7 +272,7 @@ def _shown(
     rgb: tuple[float, float, float],
     turn: float = 0.0,
 ) -> None:
-    """Adds a part that is seen and nothing else, m above the body's middle and turned by rad."""
+    """Adds a part that is only visible, m above the body's middle and turned by rad."""
     SubElement(body, "geom", {
         "type": kind, "size": _text(size), "pos": _text((0.0, 0.0, height)),
         "quat": _text((np.cos(turn / 2), 0.0, 0.0, np.sin(turn / 2))), "mass": "0",
@@ -281,7 +281,8 @@ def _shown(
 
 
 def _solid(mass: float, rgb: tuple[float, float, float]) -> dict[str, str]:
-    """What all solid parts of objects share: an object answers to hands, objects and the table."""
+    """Default class of all solid parts of objects, which collide with hands, objects and the
+    table."""
     return {
         "mass": f"{mass:.9g}", "contype": str(CONTACT_OBJECT | CONTACT_TABLE),
         "conaffinity": "7", "condim": "4", "friction": "1 .01 .0001",
@@ -290,10 +291,10 @@ def _solid(mass: float, rgb: tuple[float, float, float]) -> dict[str, str]:
 
 
 def _box_clearance(points: Array, half_size: ArrayLike) -> Array:
-    """(n,) m, signed distance of points (n, 3) in a box's own frame."""
+    """Signed distances (n,) m of points (n, 3) in a box's own frame."""
     local = np.abs(points) - half_size
     beyond = np.maximum(local, 0.0)
-    # As `np.linalg.norm`, to the bit, without the way through it.
+    # Equal to `np.linalg.norm` to the bit, without its overhead.
     outside = np.sqrt(np.add.reduce(beyond * beyond, axis=-1))
     return np.asarray(outside + np.minimum(np.maximum.reduce(local, axis=-1), 0.0))
 

@@ -1,12 +1,13 @@
 """Forward kinematics of one pose at a time, for the loop that reconstructs at every control step.
 
-What `models.kinematics` does for any number of poses costs, for a single one, mostly calls of
-NumPy. Here the fingers' chains lie side by side in buffers that are made once, and every step of
-the calculation is one call for all of them. Results agree with those of `Kinematics` to rounding;
-captures and trained models come from there, so that their digests do not depend on this.
+For a single pose, the batched functions of `models.kinematics` spend most of their time on the
+overhead of NumPy calls. Here the fingers' chains lie side by side in preallocated buffers, and
+every step of the calculation is one call for all of them. Results agree with those of `Kinematics`
+to rounding. Captures and trained models use `Kinematics`, so their digests do not depend on this
+module.
 
-`SeveralPoses` does the same for several poses with the same fingers. Trials that run side by side
-must be told what each would be told alone, so every pose takes the same steps in the same order of
+`SeveralPoses` does the same for several poses with the same fingers. A trial must get the same
+result side by side with others as alone, so every pose takes the same steps in the same order of
 sums, and only the calls of NumPy are shared: with 64 poses each costs a fifth.
 """
 
@@ -29,8 +30,8 @@ LEVELS = 3
 """Most bones in one finger; the thumb's chain is padded with a bone of no length."""
 
 TINY = 1e-24
-"""rad2, added to squared angles. It keeps 0/0 out of the closed forms and changes nothing: what
-cancellation spoils there is multiplied by the square of the same small vector."""
+"""rad2, added to squared angles. It avoids 0/0 in the closed forms and does not change results: the
+terms that lose digits by cancellation are multiplied by the square of the same small vector."""
 
 
 def _cross_table() -> Array:
@@ -44,39 +45,40 @@ def _cross_table() -> Array:
 CROSS = _cross_table()
 
 ZERO, ONE, MINUS = POSE_SIZE, POSE_SIZE + 1, POSE_SIZE + 2
-"""Where a padded pose has the numbers 0, 1 and -1."""
+"""Indices of the numbers 0, 1 and -1 in a padded pose."""
 PADDING = (0.0, 1.0, -1.0)
 
 _SKEW = ((None, 2, 1), (2, None, 0), (1, 0, None))
 _SKEW_SIGN = ((ZERO, MINUS, ONE), (ONE, ZERO, MINUS), (MINUS, ONE, ZERO))
-"""Skew matrices: which component of the vector is where, and its sign."""
+"""Entries of a skew matrix: index of the vector's component, and its sign."""
 
 
 class Chains(NamedTuple):
-    """The chains of k fingers, s = 3 k bones."""
+    """Index tables for the chains of k fingers, s = 3 k bones."""
 
     left: Indices
-    """(1 + s, 3, 9) of which number of the padded pose I, skew(w) and w w' are products,"""
+    """(1 + s, 3, 9) index of the first factor in the padded pose, for the products I, skew(w) and w
+    w',"""
     right: Indices
-    """and of which other one."""
+    """and index of the second factor."""
     share_of: Indices
-    """(1 + s, 2, 3) of which number among the (6, 1 + s) of all turns x, y and z of every turn and
-    of its left Jacobian are. With a the sine of the turn t by t, b 1 - cos(t) by t2, they are in
-    this order 1 - b t2, 1 - a, (1 - a) / t2, b, b t2 and a."""
+    """(1 + s, 2, 3) indices into the (6, 1 + s) coefficients of all rotations, for x, y and z of
+    every rotation and of its left Jacobian. With angle t, a = sin(t) / t and b = (1 - cos(t)) / t2,
+    the coefficients are, in this order, 1 - b t2, 1 - a, (1 - a) / t2, b, b t2 and a."""
     rest: Array
-    """(s, 1, 3, 3) rest rotations; the thumb's padding is a turn that stays 0."""
+    """(s, 1, 3, 3) rest rotations; the thumb's padding is a rotation that stays 0."""
     anchor: Array
-    """(s, 3) m, where each bone is in the frame of the one before."""
+    """(s, 3) m, position of each bone in the frame of the one before."""
     reach: Array
     """(k, 4, 1) m, the tips in the frames of the last bones, homogeneous."""
     entry_of: Indices
-    """(k, 3, 48) of which number among those of all blocks (4, k, 3, 3), 0 and 1 the Jacobian is.
-    Block [0, f] is the f-th finger's by the root's turn, block [1 + l, f] by its bone of level
-    l."""
+    """(k, 3, 48) index of every entry of the Jacobian among the numbers of all blocks (4, k, 3, 3),
+    0 and 1. Block [0, f] is the derivative of the f-th finger by the root's rotation, block [1 + l,
+    f] that by its bone of level l."""
 
     @classmethod
     def of(cls, skeleton: Skeleton, fingers: Sequence[int]) -> Chains:
-        """The chains of these fingers in their order."""
+        """Builds the tables for these fingers in their order."""
         many = len(fingers)
         slots = LEVELS * many
         place = np.full((1 + slots, 3), ZERO)
@@ -102,7 +104,7 @@ def _factors(place: Indices) -> tuple[Indices, Indices]:
     """`Chains.left` and `Chains.right`.
 
     Args:
-        place: (n, 3) where the padded pose has the components of n turns w.
+        place: (n, 3) indices of the components of n rotation vectors w in the padded pose.
     """
     left, right = np.empty((2, len(place), 3, 3, 3), np.int64)
     for i in range(3):
@@ -132,12 +134,12 @@ def _gathering(place: Indices, many: int) -> Indices:
 class OnePose:
     """Fingertips of single poses of one skeleton, and their derivative.
 
-    Buffers are used again for every pose, so an object serves one thread at a time; what it returns
-    is the caller's own.
+    Buffers are reused for every pose, so an object serves one thread at a time; returned arrays are
+    new.
 
     Args:
-        skeleton: Of the hand.
-        fingers: Whose tips are wanted, k of them in this order. What is found for a finger does not
+        skeleton: The hand's skeleton.
+        fingers: Labels of the k wanted fingers, in this order. The result for a finger does not
             depend on the others, to the bit.
     """
 
@@ -151,7 +153,7 @@ class OnePose:
         self._factor, self._other = np.empty(self._left.shape), np.empty(self._left.shape)
         self._basis = np.empty(self._left.shape)
         self._squares = [self._basis[:, 2, i] for i in (0, 4, 8)]
-        # NumPy is quickest with whole arrays of one shape: constants are such arrays, too.
+        # NumPy is quickest with whole arrays of one shape, so constants are such arrays, too.
         self._one, self._tiny = np.ones((2, 1 + slots)), np.full(1 + slots, TINY)
         self._twice = np.tile(np.arange(1 + slots), (2, 1))
         self._parts = np.array([[0.5], [1.0]]) * self._one
@@ -181,13 +183,13 @@ class OnePose:
         self._flat_arms = self._arms.reshape(-1, 3)
         self._crossed = np.empty((len(self._flat_arms), 9))
         self._crossed_arms = self._crossed.reshape(self._axes.shape)
-        # All blocks of the Jacobian, and the numbers 0 and 1 that are the rest of it.
+        # All blocks of the Jacobian, then the numbers 0 and 1, which fill its other entries.
         self._entries = np.array([0.0] * self._axes.size + [0.0, 1.0])
         self._blocks = self._entries[:-2].reshape(self._axes.shape)
         self._entry_of = chains.entry_of
 
     def tips(self, q: Array) -> Array:
-        """(k, 3) m, centres of the fingertips of a pose (48,)."""
+        """Centres (k, 3) m of the fingertips of a pose (48,)."""
         return self._walk(q)
 
     def tips_and_jacobian(self, q: Array) -> tuple[Array, Array]:
@@ -206,7 +208,7 @@ class OnePose:
         """Fingertips (k, 3) of a pose; turns, left Jacobians and frames stay in their buffers."""
         self._padded[:POSE_SIZE] = q
         self._turn()
-        # Of the bones after their rest rotations.
+        # Bone rotations after their rest rotations.
         np.matmul(self._rest, self._bone_turns, self._bones)
         self._local_turn[:] = self._turn_of
         self._root_turn[:] = self._root
@@ -217,13 +219,14 @@ class OnePose:
         return self._tips.copy()
 
     def _turn(self) -> None:
-        """exp(w) and left Jacobian (n, 2, 3, 3) of all turns w of the padded pose; Rodrigues."""
+        """exp(w) and left Jacobian (n, 2, 3, 3) of all rotation vectors w of the padded pose
+        (Rodrigues)."""
         padded, numbers = self._padded, self._numbers
         # With a mode other than "raise", numbers go to their places without a copy between.
         padded.take(self._left, None, self._factor, "clip")
         padded.take(self._right, None, self._other, "clip")
         np.multiply(self._factor, self._other, self._basis)
-        # Recorded sessions were reconstructed with squares that were added in this order.
+        # Recorded sessions were reconstructed with squares added in this order: do not change it.
         x2, y2, z2 = self._squares
         t2 = x2 + z2
         t2 += y2
@@ -243,11 +246,11 @@ class OnePose:
 
 
 class SeveralPoses:
-    """Fingertips of poses of one skeleton, and their derivative.
+    """Fingertips of several poses of one skeleton, and their derivative.
 
     Args:
-        skeleton: Of the hand.
-        fingers: Whose tips are wanted, k of them in this order.
+        skeleton: The hand's skeleton.
+        fingers: Labels of the k wanted fingers, in this order.
     """
 
     def __init__(self, skeleton: Skeleton, fingers: Sequence[int]) -> None:
@@ -273,17 +276,18 @@ class SeveralPoses:
         axes[:, 0] = turns[:, 0, 1:]
         np.matmul(frames[:, :-1, :, :3, :3], left_of, axes[:, 1:])
         arms = tips[:, None] - frames[..., :3, 3]
-        # Every column of the table has one number: the product is exact in any order.
+        # Every column of the table has one nonzero number: the product is exact in any order.
         crossed = np.dot(arms.reshape(-1, 3), CROSS).reshape(axes.shape)
         blocks = np.matmul(crossed, axes).reshape(n, -1)
         entries = np.concatenate([blocks, np.tile([0.0, 1.0], (n, 1))], axis=1)
         return tips, entries.take(chains.entry_of, 1)
 
     def _turns(self, q: Array) -> Array:
-        """exp(w) and left Jacobian (n, 1 + s, 2, 3, 3) of all turns w of poses (n, 48)."""
+        """exp(w) and left Jacobian (n, 1 + s, 2, 3, 3) of all rotation vectors w of poses (n,
+        48)."""
         n, chains = len(q), self._chains
         padded = np.concatenate([q, np.tile(PADDING, (n, 1))], axis=1)
-        # `take`, unlike an index, lays the rows out as one pose is.
+        # `take`, unlike indexing, lays out the rows in memory like those of one pose.
         basis = padded.take(chains.left, 1) * padded.take(chains.right, 1)
         # The order of sums is that of one pose.
         t2 = basis[:, :, 2, 0] + basis[:, :, 2, 8] + basis[:, :, 2, 4] + TINY

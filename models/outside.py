@@ -1,6 +1,6 @@
-"""Code that is not ours: what installed packages offer, files that are loaded, and their errors.
+"""Loads tasks and devices of other people: entry points of installed packages, Python files.
 
-Tasks and devices of other people come this way. Nothing of theirs is run before it is asked for.
+Outside code runs only when its task or device is asked for. Its errors are shortened to one line.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ def offered(group: str) -> dict[str, list[EntryPoint]]:
     """Entry points of a group that installed packages offer, by name; nothing of it is loaded."""
     entries: dict[str, list[EntryPoint]] = {}
     for entry in sorted(entry_points(group=group), key=lambda e: (e.name, e.value)):
-        # A package that is on the path twice, as in a checkout, offers the same thing twice.
+        # A package that is on the path twice, as in a checkout, has every entry point twice.
         same = entries.setdefault(entry.name, [])
         if entry.value not in [e.value for e in same]:
             same.append(entry)
@@ -32,10 +32,10 @@ def package(entry: EntryPoint) -> str:
 
 
 def failure(error: BaseException) -> str:
-    """An error of somebody else's code in a line: what, and in which line of which file."""
+    """One line about an error in outside code: the error, and the file and line that raised it."""
     trace = traceback.extract_tb(error.__traceback__)
     text = f"{type(error).__name__}: {' '.join(str(error).split())[:300]}"
-    # The machinery of imports says nothing to anybody.
+    # Lines of Python's import machinery do not help the reader.
     theirs = [step for step in trace if not step.filename.startswith("<frozen")]
     if isinstance(error, SyntaxError | ImportError) or not theirs:
         return text
@@ -44,12 +44,12 @@ def failure(error: BaseException) -> str:
 
 @cache
 def load_file(path: Path) -> ModuleType:
-    """The module in a file, run once; whatever it raises comes through.
+    """Loads a Python file as a module; its errors pass through unchanged.
 
     Args:
         path: Absolute, of a Python file.
     """
-    # A name of its own, so that it hides no module; dataclasses look their module up by name.
+    # A unique name, so that it hides no other module; dataclasses look up their module by name.
     name = f"{path.stem}_{blake2b(str(path).encode(), digest_size=4).hexdigest()}"
     spec = importlib.util.spec_from_file_location(name, path)
     assert spec is not None and spec.loader is not None

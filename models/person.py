@@ -1,8 +1,8 @@
-"""Who touches: which hand, how large it is, and on which side of the screen its owner sits.
+"""The person at the screen: which hand, its size, and the side of the screen where they sit.
 
-All that is learned is learned from one right hand of one size at the lower edge of a screen. A
-person who is not like that is reached through `PersonFrame`: touches are turned, mirrored and
-scaled into what the trained hand would have touched, and its pose goes the same way back.
+All models are trained on one right hand of one size at the lower edge of a screen. `PersonFrame`
+covers everybody else: touches are turned, mirrored and scaled into what the trained hand would have
+touched, and its pose is transformed back.
 """
 
 from __future__ import annotations
@@ -23,19 +23,19 @@ Array = NDArray[np.float64]
 HANDS = ("right", "left")
 TURNS = (0, 90, 180, 270)
 SIZES = (0.6, 1.6)
-"""Least and greatest length of a hand against the trained one: from a small child's to beyond any
-adult's. What is outside is a typing error."""
+"""Least and greatest length of a hand relative to the trained one: from a small child's to beyond
+any adult's. A value outside is a typing error."""
 
 
 @dataclass(frozen=True)
 class Person:
-    """What is known of the person whose hand it is; plain values.
+    """Which hand, which size, and where the person sits; plain values.
 
     Attributes:
         hand: One of `HANDS`.
-        hand_size: Length of the hand against that of the hand which encoders were trained on.
-        turn: Where the person sits: 0 at the screen's lower edge, 90 at its right one, 180 at its
-            upper one, 270 at its left one; that is, degrees counterclockwise round the screen.
+        hand_size: Length of the hand relative to the hand that encoders were trained on.
+        turn: Degrees counterclockwise round the screen at which the person sits: 0 at its lower
+            edge, 90 at its right one, 180 at its upper one, 270 at its left one.
     """
 
     hand: str = HANDS[0]
@@ -49,42 +49,44 @@ class Person:
             )
         if not (np.isfinite(self.hand_size) and SIZES[0] <= self.hand_size <= SIZES[1]):
             raise InputError(
-                "no hand is of this size", where="--hand-size", got=self.hand_size,
+                "the hand size is out of range", where="--hand-size", got=self.hand_size,
                 expected=f"{SIZES[0]:g} to {SIZES[1]:g} times the trained hand's",
                 remedy="`sandbox calibrate` measures it",
             )  # fmt: skip
         if self.turn not in TURNS:
             raise InputError(
-                "nobody can sit there", where="--turn", got=self.turn,
+                "unknown side of the screen", where="--turn", got=self.turn,
                 expected=", ".join(map(str, TURNS)),
             )  # fmt: skip
 
     @property
     def left(self) -> bool:
-        """Whether it is a left hand."""
+        """True for a left hand."""
         return self.hand == "left"
 
     def skeleton(self, trained: Skeleton) -> Skeleton:
-        """This person's hand, made of the trained one; an equal hand is the very same object."""
+        """Skeleton of this person's hand, derived from the trained one; the trained object itself
+        if equal."""
         sized = trained if self.hand_size == 1.0 else trained.scaled(self.hand_size)
         return sized.mirrored() if self.left else sized
 
 
 class PersonFrame:
-    """Between a screen and the frame in which every hand is the trained right hand.
+    """Transforms between a screen and the frame in which every hand is the trained right hand.
 
-    Inwards: turned by where the person sits, mirrored if the hand is a left one, shrunk to the
-    trained hand's size. Both frames are surface frames: origin top left, x right, y down, m.
+    Inwards means: turned by where the person sits, mirrored for a left hand, scaled to the trained
+    hand's size. Both frames are surface frames: origin top left, x right, y down, m.
 
     Args:
-        person: Whose touches.
-        surface: The screen, wherever it is in the world.
+        person: The person who touches.
+        surface: The screen, anywhere in the world.
 
     Attributes:
-        person: The same.
-        surface: The screen as the trained hand would find it: turned and shrunk with the touches,
-            at the world's origin, so that poses there are poses in its 3-D surface frame.
-        matrix: (2, 2) orthogonal; times a step on the screen, the same step inside, but for size.
+        person: The person who touches.
+        surface: The screen in the trained hand's frame: turned and scaled with the touches, at the
+            world's origin, so that poses there are poses in its 3-D surface frame.
+        matrix: (2, 2) orthogonal; maps a step on the screen to the same step inside, except for
+            size.
     """
 
     def __init__(self, person: Person, surface: Surface) -> None:
@@ -103,11 +105,11 @@ class PersonFrame:
 
     @property
     def trivial(self) -> bool:
-        """Whether nothing changes on the way."""
+        """True if the transform is the identity."""
         return self.person == Person()
 
     def inwards(self, xy: ArrayLike) -> Array:
-        """Points (..., 2) of the screen in the trained hand's frame."""
+        """Transforms points (..., 2) of the screen to the trained hand's frame."""
         return (np.asarray(xy, float) @ self.matrix.T + self._shift) / self.person.hand_size
 
     def outwards(self, xy: ArrayLike) -> Array:
@@ -115,7 +117,7 @@ class PersonFrame:
         return (np.asarray(xy, float) * self.person.hand_size - self._shift) @ self.matrix
 
     def outward_steps(self, steps: ArrayLike) -> Array:
-        """Differences (..., 2) between points, outwards: without the frames' origins."""
+        """Transforms differences (..., 2) between points outwards, without the frames' origins."""
         return np.asarray(steps, float) * self.person.hand_size @ self.matrix
 
     def outward_pose(self, q: ArrayLike) -> Array:

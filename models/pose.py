@@ -27,7 +27,7 @@ _MIRROR = np.concatenate([[-1.0, 1.0, 1.0], np.tile([1.0, -1.0, -1.0], 1 + BALL_
 
 
 def joint_vectors(q: ArrayLike) -> Array:
-    """(..., 14, 3) rotation vectors of the ball joints of poses (..., 48)."""
+    """Rotation vectors (..., 14, 3) of the ball joints of poses (..., 48)."""
     q = np.asarray(q, float)
     return q[..., JOINTS].reshape(*q.shape[:-1], BALL_JOINTS, 3)
 
@@ -41,10 +41,10 @@ def mirrored(q: ArrayLike) -> Array:
 
 
 def surface_to_world(q: ArrayLike, surface: Surface) -> Array:
-    """World poses (..., 48) of poses in the 3-D surface frame."""
+    """Transforms poses (..., 48) from the 3-D surface frame to the world."""
     moved, rotation = np.array(q, float), surface.rotation
     if surface.aligned:
-        # To the bit: a matrix of a turn by nothing would round.
+        # Exact to the bit: multiplying by an identity matrix would round.
         moved[..., ROOT_POSITION] += surface.corner
     else:
         moved[..., ROOT_POSITION] = moved[..., ROOT_POSITION] @ rotation.T + surface.corner
@@ -53,7 +53,7 @@ def surface_to_world(q: ArrayLike, surface: Surface) -> Array:
 
 
 def relative_pose(q: ArrayLike, leftmost: ArrayLike) -> Array:
-    """Relative poses (..., 48) of poses in the 3-D surface frame.
+    """Converts poses (..., 48) in the 3-D surface frame to relative poses.
 
     Args:
         q: (..., 48).
@@ -75,7 +75,7 @@ def _shifted(q: ArrayLike, leftmost: ArrayLike, sign: float) -> Array:
 
 
 def blend(a: ArrayLike, b: ArrayLike, t: float) -> Array:
-    """Pose (48,) on the way from a (t = 0) to b (t = 1); rotations the short way round."""
+    """Interpolates from pose a (48,) (t = 0) to b (t = 1); rotations go the short way round."""
     a, b = np.asarray(a, float), np.asarray(b, float)
     target = b.copy()
     target[ROOT_ROTATION] = unwrap_near(b[ROOT_ROTATION], a[ROOT_ROTATION])

@@ -1,7 +1,7 @@
 """Rotation vectors, matrices and unit quaternions (w, x, y, z), in batches.
 
-Only what the inner loops need, written for arrays of shape (..., 3): one 60 Hz frame and a capture
-of ten thousand frames take the same path.
+Contains only the functions that the inner loops need, for arrays of shape (..., 3): one 60 Hz frame
+and a capture of ten thousand frames use the same code.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ _SMALL = 1e-6
 
 
 def skew(v: ArrayLike) -> Array:
-    """(..., 3, 3) matrices with skew(v) @ a == cross(v, a)."""
+    """Matrices (..., 3, 3) with skew(v) @ a == cross(v, a)."""
     v = np.asarray(v, float)
     out = np.zeros((*v.shape, 3))
     out[..., 0, 1], out[..., 0, 2] = -v[..., 2], v[..., 1]
@@ -63,7 +63,7 @@ def log(R: ArrayLike) -> Array:
 
 
 def log_of_axes(x: Vector, y: Vector, z: Vector) -> Vector:
-    """`log` of the single rotation whose columns are x, y and z, in plain floats."""
+    """`log` of a single rotation with columns x, y and z, in plain floats."""
     # Four times the squares of the quaternion's components; the largest is not small.
     squares = (
         1.0 + x[0] + y[1] + z[2], 1.0 + x[0] - y[1] - z[2],
@@ -141,7 +141,8 @@ def geodesic_angle(a: ArrayLike, b: ArrayLike) -> Array:
 
 
 def unwrap_near(w: ArrayLike, reference: ArrayLike) -> Array:
-    """The rotation vector (..., 3) equal to w, among w + 2 pi k axis, that is nearest reference."""
+    """The rotation vector (..., 3) nearest to reference among those of the same rotation, w + 2 pi
+    k axis."""
     w, reference = np.asarray(w, float), np.asarray(reference, float)
     t = np.linalg.norm(w, axis=-1, keepdims=True)
     axis = np.where(t < _SMALL, 0.0, w / np.where(t < _SMALL, 1.0, t))
@@ -152,7 +153,7 @@ def unwrap_near(w: ArrayLike, reference: ArrayLike) -> Array:
 def turned_about_normal(w: ArrayLike, turn: float) -> tuple[float, float, float]:
     """The rotation vector of exp((0, 0, turn)) exp(w) for a single w (3,), turn in rad.
 
-    In plain floats: for one vector that costs a tenth of what the batched functions do.
+    Computed in plain floats, in a tenth of the time of the batched functions.
     """
     x, y, z = np.asarray(w, float).tolist()
     t = sqrt(x * x + y * y + z * z)
@@ -168,13 +169,13 @@ def turned_about_normal(w: ArrayLike, turn: float) -> tuple[float, float, float]
 
 
 def turn_about_normal(w: Array | Vector) -> float:
-    """rad, of the rotation about (0, 0, 1) that is nearest to exp(w), for a single w (3,)."""
+    """Angle in rad of the rotation about (0, 0, 1) nearest to exp(w), for a single w (3,)."""
     x, y, z = w.tolist() if isinstance(w, np.ndarray) else w
     t2 = x * x + y * y + z * z
     t = sqrt(t2)
     a = sin(t) / t if t > _SMALL else 1.0 - t2 / 6.0
     half = sin(0.5 * t) / t if t > _SMALL else 0.5 - t2 / 48.0
-    # exp(w) = I + a skew(w) + b skew(w)^2, of which four components count.
+    # exp(w) = I + a skew(w) + b skew(w)^2; only four of its components are needed.
     return atan2(2.0 * a * z, 2.0 - 2.0 * half * half * (t2 + z * z))
 
 

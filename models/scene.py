@@ -34,12 +34,12 @@ TABLE = "table"
 
 @dataclass(frozen=True)
 class SceneSpec:
-    """What a scene is made of, before it is compiled.
+    """Description of a scene before it is compiled.
 
     Attributes:
         hands: One or two hands.
-        objects: Things on the table.
-        table_friction: Coulomb coefficient between the table and what lies on it.
+        objects: Objects on the table.
+        table_friction: Coulomb coefficient between the table and the objects on it.
         timestep: s; a whole number of them makes one control period.
     """
 
@@ -50,7 +50,7 @@ class SceneSpec:
 
 
 class BodyPoses(Protocol):
-    """Where all bodies are; MuJoCo's data, or a copy of two of its arrays."""
+    """Positions and rotations of all bodies: MuJoCo's data, or a copy of two of its arrays."""
 
     @property
     def xpos(self) -> Array:
@@ -64,7 +64,7 @@ class BodyPoses(Protocol):
 
 
 class StillPoses(NamedTuple):
-    """Where all bodies were at one moment.
+    """A copy of the positions and rotations of all bodies at one moment.
 
     Attributes:
         xpos: (bodies, 3) m.
@@ -76,19 +76,19 @@ class StillPoses(NamedTuple):
 
 
 class Scene:
-    """A compiled scene, with the places of its parts in MuJoCo's arrays.
+    """A compiled scene, with the indices of its parts in MuJoCo's arrays.
 
     Attributes:
-        spec: What it was made of.
+        spec: The description that it was compiled from.
         xml: The whole scene as MJCF text.
-        model: The compiled model; belongs to one session, which changes what is solid.
+        model: The compiled model; belongs to one session, which switches collisions of geoms.
         substeps: Physics steps in one control period.
     """
 
     def __init__(self, spec: SceneSpec) -> None:
         self.spec = spec
         substeps = CONTROL_PERIOD / spec.timestep if spec.timestep > 0 else 0.0
-        # A million steps are a typing error, and so is less than one.
+        # A million steps or less than one are a typing error.
         if not (0.5 < substeps < 1e6 and np.isclose(substeps, round(substeps))):
             raise SceneError(
                 "the control period is not a whole number of physics steps",
@@ -111,23 +111,23 @@ class Scene:
         ]
 
     def control_slice(self, hand: int) -> slice:
-        """Where in `ctrl` the pose of a hand goes."""
+        """Slice of `ctrl` that holds the pose of a hand."""
         return slice(hand * POSE_SIZE, (hand + 1) * POSE_SIZE)
 
     def set_solid(
         self, hand: int, fingers: frozenset[int], whole: bool = False, links: int = 1
     ) -> None:
-        """Chooses what of a hand collides with objects.
+        """Chooses the parts of a hand that collide with objects.
 
         Args:
             hand: Index into `spec.hands`.
             fingers: Labels whose distal link is solid; empty makes the hand a ghost.
             whole: Makes every bone solid instead (an ablation: the rest of the hand only gets in
-                the way, since nobody sees where it is).
-            links: How many of a finger's links are solid, from its tip inwards.
+                the way, since people do not see where it is).
+            links: Number of solid links per finger, from its tip inwards.
         """
         geoms, ends = self._geoms[hand].values(), self._ends[hand]
-        # What is solid of a last link is that link itself, or a geom of its own.
+        # The solid part of a last link is the link itself, or a separate geom.
         solid = set(geoms) if whole and fingers else {ends[f] for f in fingers}
         if links > 1:
             bones = self.spec.hands[hand].skeleton.bones
@@ -143,11 +143,11 @@ class Scene:
         return data.xpos[body].copy(), data.xmat[body].reshape(3, 3).copy()
 
     def pose_to_qpos(self, hand: int, q: Array) -> Array:
-        """(63,) joint positions of a hand that is at the pose (48,), in the order of its joints."""
+        """Joint positions (63,) of a hand at the pose (48,), in the order of its joints."""
         return np.concatenate([q[:3], quaternion_exp(q[3:].reshape(15, 3)).ravel()])
 
     def qpos_slice(self, hand: int) -> slice:
-        """Where in `qpos` a hand's joint positions are."""
+        """Slice of `qpos` that holds a hand's joint positions."""
         start = int(self.model.joint(self.spec.hands[hand].element_name("root_x")).qposadr[0])
         return slice(start, start + 3 + 4 * 15)
 
@@ -168,7 +168,7 @@ def scene_xml(spec: SceneSpec) -> str:
         "timestep": f"{spec.timestep:.9g}", "integrator": "implicitfast", "cone": "elliptic",
         "impratio": "100", "jacobian": "sparse",
     })  # fmt: skip
-    # A silent reset would look like a hand that jumped home; we stop and say so instead.
+    # A silent reset would look like a hand that jumped home; we stop with an error instead.
     SubElement(option, "flag", {"autoreset": "disable"})
     _look(root)
     defaults = SubElement(root, "default")
@@ -203,7 +203,7 @@ def scene_xml(spec: SceneSpec) -> str:
 
 
 def _touch_sensors(root: Element, spec: SceneSpec) -> None:
-    """One sensor for every pair of which a task may ask who touches whom."""
+    """One contact sensor for every pair of parts whose contact a task may query."""
     sensors = SubElement(root, "sensor")
     for i, thing in enumerate(spec.objects):
         pairs = [(TABLE, {"geom2": TABLE})]
@@ -217,7 +217,7 @@ def _touch_sensors(root: Element, spec: SceneSpec) -> None:
 
 
 def _look(root: Element) -> None:
-    """Colours, textures and render quality; none of it is physics."""
+    """Colours, textures and render quality; without effect on the physics."""
     SubElement(root, "statistic", {"extent": ".45", "center": "0 .0 .05"})
     visual = SubElement(root, "visual")
     SubElement(visual, "global", {"offwidth": "1920", "offheight": "1080"})
@@ -258,7 +258,7 @@ def _look(root: Element) -> None:
 def _lights(world: Element) -> None:
     """A warm key light over the left shoulder, aimed at the middle of the table, and a cool fill.
 
-    Colours of all lights add up to less than 1, or skin burns out.
+    Colours of all lights add up to less than 1; otherwise skin is overexposed.
     """
     SubElement(world, "light", {
         "type": "directional", "pos": "-.54 -.43 1.05", "dir": ".45 .33 -.83",

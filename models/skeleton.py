@@ -33,12 +33,12 @@ class Bone:
     Attributes:
         name: Joint name, `index_pip` for example.
         finger: Label of its finger, thumb 0 .. little 4.
-        anchor: (3,) m, place of the joint in the parent bone's frame (the palm's for the first).
-        rest: (3, 3) parent from bone at a zero joint.
+        anchor: (3,) m, position of the joint in the parent bone's frame (the palm's for the first).
+        rest: (3, 3) rotation, parent from bone, at a zero joint.
         length: m, joint to next joint, or to the centre of the fingertip.
-        radius: m, of the capsule that stands for the flesh.
+        radius: m, radius of the capsule that stands for the flesh.
         lower: (3,) rad, least rotation vector of a legal pose, component by component.
-        upper: (3,) rad, greatest.
+        upper: (3,) rad, greatest rotation vector, likewise.
         stiffness: N m/rad of the servo.
         armature: kg m2 added to the joint; without it links of a few grams make the servo unstable.
     """
@@ -57,10 +57,10 @@ class Bone:
 
 @dataclass(frozen=True)
 class Skeleton:
-    """A right hand, or the left one that `mirrored` makes of it.
+    """The bones of a right hand, or of the left one that `mirrored` makes of it.
 
     Attributes:
-        name: Written into captures.
+        name: Name that captures contain.
         bones: 14 bones, finger by finger, from the palm outwards; the order of the pose `q`.
         palm_radius: m, thickness of the palm's capsules.
         side: `right` or `left`.
@@ -73,7 +73,7 @@ class Skeleton:
 
     @cached_property
     def first_bone(self) -> Array:
-        """(5,) index of each finger's first bone."""
+        """Index (5,) of each finger's first bone."""
         return np.array(
             [
                 next(i for i, b in enumerate(self.bones) if b.finger == f)
@@ -119,7 +119,7 @@ class Skeleton:
     def mirrored(self) -> Skeleton:
         """The other hand: this one seen in a mirror across x = 0; its own inverse.
 
-        `models.pose.mirrored` of a pose puts it behind the mirror, bone by bone.
+        With it, `models.pose.mirrored` of a pose gives the mirror image, bone by bone.
         """
         bones = tuple(
             replace(

@@ -1,4 +1,4 @@
-"""The touch surface: how large it is, and where it lies in the world.
+"""The touch surface: its size and its place in the world.
 
 Contacts are given in the 2-D surface frame: origin top left, x right, y down, metres.
 Poses need a third axis. The 3-D surface frame keeps the origin and x, turns y *up* the surface and
@@ -32,7 +32,7 @@ PRESETS: dict[str, tuple[float, float]] = {
 
 _SIZE = re.compile(r"^\s*([0-9.]+)\s*x\s*([0-9.]+)\s*(in|mm|cm)?\s*$", re.IGNORECASE)
 _FLIP = np.array([1.0, -1.0])
-"""From the surface's y down to the 3-D surface frame's y up, and back."""
+"""Factors between the surface's y down and the 3-D surface frame's y up."""
 
 _TO_INCHES = {"in": 1.0, "mm": 1.0 / 25.4, "cm": 1.0 / 2.54}
 
@@ -69,14 +69,14 @@ class Surface:
 
     @cached_property
     def corner(self) -> NDArray[np.float64]:
-        """(3,) the origin as an array; not to be changed."""
+        """The origin as a read-only array (3,)."""
         corner = np.array(self.origin, float)
         corner.flags.writeable = False
         return corner
 
     @cached_property
     def aligned(self) -> bool:
-        """Whether its axes are the world's."""
+        """True if its axes are the world's."""
         return bool((self.rotation == np.eye(3)).all())
 
     def centred_at(self, centre: ArrayLike) -> Surface:
@@ -93,17 +93,17 @@ class Surface:
 
     @property
     def upright(self) -> bool:
-        """Whether it is looked at from the front, and up on it is up in the world."""
+        """True if it faces the person and up on it is up in the world."""
         return bool(abs(self.rotation[2, 2]) < 0.5)
 
     def stood_up(self, depth: float, low: float) -> Surface:
-        """The same rectangle upright before the person, who sees it as a picture on a wall.
+        """The same rectangle, upright in front of the person like a picture on a wall.
 
         Its x is the world's, up the surface is up, and out of it is towards the person.
 
         Args:
             depth: m, world y of its plane.
-            low: m, world z of its lower edge; left and right are as far from the world's x = 0.
+            low: m, world z of its lower edge. Its centre is at the world's x = 0.
         """
         w, h = self.size
         turn = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
@@ -125,10 +125,10 @@ class Surface:
 
 
 def enclosing(surfaces: Sequence[Surface]) -> Surface:
-    """The smallest rectangle around surfaces in one plane, as the first one lies.
+    """The smallest rectangle around surfaces in one plane, aligned with the first one.
 
     Args:
-        surfaces: One or more; a single one, or several in one place, is given back as it is.
+        surfaces: One or more; a single one, or several in one place, is returned as it is.
     """
     first = surfaces[0]
     corners = [first.to_surface(s.to_world(np.stack([0.0 * s.size, s.size]))) for s in surfaces]
@@ -141,10 +141,10 @@ def enclosing(surfaces: Sequence[Surface]) -> Surface:
 
 
 def parse_surface(text: str) -> Surface:
-    """A flat surface from '7.76x5.82in', '197x148mm' or a preset's name.
+    """Parses a flat surface from '7.76x5.82in', '197x148mm' or a preset's name.
 
     Raises:
-        InputError: The text is neither.
+        InputError: The text is neither a size nor a preset.
     """
     if text in PRESETS:
         return Surface(*PRESETS[text])
@@ -156,7 +156,7 @@ def parse_surface(text: str) -> Surface:
         return Surface(float(match[1]) * unit, float(match[2]) * unit)
     except ValueError:
         raise InputError(
-            "this is not the size of a surface",
+            "not the size of a surface",
             where="--surface",
             got=text,
             expected="WIDTHxHEIGHT with in, mm or cm, or one of " + ", ".join(PRESETS),

@@ -1,4 +1,4 @@
-"""A tray for two: a deck that no hand spans, with a handle at either end."""
+"""A tray for two hands: a deck too broad for one hand, with a handle at either end."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ class Tray:
     Its frame is at the middle of its handles' height, x from handle to handle, z up.
 
     Attributes:
-        name: Of its body.
-        mass: kg; the deck has nearly all of it.
+        name: Name of its body.
+        mass: kg, nearly all in the deck.
         position: (3,) m, middle at the start.
         yaw: rad about the vertical at the start.
         size: Factor on all its edges.
@@ -44,7 +44,7 @@ class Tray:
 
     @property
     def grip(self) -> float:
-        """m from the middle to where a hand closes on a handle."""
+        """m, distance from the middle to the point where a hand closes on a handle."""
         return self.size * GRIP
 
     @property
@@ -54,7 +54,7 @@ class Tray:
         return a, b, c
 
     def scaled(self, size: float) -> Tray:
-        """The same with other edges, standing on the same place and of the same mass."""
+        """The same tray in another size, with the same place and mass."""
         x, y, z = self.position
         raised = (size - 1.0) * self.size * HANDLE[2]
         return replace(self, size=self.size * size, position=(x, y, z + raised))

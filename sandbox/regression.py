@@ -112,7 +112,7 @@ class Regression:
             return self._replaced(path)
         if not path.exists():
             raise InputError(
-                "there is no such baseline",
+                "no such baseline",
                 where=str(path),
                 remedy=f"`pytest -p sandbox.regression {UPDATE}` makes it",
             )

@@ -138,7 +138,7 @@ def _guarded(load: Any, where: str) -> Any:
 
 def _module_of(path: Path) -> ModuleType:
     if not path.is_file():
-        raise InputError("there is no such file", where="the task's file", got=str(path))
+        raise InputError("no such file", where="the task's file", got=str(path))
     module: ModuleType = _guarded(lambda: load_file(path.resolve()), str(path))
     return module
 

@@ -43,7 +43,7 @@ def find_task(name: str) -> type[Task]:
     if not is_place(name):
         task = load_offered(name)
         if task is None:
-            raise InputError("there is no such task", got=name, expected=", ".join(task_names()))
+            raise InputError("no such task", got=name, expected=", ".join(task_names()))
         return task
     task = load_place(name)
     if TASKS.get(task.name, task) is not task:
@@ -85,7 +85,7 @@ def draw_task(kind: type[Task], seed: int, surface: Surface) -> Task:
     """
     where = f"{kind.name}, seed {seed}"
     if seed < 0:
-        raise InputError("there is no such seed", where="seed", got=seed, expected="0 or more")
+        raise InputError("no such seed", where="seed", got=seed, expected="0 or more")
     try:
         task = kind.draw(seed, surface)
     except HandSandboxError:

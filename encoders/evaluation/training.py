@@ -165,7 +165,7 @@ def check_names(names: tuple[str, ...]) -> None:
                 expected=", ".join(NAMES) + " or a FILE.npz made by `sandbox train`",
             )
         if name not in NAMES and not path.is_file():
-            raise EncoderError("there is no such file", where="--encoders", got=name)
+            raise EncoderError("no such file", where="--encoders", got=name)
     shown = [name if name in NAMES else Path(name).stem for name in names]
     twice = sorted({n for n in shown if shown.count(n) > 1})
     if twice or not names:

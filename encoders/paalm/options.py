@@ -61,7 +61,7 @@ class PaalmOptions:
         for name, allowed in choices.items():
             if getattr(self, name) not in allowed:
                 raise EncoderError(
-                    "there is no such choice",
+                    "no such choice",
                     where=name,
                     got=getattr(self, name),
                     expected=", ".join(allowed),

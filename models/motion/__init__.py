@@ -1,1 +1,2 @@
-"""Motion that others recorded: readers of BVH, ASF/AMC, marker tables and tables of poses."""
+"""Hand motion in files: readers and writers of BVH, ASF/AMC, C3D, glTF, Vicon, marker and pose
+tables."""

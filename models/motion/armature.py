@@ -1,6 +1,6 @@
 """The hand as motion formats see it: a wrist, fourteen joints below it, and keys of their turns.
 
-Formats disagree about the frames of joints. BVH and ASF have none: at zero rotation every joint's
+Formats disagree about the frames of joints. BVH and ASF define none: at zero rotation every joint's
 frame is that of the file. So each writer chooses a *zero pose*: fingers straight and side by side,
 the thumb at its reference pose, the whole hand turned so that the first letter of the Euler order
 is flexion and the last the back of the hand (`zero_frame`). Angles are then anatomical, and far
@@ -36,15 +36,15 @@ ORDERS = ("XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX")
 """Euler orders; turns apply in this order about axes that turn along."""
 
 CHUNK = 512
-"""Keys that are worked on at once: enough to be quick, few enough to need no memory."""
+"""Keys per batch: enough to be quick, few enough to need little memory."""
 
 
 class Keys(NamedTuple):
-    """n moments of one hand, in the world.
+    """Poses of one hand at n moments, in the world.
 
     Attributes:
         root: (n, 3) m, the wrist.
-        turns: (n, 15, 3, 3) parent from joint: the palm's in the world, then the bones'.
+        turns: (n, 15, 3, 3) rotations parent from joint: the palm's in the world, then the bones'.
     """
 
     root: Array
@@ -56,7 +56,7 @@ class Armature:
     """Fifteen joints, parents before children: the wrist, then the skeleton's bones in its order.
 
     Attributes:
-        skeleton: Whose bones they are.
+        skeleton: The skeleton that has these bones.
     """
 
     skeleton: Skeleton
@@ -104,11 +104,12 @@ class Armature:
         return self.of_turns(q[:, ROOT_POSITION], exp(vectors))
 
     def of_turns(self, root: Array, turns: Array) -> Keys:
-        """Keys of wrists (n, 3) and turns (n, 15, 3, 3) of palm and joints from their rest."""
+        """Keys from wrists (n, 3) and rotations (n, 15, 3, 3) of palm and joints from their
+        rest."""
         return Keys(root, self._rests @ turns)
 
     def place(self, keys: Keys) -> tuple[Array, Array]:
-        """Joints (n, 15, 3) and fingertips (n, 5, 3), m in the world."""
+        """Positions of joints (n, 15, 3) and fingertips (n, 5, 3), m in the world."""
         positions = np.empty((*keys.turns.shape[:2], 3))
         frames = np.empty(keys.turns.shape)
         positions[:, 0], frames[:, 0] = keys.root, keys.turns[:, 0]
@@ -121,14 +122,14 @@ class Armature:
         return positions, tips
 
     def zero(self, order: str) -> Array:
-        """(15, 3, 3) file from joint, in the zero pose of an Euler order.
+        """Rotations (15, 3, 3) file from joint, in the zero pose of an Euler order.
 
         Turns from it, in the file's frame, are `zero[parent] @ turns @ zero.T`.
         """
         base = zero_frame(order)
         out = np.tile(base, (len(self.names), 1, 1))
-        # The thumb's own frame is turned so far against the palm's that its turns would pass the
-        # poles of an order; from its reference pose, no legal turn exceeds 65 degrees.
+        # The thumb's frame is turned so far against the palm's that its angles would pass the
+        # poles of the order; from its reference pose, no legal rotation exceeds 65 degrees.
         for j, bone in enumerate(self.skeleton.bones, start=1):
             if bone.finger == 0:
                 out[j] = out[self.parents[j]] @ bone.rest
@@ -152,17 +153,18 @@ class Armature:
 
 
 def zero_frame(order: str) -> Array:
-    """(3, 3) file from hand in the zero pose of an Euler order.
+    """Rotation (3, 3) file from hand in the zero pose of an Euler order.
 
     The first letter's axis is that of flexion (the hand's x), the last one's points out of the back
     of the hand (z), the middle one's along the fingers (y) or against them. With `ZXY` the hand
     lies flat, palm down, its fingers along +x.
 
     Orders that begin with Y would put a flat hand at their pole, since up is Y in the files that
-    have an order; there the last letter is the fingers' axis, and the middle one's the back's.
+    have an order; for them the last letter is the fingers' axis and the middle one the axis out of
+    the back.
     """
     if order not in ORDERS:
-        raise MotionError("this is no Euler order", got=order, expected=", ".join(ORDERS))
+        raise MotionError("not an Euler order", got=order, expected=", ".join(ORDERS))
     first, middle, last = ("XYZ".index(letter) for letter in order)
     out = np.zeros((3, 3))
     out[first, 0] = 1.0
@@ -174,6 +176,6 @@ def zero_frame(order: str) -> Array:
 
 
 def chunks(armature: Armature, q: Array) -> Iterator[Keys]:
-    """Keys of world poses (n, 48), few at a time."""
+    """Yields keys of world poses (n, 48) in batches."""
     for a in range(0, len(q), CHUNK):
         yield armature.keys(q[a : a + CHUNK])

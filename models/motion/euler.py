@@ -1,8 +1,8 @@
-"""Euler angles without jumps: of all triples that mean the same turn, the one nearest the last.
+"""Euler angles without jumps: each triple is the equivalent one nearest to the previous triple.
 
-R = R_a(alpha) R_b(beta) R_c(gamma), axes a, b, c all different. A turn has two families of triples,
-(alpha, beta, gamma) and (alpha + pi, pi - beta, gamma + pi), each up to whole turns. At the poles,
-beta = +-pi/2, only alpha +- gamma is known: gamma then stays where it was.
+R = R_a(alpha) R_b(beta) R_c(gamma), axes a, b, c all different. A rotation has two families of
+triples, (alpha, beta, gamma) and (alpha + pi, pi - beta, gamma + pi), each up to whole turns. At
+the poles, beta = +-pi/2, only alpha +- gamma is known: gamma then stays where it was.
 """
 
 from __future__ import annotations
@@ -16,13 +16,14 @@ POLE = 1e-7
 """Cosine of the middle angle below which the outer two cannot be told apart."""
 
 ZONE = np.deg2rad(75.0)
-"""rad of the middle angle beyond which a joint may change from one family to the other."""
+"""rad, middle angle beyond which a joint may change from one family to the other."""
 
 TURN = 2.0 * np.pi
 
 
 def angles_of(rotations: Array, order: str) -> Array:
-    """Angles (..., 3) rad of rotations (..., 3, 3), in the order's order, middle one in +-pi/2."""
+    """Angles (..., 3) rad of rotations (..., 3, 3) in a given Euler order, the middle one within
+    +-pi/2."""
     a, b, c = ("XYZ".index(letter) for letter in order)
     sign = 1.0 if (b - a) % 3 == 1 else -1.0
     sine = sign * rotations[..., a, c]
@@ -39,13 +40,13 @@ def angles_of(rotations: Array, order: str) -> Array:
 
 
 class Continuous:
-    """Angles of joints over time, each the nearest to the one before.
+    """Converts rotations of joints over time to angles, each nearest to the one before.
 
     Args:
         order: Such as `ZXY`.
 
     Attributes:
-        biggest_step: rad, most that any angle has changed from one moment to the next.
+        biggest_step: rad, largest change of any angle from one moment to the next.
     """
 
     def __init__(self, order: str) -> None:
@@ -54,7 +55,7 @@ class Continuous:
         self._last: Array | None = None
 
     def angles(self, rotations: Array) -> Array:
-        """(n, J, 3) rad of the next n moments (n, J, 3, 3)."""
+        """Angles (n, J, 3) rad of the rotations (n, J, 3, 3) of the next n moments."""
         raw = angles_of(rotations, self.order)
         if not len(raw):
             return raw
@@ -71,7 +72,8 @@ class Continuous:
         return out
 
     def _one_by_one(self, raw: Array, before: Array) -> Array:
-        """Joints that come near a pole, where the families meet and the nearer one is taken."""
+        """Angles of joints that come near a pole: at each moment the family nearer to the last is
+        chosen."""
         other = _other(raw)
         poles = np.abs(np.cos(raw[..., 1])) < POLE
         near = np.abs(raw[..., 1]) >= ZONE
@@ -87,7 +89,8 @@ class Continuous:
         return out
 
     def _at_pole(self, raw: Array, before: Array) -> Array:
-        """Angles whose last is the one before: only the outer ones' sum, or difference, is told."""
+        """Angles at a pole: the last angle keeps its previous value, since only the sum or
+        difference of the outer two is known."""
         a, b, _ = ("XYZ".index(letter) for letter in self.order)
         parity = 1.0 if (b - a) % 3 == 1 else -1.0
         share = np.sign(raw[..., 1]) * parity
@@ -96,17 +99,18 @@ class Continuous:
 
 
 def _nearest(angles: Array, before: Array) -> Array:
-    """The same angles, whole turns away, nearest to those before."""
+    """The same angles, shifted by whole turns to be nearest to those before."""
     return np.asarray(angles + TURN * np.round((before - angles) / TURN))
 
 
 def _other(angles: Array) -> Array:
-    """The other family's angles for the same turns."""
+    """The other family's angles for the same rotations."""
     return np.asarray(angles * [1.0, -1.0, 1.0] + np.pi)
 
 
 def _unwrapped(raw: Array, before: Array) -> Array:
-    """Angles (n, J, 3) in the family that they were in before (J, 3), without whole turns."""
+    """Angles (n, J, 3) in the family of the previous angles (J, 3), without jumps by whole
+    turns."""
     second = np.cos(before[..., 1]) < 0
     chosen = np.where(second[..., None], _other(raw), raw)
     return np.asarray(np.unwrap(np.concatenate([before[None], chosen]), axis=0)[1:])

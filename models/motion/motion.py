@@ -1,4 +1,4 @@
-"""A skeleton of any kind in motion: what BVH and ASF/AMC have in common."""
+"""Motion of any skeleton, as read from BVH, ASF/AMC and other files."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ Array = NDArray[np.float64]
 
 
 class PlacedJoints(NamedTuple):
-    """Where the joints are, in the recording's own frame."""
+    """Positions and rotations of the joints, in the recording's own frame."""
 
     positions: Array
     """(T, J, 3) m."""
     rotations: Array
-    """(T, J, 3, 3), the frame that a joint carries."""
+    """(T, J, 3, 3), the frame attached to each joint."""
     ends: Array
     """(T, J, 3) m, ends of the bones that have one; NaN elsewhere."""
 
@@ -29,12 +29,12 @@ class Motion:
     """T frames of J joints, parents before children.
 
     Attributes:
-        names: Of the joints, unique.
+        names: Unique names of the joints.
         parents: (J,) index of each joint's parent, -1 for a root.
-        shifts: (T, J, 3) m, place of every joint in its parent's frame.
-        rotations: (T, J, 3, 3) parent from joint.
+        shifts: (T, J, 3) m, position of every joint in its parent's frame.
+        rotations: (T, J, 3, 3), parent from joint.
         ends: (J, 3) m, end of a joint's bone in the joint's frame; NaN where there is none.
-        frame_time: s.
+        frame_time: s, duration of one frame.
     """
 
     names: tuple[str, ...]
@@ -79,7 +79,7 @@ class Motion:
 
 
 def turned_in_turn(angles: Array, axes: str, *, fixed: bool) -> Array:
-    """Rotations (..., 3, 3) by angles (..., n) rad about n axes, one after the other.
+    """Rotations (..., 3, 3): n rotations by angles (..., n) rad, applied one after the other.
 
     Args:
         angles: In the order of the axes.

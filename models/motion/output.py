@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all, and what all writers of motion have in common."""
+"""Base classes of motion writers, whose files appear whole or not at all."""
 
 from __future__ import annotations
 
@@ -18,17 +18,18 @@ from models.motion.armature import Keys
 Array = NDArray[np.float64]
 
 NUMBER = "%.6f"
-"""Of text formats in cm and degrees: what is rounded off is less than 1e-7 m at a fingertip."""
+"""Decimals in text formats with cm and degrees: the rounding error is below 1e-7 m at a
+fingertip."""
 
 
 class Output:
-    """A file that is written under another name, and gets its own when it is whole.
+    """A file that is written under a temporary name and renamed when it is complete.
 
     Args:
-        path: Its name; a file that is there is replaced at the end, and not before.
+        path: Its final name; an existing file is replaced only at the end.
 
     Raises:
-        MotionError: It cannot be written there.
+        MotionError: The file cannot be written there.
     """
 
     def __init__(self, path: Path) -> None:
@@ -43,7 +44,7 @@ class Output:
         """Appends bytes.
 
         Raises:
-            MotionError: There is no room.
+            MotionError: The disk is full.
         """
         try:
             self.file.write(data)
@@ -51,10 +52,10 @@ class Output:
             raise refused(self.path, error) from error
 
     def put(self, at: int, data: bytes) -> None:
-        """Overwrites bytes from a place on.
+        """Overwrites bytes from an offset on.
 
         Raises:
-            MotionError: There is no room for what was appended before.
+            MotionError: The disk is too full for the bytes appended before.
         """
         try:
             end = self.file.tell()
@@ -65,10 +66,10 @@ class Output:
             raise refused(self.path, error) from error
 
     def complete(self) -> None:
-        """Writes what still waits to be written.
+        """Flushes all bytes to the disk.
 
         Raises:
-            MotionError: There is no room.
+            MotionError: The disk is full.
         """
         try:
             self.file.close()
@@ -83,18 +84,20 @@ class Output:
             raise refused(self.path, error) from error
 
     def abort(self) -> None:
-        """Leaves nothing behind."""
-        # What waits to be written may have no room, and is not wanted.
+        """Removes the unfinished files."""
+        # Flushing may fail on a full disk; the bytes are not wanted anyway.
         with suppress(OSError):
             self.file.close()
         self._part.unlink(missing_ok=True)
 
 
 class MotionWriter(ABC):
-    """Writes keys as they come. Used as a context; its files appear when it ends without an error.
+    """Base class of writers that take keys as they come.
+
+    Used as a context manager: its files appear when the block ends without an error.
 
     Attributes:
-        frames: Written so far.
+        frames: Number of frames written so far.
     """
 
     def __init__(self, *paths: Path) -> None:
@@ -117,10 +120,10 @@ class MotionWriter(ABC):
         """Appends the same moments of every hand."""
 
     def finish(self) -> None:  # noqa: B027 - it need not be written
-        """Completes what could not be known before the end; most formats know all of it."""
+        """Fills in values that are known only at the end; most formats need none."""
 
     def abort(self) -> None:
-        """Leaves nothing behind."""
+        """Removes the unfinished files."""
         for output in self._outputs:
             output.abort()
 
@@ -140,7 +143,7 @@ class MotionWriter(ABC):
             if not self.frames:
                 raise MotionError("there is no motion to write", where=str(self.paths[0]))
             self.finish()
-            # None of several files appears before all of them are whole.
+            # All files are completed before the first of them appears.
             for output in self._outputs:
                 output.complete()
             for output in self._outputs:
@@ -151,7 +154,7 @@ class MotionWriter(ABC):
 
 
 def refused(path: Path, error: OSError) -> MotionError:
-    """That a file cannot be written."""
+    """The error for a file that cannot be written."""
     return MotionError("the motion cannot be written here", where=str(path), got=error.strerror)
 
 
@@ -159,18 +162,18 @@ def checked_rate(rate: float) -> float:
     """A rate in Hz.
 
     Raises:
-        MotionError: It is none.
+        MotionError: It is not a rate.
     """
     if not 0 < rate <= 10_000:
-        raise MotionError("this is no frame rate", got=rate, expected="0 to 10000 Hz")
+        raise MotionError("not a frame rate", got=rate, expected="0 to 10000 Hz")
     return rate
 
 
 def rows(values: Array, line: str, decimals: int = 6) -> bytes:
-    """Rows (n, k) as text, each by the same pattern of k numbers.
+    """Text of rows (n, k), each formatted by the same pattern of k numbers.
 
-    All rows at once, which takes a third of the time of one after the other.
+    Formats all rows at once, in a third of the time of row by row.
     """
-    # Zero has no sign in a text.
+    # Text shows zero without a sign.
     rounded = np.round(values, decimals) + 0.0
     return (line * len(rounded) % tuple(rounded.ravel().tolist())).encode("ascii")

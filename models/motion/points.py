@@ -1,4 +1,4 @@
-"""Points of hands in motion, by name: fingertips, and the joints behind them."""
+"""Named points of moving hands: fingertips and joints."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class HandPoints:
-    """Which points of which hands, in the order in which they are written.
+    """Selection of points of hands, in the order in which they are written.
 
     Attributes:
-        armatures: Of the hands.
-        names: Of the hands; they stand before their points' where there are two.
-        joints: Wrist and joints, too; otherwise fingertips alone.
-        fingers: Labels of the fingers.
+        armatures: The hands.
+        names: Names of the hands, used as prefixes where there are two.
+        joints: True adds wrist and joints; otherwise fingertips alone.
+        fingers: Labels of the selected fingers.
     """
 
     armatures: Sequence[Armature]
@@ -33,11 +33,11 @@ class HandPoints:
 
     def __post_init__(self) -> None:
         if not self.fingers or not set(self.fingers) <= set(range(len(FINGERS))):
-            raise MotionError("there are no such fingers", got=str(list(self.fingers)))
+            raise MotionError("no such fingers", got=str(list(self.fingers)))
 
     @property
     def labels(self) -> list[str]:
-        """`thumb_tip`, .. or `right_thumb_tip`, .."""
+        """Names of the points: `thumb_tip`, .. or `right_thumb_tip`, .."""
         out = []
         for armature, name in zip(self.armatures, self.names, strict=True):
             before = f"{name}_" if len(self.names) > 1 else ""
@@ -47,7 +47,7 @@ class HandPoints:
         return out
 
     def place(self, hands: Sequence[Keys]) -> Array:
-        """(n, P, 3) m, the points in the world."""
+        """Positions (n, P, 3) m of the points in the world."""
         parts = []
         for armature, keys in zip(self.armatures, hands, strict=True):
             joints, tips = armature.place(keys)

@@ -1,7 +1,7 @@
-"""Keys at an even rate, out of poses at whatever times they come.
+"""Resamples poses at uneven times to keys at an even rate.
 
-Between two poses the wrist moves straight and joints turn evenly (slerp). Poses are taken in a few
-at a time, and nothing is kept but the last one.
+Between two poses the wrist moves straight and joints turn evenly (slerp). Poses are added in
+batches, and only the last pose is kept.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ from models.rotations import quaternion_to_matrix
 Array = NDArray[np.float64]
 
 SLACK = 1e-6
-"""Of a period, by which a key may lie after the last pose: clocks round."""
+"""Share of a period by which a key may lie after the last pose, since clocks round."""
 
 
 class Poses(NamedTuple):
-    """n poses of H hands.
+    """Poses of H hands at n moments.
 
     Attributes:
         time: (n,) s, increasing.
         root: (n, H, 3) m, wrists in the world.
-        turns: (n, H, 15, 4) unit quaternions w, x, y, z: palm in the world, bones from their rest.
+        turns: (n, H, 15, 4) unit quaternions w, x, y, z: palm in the world, bones relative to rest.
     """
 
     time: Array
@@ -40,8 +40,8 @@ class Sampler:
     """Turns poses into keys.
 
     Args:
-        armatures: Of the hands.
-        rate: Hz.
+        armatures: The hands.
+        rate: Hz of the keys.
     """
 
     def __init__(self, armatures: tuple[Armature, ...], rate: float) -> None:
@@ -51,10 +51,11 @@ class Sampler:
         self._next = 0
 
     def add(self, poses: Poses) -> tuple[Keys, ...] | None:
-        """Keys of every hand that lie before the last of these poses; None where there are none.
+        """Adds poses; returns the keys of every hand up to the last of them, or None if there are
+        none.
 
         Raises:
-            MotionError: The time does not increase.
+            MotionError: The time of the poses does not increase.
         """
         if not len(poses.time):
             return None
@@ -89,7 +90,8 @@ class Sampler:
 
 
 def slerp(a: Array, b: Array, share: Array) -> Array:
-    """Unit quaternions (..., 4) on the shorter way from a (share 0) to b (1)."""
+    """Spherical interpolation of unit quaternions (..., 4), the shorter way from a (share 0) to b
+    (1)."""
     cosine = np.sum(a * b, axis=-1, keepdims=True)
     b = np.where(cosine < 0, -b, b)
     # Twice the half angle's tangent keeps its digits where the angle is small.

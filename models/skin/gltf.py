@@ -2,9 +2,10 @@
 
     python -m models.skin.gltf hand.glb
 
-Metres. Up is +y, as glTF has it: a node above the hand turns our z up. The joints hang flat under
-that node and are placed at the zero pose, so that a program that knows the bodies' poses may set
-them one by one. Weights are normalised bytes, colours linear, all as the standard asks.
+Metres. Up is +y, as in glTF: a node above the hand rotates our z axis into it. All joints are
+direct children of that node and are placed at the zero pose, so that a program that knows the
+bodies' poses can set them one by one. Weights are normalised bytes and colours linear, as the
+standard requires.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ Array = NDArray[np.float64]
 
 FLOAT, UNSIGNED_BYTE, UNSIGNED_SHORT = 5126, 5121, 5123
 VERTICES, INDICES = 34962, 34963
-"""Numbers of glTF 2.0: component types, and what a piece of the buffer is for."""
+"""Codes of glTF 2.0: component types, and targets of buffer views."""
 COMPONENTS = {"SCALAR": 1, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 TYPES = {FLOAT: np.float32, UNSIGNED_BYTE: np.uint8, UNSIGNED_SHORT: np.uint16}
 
@@ -74,7 +75,7 @@ def glb(skin: Skin, name: str = "hand") -> bytes:
 
 
 def primitive(writer: GlbArrays, skin: Skin, index: int) -> dict[str, Any]:
-    """One part of a skin at the zero pose, as a part of a mesh."""
+    """Mesh primitive of one part of a skin at the zero pose."""
     part = skin.parts[index]
     rest = skin.rest[part.vertices]
     triangles = skin.triangles[part.triangles] - part.vertices.start
@@ -100,7 +101,7 @@ def primitive(writer: GlbArrays, skin: Skin, index: int) -> dict[str, Any]:
 
 
 def material(part: str) -> dict[str, Any]:
-    """What a part of the skin is made of."""
+    """Material of a part of the skin."""
     colour, roughness = MATERIALS[part.partition("_")[0]]
     return {
         "name": part,
@@ -113,7 +114,7 @@ def material(part: str) -> dict[str, Any]:
 
 
 def inverse_binds(places: Array, turns: Array) -> Array:
-    """(15, 16) from the mesh to each joint, column by column."""
+    """Matrices (15, 16) from the mesh to each joint, column by column."""
     matrices = np.tile(np.eye(4), (len(places), 1, 1))
     matrices[:, :3, :3] = np.swapaxes(turns, 1, 2)
     matrices[:, :3, 3] = -np.einsum("bji,bj->bi", turns, places)
@@ -121,7 +122,7 @@ def inverse_binds(places: Array, turns: Array) -> Array:
 
 
 class GlbArrays:
-    """Collects arrays in one buffer, with their descriptions."""
+    """Collects arrays in one buffer, with their accessors."""
 
     def __init__(self) -> None:
         self.bytes = bytearray()
@@ -133,7 +134,7 @@ class GlbArrays:
         self, values: NDArray[Any], component: int, kind: str, target: int | None = None,
         normalised: bool = False, bounds: bool = False,
     ) -> int:  # fmt: skip
-        """Number of the accessor to an array."""
+        """Adds an array; returns the number of its accessor."""
         stored = np.ascontiguousarray(values, TYPES[component])
         view = {"buffer": 0, "byteOffset": len(self.bytes), "byteLength": stored.nbytes}
         if target is not None:
@@ -152,9 +153,11 @@ class GlbArrays:
         return len(self._accessors) - 1
 
     def append(self, count: int, component: int, kind: str, **bounds: list[float]) -> int:
-        """Number of an accessor to `count` values that the caller puts behind the buffer.
+        """Adds an accessor to `count` values that the caller appends to the buffer; returns its
+        number.
 
-        They have to follow the arrays in the order of these calls, each a multiple of 4 bytes long.
+        The values must follow the arrays in the order of these calls, each a multiple of 4 bytes
+        long.
         """
         size = count * COMPONENTS[kind] * np.dtype(TYPES[component]).itemsize
         view = {"buffer": 0, "byteOffset": len(self.bytes) + self._behind, "byteLength": size}
@@ -167,7 +170,7 @@ class GlbArrays:
         return len(self._accessors) - 1
 
     def head(self, document: dict[str, Any]) -> bytes:
-        """The file up to its buffer: header, description, and the head of the buffer's chunk."""
+        """The bytes before the buffer: header, description, and the head of the buffer's chunk."""
         size = len(self.bytes) + self._behind
         document |= {
             "accessors": self._accessors,
@@ -181,7 +184,7 @@ class GlbArrays:
         return struct.pack("<III", 0x46546C67, 2, 12 + len(chunks) + size) + chunks
 
     def finished(self, document: dict[str, Any]) -> bytes:
-        """The file: a header, the description, the buffer."""
+        """The whole file: header, description, buffer."""
         return self.head(document) + bytes(self.bytes)
 
 
@@ -200,11 +203,13 @@ def write_glb(path: Path, skeleton: Skeleton) -> None:
 
 
 def main(arguments: list[str]) -> int:
-    """Writes the built-in hand; 2 where that cannot be done."""
+    """Writes the built-in hand; returns 2 if that fails."""
     try:
         if len(arguments) != 1:
             raise InputError(
-                "one file is to be written", got=" ".join(arguments) or None, expected="FILE.glb"
+                "give the path of one file to write",
+                got=" ".join(arguments) or None,
+                expected="FILE.glb",
             )
         write_glb(Path(arguments[0]), ADULT)
     except InputError as error:

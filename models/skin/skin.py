@@ -1,8 +1,9 @@
 """The skin of a hand: a surface that bends with the bones.
 
-It is made once for the built-in hand (`python -m tools.skin.make_skin`) and shipped. Every other
-hand gets it stretched along its own bones, a left one mirrored. Posing is linear: each vertex is
-the weighted mean of where its bones would carry it, as MuJoCo's skins, glTF and three.js have it.
+It is made once for the built-in hand (`python -m tools.skin.make_skin`) and shipped. For every
+other hand it is stretched along that hand's bones, and mirrored for a left one. Posing is linear
+blend skinning: each vertex is the weighted mean of the positions to which its bones would move it,
+as in MuJoCo's skins, glTF and three.js.
 """
 
 from __future__ import annotations
@@ -26,12 +27,13 @@ BONES = 15
 """Palm and 14 phalanges."""
 SKIN_FILE = "data/skin.npz"
 FULL = 255
-"""Weights are whole shares of this, so that they sum to one exactly in every format."""
+"""Weights are integers that sum to this, so that they sum to one exactly in every format."""
 
 
 @dataclass(frozen=True)
 class Part:
-    """Vertices and triangles that look alike: `skin`, `nail_thumb`, ..., `cuff`, `sleeve`."""
+    """A group of vertices and triangles of one material: `skin`, `nail_thumb`, ..., `cuff`,
+    `sleeve`."""
 
     name: str
     vertices: slice
@@ -43,14 +45,14 @@ class Skin:
     """A skin at the zero pose, in the palm's frame.
 
     Attributes:
-        skeleton: Whose bones carry it.
-        rest: (n, 3) m, vertices.
+        skeleton: The bones that move it.
+        rest: (n, 3) m, vertices at the zero pose.
         triangles: (m, 3) vertices, counterclockwise seen from outside.
-        bones: (n, 4) which bones carry a vertex: 0 the palm, then the skeleton's in its order.
-        weights: (n, 4) shares of these bones, of 255, the greatest first.
-        tone: (n, 2) 0 to 1: how warm and how bright the skin is there; on a nail, how near its free
-            edge, and 1.
-        parts: In the order of the vertices.
+        bones: (n, 4) bones that move a vertex: 0 the palm, then the skeleton's in its order.
+        weights: (n, 4) weights of these bones, integers that sum to 255, the greatest first.
+        tone: (n, 2) 0 to 1: warmth and brightness of the skin there; on a nail, closeness to its
+            free edge, and 1.
+        parts: The parts in the order of the vertices.
     """
 
     skeleton: Skeleton
@@ -67,18 +69,19 @@ class Skin:
         return _builtin()
 
     def part(self, name: str) -> Part:
-        """One of the parts."""
+        """The part of this name."""
         return next(p for p in self.parts if p.name == name)
 
     def fitted(self, skeleton: Skeleton) -> Skin:
         """The same skin on another hand of 14 bones, of either side.
 
-        Every bone stretches its share in length by its length and in width by its radius.
+        The skin on every bone is stretched in length by the bone's length and in width by its
+        radius.
         """
         if skeleton is self.skeleton:
             return self
         same = skeleton.side == self.skeleton.side
-        # Stretched on its own side, since mirrored bones have mirrored frames.
+        # Stretched on the skin's own side, since mirrored bones have mirrored frames.
         target = skeleton if same else skeleton.mirrored()
         places, turns = frames(target, np.zeros(POSE_SIZE))
         here, rotation = frames(self.skeleton, np.zeros(POSE_SIZE))
@@ -97,11 +100,11 @@ class Skin:
 
     @cached_property
     def shares(self) -> Array:
-        """(n, 15) weights of all bones, rows sum to one."""
+        """Weights (n, 15) of all bones; rows sum to one."""
         return dense(self.bones, self.weights)
 
     def posed(self, positions: ArrayLike, rotations: ArrayLike) -> Array:
-        """(..., n, 3) m, vertices where the bones are.
+        """Vertices (..., n, 3) m for given positions and rotations of the bones.
 
         Args:
             positions: (..., 15, 3) m, the palm's origin and the ball joints, in any one frame.
@@ -111,17 +114,17 @@ class Skin:
         return np.einsum("...nij,nj->...ni", blended[..., :3], self.rest) + blended[..., 3]
 
     def normals(self, positions: ArrayLike, rotations: ArrayLike) -> Array:
-        """(..., n, 3) unit vectors out of the posed skin: those of the zero pose, turned along.
+        """Approximate unit normals (..., n, 3) of the posed skin: those of the zero pose, rotated.
 
-        Where skin stretches they are a few degrees off; `normals_of` gives the posed surface's own,
-        in about ten times the time.
+        They are a few degrees off where skin stretches; `normals_of` computes exact ones in about
+        ten times the time.
         """
         blended = self._blended(positions, rotations)
         out = np.einsum("...nij,nj->...ni", blended[..., :3], self._normals)
         return out / np.maximum(np.linalg.norm(out, axis=-1, keepdims=True), 1e-12)
 
     def _blended(self, positions: ArrayLike, rotations: ArrayLike) -> Array:
-        """(..., n, 3, 4) the weighted mean of each vertex's bones' motions."""
+        """Weighted mean (..., n, 3, 4) of the motions of each vertex's bones."""
         moves = motions(*self._bind, positions, rotations)
         blended = self.shares @ moves.reshape(*moves.shape[:-2], 12)
         return np.asarray(blended.reshape(*blended.shape[:-1], 3, 4))
@@ -135,12 +138,12 @@ class Skin:
         return frames(self.skeleton, np.zeros(POSE_SIZE))
 
     def at(self, q: ArrayLike) -> Array:
-        """(..., n, 3) m, vertices at poses (..., 48), in the frame of the pose's root."""
+        """Vertices (..., n, 3) m at poses (..., 48), in the frame of the pose's root."""
         return self.posed(*frames(self.skeleton, q))
 
 
 def frames(skeleton: Skeleton, q: ArrayLike) -> tuple[Array, Array]:
-    """Palm and bones at poses (..., 48): positions (..., 15, 3) and rotations (..., 15, 3, 3)."""
+    """Positions (..., 15, 3) and rotations (..., 15, 3, 3) of palm and bones at poses (..., 48)."""
     q = np.asarray(q, float)
     placed = Kinematics(skeleton).place(q)
     palm = exp(q[..., ROOT_ROTATION])
@@ -151,13 +154,13 @@ def frames(skeleton: Skeleton, q: ArrayLike) -> tuple[Array, Array]:
 
 
 def motions(here: Array, turn: Array, positions: ArrayLike, rotations: ArrayLike) -> Array:
-    """(..., 15, 3, 4) motions of bones: a turn and a shift.
+    """Motions (..., 15, 3, 4) of bones between two placements: a rotation and a translation.
 
     Args:
-        here: (15, 3) m, where they were.
-        turn: (15, 3, 3) how they were turned.
-        positions: (..., 15, 3) m, where they are.
-        rotations: (..., 15, 3, 3) how they are turned.
+        here: (15, 3) m, positions before.
+        turn: (15, 3, 3) rotations before.
+        positions: (..., 15, 3) m, positions now.
+        rotations: (..., 15, 3, 3) rotations now.
     """
     total = np.asarray(rotations, float) @ np.swapaxes(turn, -1, -2)
     shift = np.asarray(positions, float) - (total @ here[..., None])[..., 0]
@@ -165,7 +168,8 @@ def motions(here: Array, turn: Array, positions: ArrayLike, rotations: ArrayLike
 
 
 def dense(bones: NDArray[np.uint8], weights: NDArray[np.uint8]) -> Array:
-    """(n, 15) shares of all bones, of four bones (n, 4) and their whole shares (n, 4) of 255."""
+    """Dense weights (n, 15) of all bones, from four bones (n, 4) and their weights (n, 4) out of
+    255."""
     out = np.zeros((len(bones), BONES))
     # Unused places name bone 0 with no weight.
     np.add.at(out, (np.arange(len(bones))[:, None], bones), weights / FULL)
@@ -173,7 +177,8 @@ def dense(bones: NDArray[np.uint8], weights: NDArray[np.uint8]) -> Array:
 
 
 def normals_of(vertices: Array, triangles: NDArray[np.int64]) -> Array:
-    """(n, 3) unit normals of vertices (n, 3): the mean of their triangles', by area."""
+    """Unit normals (n, 3) of vertices (n, 3): the mean of their triangles' normals, weighted by
+    area."""
     a, b, c = (vertices[triangles[:, i]] for i in range(3))
     faces = np.cross(b - a, c - a)
     total = np.stack(
@@ -187,7 +192,7 @@ def normals_of(vertices: Array, triangles: NDArray[np.int64]) -> Array:
 
 
 def _stretch(old: Skeleton, new: Skeleton) -> Array:
-    """(15, 3) factors across, along and through the palm and each bone."""
+    """Stretch factors (15, 3) across, along and through the palm and each bone."""
     knuckles = [np.array([s.bones[i].anchor for i in s.first_bone[1:]]) for s in (old, new)]
     wide = np.ptp(knuckles[1][:, 0]) / np.ptp(knuckles[0][:, 0])
     long = knuckles[1][:, 1].mean() / knuckles[0][:, 1].mean()

@@ -57,7 +57,7 @@ def main(argv: list[str] | None = None) -> int:
             return EXIT_DONE
         if name not in COMMANDS:
             raise InputError(
-                "there is no such command",
+                "no such command",
                 got=name,
                 expected=", ".join(COMMANDS),
                 remedy="`sandbox` alone lists what there is",

@@ -48,7 +48,7 @@ def main(argv: list[str]) -> int:
     """Runs `sandbox subject ...`."""
     options = parse(SubjectOptions, "sandbox subject", argv)
     if not options.out.absolute().parent.is_dir():
-        raise InputError("there is no such folder", where=f"--out {options.out}")
+        raise InputError("no such folder", where=f"--out {options.out}")
     console = Console()
     bars = Console(stderr=True)
     with Progress(console=bars, transient=True, disable=not bars.is_terminal) as progress:

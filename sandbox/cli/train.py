@@ -98,7 +98,7 @@ def main(argv: list[str]) -> int:
 
 def _one(options: TrainOptions, capture: Capture, console: Console) -> int:
     if not options.out.absolute().parent.is_dir():
-        raise InputError("there is no such folder", where=f"--out {options.out}")
+        raise InputError("no such folder", where=f"--out {options.out}")
     degree = 2 if options.degree is None and options.ridge is not None else options.degree
     bars = Console(stderr=True)
     # Where nothing can be erased, a bar would leave an empty line beside an error's one line.

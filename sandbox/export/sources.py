@@ -74,7 +74,7 @@ def open_source(path: Path, of: str = "simulated", take: int = 1) -> Source:
         InputError: It is neither, or has no poses.
     """
     if not stored(path).exists():
-        raise InputError("there is no such file", where=str(path))
+        raise InputError("no such file", where=str(path))
     if is_recording(path):
         return _commanded(path) if of == "commanded" else _simulated(path)
     try:

@@ -160,7 +160,7 @@ class Exporter:
         chosen = format_of(path)
         self._open = ExitStack()
         if not path.absolute().parent.is_dir():
-            raise InputError("there is no such folder", where=str(path))
+            raise InputError("no such folder", where=str(path))
         self._sampler = Sampler(tuple(armatures), settings.rate)
         self.writers: list[tuple[MotionWriter, tuple[int, ...]]] = []
         with ExitStack() as undo:

@@ -102,7 +102,7 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
             ("render_mode", render_mode, (None, "rgb_array")),
         ):
             if got not in options:
-                raise InputError("there is no such choice", where=where, got=got,
+                raise InputError("no such choice", where=where, got=got,
                                  expected=", ".join(map(str, options)))  # fmt: skip
         try:
             chosen = RunSettings(task=task, **settings)

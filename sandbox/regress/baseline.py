@@ -199,7 +199,7 @@ def load_baseline(path: Path) -> Baseline:
         document = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
         raise InputError(
-            "there is no such baseline",
+            "no such baseline",
             where=str(path),
             remedy="--update-baseline makes it from this run",
         ) from None

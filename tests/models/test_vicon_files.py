@@ -159,7 +159,7 @@ def test_a_skeleton_with_a_wrong_part_is_refused_and_named(tmp_path, old, new):
 def test_segments_inside_one_another_without_end_are_refused(tmp_path):
     inside = "".join(f'<Segment NAME="s{i}"><JointBall />' for i in range(500))
     text = f"<KinematicModel><Skeleton>{inside}{'</Segment>' * 500}</Skeleton></KinematicModel>"
-    with pytest.raises(MotionError, match="without end"):
+    with pytest.raises(MotionError, match="nested too deeply"):
         skeleton(tmp_path, text)
 
 

@@ -2,7 +2,7 @@
 
 A bone lies along `direction` for `length` and begins where its parent ends; all directions are
 given in the frame of the whole skeleton at rest. `axis` turns a bone's own frame into that one, and
-its freedoms turn it about that frame's axes, which stand still, in the order they are listed.
+its degrees of freedom rotate it about that frame's fixed axes, in the order they are listed.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ CMU_RATE = 120.0
 """Hz."""
 
 RATE_REMARK = "#!keys a second:"
-"""Before the rate in a remark, where our own files have it."""
+"""Prefix of the rate in the comment that our own files contain."""
 
 _TURNS = {"rx": "x", "ry": "y", "rz": "z"}
 _SHIFTS = {"tx": 0, "ty": 1, "tz": 2}
@@ -46,11 +46,11 @@ class AcclaimSkeleton:
     """A skeleton at rest, parents before children; the first bone is the root, of no length.
 
     Attributes:
-        bones: Name, end (3,) m in the rest frame, own frame (3, 3), freedoms in order.
+        bones: Name, end (3,) m in the rest frame, own frame (3, 3), degrees of freedom in order.
         parents: Index of each bone's parent, -1 for the root.
-        origin: (3,) m, of the root at rest.
-        degrees: Whether the file's angles are degrees.
-        unit: m, one of the file's units of length.
+        origin: (3,) m, position of the root at rest.
+        degrees: True if the file's angles are degrees, False for radians.
+        unit: m, the file's unit of length.
     """
 
     bones: tuple[_Bone, ...]
@@ -65,7 +65,7 @@ def read_asf(path: Path, unit: float | None = None) -> AcclaimSkeleton:
 
     Args:
         path: The file.
-        unit: m, length of one of the file's units; None takes what it says, with inches.
+        unit: m, the file's unit of length; None uses the unit in the file, taken as inches.
 
     Raises:
         MotionError: It is no ASF file, is cut short, or a bone is incomplete.
@@ -79,7 +79,7 @@ def read_asf(path: Path, unit: float | None = None) -> AcclaimSkeleton:
     units = {words[0]: words[1:] for _, words in sections["units"]}
     length = numbers(units.get("length", ["1"]), 1, f"{path}, :units length")[0]
     if length <= 0:
-        raise MotionError("this is no unit", where=f"{path}, :units length", got=length)
+        raise MotionError("not a unit of length", where=f"{path}, :units length", got=length)
     degrees = units.get("angle", ["deg"])[0].lower().startswith("deg")
     unit = INCH / length if unit is None else unit
     root, origin = _root(path, sections["root"], degrees, unit)
@@ -105,7 +105,7 @@ def read_amc(path: Path, skeleton: AcclaimSkeleton, rate: float | None = None) -
     Args:
         path: The file.
         skeleton: From `read_asf`.
-        rate: Hz; the format does not say it. None takes what our own files say in a remark, and
+        rate: Hz, which the format does not contain. None uses the comment in our own files, and
             otherwise CMU's 120.
 
     Raises:
@@ -115,7 +115,7 @@ def read_amc(path: Path, skeleton: AcclaimSkeleton, rate: float | None = None) -
     if rate is None:
         rate = _remarked_rate(lines, str(path))
     if not 0 < rate < np.inf:
-        raise MotionError("this is no frame rate", got=rate, expected="a positive number of Hz")
+        raise MotionError("not a frame rate", got=rate, expected="a positive number of Hz")
     degrees = skeleton.degrees
     wanted = {bone.name: len(bone.freedoms) for bone in skeleton.bones if bone.freedoms}
     frames: list[dict[str, list[float]]] = []
@@ -131,7 +131,10 @@ def read_amc(path: Path, skeleton: AcclaimSkeleton, rate: float | None = None) -
             _check_whole(frames, wanted, where)
             if int(words[0]) != len(frames) + 1:
                 raise MotionError(
-                    "a frame out of order", where=where, got=words[0], expected=str(len(frames) + 1)
+                    "frames are out of order",
+                    where=where,
+                    got=words[0],
+                    expected=str(len(frames) + 1),
                 )
             frames.append({})
         elif words[0] not in wanted or not frames or words[0] in frames[-1]:
@@ -144,14 +147,14 @@ def read_amc(path: Path, skeleton: AcclaimSkeleton, rate: float | None = None) -
         else:
             frames[-1][words[0]] = numbers(words[1:], wanted[words[0]], where)
     if not frames:
-        raise MotionError("there is no frame in it", where=str(path), expected="an AMC file")
+        raise MotionError("the file contains no frame", where=str(path), expected="an AMC file")
     _check_whole(frames, wanted, str(path))
     columns = {name: np.array([frame[name] for frame in frames]) for name in wanted}
     return _motion(skeleton, columns, len(frames), degrees, 1.0 / rate)
 
 
 def _remarked_rate(lines: list[str], where: str) -> float:
-    """Hz, out of a remark before the first frame."""
+    """Rate in Hz from a comment before the first frame."""
     for line in lines[:20]:
         if line.startswith(RATE_REMARK):
             return numbers(line.removeprefix(RATE_REMARK).split(), 1, where)[0]
@@ -180,7 +183,7 @@ def _motion(
                 angles.append(np.deg2rad(column) if degrees else column)
         stacked = np.stack(angles, axis=-1) if angles else np.zeros((frames, 0))
         turn = turned_in_turn(stacked, axes, fixed=True)
-        # Bones at rest share one frame, so that a child's rest needs no turn of its own.
+        # Bones at rest share one frame, so that a child needs no rest rotation of its own.
         rotations[:, j] = bone.frame @ turn @ bone.frame.T
     ends = np.array([bone.end for bone in bones])
     ends[0] = np.nan
@@ -189,7 +192,7 @@ def _motion(
 
 
 def _sections(path: Path) -> dict[str, list[tuple[str, list[str]]]]:
-    """Section -> its lines, each with where it stands and its words."""
+    """Lines of every section by its name, each line as its place in the file and its words."""
     sections: dict[str, list[tuple[str, list[str]]]] = {}
     current: list[tuple[str, list[str]]] = []
     for n, line in enumerate(read_lines(path, "an ASF file"), start=1):
@@ -256,7 +259,7 @@ def _bone(said: dict[str, tuple[str, list[str]]], degrees: bool, unit: float, wh
 def _frame(angles: list[float], order: list[str], degrees: bool, where: str) -> Array:
     axes = "".join(order).lower()
     if sorted(axes) != ["x", "y", "z"]:
-        raise MotionError("this is no order of axes", where=where, got=axes, expected="XYZ")
+        raise MotionError("not an order of axes", where=where, got=axes, expected="XYZ")
     turned = np.deg2rad(angles) if degrees else np.array(angles)
     return turned_in_turn(turned, axes, fixed=True)
 
@@ -266,7 +269,10 @@ def _freedoms(words: list[str], where: str) -> tuple[str, ...]:
     known = {*_TURNS, *_SHIFTS}
     if not set(freedoms) <= known or len(set(freedoms)) != len(freedoms):
         raise MotionError(
-            "these are no freedoms", where=where, got=" ".join(words), expected="tx .. tz, rx .. rz"
+            "not degrees of freedom",
+            where=where,
+            got=" ".join(words),
+            expected="tx .. tz, rx .. rz",
         )
     return freedoms
 
@@ -274,7 +280,7 @@ def _freedoms(words: list[str], where: str) -> tuple[str, ...]:
 def _ordered(
     path: Path, lines: list[tuple[str, list[str]]], bones: dict[str, _Bone]
 ) -> list[tuple[str, str]]:
-    """(bone, its parent) from the root outwards; the root's parent is empty."""
+    """Pairs (bone, parent) from the root outwards; the root's parent is empty."""
     order = [("root", "")]
     placed = {"root"}
     for where, words in lines:
@@ -296,7 +302,7 @@ def _ordered(
 
 
 def _check_whole(frames: list[dict[str, list[float]]], wanted: dict[str, int], where: str) -> None:
-    """That the last frame so far has every bone."""
+    """Raises if the last frame so far lacks a bone."""
     if frames and (missing := sorted(set(wanted) - set(frames[-1]))):
         raise MotionError(
             "a frame is incomplete",

@@ -1,8 +1,8 @@
 """BVH files: a hierarchy of joints with offsets and channels, then one line of numbers a frame.
 
-There is no standard, only usage: rotations are degrees and apply in the order in which a joint
-lists its channels, about axes that turn along; a joint's position channels stand for its place in
-its parent, instead of the offset. Units are unsaid, mostly centimetres.
+BVH has only usage, and no standard: rotations are degrees and apply in the order in which a joint
+lists its channels, about axes that turn along; a joint's position channels replace its offset from
+its parent. Files do not state their unit, which is mostly centimetres.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from models.motion.read.text import numbers, read_lines
 Array = NDArray[np.float64]
 
 CENTIMETRE = 0.01
-"""m, what one unit mostly is."""
+"""m, the most common unit of length."""
 
 _CHANNELS = {f"{axis}{kind}" for axis in "xyz" for kind in ("position", "rotation")}
 
@@ -47,10 +47,10 @@ def read_bvh(path: Path, unit: float = CENTIMETRE) -> Motion:
 
     Args:
         path: The file.
-        unit: m, length of one of the file's units.
+        unit: m, the file's unit of length.
 
     Raises:
-        MotionError: It is no BVH file, is cut short, or holds what is no finite number.
+        MotionError: It is not a BVH file, is cut short, or contains a number that is not finite.
     """
     lines = read_lines(path, "a BVH file")
     hierarchy, at = _read_hierarchy(path, lines)
@@ -71,7 +71,7 @@ def read_bvh(path: Path, unit: float = CENTIMETRE) -> Motion:
 
 
 def _read_hierarchy(path: Path, lines: list[str]) -> tuple[_Hierarchy, int]:
-    """The joints, and the index of the line after MOTION."""
+    """Reads the joints, and the index of the line after MOTION."""
     out = _Hierarchy()
     open_: list[_Joint | None] = []  # None: an end site
     declared: _Joint | None = None
@@ -91,7 +91,7 @@ def _read_hierarchy(path: Path, lines: list[str]) -> tuple[_Hierarchy, int]:
         elif word in ("ROOT", "JOINT"):
             # The enclosing joint of a JOINT, none for a ROOT.
             if (word == "ROOT") != (not open_) or None in open_:
-                raise MotionError("a joint out of place", where=where, got=line.strip()[:40])
+                raise MotionError("unexpected joint", where=where, got=line.strip()[:40])
             name = " ".join(words[1:]) or f"joint {len(out.joints)}"
             if any(joint.name == name for joint in out.joints):
                 raise MotionError("two joints share a name", where=where, got=name)
@@ -100,16 +100,16 @@ def _read_hierarchy(path: Path, lines: list[str]) -> tuple[_Hierarchy, int]:
             out.joints.append(declared)
         elif word == "END":
             if not open_ or open_[-1] is None:
-                raise MotionError("an end site out of place", where=where)
+                raise MotionError("unexpected end site", where=where)
             declared, waiting = None, True
         elif word == "{":
             if not waiting:
-                raise MotionError("a brace out of place", where=where)
+                raise MotionError("unexpected brace", where=where)
             open_.append(declared)
             waiting = False
         elif word == "}":
             if not open_:
-                raise MotionError("a brace closes nothing", where=where)
+                raise MotionError("closing brace without an opening one", where=where)
             _check(open_.pop(), where)
         elif word == "OFFSET" and open_:
             offset = numbers(words[1:], 3, where)
@@ -131,7 +131,7 @@ def _take_channels(joint: _Joint, words: list[str], hierarchy: _Hierarchy, where
     told = words[0] if words else ""
     if told != str(len(channels)) or not set(channels) <= _CHANNELS or joint.channels is not None:
         raise MotionError(
-            "these are no channels",
+            "invalid channels",
             where=where,
             got=" ".join(words)[:60],
             expected="their number, then as many of Xposition .. Zrotation",
@@ -148,7 +148,7 @@ def _check(joint: _Joint | None, where: str) -> None:
 
 
 def _read_head(path: Path, lines: list[str], at: int) -> tuple[int, float, int]:
-    """Number of frames, seconds of one, and the index of the first frame's line."""
+    """Number of frames, seconds per frame, and the index of the first frame's line."""
     values: list[float] = []
     for key in ("frames:", "frame time:"):
         while at < len(lines) and not lines[at].strip():
@@ -166,7 +166,7 @@ def _read_head(path: Path, lines: list[str], at: int) -> tuple[int, float, int]:
     count, frame_time = values
     if count < 1 or count != int(count) or frame_time <= 0:
         raise MotionError(
-            "these are no frames",
+            "invalid number or duration of frames",
             where=str(path),
             got=f"{count:g} of {frame_time:g} s",
             expected="at least one, and a positive time",

@@ -1,6 +1,6 @@
 """Labelled 3-D markers over time, as Qualisys Track Manager exports them to text.
 
-A head of `KEY<TAB>value` lines, then one line a frame. Where the recorder lost sight of a marker,
+A header of `KEY<TAB>value` lines, then one line a frame. Where the recorder lost sight of a marker,
 the three numbers are empty, `nan` or all zero.
 """
 
@@ -21,17 +21,17 @@ MILLIMETRE = 0.001
 """m, the unit of Qualisys exports."""
 
 _GAPS = ("", "nan")
-"""What stands for a number that there is none of."""
+"""Cells that mean a missing number."""
 
 
 @dataclass(frozen=True)
 class MarkerTracks:
-    """T frames of M markers.
+    """Positions of M markers over T frames.
 
     Attributes:
-        names: Of the markers, unique.
+        names: Unique names of the markers.
         time: (T,) s, increasing.
-        places: (T, M, 3) m in the recorder's frame, NaN where a marker was not seen.
+        places: (T, M, 3) m, positions in the recorder's frame, NaN where a marker was not seen.
     """
 
     names: tuple[str, ...]
@@ -47,10 +47,10 @@ def read_markers(path: Path, unit: float = MILLIMETRE) -> MarkerTracks:
 
     Args:
         path: The file.
-        unit: m, length of one of the file's units.
+        unit: m, the file's unit of length.
 
     Raises:
-        MotionError: It is no such file, is cut short, or holds what is no finite number.
+        MotionError: It is not such a file, is cut short, or contains a number that is not finite.
     """
     lines = read_lines(path, "a Qualisys TSV file")
     head: dict[str, list[str]] = {}
@@ -66,7 +66,7 @@ def read_markers(path: Path, unit: float = MILLIMETRE) -> MarkerTracks:
     frames = _count(path, head, "NO_OF_FRAMES")
     rate = numbers(head.get("FREQUENCY", []), 1, f"{path}, FREQUENCY")[0]
     if rate <= 0:
-        raise MotionError("this is no frame rate", where=f"{path}, FREQUENCY", got=rate)
+        raise MotionError("not a frame rate", where=f"{path}, FREQUENCY", got=rate)
     # A line of column titles may follow, and Frame and Time columns with it.
     titles = lines[at].split("\t") if at < len(lines) else []
     lead = 0
@@ -123,7 +123,7 @@ def _names(path: Path, head: dict[str, list[str]]) -> tuple[str, ...]:
 def _count(path: Path, head: dict[str, list[str]], key: str) -> int:
     value = numbers(head.get(key, []), 1, f"{path}, {key}")[0]
     if value < 1 or value != int(value):
-        raise MotionError("this is no count", where=f"{path}, {key}", got=value)
+        raise MotionError("not a count", where=f"{path}, {key}", got=value)
     return int(value)
 
 

@@ -28,10 +28,11 @@ COLUMNS: tuple[str, ...] = (
 
 
 def read_pose_table(path: Path) -> tuple[Array, Array]:
-    """Times (T,) s, increasing, and poses (T, 48) of a table.
+    """Reads times (T,) s, increasing, and poses (T, 48) of a table.
 
     Raises:
-        MotionError: A column is missing, a value is no finite number, or the time runs backwards.
+        MotionError: A column is missing, a value is not a finite number, or the time runs
+            backwards.
     """
     rows = [
         (n, [cell.strip() for cell in line.split(",")])
@@ -49,7 +50,7 @@ def read_pose_table(path: Path) -> tuple[Array, Array]:
             expected="a first line with time and q0 .. q47, or " + ", ".join(COLUMNS[:9]) + ", ..",
         )
     if len(rows) < 2:
-        raise MotionError("there is no pose in it", where=str(path))
+        raise MotionError("the table contains no pose", where=str(path))
     order = [head.index(name) for name in wanted]
     values = np.array([numbers(cells, len(head), f"{path}, line {n}") for n, cells in rows[1:]])
     values = values[:, order]

@@ -1,4 +1,4 @@
-"""Text files from outside: read whole, or refused with one clear error."""
+"""Reads text files from outside whole, or refuses them with one clear error."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from pathlib import Path
 from models.errors import MotionError
 
 LARGEST = 512 * 2**20
-"""Bytes of text that are read at most: a day of motion capture is smaller, a bomb is not."""
+"""Largest size in bytes: a day of motion capture is smaller, a decompression bomb is larger."""
 MOST = 1e15
-"""Greatest length or angle in any unit; of more, squares and sines are no numbers any longer."""
+"""Greatest length or angle in any unit; squares and sines of larger ones are not finite."""
 
 
 def read_lines(path: Path, what: str) -> list[str]:
-    """The lines of a text file, or of one packed with gzip (recognised by content).
+    """Reads the lines of a text file, plain or packed with gzip (recognised by content).
 
     Args:
         path: The file.
-        what: What it should be, for messages: "a BVH file".
+        what: The expected kind of file, for messages: "a BVH file".
 
     Raises:
-        MotionError: It is missing, damaged, too large, or not text.
+        MotionError: The file is missing, damaged, too large, or not text.
     """
     where = str(path)
     try:
@@ -33,7 +33,7 @@ def read_lines(path: Path, what: str) -> list[str]:
         with gzip.open(path, "rb") if packed else path.open("rb") as file:
             data = file.read(LARGEST + 1)
     except FileNotFoundError:
-        raise MotionError("there is no such file", where=where) from None
+        raise MotionError("no such file", where=where) from None
     except (EOFError, zlib.error, gzip.BadGzipFile) as error:
         raise MotionError("the packed file is damaged", where=where, got=str(error)) from None
     except OSError as error:
@@ -51,10 +51,10 @@ def read_lines(path: Path, what: str) -> list[str]:
 
 
 def numbers(tokens: Sequence[str], count: int, where: str) -> list[float]:
-    """The finite numbers that some words say.
+    """Parses words as finite numbers.
 
     Raises:
-        MotionError: There are more or fewer of them than `count`, or one is no finite number.
+        MotionError: There are more or fewer words than `count`, or one is not a finite number.
     """
     if len(tokens) != count:
         raise MotionError(
@@ -68,7 +68,7 @@ def numbers(tokens: Sequence[str], count: int, where: str) -> list[float]:
             value = math.nan
         if not math.isfinite(value):
             raise MotionError(
-                "this is no finite number", where=where, got=token[:40], expected="a number"
+                "not a finite number", where=where, got=token[:40], expected="a number"
             )
         if abs(value) > MOST:
             raise MotionError(

@@ -1,9 +1,9 @@
-"""Vicon V files (.v): the motion of a skeleton in numbers, binary.
+"""Reads Vicon V files (.v): binary motion of a skeleton.
 
 After "V#" and a version come sections: a header of 32 bytes with length and name, then records that
 begin with their length and end with an empty one. A header of zeros ends them, and records of
 numbers follow, one a frame. Little endian; millimetres and radians, z up; a segment has a rotation
-vector `<a-X>` .. `<a-Z>` and, where it moves freely, a place `<t-X>` .. `<t-Z>`.
+vector `<a-X>` .. `<a-Z>` and, where it moves freely, a position `<t-X>` .. `<t-Z>`.
 
 Vicon's own description (issue 2 of 2001) could be read in parts only. The rest follows a reader
 that was written for real files (readV.m of ComedyLab).
@@ -30,9 +30,9 @@ Array = NDArray[np.float64]
 MAGIC, VERSION = b"V#", 1
 SECTION = struct.Struct("<I28s")
 RECORD = struct.Struct("<HHI")
-"""Length of what follows it, group, frame."""
+"""Head of a record: length of the rest, group, frame."""
 TYPES = {3: "<i2", 4: "<i4", 5: "<f4", 6: "<f8"}
-"""Of the numbers; anything else is a byte."""
+"""Sizes of the number types; any other type is a byte."""
 
 _LABEL = re.compile(
     r"(?:(?P<subject>[^:]*):)?(?P<segment>.+?)\s*<(?P<kind>[atAT])-(?P<axis>[XYZ])>"
@@ -41,10 +41,10 @@ _LABEL = re.compile(
 
 @dataclass(frozen=True)
 class ViconMotion:
-    """Numbers over time.
+    """The columns of a V file over time.
 
     Attributes:
-        labels: One for each column.
+        labels: One label for each column.
         rate: Hz.
         values: (T, columns), mm and rad.
     """
@@ -58,14 +58,14 @@ def read_v(path: Path) -> ViconMotion:
     """Reads a V file.
 
     Raises:
-        MotionError: It is none, is cut short, or holds what is no finite number.
+        MotionError: It is not a V file, is cut short, or contains a number that is not finite.
     """
     try:
         if path.stat().st_size > LARGEST:
             raise MotionError("the file is too large", where=str(path), expected=f"{LARGEST:,}")
         data = path.read_bytes()
     except FileNotFoundError:
-        raise MotionError("there is no such file", where=str(path)) from None
+        raise MotionError("no such file", where=str(path)) from None
     except OSError as error:
         raise MotionError("it cannot be read", where=str(path), got=error.strerror) from None
     if data[:2] != MAGIC:
@@ -85,10 +85,10 @@ def motion_of(
     """The motion of a skeleton; its markers become joints that never turn.
 
     Args:
-        path: Of the motion, for messages.
+        path: Path of the motion, for messages.
         skeleton: From `read_vsk`.
         motion: From `read_v`.
-        unit: m, length of one of the file's units.
+        unit: m, the file's unit of length.
 
     Raises:
         MotionError: The file moves none of the skeleton's segments, or another subject's.
@@ -150,7 +150,7 @@ class _Group:
 
 
 def _groups(data: bytes) -> tuple[_Group, int]:
-    """The group of numbers, and where the records of all groups begin."""
+    """Finds the group of numbers, and the offset of the first record."""
     (version,) = struct.unpack_from("<h", data, 2)
     if version != VERSION:
         raise ValueError
@@ -196,17 +196,19 @@ def _values(path: Path, data: bytes, group: _Group, at: int) -> ViconMotion:
             if length != size + RECORD.size - 2 or at + RECORD.size + size > len(data):
                 raise ValueError  # of another length, or cut short
             if this <= frame:
-                raise MotionError("a frame out of order", where=f"{path}, frame {this}")
+                raise MotionError("frames are out of order", where=f"{path}, frame {this}")
             frame = this
             rows.append(np.frombuffer(data, group.kind, len(group.labels), at + RECORD.size))
         at += 2 + length
     if not rows:
-        raise MotionError("there is no frame in it", where=str(path))
+        raise MotionError("the file contains no frame", where=str(path))
     values = np.array(rows, float)
     if not np.isfinite(values).all():
-        raise MotionError("it holds what is no finite number", where=str(path))
+        raise MotionError("the file contains a number that is not finite", where=str(path))
     if np.abs(values).max() > MOST:
         raise MotionError(
-            "it holds too large a number", where=str(path), expected=f"up to {MOST:g}"
+            "the file contains a number that is too large",
+            where=str(path),
+            expected=f"up to {MOST:g}",
         )
     return ViconMotion(group.labels, group.rate, values)

@@ -1,8 +1,8 @@
-"""Vicon skeletons (.vsk): segments inside one another, each with its joint; markers on them.
+"""Reads Vicon skeletons (.vsk): nested segments, each with its joint, and markers on them.
 
 XML, millimetres, radians. A segment's `POSITION` and `ORIENTATION` (a rotation vector) are its
 joint's in the parent segment; any of the numbers may be the name of a parameter, with a sign.
-Nobody has printed the format: this follows a genuine file and the reader of the DART library.
+The format is not published: this reader follows a genuine file and the reader of the DART library.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ JOINTS = {
 """Kinds of joints, and their degrees of freedom."""
 
 DEEPEST = 100
-"""Segments inside one another, beyond which a file is damaged."""
+"""Deepest nesting of segments; a file with more is treated as damaged."""
 
 
 @dataclass
@@ -36,12 +36,12 @@ class ViconSkeleton:
     """A skeleton at rest, parents before children.
 
     Attributes:
-        names: Of the segments, unique.
+        names: Unique names of the segments.
         parents: Index of each segment's parent, -1 for a root.
-        positions: (3,) m of each, in its parent.
-        frames: (3, 3) of each, parent from segment at rest.
-        joints: Kind of each one's joint, a key of `JOINTS`.
-        markers: Name -> segment and place (3,) m in it.
+        positions: (3,) m of each segment in its parent.
+        frames: (3, 3) of each segment, parent from segment at rest.
+        joints: Kind of each segment's joint, a key of `JOINTS`.
+        markers: Name -> segment and position (3,) m in it.
     """
 
     names: list[str] = field(default_factory=list)
@@ -53,7 +53,7 @@ class ViconSkeleton:
 
     @property
     def freedoms(self) -> int:
-        """Degrees of freedom of all joints."""
+        """Number of degrees of freedom of all joints together."""
         return sum(JOINTS[kind] for kind in self.joints)
 
 
@@ -62,14 +62,14 @@ def read_vsk(path: Path, unit: float = MILLIMETRE) -> ViconSkeleton:
 
     Args:
         path: The file.
-        unit: m, length of one of the file's units.
+        unit: m, the file's unit of length.
 
     Raises:
-        MotionError: It is no VSK file, is damaged, or two of its segments share a name.
+        MotionError: It is not a VSK file, is damaged, or two of its segments share a name.
     """
     text = "\n".join(read_lines(path, "a VSK file"))
     if "<!DOCTYPE" in text or "<!ENTITY" in text:
-        raise MotionError("a skeleton has no business with entities", where=str(path))
+        raise MotionError("XML entities are not allowed in a skeleton", where=str(path))
     try:
         root = ElementTree.fromstring(text)
     except (ElementTree.ParseError, ValueError) as error:
@@ -86,7 +86,7 @@ def read_vsk(path: Path, unit: float = MILLIMETRE) -> ViconSkeleton:
     for segment in skeleton.findall("Segment"):
         reader.segment(segment, -1, 1)
     if not reader.found.names:
-        raise MotionError("there is no segment in it", where=str(path))
+        raise MotionError("the skeleton contains no segment", where=str(path))
     for marker in root.iter("Marker"):
         reader.marker(marker)
     return reader.found
@@ -106,14 +106,14 @@ class _Reader:
         self.found = ViconSkeleton()
 
     def segment(self, element: ElementTree.Element, parent: int, depth: int) -> None:
-        """Takes in a segment and what is inside it."""
+        """Reads a segment and the segments inside it."""
         name = element.get("NAME", "")
         where = f"{self._path}, segment {name}"[:120]
         if not name or name in self.found.names:
             raise MotionError("a segment needs a name of its own", where=str(self._path), got=name)
         if depth > DEEPEST:
             raise MotionError(
-                "segments inside one another without end", where=where, expected=f"{DEEPEST} deep"
+                "segments are nested too deeply", where=where, expected=f"{DEEPEST} deep"
             )
         kinds = [child.tag for child in element if child.tag.startswith("Joint")]
         if len(kinds) != 1 or kinds[0] not in JOINTS:
@@ -131,11 +131,11 @@ class _Reader:
             self.segment(child, index, depth + 1)
 
     def marker(self, element: ElementTree.Element) -> None:
-        """Takes in a marker."""
+        """Reads a marker."""
         name, segment = element.get("NAME", ""), element.get("SEGMENT", "")
         where = f"{self._path}, marker {name}"[:120]
         if segment not in self.found.names:
-            raise MotionError("a marker on no segment", where=where, got=segment[:40])
+            raise MotionError("a marker is not on any segment", where=where, got=segment[:40])
         place = self._unit * self._vector(element, "POSITION", where)
         self.found.markers[name] = (self.found.names.index(segment), place)
 

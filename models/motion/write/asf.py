@@ -31,8 +31,8 @@ class AmcWriter(MotionWriter):
     """One hand as ASF and AMC.
 
     Args:
-        path: Of either file; the other has the same name with the other ending.
-        armature: Of the hand.
+        path: Path of either file; the other has the same name with the other ending.
+        armature: The hand.
         rate: Hz of the keys.
     """
 
@@ -53,7 +53,7 @@ class AmcWriter(MotionWriter):
         (keys,) = hands
         root, turns = self._armature.relative(keys, self._zero, Y_UP)
         count = len(root)
-        # About still axes the last of the order comes first.
+        # For fixed axes the order is reversed: the last one comes first.
         angles = np.rad2deg(self.euler.angles(turns))[..., ::-1].reshape(count, -1)
         numbers = np.arange(self.frames + 1, self.frames + count + 1)[:, None]
         values = np.concatenate([numbers, CENTIMETRES * root, angles], axis=1)

@@ -1,7 +1,7 @@
 """Writes a hand as BVH, key by key: y up, centimetres, degrees in any Euler order.
 
-Offsets are the hand in its zero pose (`models.motion.armature`), so that no rotation but those of
-the motion is needed. The number of frames, which the head states, is put there at the end.
+Offsets are the hand in its zero pose (`models.motion.armature`), so that the file needs only the
+rotations of the motion. The number of frames in the header is filled in at the end.
 """
 
 from __future__ import annotations
@@ -18,18 +18,18 @@ from models.motion.output import NUMBER, MotionWriter, checked_rate, rows
 Array = NDArray[np.float64]
 
 CENTIMETRES = 100.0
-"""In a metre."""
+"""Centimetres in a metre."""
 
 _COUNT = 10
-"""Characters kept for the number of frames."""
+"""Characters reserved for the number of frames."""
 
 
 class BvhWriter(MotionWriter):
     """One hand as BVH.
 
     Args:
-        path: Of the file.
-        armature: Of the hand.
+        path: Path of the file.
+        armature: The hand.
         rate: Hz of the keys.
         order: Euler order of every joint.
     """
@@ -57,7 +57,7 @@ class BvhWriter(MotionWriter):
         self.frames += len(root)
 
     def finish(self) -> None:
-        """Puts the number of frames into the head."""
+        """Writes the number of frames into the header."""
         self._outputs[0].put(self._count_at, f"{self.frames:<{_COUNT}d}".encode("ascii"))
 
 

@@ -2,8 +2,8 @@
 
 Millimetres, z up (`X_SCREEN` +X, `Y_SCREEN` +Z), single precision, Intel byte order; no analog
 channels. Blocks have 512 bytes: a header, the parameters, then four numbers for each point of each
-frame. How many frames there are stands in three places, and is put there at the end; more than
-65,535 are told by `TRIAL:ACTUAL_END_FIELD` alone, as the format's later users agreed.
+frame. The number of frames stands in three places and is filled in at the end; a number above
+65,535 stands in `TRIAL:ACTUAL_END_FIELD` alone, as the format's later users agreed.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from models.motion.points import HandPoints
 BLOCK = 512
 MILLIMETRES = 1000.0
 INTEL = 84
-"""Number of the byte order."""
+"""Code of the byte order (Intel)."""
 FLOATING = -1.0
-"""A scale below zero says that numbers are floating point; its size is no factor then."""
+"""A negative scale means floating point numbers; its size is then not used as a factor."""
 MOST = 65_535
 """Frames that fit into 16 bits."""
 
@@ -34,8 +34,8 @@ class C3dWriter(MotionWriter):
     """Points of any number of hands as C3D.
 
     Args:
-        path: Of the file.
-        points: Which.
+        path: Path of the file.
+        points: The points to write.
         rate: Hz of the keys.
     """
 
@@ -52,7 +52,7 @@ class C3dWriter(MotionWriter):
         self._outputs[0].write(bytes(parameters))
 
     def write(self, *hands: Keys) -> None:
-        """Appends the same moments of every hand."""
+        """Appends keys of all hands at the same moments."""
         places = self._points.place(hands)
         # The fourth number would be the residual, and which cameras saw the point.
         values = np.zeros((*places.shape[:2], 4), "<f4")
@@ -61,7 +61,7 @@ class C3dWriter(MotionWriter):
         self.frames += len(places)
 
     def finish(self) -> None:
-        """The number of frames, where it belongs, and whole blocks."""
+        """Fills in the number of frames, and pads the last block."""
         out = self._outputs[0]
         if self.frames <= MOST:
             # Where the count does not fit, ezc3d reads to the end, and takes a filled block for
@@ -79,7 +79,7 @@ def _header(points: int, rate: float, data_start: int) -> bytes:
 
 
 def _parameters(labels: list[str], rate: float) -> tuple[bytearray, dict[str, int]]:
-    """The parameter blocks, and where in them each parameter's value is."""
+    """The parameter blocks, and the offset of each parameter's value in them."""
     out = bytearray(struct.pack("<BBBB", 1, 0x50, 0, INTEL))
     places: dict[str, int] = {}
 

@@ -1,10 +1,9 @@
 """Writes skinned hands in motion as one binary glTF 2.0 file (.glb), key by key.
 
-Metres, up is +y. Joints are nodes below one another, each in its own frame; a turned node above
-the wrist makes our z up theirs. Keys are linear: a quaternion for every joint, and the wrist's
-place.
-A file's description comes before its numbers, and a joint's numbers lie side by side: until the end
-every channel waits in a temporary file of its own.
+Metres, up is +y. Joints are nested nodes, each in its own frame; a rotated node above the wrist
+turns our z axis up into glTF's y. Keys are linear: a quaternion for every joint, and the wrist's
+position. In the file the description comes before the numbers, and the numbers of one joint lie
+side by side: until the end every channel is kept in a temporary file of its own.
 """
 
 from __future__ import annotations
@@ -28,17 +27,17 @@ from models.skin.skin import Skin, frames
 Array = NDArray[np.float64]
 
 UP = [-float(np.sqrt(0.5)), 0.0, 0.0, float(np.sqrt(0.5))]
-"""Quaternion x, y, z, w of the node that stands our z upright."""
+"""Quaternion x, y, z, w of the node that turns our z axis up into glTF's y."""
 
 
 class GltfWriter(MotionWriter):
     """Any number of hands as one .glb.
 
     Args:
-        path: Of the file.
-        armatures: Of the hands.
+        path: Path of the file.
+        armatures: The hands.
         rate: Hz of the keys.
-        names: Of the hands; otherwise their sides.
+        names: Names of the hands; by default their sides.
     """
 
     def __init__(
@@ -52,7 +51,7 @@ class GltfWriter(MotionWriter):
         self._last: list[Array | None] = [None] * len(armatures)
         self._first: list[tuple[Array, Array]] = []
         try:
-            # Beside the file, since a folder for temporary files may well be memory.
+            # Beside the file, since the folder for temporary files may be in memory.
             self._places = [self._temporary() for _ in armatures]
             self._turns = [[self._temporary() for _ in a.names] for a in armatures]
         except OSError as error:
@@ -60,7 +59,7 @@ class GltfWriter(MotionWriter):
             raise refused(path, error) from error
 
     def write(self, *hands: Keys) -> None:
-        """Appends the same moments of every hand."""
+        """Appends keys of all hands at the same moments."""
         try:
             for i, keys in enumerate(hands):
                 self._write_hand(i, keys)
@@ -69,7 +68,7 @@ class GltfWriter(MotionWriter):
         self.frames += len(hands[0].root)
 
     def finish(self) -> None:
-        """Description and channels, into the file."""
+        """Writes description and channels into the file."""
         try:
             self._finish()
         except OSError as error:
@@ -78,7 +77,7 @@ class GltfWriter(MotionWriter):
             self._closing.close()
 
     def abort(self) -> None:
-        """Leaves nothing behind."""
+        """Removes the unfinished files."""
         super().abort()
         if hasattr(self, "_closing"):
             with suppress(OSError):
@@ -92,7 +91,7 @@ class GltfWriter(MotionWriter):
         turns = matrix_to_quaternion(keys.turns)
         before = self._last[i]
         chain = turns if before is None else np.concatenate([before[None], turns])
-        # A quaternion and its opposite mean the same turn; the one nearer to the last is kept.
+        # A quaternion and its opposite mean the same rotation; the one nearer to the last is kept.
         flips = np.where((chain[1:] * chain[:-1]).sum(axis=-1) < 0, -1.0, 1.0)
         if before is None:
             flips = np.concatenate([np.ones_like(chain[:1, :, 0]), flips])
@@ -144,7 +143,7 @@ class GltfWriter(MotionWriter):
                 shutil.copyfileobj(file, out.file)
 
     def _joints(self, i: int, armature: Armature, start: int) -> list[dict[str, Any]]:
-        """Nodes of a hand, at its first key."""
+        """Nodes of a hand, posed at its first key."""
         root, turns = self._first[i]
         out = []
         for j, name in enumerate(armature.names):
@@ -159,7 +158,7 @@ class GltfWriter(MotionWriter):
         return out
 
     def _animation(self, arrays: GlbArrays, starts: list[int]) -> dict[str, Any]:
-        """Channels, in the order in which their numbers follow."""
+        """Channels, in the order in which their numbers are stored."""
         last = float(np.float32((self.frames - 1) / self._rate))
         time = arrays.append(self.frames, FLOAT, "SCALAR", min=[0.0], max=[last])
         samplers: list[dict[str, Any]] = []

@@ -1,4 +1,5 @@
-"""Writes points as a table, key by key: `time` (s), then x, y, z of each (m, world, z up)."""
+"""Writes points as a CSV table, key by key: `time` (s), then x, y, z of each point (m, world, z
+up)."""
 
 from __future__ import annotations
 
@@ -11,15 +12,15 @@ from models.motion.output import MotionWriter, checked_rate, rows
 from models.motion.points import HandPoints
 
 DECIMALS = 9
-"""Nanometres and nanoseconds."""
+"""Decimals: nanometres and nanoseconds."""
 
 
 class PointsCsvWriter(MotionWriter):
     """Points of any number of hands as CSV.
 
     Args:
-        path: Of the file.
-        points: Which.
+        path: Path of the file.
+        points: The points to write.
         rate: Hz of the keys.
     """
 
@@ -31,7 +32,7 @@ class PointsCsvWriter(MotionWriter):
         self._line = ",".join([f"%.{DECIMALS}f"] * len(columns)) + "\n"
 
     def write(self, *hands: Keys) -> None:
-        """Appends the same moments of every hand."""
+        """Appends keys of all hands at the same moments."""
         places = self._points.place(hands)
         time = np.arange(self.frames, self.frames + len(places)) / self._rate
         values = np.concatenate([time[:, None], places.reshape(len(places), -1)], axis=1)

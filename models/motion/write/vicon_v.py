@@ -23,10 +23,10 @@ class VWriter(MotionWriter):
     """One hand as V and VSK.
 
     Args:
-        path: Of either file; the other has the same name with the other ending.
-        armature: Of the hand.
+        path: Path of either file; the other has the same name with the other ending.
+        armature: The hand.
         rate: Hz of the keys.
-        subject: Stands before the labels.
+        subject: Prefix of the labels.
     """
 
     def __init__(self, path: Path, armature: Armature, rate: float, subject: str = "hand") -> None:
@@ -60,7 +60,7 @@ class VWriter(MotionWriter):
         self.frames += count
 
     def _continuous(self, vectors: Array) -> Array:
-        """Rotation vectors that do not jump by whole turns; only the wrist's ever could."""
+        """Rotation vectors without jumps by whole turns; only the wrist's could jump."""
         last = vectors[0, 0] if self._last is None else self._last
         chain = np.concatenate([last[None], vectors[:, 0]])
         jumps = np.abs(np.diff(chain, axis=0)).max(axis=1) > np.pi / 2
@@ -72,7 +72,7 @@ class VWriter(MotionWriter):
 
 
 def _static(labels: list[str], rate: float) -> bytes:
-    """Everything before the first frame."""
+    """All bytes before the first frame."""
     described = b"a hand\0"
     body = struct.pack("<HB", GROUP, len(described)) + described
     body += struct.pack("<BBdH", FLOAT, 4, rate, len(labels))

@@ -1,7 +1,7 @@
 """Writes a hand as a Vicon skeleton (.vsk), with a marker at every fingertip.
 
 Millimetres. Segments have the hand's own axes in its zero pose (fingers along y, palm down, z up),
-so that no segment is turned against its parent and the motion's rotations are all there is.
+so that no segment is rotated against its parent, and the only rotations are those of the motion.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from models.motion.output import MotionWriter
 
 MILLIMETRES = 1000.0
 ORDER = "XYZ"
-"""Whose zero pose has the hand's own axes."""
+"""Euler order whose zero pose has the hand's own axes."""
 
 _COLOURS = ("255 160 60", "60 140 255", "60 200 120", "230 80 80", "170 110 230")
 
 
 def vsk(armature: Armature) -> bytes:
-    """The file of a hand."""
+    """Text of the VSK file of a hand."""
     zero = armature.zero(ORDER)
     model = Element("KinematicModel")
     SubElement(model, "Parameters")
@@ -58,11 +58,11 @@ def vsk(armature: Armature) -> bytes:
 
 
 class VskWriter(MotionWriter):
-    """The skeleton alone; the motion goes nowhere.
+    """Writes the skeleton alone and ignores the motion.
 
     Args:
-        path: Of the file.
-        armature: Of the hand.
+        path: Path of the file.
+        armature: The hand.
     """
 
     def __init__(self, path: Path, armature: Armature) -> None:

@@ -226,7 +226,7 @@ def _hands(options: RecordOptions) -> Any:
     path = Path(options.hands)
     if not path.is_file():
         raise InputError(
-            "there is no such device or file", where="--hands", got=options.hands,
+            "no such device or file", where="--hands", got=options.hands,
             expected=f"{LIVE}, or a recording of a Leap",
         )  # fmt: skip
     return LeapFileDevice(read_leap(path))

@@ -146,7 +146,7 @@ def _check(options: EvaluateOptions) -> None:
         raise InputError("no day to judge", where="--days", got=options.days, expected="1 or more")
     if options.day_seed < 0:
         raise InputError(
-            "there is no such seed", where="--day-seed", got=options.day_seed, expected="0 or more"
+            "no such seed", where="--day-seed", got=options.day_seed, expected="0 or more"
         )
     check_output(options.json)
     if options.plots is not None:

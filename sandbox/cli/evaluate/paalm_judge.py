@@ -131,7 +131,7 @@ def _simulated(takes: int, shown: Callable[[float], None]) -> dict[str, Any]:
 def _folder(folder: Path, shown: Callable[[float], None]) -> dict[str, Any]:
     if not folder.is_dir():
         raise InputError(
-            "there is no such folder", where=f"--paalm {folder}", expected="simulated, or a folder"
+            "no such folder", where=f"--paalm {folder}", expected="simulated, or a folder"
         )
     left_out: dict[str, str] = {}
     takes: list[tuple[str, LeapTake, LeapTake | None]] = []

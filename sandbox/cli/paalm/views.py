@@ -31,7 +31,7 @@ def check_picture(path: Path | None) -> None:
     if path is None:
         return
     if not path.absolute().parent.is_dir():
-        raise InputError("there is no such folder", where=f"--picture {path}")
+        raise InputError("no such folder", where=f"--picture {path}")
     if path.suffix.lower() not in PICTURES:
         raise InputError(
             "this is no picture", where=f"--picture {path}", expected=", ".join(PICTURES)

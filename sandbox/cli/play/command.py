@@ -98,7 +98,7 @@ def _check(options: PlayOptions) -> None:
     find_task(plan(replace(options, record=None)).settings.task)
     if options.record is not None and not options.record.absolute().parent.is_dir():
         raise InputError(
-            "there is no such folder", where="--record", got=str(options.record.parent),
+            "no such folder", where="--record", got=str(options.record.parent),
             remedy="Make it, or record somewhere else",
         )  # fmt: skip
 

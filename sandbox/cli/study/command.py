@@ -104,7 +104,7 @@ def main(argv: list[str]) -> int:
         print(FIRST_STEPS)
         return 0
     if argv[0] not in ACTIONS:
-        raise InputError("there is no such thing to do with a study", got=argv[0],
+        raise InputError("no such thing to do with a study", got=argv[0],
                          expected=", ".join(ACTIONS))  # fmt: skip
     options, action = ACTIONS[argv[0]]
     return action(parse(options, f"sandbox study {argv[0]}", argv[1:]), Console(soft_wrap=True))

@@ -154,7 +154,7 @@ def check_options(options: RunOptions) -> None:
     from sandbox.options.touch_devices import guessed_surface, is_evdev, live_maker
 
     if options.device not in ("web", "mouse", "tuio", "simulated") and not is_evdev(options.device):
-        raise InputError("there is no such device for a study", where="--device",
+        raise InputError("no such device for a study", where="--device",
                          got=options.device,
                          expected="web, mouse, tuio, evdev, evdev:NODE or simulated")  # fmt: skip
     if options.device == "simulated" and not options.pilot:

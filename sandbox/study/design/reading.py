@@ -213,4 +213,4 @@ class Table:
             remedy = f"Did you mean {near[0]}?" if near else "Known here: " + ", ".join(
                 sorted(set(self._known))
             )  # fmt: skip
-            self.wrong(key, "there is no such key", remedy)
+            self.wrong(key, "no such key", remedy)

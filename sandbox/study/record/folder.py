@@ -130,7 +130,7 @@ class StudyFolder:
         known = self.participants()
         participant = next((p for p in known if p.ppid == ppid), None)
         if participant is None:
-            raise StudyError("there is no such participant", where=str(self.path), got=ppid,
+            raise StudyError("no such participant", where=str(self.path), got=ppid,
                              expected=", ".join(p.ppid for p in known[-8:]) or "new",
                              remedy="`--participant new` makes one")  # fmt: skip
         return participant

@@ -107,11 +107,11 @@ def anonymise(study: StudyFolder, out: Path, masking: Masking, say: Say) -> Anon
             for session in agreed[old]:
                 say(f"{names[old]}: {len(session.records)} records")
                 _write_session(work, session, disguise, masking)
-        kept_session = _finish(work, masking, len(sessions) - len(agreed))
+        anonymised = _finish(work, masking, len(sessions) - len(agreed))
     starts = [r for some in agreed.values() for session in some for r in session.records
               if r["kind"] == "trial_start"]  # fmt: skip
     hidden = masking.recordings and not masking.hands
-    return replace(kept_session, hands=sum(hidden and in_the_air(r["values"]) for r in starts))
+    return replace(anonymised, hands=sum(hidden and in_the_air(r["values"]) for r in starts))
 
 
 def _check(design: Design, masking: Masking) -> None:

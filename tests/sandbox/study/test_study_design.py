@@ -204,7 +204,7 @@ MISTAKES = [
     ("repetitions = 2", "repititions = 2", "Did you mean repetitions"),
     ('"hard", "soft"', '"hard", "sofft"', "hard, soft, none"),
     ('encoder = "linear"', 'encoder = "linaer"', "there is no such encoder"),
-    ('"box-to-goal", ', '"box-to-gaol", ', "there is no such task"),
+    ('"box-to-goal", ', '"box-to-gaol", ', "no such task"),
     ('"box-to-goal", ', '"wrench-turn", ', "twice"),
     ("every = 5", "every = -1", "0 to 10000"),
     ('name = "task"', 'name = "contact"', "twice"),

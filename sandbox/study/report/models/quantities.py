@@ -69,7 +69,7 @@ def quantity(data: StudyData, name: str) -> Quantity:
     known = BY_NAME.get(name)
     if name not in data.used.columns or name in ("cell", "position", "condition", "censored"):
         known_here = ", ".join(q.name for q in quantities(data))
-        raise StudyError("there is no such measure in this study", where="--measure", got=name,
+        raise StudyError("no such measure in this study", where="--measure", got=name,
                          expected=known_here or "none")  # fmt: skip
     values = to_numbers(data.used[name])
     values = values[np.isfinite(values)]
