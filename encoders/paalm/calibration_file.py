@@ -6,20 +6,54 @@ import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from msgspec import Meta, Struct
 
 from encoders.paalm.calibration import HandCalibration
 from models.errors import EncoderError
-from models.frames import FINGERS, SIDES
-
-Array = NDArray[np.float64]
+from models.frames import SIDES
+from models.json_input import checked, decoded, read_bytes
 
 SCHEMA = 1
 _LARGEST = 1 << 20
-_FIVE = len(FINGERS)
+
+
+_Finite = Annotated[float, Meta(ge=-1e6, le=1e6)]
+_Length = Annotated[float, Meta(gt=0, le=1e6)]
+_Place = tuple[_Finite, _Finite, _Finite]
+_Bones = tuple[_Length, _Length, _Finite]
+
+
+class _HandRecord(Struct):
+    """One hand's calibration in a file or header; see `HandCalibration`."""
+
+    standard: tuple[_Length, _Length, _Length, _Length, _Length]
+    spread: tuple[_Finite, _Finite, _Finite, _Finite, _Finite]
+    tips: tuple[_Place, _Place, _Place, _Place, _Place]
+    directions: tuple[_Place, _Place, _Place, _Place, _Place]
+    bones: tuple[_Bones, _Bones, _Bones, _Bones, _Bones] | None
+    frames: int
+    seconds: _Finite
+    left_out: dict[str, int]
+
+    def __post_init__(self) -> None:
+        if any(abs(math.hypot(*direction) - 1.0) > 1e-3 for direction in self.directions):
+            raise ValueError("directions must be unit vectors")
+
+
+class _Head(Struct):
+    """The fields that tell a calibration from other files, whatever they hold."""
+
+    schema: Any = None
+    paalm_calibration: Any = None
+
+
+class _CalibrationFile(Struct):
+    """The hands of a file, by side."""
+
+    paalm_calibration: dict[str, _HandRecord]
 
 
 def write_calibration(hands: Mapping[str, HandCalibration], path: Path) -> None:
@@ -58,10 +92,9 @@ def calibration_from_json(side: str, fields: Mapping[str, Any]) -> HandCalibrati
     Raises:
         EncoderError: It is damaged.
     """
-    try:
-        return _hand(_side(side), fields)
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise EncoderError(f"the calibration is damaged: {error}") from error
+    what, where = "the calibration is damaged", f"{side} hand"
+    record = checked(dict(fields), _HandRecord, EncoderError, what=what, where=where)
+    return _hand(side, record, where)
 
 
 def read_calibration(path: Path) -> dict[str, HandCalibration]:
@@ -70,24 +103,32 @@ def read_calibration(path: Path) -> dict[str, HandCalibration]:
     Raises:
         EncoderError: The file is missing, of another program or version, or damaged.
     """
-    where = str(path)
-    try:
-        if path.stat().st_size > _LARGEST:
-            raise EncoderError("this is too large for a calibration", where=where)
-        record = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError) as error:
-        raise EncoderError(f"the calibration cannot be read: {error}", where=where) from error
-    hands = record.get("paalm_calibration") if isinstance(record, dict) else None
-    if not isinstance(hands, dict) or not hands or record.get("schema") != SCHEMA:
+    where, what = str(path), "the calibration cannot be read"
+    data = read_bytes(path, EncoderError, what=what, largest=_LARGEST)
+    head = decoded(data, _Head, EncoderError, what=what, where=where)
+    if not head.paalm_calibration or head.schema != SCHEMA:
         raise EncoderError(
             "this is no PAALM calibration",
             where=where,
             expected=f"schema {SCHEMA}, as `sandbox paalm calibrate --out` writes it",
         )
+    hands = decoded(
+        data, _CalibrationFile, EncoderError, what="the calibration is damaged", where=where
+    ).paalm_calibration
+    return {
+        side: _hand(side, record, f"{where}, paalm_calibration.{side}")
+        for side, record in hands.items()
+    }
+
+
+def is_calibration(path: Path) -> bool:
+    """Tells a file with calibrations for PAALM from others; the calibrations may be damaged."""
     try:
-        return {_side(side): _hand(side, fields) for side, fields in hands.items()}
-    except (KeyError, TypeError, ValueError) as error:
-        raise EncoderError(f"the calibration is damaged: {error}", where=where) from error
+        data = read_bytes(path, EncoderError, what="", largest=_LARGEST)
+        head = decoded(data, dict[str, Any], EncoderError, what="", where=str(path))
+    except EncoderError:
+        return False
+    return "paalm_calibration" in head
 
 
 def read_hand(path: Path, side: str) -> HandCalibration:
@@ -104,38 +145,19 @@ def read_hand(path: Path, side: str) -> HandCalibration:
     return known[side]
 
 
-def _side(side: str) -> str:
+def _hand(side: str, record: _HandRecord, where: str) -> HandCalibration:
     if side not in SIDES:
-        raise ValueError(f"no such side: {side}")
-    return side
-
-
-def _hand(side: str, fields: Mapping[str, Any]) -> HandCalibration:
-    standard = _array(fields, "standard", (_FIVE,))
-    directions = _array(fields, "directions", (_FIVE, 3))
-    bones = None if fields["bones"] is None else _array(fields, "bones", (_FIVE, 3))
-    if standard.min() <= 0.0 or (bones is not None and bones[:, :2].min() <= 0.0):
-        raise ValueError("lengths must be above 0")
-    if np.abs(np.linalg.norm(directions, axis=1) - 1.0).max() > 1e-3:
-        raise ValueError("directions must be unit vectors")
-    seconds = float(fields["seconds"])
-    if not math.isfinite(seconds):
-        raise ValueError("seconds must be finite")
+        raise EncoderError(
+            "no hand of this name", where=where, got=side[:40], expected=" or ".join(SIDES)
+        )
     return HandCalibration(
         side,
-        standard,
-        _array(fields, "spread", (_FIVE,)),
-        _array(fields, "tips", (_FIVE, 3)),
-        directions,
-        bones,
-        int(fields["frames"]),
-        seconds,
-        {str(k): int(v) for k, v in fields["left_out"].items()},
+        np.array(record.standard),
+        np.array(record.spread),
+        np.array(record.tips),
+        np.array(record.directions),
+        None if record.bones is None else np.array(record.bones),
+        record.frames,
+        record.seconds,
+        record.left_out,
     )
-
-
-def _array(fields: Mapping[str, Any], name: str, shape: tuple[int, ...]) -> Array:
-    array = np.asarray(fields[name], float)
-    if array.shape != shape or not np.isfinite(array).all():
-        raise ValueError(f"{name} must be finite numbers, {shape}")
-    return array

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from dataclasses import replace
 from itertools import islice
@@ -15,7 +14,7 @@ from rich.text import Text
 
 from encoders.paalm import Paalm
 from encoders.paalm.calibration import PAPER_FRAMES, HandCalibration
-from encoders.paalm.calibration_file import read_calibration, write_calibration
+from encoders.paalm.calibration_file import is_calibration, read_calibration, write_calibration
 from models.errors import EncoderError, InputError
 from sandbox.devices.leap.leap import LeapDevice
 from sandbox.options.profiles import DEFAULT, default_path
@@ -23,23 +22,11 @@ from sandbox.options.profiles import DEFAULT, default_path
 LIVE = "leap"
 TRIES = 3
 """Frames that are looked at for every one that is wanted: most may show no open hand."""
-_LARGEST = 1 << 20
 
 
 def own_path() -> Path:
     """Where this user's own measured hands are, beside the profile of `sandbox calibrate`."""
     return default_path().with_name("hands.json")
-
-
-def is_calibration(path: Path) -> bool:
-    """Whether a file is a calibration for PAALM, and no profile or anything else."""
-    try:
-        if path.stat().st_size > _LARGEST:
-            return False
-        record = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
-        return False
-    return isinstance(record, dict) and "paalm_calibration" in record
 
 
 def chosen_file(options: Any) -> Path | None:

@@ -7,14 +7,15 @@ and every recording holds the values themselves, so that it replays without any 
 from __future__ import annotations
 
 import json
-import math
 import os
 import sys
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+
+from msgspec import Struct
 
 from models.errors import InputError
+from models.json_input import check_layout, decoded, read_bytes
 from models.person import Person
 
 SCHEMA = 1
@@ -24,7 +25,21 @@ KIND = "hand-sandbox profile"
 DEFAULT = "default"
 """Name of the profile that `sandbox calibrate` writes unless told where."""
 
+_UNSOUND = "a value of the profile cannot be used"
 _REMEDY = "`sandbox calibrate` makes a sound one"
+
+
+class _ProfileFile(Struct, forbid_unknown_fields=True):
+    """The fields of a profile's file; those of `Person` are checked there."""
+
+    kind: str
+    schema: int
+    hand: str
+    hand_size: float
+    turn: int
+    hand_size_95: tuple[float, float]
+    device: str
+    simulated: bool
 
 
 @dataclass(frozen=True)
@@ -97,30 +112,13 @@ def load_profile(path: Path) -> Profile:
     Raises:
         InputError: There is no such file, it is no profile, or a value of it is none.
     """
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "it is not text"
-        raise InputError(
-            "the profile cannot be read", where=str(path), got=reason, remedy=_REMEDY
-        ) from None
-    try:
-        values = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise InputError(
-            "this is not a profile", where=str(path), got=str(error), expected="JSON",
-            remedy=_REMEDY,
-        ) from None  # fmt: skip
-    if not isinstance(values, dict) or values.get("kind") != KIND:
-        raise InputError(
-            "this is not a profile", where=str(path), expected=f'"kind": "{KIND}"', remedy=_REMEDY
-        )
-    if values.get("schema") != SCHEMA:
-        raise InputError(
-            "another version's profile", where=str(path), got=values.get("schema"),
-            expected=f"schema {SCHEMA}", remedy=_REMEDY,
-        )  # fmt: skip
-    return _checked(values, str(path))
+    where = str(path)
+    data = read_bytes(path, InputError, what="the profile cannot be read", remedy=_REMEDY)
+    check_layout(
+        data, KIND, SCHEMA, InputError, what="this is not a profile", where=where, remedy=_REMEDY
+    )
+    values = decoded(data, _ProfileFile, InputError, what=_UNSOUND, where=where, remedy=_REMEDY)
+    return _profile(values, where)
 
 
 def find_profile(name: str) -> Profile:
@@ -128,50 +126,24 @@ def find_profile(name: str) -> Profile:
     return load_profile(default_path() if name == DEFAULT else Path(name))
 
 
-def _checked(values: dict[str, Any], where: str) -> Profile:
-    names = {"kind", "schema", "hand", "hand_size", "turn", "hand_size_95", "device", "simulated"}
-    if set(values) != names:
-        raise InputError(
-            "the profile's values are not those of a profile", where=where,
-            got=", ".join(sorted(map(str, set(values) ^ names))) + " missing or unknown",
-            remedy=_REMEDY,
-        )  # fmt: skip
-
-    def bad(name: str, expected: str) -> InputError:
-        got = values[name]
-        shown = got if isinstance(got, int | float) else str(got)[:80]
-        return InputError(
-            "a value of the profile is out of range", where=f"{where}: {name}", got=shown,
-            expected=expected, remedy=_REMEDY,
-        )  # fmt: skip
-
-    interval = values["hand_size_95"]
-    if not (isinstance(interval, list) and len(interval) == 2 and all(map(_number, interval))):
-        raise bad("hand_size_95", "two numbers")
-    for name in ("hand", "device"):
-        if not isinstance(values[name], str):
-            raise bad(name, "a text")
-    if not _number(values["hand_size"]):
-        raise bad("hand_size", "a number")
-    if not (_number(values["turn"]) and isinstance(values["turn"], int)):
-        raise bad("turn", "a whole number")
-    if not isinstance(values["simulated"], bool):
-        raise bad("simulated", "true or false")
+def _profile(values: _ProfileFile, where: str) -> Profile:
     try:
-        person = Person(values["hand"], float(values["hand_size"]), values["turn"])
+        person = Person(values.hand, values.hand_size, values.turn)
     except InputError as error:
         raise InputError(
-            error.what, where=f"{where}: {(error.where or '').strip('-').replace('-', '_')}",
-            got=error.got, expected=error.expected, remedy=_REMEDY,
-        ) from None  # fmt: skip
-    low, high = (float(v) for v in interval)
+            error.what,
+            where=f"{where}, {(error.where or '').strip('-').replace('-', '_')}",
+            got=error.got,
+            expected=error.expected,
+            remedy=_REMEDY,
+        ) from None
+    low, high = values.hand_size_95
     if not 0.0 < low <= person.hand_size <= high:
-        raise bad("hand_size_95", "an interval around hand_size")
-    return Profile(person, (low, high), values["device"], values["simulated"])
-
-
-def _number(value: object) -> bool:
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return False
-    # A whole number may be too large for any float.
-    return abs(value) < 1e9 and math.isfinite(value)
+        raise InputError(
+            _UNSOUND,
+            where=f"{where}, hand_size_95",
+            got=f"{low} to {high}",
+            expected="an interval around hand_size",
+            remedy=_REMEDY,
+        )
+    return Profile(person, (low, high), values.device, values.simulated)

@@ -5,11 +5,13 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from math import isfinite
 from pathlib import Path
 from typing import Any
 
+from msgspec import Struct
+
 from models.errors import InputError
+from models.json_input import check_layout, decoded, read_bytes
 from sandbox.regress.execute import CRASHED, Trial
 
 SCHEMA = 1
@@ -44,6 +46,21 @@ class KeptTask:
     version: int
     fingerprint: str
     trials: Mapping[int, Kept]
+
+
+class _TaskLines(Struct):
+    """A task in a baseline's file; trials by seed, in the order of the fields of `Kept`."""
+
+    version: int
+    fingerprint: str
+    trials: dict[int, tuple[bool, float, float, str]]
+
+
+class _BaselineFile(Struct):
+    """The fields of a baseline's file after its head."""
+
+    configuration: dict[str, Any]
+    tasks: dict[str, _TaskLines]
 
 
 @dataclass(frozen=True)
@@ -195,49 +212,40 @@ def load_baseline(path: Path) -> Baseline:
     Raises:
         InputError: There is none, it is something else, damaged, or another version's.
     """
-    try:
-        document = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
+    if not path.exists():
         raise InputError(
             "no such baseline",
             where=str(path),
             remedy="--update-baseline makes it from this run",
-        ) from None
-    except OSError as error:
-        raise InputError("it cannot be read", where=str(path), got=error.strerror) from None
-    except (ValueError, RecursionError):
-        raise InputError("this is not JSON", where=str(path)) from None
-    if not isinstance(document, dict) or document.get("kind") != KIND:
-        raise InputError("this is no baseline of `sandbox regress`", where=str(path))
-    if document.get("schema") != SCHEMA:
-        raise InputError(
-            "another version's baseline",
-            where=str(path),
-            got=document.get("schema"),
-            expected=f"schema {SCHEMA}",
-            remedy="--update-baseline makes it anew",
         )
-    try:
-        tasks = {str(name): _task(values) for name, values in document["tasks"].items()}
-        return Baseline(dict(document["configuration"]), tasks, path)
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
-        raise InputError(
-            "this baseline is damaged",
-            where=str(path),
-            got=f"{type(error).__name__}: {error}",
-            remedy="Restore it from version control, or make it anew with --update-baseline",
-        ) from None
-
-
-def _task(values: dict[str, Any]) -> KeptTask:
-    trials = {}
-    for seed, (success, progress, time_s, state_hash) in values["trials"].items():
-        if not isinstance(success, bool):
-            raise TypeError(f"success of seed {seed} is {success!r}")
-        if not isfinite(float(progress) + float(time_s)):
-            raise ValueError(f"numbers of seed {seed} are not finite")
-        trials[int(seed)] = Kept(success, float(progress), float(time_s), str(state_hash))
-    return KeptTask(int(values["version"]), str(values["fingerprint"]), trials)
+    where = str(path)
+    data = read_bytes(path, InputError, what="the baseline cannot be read")
+    check_layout(
+        data,
+        KIND,
+        SCHEMA,
+        InputError,
+        what="this is no baseline of `sandbox regress`",
+        where=where,
+        remedy="--update-baseline makes it anew",
+    )
+    document = decoded(
+        data,
+        _BaselineFile,
+        InputError,
+        what="this baseline is damaged",
+        where=where,
+        remedy="Restore it from version control, or make it anew with --update-baseline",
+    )
+    tasks = {
+        name: KeptTask(
+            task.version,
+            task.fingerprint,
+            {seed: Kept(*trial) for seed, trial in task.trials.items()},
+        )
+        for name, task in document.tasks.items()
+    }
+    return Baseline(document.configuration, tasks, path)
 
 
 def flat(values: Mapping[str, Any]) -> dict[str, Any]:

@@ -6,12 +6,12 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from encoders.paalm.calibration_file import read_calibration
+from encoders.paalm.calibration_file import is_calibration, read_calibration
 from models.errors import DeviceError
 from sandbox.cli.play.command import PlayOptions
 from sandbox.devices.leap.leap_fake import FakeLeapd
 from sandbox.devices.leap.leap_write import leap_message
-from sandbox.options.own_hand import is_calibration, measured, own_path, with_own_hand
+from sandbox.options.own_hand import measured, own_path, with_own_hand
 from tests.support.leap_hands import take
 
 

@@ -1,0 +1,392 @@
+"""JSON from files, other programs and the network, read into msgspec structs.
+
+A struct says which fields a value has, and their types and ranges. A value that does not fit raises
+one error of ours, which names the file, the line or field, what was found and what was expected.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import reprlib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple, TypeVar
+
+import msgspec
+
+from models.errors import HandSandboxError
+
+T = TypeVar("T")
+
+LARGEST = 1 << 26
+"""Bytes of the largest file that is read whole."""
+
+_BYTE_ORDER_MARK = b"\xef\xbb\xbf"
+_SHOWN = 40
+"""Characters of a wrong value that a message shows."""
+
+_PLAIN = {
+    "int": "a whole number",
+    "float": "a number",
+    "str": "a text",
+    "bool": "true or false",
+    "null": "null",
+    "array": "a list",
+    "object": "an object",
+}
+"""Words for msgspec's names of types."""
+
+_RELATIONS = {"<=": "at most", ">=": "at least", "<": "below", ">": "above"}
+
+_UNREADABLE = (msgspec.MsgspecError, UnicodeError, RecursionError)
+_BYTE = re.compile(r"JSON is malformed: (.*) \(byte (\d+)\)")
+_PLACE = re.compile(r"(.*?) - at (`key` in )?`\$(.*)`", re.DOTALL)
+_STEP = re.compile(r"\.([^.\[\]]+)|\[(\d+)\]|\[\.\.\.\]")
+_EXPECTED = re.compile(r"Expected (.*?)(?:, got .*)?", re.DOTALL)
+_LACKING = re.compile(r"Object missing required field `(.*)`", re.DOTALL)
+_UNKNOWN = re.compile(r"Object contains unknown field `(.*)`", re.DOTALL)
+
+
+def read_bytes(
+    path: Path,
+    error: type[HandSandboxError],
+    *,
+    what: str,
+    largest: int = LARGEST,
+    remedy: str | None = None,
+) -> bytes:
+    """Reads a file of limited size.
+
+    Args:
+        path: The file.
+        error: The class of the error.
+        what: The clause for a file that cannot be read.
+        largest: Bytes beyond which a file is refused.
+        remedy: The next step for the person who reads the error.
+
+    Raises:
+        HandSandboxError: The file cannot be read, or it is too large. Its class is `error`.
+    """
+    try:
+        with path.open("rb") as file:
+            data = file.read(largest + 1)
+    except (OSError, ValueError) as problem:
+        got = problem.strerror if isinstance(problem, OSError) else str(problem)
+        raise error(what, where=str(path), got=got, remedy=remedy) from None
+    if len(data) > largest:
+        raise error(
+            f"{what}: it is too large",
+            where=str(path),
+            expected=f"at most {largest} bytes",
+            remedy=remedy,
+        )
+    return data
+
+
+def decoded(
+    data: bytes,
+    form: type[T],
+    error: type[HandSandboxError],
+    *,
+    what: str,
+    where: str,
+    expected: str | None = None,
+    remedy: str | None = None,
+) -> T:
+    """Decodes JSON and checks it against a type.
+
+    NaN, Infinity, numbers beyond a float's range, and values nested too deep are refused. Of two
+    fields of one name the last one counts. A byte order mark is skipped.
+
+    Args:
+        data: JSON, UTF-8.
+        form: A struct, or another type that msgspec decodes.
+        error: The class of the error.
+        what: The clause for data that do not fit.
+        where: The file, with the line where it holds one value a line.
+        expected: What the whole should look like; said where no single field is to blame.
+        remedy: The next step for the person who reads the error.
+
+    Raises:
+        HandSandboxError: The data do not fit. Its class is `error`.
+    """
+    data = data.removeprefix(_BYTE_ORDER_MARK)
+    try:
+        return msgspec.json.decode(data, type=form)
+    except _UNREADABLE as problem:
+        fault = _fault_of_text(data, problem, form)
+        raise _error(fault, error, what, where, expected, remedy) from None
+
+
+def checked(
+    value: Any,
+    form: type[T],
+    error: type[HandSandboxError],
+    *,
+    what: str,
+    where: str,
+    expected: str | None = None,
+    remedy: str | None = None,
+) -> T:
+    """Checks a value that is decoded already, such as TOML or a part of a larger file.
+
+    Args:
+        value: Dictionaries, lists, texts, numbers, truth values and None.
+        form, error, what, where, expected, remedy: See `decoded`.
+
+    Raises:
+        HandSandboxError: The value does not fit. Its class is `error`.
+    """
+    try:
+        return _converted(value, form)
+    except _UNREADABLE as problem:
+        fault = _fault(value, problem, form)
+        raise _error(fault, error, what, where, expected, remedy) from None
+
+
+def check_layout(
+    data: bytes,
+    kind: str,
+    schema: int,
+    error: type[HandSandboxError],
+    *,
+    what: str,
+    where: str,
+    remedy: str | None = None,
+) -> None:
+    """Checks that a file names its own kind and a version that can be read.
+
+    Args:
+        data: JSON, UTF-8: an object with `kind` and `schema`.
+        kind: The text that the file must have.
+        schema: The version that the file must have.
+        error: The class of the error.
+        what: The clause for a file of another kind.
+        where, remedy: See `decoded`.
+
+    Raises:
+        HandSandboxError: The file is of another kind or version. Its class is `error`.
+    """
+    expected = f'"kind": "{kind}"'
+    head = decoded(data, _Head, error, what=what, where=where, expected=expected, remedy=remedy)
+    if head.kind != kind:
+        raise error(what, where=where, expected=expected, remedy=remedy)
+    if head.schema != schema:
+        raise error(
+            "the file has another version",
+            where=f"{where}, schema",
+            got=_shown(head.schema),
+            expected=f"version {schema}",
+            remedy=remedy,
+        )
+
+
+class _Head(msgspec.Struct):
+    """The fields that tell what a file is, whatever they hold."""
+
+    kind: Any = None
+    schema: Any = None
+
+
+def decoded_record(
+    data: bytes, error: type[HandSandboxError], *, what: str, where: str, remedy: str | None = None
+) -> dict[str, Any]:
+    """Decodes an object with fields of any kind that this program has written.
+
+    `json` reads these, not msgspec: a measure of somebody's own task may be NaN, which `json`
+    writes and JSON does not know.
+
+    Args:
+        data: JSON, UTF-8.
+        error, what, where, remedy: See `decoded`.
+
+    Raises:
+        HandSandboxError: The data are no JSON object. Its class is `error`.
+    """
+    try:
+        value = json.loads(data)
+    except (ValueError, RecursionError) as problem:
+        fault = _fault_of_text(data, problem, dict[str, Any])
+        raise _error(fault, error, what, where, None, remedy) from None
+    return checked(value, dict[str, Any], error, what=what, where=where, remedy=remedy)
+
+
+class _Fault(NamedTuple):
+    """What is wrong with a value.
+
+    Attributes:
+        clause: Is added to the message; may be empty.
+        place: Line or field; empty where it is the whole.
+        got: The value that was found.
+        expected: What was expected there.
+    """
+
+    clause: str = ""
+    place: str = ""
+    got: object = None
+    expected: str | None = None
+
+
+def _error(
+    fault: _Fault,
+    error: type[HandSandboxError],
+    what: str,
+    where: str,
+    expected: str | None,
+    remedy: str | None,
+) -> HandSandboxError:
+    return error(
+        f"{what}: {fault.clause}" if fault.clause else what,
+        where=f"{where}, {fault.place}" if fault.place else where,
+        got=fault.got,
+        expected=fault.expected or expected,
+        remedy=remedy,
+    )
+
+
+def _converted(value: Any, form: type[T]) -> T:
+    return msgspec.convert(value, form, str_keys=True)
+
+
+def _fault_of_text(data: bytes, problem: Exception, form: Any) -> _Fault:
+    """The fault of a text that could not be decoded."""
+    if isinstance(problem, msgspec.ValidationError):
+        try:
+            value = msgspec.json.decode(data)
+        except msgspec.ValidationError:
+            # A number is too large for any decoded value, so that there is nothing to look into.
+            return _fault(None, problem, form)
+        except _UNREADABLE as other:
+            return _fault_of_text(data, other, form)
+        return _fault(value, problem, form)
+    if isinstance(problem, UnicodeError):
+        return _Fault("it is not UTF-8")
+    if isinstance(problem, RecursionError):
+        return _Fault("it is nested too deep")
+    malformed = _BYTE.fullmatch(str(problem))
+    if isinstance(problem, json.JSONDecodeError):
+        reason, byte = problem.msg, len(problem.doc[: problem.pos].encode(errors="replace"))
+    elif malformed is not None:
+        reason, byte = malformed[1], int(malformed[2])
+    else:
+        got = data[-_SHOWN:].decode(errors="replace") or None
+        return _Fault("it is not JSON, or it is cut short", got=got)
+    line = data.count(b"\n", 0, byte) + 1
+    return _Fault(
+        f"it is not JSON, {reason[0].lower()}{reason[1:]}",
+        f"line {line}" if b"\n" in data.strip() else "",
+        data[byte : byte + _SHOWN].decode(errors="replace") or None,
+    )
+
+
+def _fault(value: Any, problem: Exception, form: Any) -> _Fault:
+    """The fault of a decoded value that does not fit its type."""
+    if isinstance(problem, RecursionError):
+        return _Fault("it is nested too deep")
+    text = str(problem)
+    place = _PLACE.fullmatch(text)
+    message, path = (place[1], place[3]) if place else (text, "")
+    field, found = _found(value, path, text, form, place is not None and place[2] is not None)
+    if lacking := _LACKING.fullmatch(message):
+        return _Fault(f"{_name(lacking[1])} is missing", field)
+    if unknown := _UNKNOWN.fullmatch(message):
+        return _Fault(f"{_name(unknown[1])} is not known here", field)
+    if wanted := _EXPECTED.fullmatch(message):
+        return _Fault("", field, _shown(found), _plain(wanted[1]))
+    if message.startswith("Invalid enum value"):
+        return _Fault("this value is not known here", field, _shown(found))
+    if message.endswith("out of range"):
+        return _Fault("the number is too large", field)
+    # A struct's own check has written this one.
+    return _Fault(" ".join(message.split())[:200], field)
+
+
+def _found(value: Any, path: str, text: str, form: Any, key: bool) -> tuple[str, Any]:
+    """The name of the field at a path of msgspec's, and its value.
+
+    msgspec writes `[...]` for a field of an object that may have any. Such a field is found by
+    trying: the object is emptied but for one field, and the error must stay the same.
+
+    Args:
+        value: The whole value; it is changed and put back.
+        path: Of msgspec's error, without `$`.
+        text: Of msgspec's error.
+        form: The type that the value does not fit.
+        key: The name of a field is wrong, and not its value.
+    """
+    steps = [match.group(1, 2) for match in _STEP.finditer(path)]
+    if key:
+        steps.append((None, None))
+    found, name, tried = value, "", ""
+    emptied: list[tuple[dict[str, Any], dict[str, Any]]] = []
+    try:
+        for field, index in steps:
+            if field is not None and isinstance(found, dict) and field in found:
+                found, name = found[field], f"{name}.{field}" if name else field
+            elif index is not None and isinstance(found, list | tuple) and int(index) < len(found):
+                found, name = found[int(index)], f"{name}[{index}]"
+            elif field is None and index is None and isinstance(found, dict):
+                emptied.append((found, dict(found)))
+                tried = _culprit(found, lambda: _says(value, form) == _without_got(text))
+                found, name = found.get(tried), f"{name}[{tried[:_SHOWN]!r}]"
+            else:
+                # The value itself could not be decoded.
+                return path.lstrip("."), None
+    finally:
+        for container, items in reversed(emptied):
+            container.clear()
+            container.update(items)
+    return name, tried if key else found
+
+
+def _culprit(items: dict[str, Any], same: Callable[[], bool]) -> str:
+    """The first field with which alone an object gives the same error; the object keeps it."""
+    for name, inner in list(items.items()):
+        items.clear()
+        items[name] = inner
+        if same():
+            return name
+    return "..."
+
+
+def _says(value: Any, form: Any) -> str:
+    """The error that msgspec has for a value; empty for none."""
+    try:
+        _converted(value, form)
+    except _UNREADABLE as problem:
+        return _without_got(str(problem))
+    return ""
+
+
+def _without_got(text: str) -> str:
+    """An error of msgspec's without what was found, which it words in two ways."""
+    return re.sub(r", got .*?(?= - at |$)", "", text)
+
+
+def _plain(expected: str) -> str:
+    """An expectation of msgspec's in plain words."""
+
+    def words(match: re.Match[str]) -> str:
+        return " or ".join(_PLAIN.get(name, name) for name in match[1].split(" | "))
+
+    plain = re.sub(r"`([^`]*)`", words, expected)
+    for sign, word in _RELATIONS.items():
+        plain = plain.replace(f" {sign} ", f" {word} ")
+    return plain
+
+
+def _name(field: str) -> str:
+    """The name of a field in an error, quoted where it is no plain word."""
+    return field[:_SHOWN] if field.isidentifier() else repr(field[:_SHOWN])
+
+
+def _shown(value: Any) -> object:
+    """A wrong value in an error, shortened."""
+    if isinstance(value, str):
+        return value[:_SHOWN]
+    if value is None or isinstance(value, bool):
+        return json.dumps(value)
+    if isinstance(value, int | float):
+        return value if abs(value) < 1e15 else repr(value)[:_SHOWN]
+    return reprlib.repr(value)[:_SHOWN]

@@ -1,0 +1,178 @@
+"""JSON from outside fits a struct, or one error of ours in one line says where it does not."""
+
+from __future__ import annotations
+
+import json
+from copy import deepcopy
+from pathlib import Path
+from typing import Annotated, Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from msgspec import Meta, Struct
+
+from models.errors import EncoderError, InputError
+from models.json_input import checked, decoded, decoded_record, read_bytes
+from tests.support.json_values import VALUES, damaged
+
+
+class Mark(Struct, forbid_unknown_fields=True):
+    """A struct inside another one."""
+
+    id: int
+    place: tuple[float, float]
+    name: str | None = None
+
+
+class Sheet(Struct):
+    """A struct with one field of every kind that readers use."""
+
+    marks: list[Mark]
+    share: Annotated[float, Meta(ge=0, le=1)] = 0.0
+    rows: dict[str, dict[int, tuple[bool, float]]] = {}
+
+    def __post_init__(self) -> None:
+        if self.share == 0.5:
+            raise ValueError("a half is not allowed")
+
+
+SOUND: dict[str, Any] = {
+    "marks": [{"id": 1, "place": [0.5, 2]}, {"id": 2, "place": [1, 1], "name": "b"}],
+    "share": 1,
+    "rows": {"one": {"3": [True, 1.5]}, "two": {"4": [False, 2], "5": [True, 0]}},
+    "more": None,
+}
+
+
+def read(text: str | bytes) -> Sheet:
+    data = text.encode() if isinstance(text, str) else text
+    return decoded(
+        data,
+        Sheet,
+        EncoderError,
+        what="the sheet is damaged",
+        where="s.json",
+        expected="marks",
+        remedy="Make it anew",
+    )
+
+
+def test_what_fits_is_read() -> None:
+    sheet = read(json.dumps(SOUND))
+    assert sheet.marks[0] == Mark(1, (0.5, 2.0))
+    assert sheet.rows["two"][5] == (True, 0.0)
+    assert read(b"\xef\xbb\xbf" + json.dumps(SOUND).encode()) == sheet
+    assert checked(SOUND, Sheet, EncoderError, what="x", where="y") == sheet
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "s.json: the sheet is damaged: it is not JSON"),
+        ("[]", "got '[]', expected an object"),
+        (
+            '{"marks": [{"id": 1.0}]}',
+            "s.json, marks[0].id: the sheet is damaged (got 1.0, expected a whole number)",
+        ),
+        ('{"marks": [{"id": true}]}', "got 'true'"),
+        (
+            '{"marks": [{"id": 1}]}',
+            "s.json, marks[0]: the sheet is damaged: place is missing (expected marks)",
+        ),
+        ('{"marks": [{"di": 1}]}', "di is not known here"),
+        ('{"marks": [{"id": 1, "place": [1, 2], "name": 3}]}', "expected a text or null"),
+        ('{"marks": [{"id": 1, "place": [1]}]}', "expected a list of length 2"),
+        (
+            '{"marks": [], "share": 2}',
+            "s.json, share: the sheet is damaged (got 2, expected a number at most 1.0)",
+        ),
+        ('{"marks": [], "share": 0.5}', "a half is not allowed"),
+        ('{"marks": [], "share": NaN}', "it is not JSON, invalid character (got 'NaN}'"),
+        ('{"marks": [], "share": 1e999}', "s.json, share: the sheet is damaged: the number is too"),
+        ('{"marks": [],\n\n "share": 1,}', "s.json, line 3: the sheet is damaged: it is not JSON"),
+        (
+            '{"marks": [], "rows": {"a": {"1": [true, 1]}, "b": {"1": [true, 1], "2": [1, 1]}}}',
+            "s.json, rows['b']['2'][0]: the sheet is damaged (got 1, expected true or false)",
+        ),
+        (
+            '{"marks": [], "rows": {"a": {"1": [true, 1]}, "b": {"x": [true, 1]}}}',
+            "s.json, rows['b']['x']: the sheet is damaged (got 'x', expected a whole number)",
+        ),
+        (
+            '{"marks": [], "rows": {"a": {"1": [true, 1]}, "b\\n": {"2": [true]}}}',
+            "s.json, rows['b\\n']['2']: the sheet is damaged (got '[True]', expected a list of",
+        ),
+        ("[" * 100_000, "nested too deep"),
+        ('{"more": ' + "[" * 100_000, "nested too deep"),
+    ],
+)
+def test_what_does_not_fit_is_named_with_its_place(text: str, said: str) -> None:
+    with pytest.raises(EncoderError) as caught:
+        read(text)
+    assert said in str(caught.value)
+    assert "Make it anew" in str(caught.value)
+
+
+def clear(error: InputError, where: str) -> bool:
+    text = str(error)
+    return where in text and len(text.splitlines()) == 1 and len(text) < 900
+
+
+@given(VALUES)
+def test_any_json_is_read_or_refused_with_one_clear_error(value: Any) -> None:
+    was = deepcopy(value)
+    for attempt in (
+        lambda: read(json.dumps(value)),
+        lambda: checked(value, Sheet, EncoderError, what="w", where="s.json"),
+        lambda: checked({**SOUND, "rows": value}, Sheet, EncoderError, what="w", where="s.json"),
+        lambda: decoded_record(json.dumps(value).encode(), EncoderError, what="w", where="s.json"),
+    ):
+        try:
+            attempt()
+        except EncoderError as error:
+            assert clear(error, "s.json")
+    assert repr(value) == repr(was)
+
+
+@given(st.data())
+def test_a_damaged_text_is_read_or_refused_with_one_clear_error(data: st.DataObject) -> None:
+    text = data.draw(damaged(json.dumps(SOUND).encode()))
+    for attempt in (
+        lambda: read(text),
+        lambda: decoded_record(text, EncoderError, what="w", where="s.json"),
+    ):
+        try:
+            attempt()
+        except EncoderError as error:
+            assert clear(error, "s.json")
+
+
+@given(VALUES, st.sampled_from(["one", "two", "three\n"]))
+def test_a_wrong_field_of_many_is_found_and_the_value_stays_as_it_was(
+    value: Any, name: str
+) -> None:
+    rows = {**SOUND["rows"], name: value}
+    sheet = {**SOUND, "rows": rows}
+    was = repr(sheet)
+    try:
+        checked(sheet, Sheet, EncoderError, what="w", where="s.json")
+    except EncoderError as error:
+        assert f"rows[{name!r}]" in str(error) and clear(error, "s.json")
+    assert repr(sheet) == was
+
+
+def test_records_of_this_program_may_hold_nan() -> None:
+    assert repr(decoded_record(b'{"a": NaN}', InputError, what="w", where="x")) == "{'a': nan}"
+    for data in (b"[]", b"{", b"\xff", b"[" * 100_000, b"1" * 5000):
+        with pytest.raises(InputError, match="x: w"):
+            decoded_record(data, InputError, what="w", where="x")
+
+
+def test_a_file_is_read_up_to_a_size(tmp_path: Path) -> None:
+    path = tmp_path / "f"
+    path.write_bytes(b"12345")
+    assert read_bytes(path, EncoderError, what="w", largest=5) == b"12345"
+    for place, most in ((path, 4), (tmp_path, 5), (tmp_path / "none", 5), (Path("a\0b"), 5)):
+        with pytest.raises(EncoderError, match="w"):
+            read_bytes(place, EncoderError, what="w", largest=most)
