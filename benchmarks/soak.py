@@ -26,6 +26,7 @@ from models.frames import Contact, TouchFrame
 from models.hand import IMPULSE_PROFILES
 from models.scene import CONTROL_PERIOD
 from models.surface import Surface
+from sandbox.session.device import Device
 from sandbox.session.messages import Snapshot
 from sandbox.session.respawn import AWAY
 from sandbox.session.session import Session
@@ -44,7 +45,7 @@ DEEPEST = 0.004
 KINDS = ("hand-object", "object-table", "object-object")
 
 
-class Violent:
+class Violent(Device):
     """A device with the worst of hands on it.
 
     Args:

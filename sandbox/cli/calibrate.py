@@ -150,9 +150,8 @@ def _check_surface(options: CalibrateOptions, settings: RunSettings) -> None:
 def _collect(device: Device, live: bool, seconds: float, console: Console) -> list[Array]:
     """Layouts of the first three rests of five fingers, m on the screen."""
     collector = SpreadCollector()
-    address = getattr(device, "address", None)
-    if address:
-        console.print(f"listening for TUIO on [bold]{address}[/]")
+    if device.address:
+        console.print(f"listening for TUIO on [bold]{device.address}[/]")
     if live:
         _ask(console, 0)
     begin, now, most = time.monotonic(), 0.0, 0

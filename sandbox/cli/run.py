@@ -13,12 +13,14 @@ from rich.console import Console
 from rich.markup import escape
 
 from models.errors import InputError
+from models.surface import Surface
 from sandbox.cli.common.films import open_film
 from sandbox.cli.common.json_out import TERMINAL, check_output, write_json
 from sandbox.cli.common.lsl_options import LslOptions, streaming
 from sandbox.cli.common.parse import parse
 from sandbox.export.view import MotionView
 from sandbox.options.scene_options import Plan, SceneOptions, plan
+from sandbox.session.device import Device
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.events import EventLog, NoticeEvents
@@ -27,6 +29,7 @@ from sandbox.trial.lift import with_lift
 from sandbox.trial.pacing import RealTime
 from sandbox.trial.two_hands import DeviceMaker, with_each
 from tasks.score import ending
+from tasks.task import Task
 
 
 @dataclass(frozen=True)
@@ -89,17 +92,17 @@ def _run(options: RunOptions, chosen: Plan, events: EventLog, console: Console) 
         console.print(f"[yellow]{notice}[/]", soft_wrap=True)
 
     def announced(make: DeviceMaker) -> DeviceMaker:
-        def make_device(task: Any, surface: Any) -> Any:
+        def make_device(task: Task, surface: Surface) -> Device:
             return announce(make(task, surface), task)
 
         return make_device
 
-    def announce(device: Any, task: Any) -> Any:
-        address = getattr(device, "address", None)
+    def announce(device: Device, task: Task) -> Device:
+        address = device.address
         if address:
             console.print(f"listening for TUIO on [bold]{address}[/]")
             events.tell("listening", address=address)
-        damage = getattr(device, "damage", None)
+        damage = device.damage
         if damage:
             console.print(f"[yellow]{damage}[/]")
             events.tell("warning", what=str(damage))

@@ -14,12 +14,14 @@ from __future__ import annotations
 
 import importlib
 import re
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Sequence
 from importlib.metadata import EntryPoint
 from pathlib import Path
 from typing import Any
 
 from models.errors import DeviceError, HandSandboxError
+from models.frames import TouchFrame
 from models.outside import failure, load_file, offered, package
 from models.surface import Surface
 from sandbox.session.device import Device
@@ -32,7 +34,23 @@ _FILE = re.compile(r"(?P<place>.+\.py):(?P<member>[A-Za-z_]\w*)(:(?P<argument>.*
 _MODULE = re.compile(
     r"(?P<place>[A-Za-z_]\w*(\.\w+)+|[A-Za-z_]\w*):(?P<member>[A-Z]\w*)(:(?P<argument>.*))?"
 )
-_PARTS = ("poll", "close")
+_CALLED = ("poll", "close")
+_TAKEN_OVER = (
+    "name",
+    "has_lift",
+    "show",
+    "switches",
+    "wait",
+    "address",
+    "title",
+    "plays_file",
+    "damage",
+    "clock_origin",
+    "latency",
+    "truth",
+)
+"""Members whose value an adapted device takes over when it is opened; see `sandbox.session.device`.
+The others may change later."""
 
 
 def offered_devices() -> dict[str, list[EntryPoint]]:
@@ -81,19 +99,86 @@ def find_device(text: str) -> Maker | None:
     return _opener(found, match["argument"] or "", where)
 
 
+class AdaptedDevice(Device):
+    """A touch device that was written without our base class.
+
+    It needs `name`, `poll`, `finished` and `close`; members that it lacks have their defaults.
+
+    Args:
+        outside: The device.
+    """
+
+    name: str
+
+    def __init__(self, outside: Any) -> None:
+        self._outside = outside
+        for member in _TAKEN_OVER:
+            if hasattr(outside, member):
+                setattr(self, member, getattr(outside, member))
+
+    def poll(self, now: float) -> Sequence[TouchFrame]:
+        """The device's frames."""
+        frames: Sequence[TouchFrame] = self._outside.poll(now)
+        return frames
+
+    @property
+    def finished(self) -> bool:
+        """The device's."""
+        return bool(self._outside.finished)
+
+    def close(self) -> None:
+        """Closes the device."""
+        self._outside.close()
+
+    @property
+    def notice(self) -> str:
+        """The device's; empty where it has none."""
+        return str(getattr(self._outside, "notice", ""))
+
+    @property
+    def looks(self) -> bool:
+        """True where the device has `show`."""
+        return hasattr(self._outside, "show")
+
+    @property
+    def news(self) -> threading.Event | None:
+        """The device's; setting it gives the device another event."""
+        news: threading.Event | None = getattr(self._outside, "news", None)
+        return news
+
+    @news.setter
+    def news(self, news: threading.Event | None) -> None:
+        self._outside.news = news
+
+
+def adapted(outside: Any, where: str) -> Device:
+    """A device with all members of the contract.
+
+    Args:
+        outside: What somebody else's code opened.
+        where: Its place, for the error.
+
+    Raises:
+        DeviceError: A required member is missing.
+    """
+    if isinstance(outside, Device):
+        return outside
+    lacking = [part for part in _CALLED if not callable(getattr(outside, part, None))]
+    lacking += [part for part in ("name", "finished") if not hasattr(outside, part)]
+    if lacking:
+        raise DeviceError(
+            "this is no device",
+            where=where,
+            got=f"without {', '.join(lacking)}",
+            expected="name, poll, finished and close",
+            remedy="docs/write-a-device.md shows one of 30 lines",
+        )
+    return AdaptedDevice(outside)
+
+
 def _opener(found: Any, argument: str, where: str) -> Maker:
     def make(surface: Surface) -> Device:
-        device = _guarded(lambda: found(surface, argument), where)
-        lacking = [part for part in _PARTS if not callable(getattr(device, part, None))]
-        lacking += [part for part in ("name", "finished") if not hasattr(device, part)]
-        if lacking:
-            raise DeviceError(
-                "this is no device", where=where, got=f"without {', '.join(lacking)}",
-                expected="name, poll, finished and close",
-                remedy="docs/write-a-device.md shows one of 30 lines",
-            )  # fmt: skip
-        opened: Device = device
-        return opened
+        return adapted(_guarded(lambda: found(surface, argument), where), where)
 
     return make
 

@@ -23,6 +23,7 @@ from models.person import Person, PersonFrame
 from models.pose import POSE_SIZE
 from models.skeleton import ADULT
 from models.surface import Surface
+from sandbox.session.device import Device
 
 Array = NDArray[np.float64]
 
@@ -52,7 +53,7 @@ class _Finger:
     pinned: bool
 
 
-class MouseDevice:
+class MouseDevice(Device):
     """The mouse in the window, as one finger or a whole hand. Safe to use from two threads.
 
     Positions are metres on the surface, x right and y down. A press outside of it is no touch; a
@@ -68,6 +69,7 @@ class MouseDevice:
     """
 
     name = "mouse"
+    news: threading.Event
 
     def __init__(self, surface: Surface, person: Person | None = None) -> None:
         self.surface = surface

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Sequence
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ from models.limits import RateLimit, within_limits
 from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION
 from models.skeleton import Skeleton
 from models.surface import Surface
+from sandbox.session.device import Device
 from tasks.task import Task
 
 Array = NDArray[np.float64]
@@ -27,7 +28,7 @@ REACH = ((-0.40, -0.40, -0.05), (0.40, 0.40, 0.50))
 """m in the world, where the root of a hand may be commanded."""
 
 
-class Hands(Protocol):
+class Hands(Device):
     """The device of an agent: its actions become what the session takes in.
 
     Attributes:
@@ -36,26 +37,21 @@ class Hands(Protocol):
         touch_ids: Id of the contact in every slot; None where there is none.
     """
 
-    name: str
-    finished: bool
+    name, finished = "gymnasium", False
     low: Array
     high: Array
     touch_ids: list[int | None]
 
+    @abstractmethod
     def act(self, action: Array) -> None:
         """Takes an action, finite and within its bounds, for the next control period."""
-        ...
 
-    def poll(self, now: float) -> Sequence[TouchFrame]: ...
-
-    def close(self) -> None: ...
-
+    @abstractmethod
     def worn(self, touched: Reconstructor) -> Reconstructor:
         """The reconstructor to use, from the one that reconstructs from touches."""
-        ...
 
 
-class TouchHands:
+class TouchHands(Hands):
     """Five touches, and the lift control where the task has one.
 
     An action is (15,): for every slot whether it touches (0.5 or more), x and y in metres on the
@@ -66,8 +62,6 @@ class TouchHands:
         surface: The screen.
         task: Whether it has a lift control.
     """
-
-    name, finished = "gymnasium", False
 
     def __init__(self, surface: Surface, task: type[Task]) -> None:
         self._lifts = task.lift_range > 0
@@ -100,15 +94,12 @@ class TouchHands:
         """The touches now."""
         return [TouchFrame(now, self._contacts, self._lift, source=self.name)]
 
-    def close(self) -> None:
-        """Nothing to give back."""
-
     def worn(self, touched: Reconstructor) -> Reconstructor:
         """Touches are reconstructed as always."""
         return touched
 
 
-class PoseHands:
+class PoseHands(Hands):
     """A whole pose, past labels and encoder.
 
     An action is (53,): the pose (48,) in the world, m and rad (see `models.pose`), then for every
@@ -118,8 +109,6 @@ class PoseHands:
     Args:
         skeleton: Of the hand.
     """
-
-    name, finished = "gymnasium", False
 
     def __init__(self, skeleton: Skeleton) -> None:
         self._skeleton = skeleton
@@ -142,9 +131,6 @@ class PoseHands:
     def poll(self, now: float) -> Sequence[TouchFrame]:
         """No touches."""
         return []
-
-    def close(self) -> None:
-        """Nothing to give back."""
 
     def worn(self, touched: Reconstructor) -> Reconstructor:
         """Follows the poses; starts where a hand without touches waits."""

@@ -7,9 +7,10 @@ from typing import Any
 
 from models.scene import CONTROL_PERIOD
 from sandbox.recording.recording import Recording
+from sandbox.session.device import Device
 
 
-class RecordedDevice:
+class RecordedDevice(Device):
     """Plays one hand of a recording.
 
     Args:
@@ -17,6 +18,7 @@ class RecordedDevice:
         hand: Whose frames.
     """
 
+    name: str
     has_lift = True
 
     def __init__(self, recording: Recording, hand: int = 0) -> None:

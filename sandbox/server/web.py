@@ -10,13 +10,14 @@ from collections.abc import Sequence
 from models.frames import Contact, TouchFrame
 from models.surface import METRES_PER_INCH, Surface
 from sandbox.server.protocol.protocol import Screen, Touches
+from sandbox.session.device import Device
 from sandbox.session.latency import LatencyLog
 
 QUEUE_FRAMES = 1024
 """Messages that wait for the session: 8 s at 120 Hz. Of more, the oldest go."""
 
 
-class WebDevice:
+class WebDevice(Device):
     """Our page in a browser, on this machine or a tablet: fingers, or a mouse.
 
     The server's thread puts touches in, the session's takes them out.
@@ -36,6 +37,8 @@ class WebDevice:
 
     name = "web"
     has_lift = True
+    news: threading.Event
+    latency: LatencyLog
 
     def __init__(self, surface: Surface, latency: LatencyLog | None = None) -> None:
         self._size = surface.size

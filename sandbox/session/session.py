@@ -27,7 +27,7 @@ from models.hand import Hand
 from models.scene import Scene, SceneSpec, StillPoses
 from models.surface import Surface, enclosing
 from sandbox.session.contact_modes import ContactMode, ContactModes, contact_mode
-from sandbox.session.device import Device, HandDevice
+from sandbox.session.device import AnyDevice
 from sandbox.session.divergence import nonsense, nonsense_commanded
 from sandbox.session.messages import ContactView, HandView, ObjectView, Snapshot
 from sandbox.session.newest import Newest
@@ -61,7 +61,7 @@ class Rig:
         rules: When this hand is solid; None goes by the session's.
     """
 
-    device: Device | HandDevice
+    device: AnyDevice
     reconstructor: Reconstructor | HandReconstructor
     hand: Hand
     yaw: YawWatch | None = None
@@ -295,7 +295,7 @@ class Session:
         asked, self._asked = self._asked, None
         for rig in self.rigs:
             # What plays a recording has its switches, too.
-            for mode in rig.device.switches(self.time) if hasattr(rig.device, "switches") else ():
+            for mode in rig.device.switches(self.time):
                 asked = contact_mode(mode)
         if asked is not None and asked is not self._contact.mode:
             self._contact.mode = asked

@@ -32,7 +32,7 @@ def source_of_session(session: Session, stop: threading.Event, of: str = "comman
         of: `commanded`, what the devices tell the hands to do; or `simulated`, how they move, for
             which the physics runs.
     """
-    looking = [rig.device.show for rig in session.rigs if hasattr(rig.device, "show")]
+    looking = [rig.device.show for rig in session.rigs if rig.device.looks]
     physics = bool(looking) or of == "simulated"
     play = _with_physics if physics else _without_physics
     names = tuple(rig.hand.name for rig in session.rigs)
@@ -47,7 +47,7 @@ def source_of_session(session: Session, stop: threading.Event, of: str = "comman
 
 def _with_physics(session: Session, stop: threading.Event, of: str, take: Take) -> str:
     poses: Callable[..., Poses] = commanded_poses if of == "commanded" else simulated_poses
-    looking = [rig.device.show for rig in session.rigs if hasattr(rig.device, "show")]
+    looking = [rig.device.show for rig in session.rigs if rig.device.looks]
     clock = RealTime()
     while not (session.over or stop.is_set()):
         try:

@@ -112,4 +112,4 @@ def trial_header(settings: RunSettings, about: dict[str, Any] | None = None) -> 
 
 def looking_devices(session: Session) -> list[View]:
     """`show` of all devices that look."""
-    return [rig.device.show for rig in session.rigs if hasattr(rig.device, "show")]
+    return [rig.device.show for rig in session.rigs if rig.device.looks]

@@ -27,7 +27,7 @@ def with_lift(make_device: DeviceMaker, keys: bool) -> DeviceMaker:
 
     def lifted(maker: DeviceMaker, task: Task, surface: Surface) -> Device:
         device = maker(task, surface)
-        if task.lift_range <= 0 or getattr(device, "has_lift", False):
+        if task.lift_range <= 0 or device.has_lift:
             return device
         if keys:
             led.append(LiftKeys(device, led[0] if led else None))

@@ -12,7 +12,7 @@ from collections import deque
 from collections.abc import Sequence
 
 from models.frames import TouchFrame
-from sandbox.devices.wrappers.around import Around
+from sandbox.devices.wrappers.device_wrapper import DeviceWrapper
 from sandbox.session.device import Device
 from sandbox.session.latency import LatencyLog
 from sandbox.session.messages import Snapshot
@@ -64,7 +64,7 @@ class Timing:
                 self._log.add("window", 1000.0 * (now - self._unseen.popleft()[1]))
 
 
-class TimedDevice(Around):
+class TimedDevice(DeviceWrapper):
     """A live device whose touches are followed.
 
     Args:
@@ -76,7 +76,7 @@ class TimedDevice(Around):
         super().__init__(device)
         self._timing = timing
         # A device that counts from its own beginning says when that was.
-        self._origin = float(getattr(device, "clock_origin", 0.0))
+        self._origin = device.clock_origin
 
     def poll(self, now: float) -> Sequence[TouchFrame]:
         """The device's frames as they are."""

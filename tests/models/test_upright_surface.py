@@ -17,6 +17,7 @@ from models.rotations import exp
 from models.scene import CONTROL_PERIOD, TABLE, Scene, SceneSpec
 from models.skeleton import ADULT
 from models.surface import Surface
+from sandbox.session.device import Device
 from sandbox.trial.assembly import BELOW_TABLE, UPRIGHT_END, build, place_surface
 from sandbox.trial.settings import RunSettings
 from tasks.box_to_goal import BoxToGoal
@@ -174,7 +175,7 @@ def test_no_part_of_a_hand_ever_meets_the_table(end):
     assert not meets.any()
 
 
-class _Still:
+class _Still(Device):
     """A device without touches."""
 
     name, finished = "still", False

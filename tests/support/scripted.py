@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from models.frames import Contact, TouchFrame
+from sandbox.session.device import Device
 from sandbox.session.session import Recorder, Session
 from sandbox.trial.assembly import build
 from sandbox.trial.settings import RunSettings
@@ -15,7 +16,7 @@ from sandbox.trial.settings import RunSettings
 Touch = Callable[[float], Sequence[Contact]]
 
 
-class Script:
+class Script(Device):
     """A device that touches as it is told: time -> contacts."""
 
     name = "script"
@@ -31,7 +32,7 @@ class Script:
         pass
 
 
-class Played:
+class Played(Device):
     """A device that gives frames, of touches or of hands, as their times come."""
 
     name = "played"

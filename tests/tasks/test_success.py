@@ -10,6 +10,7 @@ from benchmarks.judged_air import air_seeds
 from benchmarks.success import trial, wilson
 from models.errors import InputError
 from models.frames import Contact, TouchFrame
+from sandbox.session.device import Device
 from sandbox.trial.assembly import build
 from sandbox.trial.settings import RunSettings
 from tasks.score import Scorer
@@ -57,7 +58,7 @@ def test_control_arms_succeed_in_under_5_of_100_judged_trials(row):
     assert sum(r["success"] for r in results) < 5
 
 
-class Nonsense:
+class Nonsense(Device):
     """Contacts that come, go, jump and are cancelled at random."""
 
     name = "nonsense"

@@ -21,6 +21,7 @@ from sandbox.devices.wrappers.spoiled import FIRST_GHOST, GHOST_LENGTH, SpoiledD
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.options.variations import KINDS, parse_variation
 from sandbox.recording.recording import load_recording
+from sandbox.session.device import Device
 from sandbox.trial.assembly import build, place_surface
 from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
@@ -36,7 +37,7 @@ STEP = CONTROL_PERIOD
 seeds = st.integers(0, 10_000)
 
 
-class Scripted:
+class Scripted(Device):
     """A device that gives the frame of every control period from a list, and then none."""
 
     name = "scripted"

@@ -6,7 +6,7 @@ import math
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import tyro
 from rich.console import Console
@@ -24,12 +24,13 @@ from sandbox.devices.files.together_file import (
     first_line_with_host,
     read_about,
 )
-from sandbox.devices.leap.leap import DEFAULT_ADDRESS, LeapFileDevice
+from sandbox.devices.leap.leap import DEFAULT_ADDRESS, LeapDevice, LeapFileDevice
 from sandbox.devices.leap.leap_fake import FAKE
 from sandbox.devices.leap.leap_file import read_leap
 from sandbox.devices.tuio.tuio import DEFAULT_PORT, LOOPBACK
 from sandbox.options.leap_devices import LIVE, open_leap
 from sandbox.options.touch_devices import Opened, TouchOptions
+from sandbox.session.device import Device, HandDevice
 
 _REST = 0.002
 """s between two looks at the devices: by so much an arrival may be late."""
@@ -119,11 +120,11 @@ def main(argv: list[str]) -> int:
         hands.close()
 
 
-def _record(options: RecordOptions, opened: Opened, hands: Any) -> int:
+def _record(options: RecordOptions, opened: Opened, hands: HandDevice) -> int:
     about = {
         "side": options.side,
         "subject": options.subject,
-        "simulated": getattr(hands, "version", None) == FAKE
+        "simulated": (isinstance(hands, LeapDevice) and hands.version == FAKE)
         or any(_simulated(Path(name)) for name in (options.touches, options.hands)),
         "touches": opened.device.name,
         "hands": hands.name,
@@ -155,7 +156,11 @@ _REMEDY = {
 
 
 def _follow(
-    options: RecordOptions, touched: Any, hands: Any, writer: TogetherWriter, guide: Guide | None
+    options: RecordOptions,
+    touched: Device,
+    hands: HandDevice,
+    writer: TogetherWriter,
+    guide: Guide | None,
 ) -> str:
     """Writes what comes until it is over; why it was."""
     console = Console(stderr=True)
@@ -220,7 +225,7 @@ def _simulated(path: Path) -> bool:
     return bool(read_about(path.parent).get("simulated"))
 
 
-def _hands(options: RecordOptions) -> Any:
+def _hands(options: RecordOptions) -> HandDevice:
     if options.hands == LIVE:
         return open_leap(options.leap)
     path = Path(options.hands)

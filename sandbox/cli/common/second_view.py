@@ -7,6 +7,7 @@ from rich.console import Console
 from encoders.paalm.hand_reconstructor import HandReconstructor
 from models.errors import DeviceError
 from sandbox.cli.common.page_options import PageOptions, open_page
+from sandbox.devices.wrappers.device_wrapper import DeviceWrapper
 from sandbox.server.connections.address import LOOPBACK
 from sandbox.server.connections.invitation import code, hints
 from sandbox.server.page_server import PageServer
@@ -52,8 +53,8 @@ def touched_pages(session: Session) -> list[tuple[int | None, WebDevice]]:
     """What takes the touches of each page, and whose hand they are; None: of both hands."""
     found: dict[int, tuple[int | None, WebDevice]] = {}
     for hand, rig in enumerate(session.rigs):
-        device: object = rig.device
-        while not isinstance(device, WebDevice) and hasattr(device, "device"):
+        device = rig.device
+        while isinstance(device, DeviceWrapper):
             device = device.device
         if isinstance(device, WebDevice):
             found[id(device)] = (None if id(device) in found else hand, device)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from typing import Any
 
 from rich.console import Console
@@ -19,12 +18,3 @@ def open_any(options: TouchOptions, seconds: float, tap: Any = None) -> Opened |
 
     page = open_page_touches(options, Console(stderr=True), seconds)
     return None if page is None else Opened(page, page.surface)
-
-
-def rest(device: Any, longest: float) -> None:
-    """Waits for news where the device can say so, else for a moment."""
-    wait = getattr(device, "wait", None)
-    if wait is not None:
-        wait(longest)
-    else:
-        time.sleep(min(0.002, longest))

@@ -18,6 +18,7 @@ from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.describe import describe_scene
 from sandbox.server.protocol.rectangle import rectangle
 from sandbox.server.web import WebDevice
+from sandbox.session.device import Device
 from sandbox.trial.assembly import build
 from sandbox.trial.events import EventLog
 
@@ -25,7 +26,7 @@ _PERIOD = 1.0 / 30.0
 """s between two frames that tell the page that we live."""
 
 
-class PageTouches:
+class PageTouches(Device):
     """Serves the page and gives its touches.
 
     Made by `open_page_touches`, once a page has come.
@@ -36,6 +37,7 @@ class PageTouches:
 
     name = "web"
     has_lift = True
+    address: str
 
     def __init__(self, server: PageServer, surface: Surface | None) -> None:
         self._server = server

@@ -165,9 +165,7 @@ class PagePlay:
             device.news = touched[0].news
         # Fingers elsewhere, as over TUIO, are seen on the page, and are no later for that.
         hears = touched[0] if touched else session.rigs[0].device
-        live = LiveSession(
-            session, self._on_step(session, timing), news=getattr(hears, "news", None)
-        )
+        live = LiveSession(session, self._on_step(session, timing), news=hears.news)
         self._show(session, chosen)
         # A person's time begins with their first touch: before, they look at the scene.
         waiting = bool(touched)

@@ -161,7 +161,7 @@ class WindowPlay:
                 session,
                 self._on_step(session, timing),
                 window.speed,
-                getattr(session.rigs[0].device, "news", None),
+                session.rigs[0].device.news,
             )
             self._show_on_page(session, chosen)
             live.pause(_waiting(session))
@@ -262,7 +262,7 @@ class WindowPlay:
         else:
             self.window.show_scene(session.scene, surface, title, caption, in_air(session))
         self.window.attach(session.rigs[0].device)
-        address = getattr(session.rigs[0].device, "address", None)
+        address = session.rigs[0].device.address
         if address:
             self.console.print(f"listening for TUIO on [bold]{address}[/]")
             self.events.tell("listening", address=address)
@@ -273,7 +273,8 @@ class WindowPlay:
         if self.server:
             caption = "simulated user" if chosen.about.get("user") is not None else ""
             # A page that is the second hand's, or one that plays along with the mouse.
-            own, web = next(iter(touched_pages(session)), (0, _web(session.rigs[0].device)))
+            beside = session.rigs[0].device.find(WebDevice)
+            own, web = next(iter(touched_pages(session)), (0, beside))
             person = chosen.settings.persons[own or 0]
             show_session(self.server, session, person.hand, caption, web, own)
 
@@ -342,9 +343,3 @@ def _waiting(session: Session) -> bool:
     device = session.rigs[0].device
     begun = any(page.touched for _, page in touched_pages(session))
     return isinstance(device, FirstTouch) and not device.came() and not begun
-
-
-def _web(device: object) -> WebDevice | None:
-    """The page's part of a device."""
-    parts = getattr(device, "devices", ())
-    return next((part for part in parts if isinstance(part, WebDevice)), None)

@@ -17,7 +17,7 @@ from rich.text import Text
 from models.errors import InputError
 from models.frames import TouchFrame
 from sandbox.cli.common.parse import in_one_line
-from sandbox.cli.common.touch_opening import open_any, rest
+from sandbox.cli.common.touch_opening import open_any
 from sandbox.cli.touches.send import Send, send
 from sandbox.cli.touches.views import JsonView, TextView, View, what_to_check
 from sandbox.devices.discovery import offered_devices
@@ -206,7 +206,7 @@ def _shown(opened: Opened, view: View, seconds: float, frames: int | None) -> in
         return 0  # the usual way to end
     finally:
         device.close()
-    damage = getattr(device, "damage", None)
+    damage = device.damage
     if damage is not None and reached_end:
         raise damage
     return 0
@@ -219,7 +219,7 @@ def _follow(opened: Opened, view: View, seconds: float, wanted: int | None) -> N
     begin = time.monotonic()
     while True:
         elapsed = time.monotonic() - begin
-        rest(seen, min(0.1, max(0.0, seconds - elapsed)))
+        seen.wait(min(0.1, max(0.0, seconds - elapsed)))
         for frame in seen.poll(elapsed):
             view.frame(frame)
             shown += 1

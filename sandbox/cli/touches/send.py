@@ -16,7 +16,7 @@ from rich.progress import Progress
 from rich.text import Text
 
 from models.errors import InputError
-from sandbox.cli.common.touch_opening import open_any, rest
+from sandbox.cli.common.touch_opening import open_any
 from sandbox.devices.tuio.touch_capture import read_capture
 from sandbox.devices.tuio.tuio_sender import TuioOutput, connected, send_packet
 from sandbox.options.touch_devices import TouchOptions
@@ -85,7 +85,7 @@ def _send_tuio(options: Send) -> int:
             with contextlib.suppress(KeyboardInterrupt):
                 while True:
                     elapsed = time.monotonic() - begin
-                    rest(device, min(0.1, max(0.0, options.seconds - elapsed)))
+                    device.wait(min(0.1, max(0.0, options.seconds - elapsed)))
                     came = device.poll(elapsed * options.speed)
                     output.send(came, elapsed)
                     frames += len(came)
@@ -98,7 +98,7 @@ def _send_tuio(options: Send) -> int:
     if output.refused:
         report += f"; while nobody listened there: {output.refused}"
     console.print(Text(report), soft_wrap=True)
-    damage = getattr(device, "damage", None)
+    damage = device.damage
     if damage is not None and reached_end:
         raise damage
     return 0

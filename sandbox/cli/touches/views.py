@@ -16,6 +16,7 @@ from rich.text import Text
 from models.frames import TouchFrame
 from models.surface import Surface
 from sandbox.devices.files.frame_file import frame_record
+from sandbox.devices.tuio.touch_capture import CaptureDevice
 from sandbox.devices.tuio.tuio import TuioDevice
 from sandbox.devices.tuio.tuio_senders import Statistics
 from sandbox.session.device import Device
@@ -41,9 +42,8 @@ class JsonView:
         self._frames = 0
 
     def __enter__(self) -> Self:
-        address = getattr(self._seen, "address", None)
-        if address is not None:
-            self._event("listening", address=address)
+        if self._seen.address:
+            self._event("listening", address=self._seen.address)
         return self
 
     def __exit__(self, *error: object) -> None:
@@ -123,8 +123,7 @@ class TextView:
 
 def counts_of(seen: Device) -> Statistics | None:
     """What a device that takes packets has counted."""
-    counts = getattr(seen, "statistics", None)
-    return counts if isinstance(counts, Statistics) else None
+    return seen.statistics if isinstance(seen, TuioDevice | CaptureDevice) else None
 
 
 def _touches(count: int) -> str:
@@ -142,8 +141,8 @@ def _title(seen: Device, surface: Surface) -> str:
     if not surface.calibrated:
         size += " (a guess: give --surface)"
     if not isinstance(seen, TuioDevice):
-        what = getattr(seen, "title", seen.name)
-        return f"{'playing a file' if hasattr(seen, 'damage') else what}; {size}; Ctrl-C ends"
+        what = "playing a file" if seen.plays_file else seen.title
+        return f"{what}; {size}; Ctrl-C ends"
     if "://" in seen.address:
         return f"calling {seen.address}; {size}; Ctrl-C ends"
     reach = ""
@@ -178,7 +177,7 @@ def what_to_check(seen: Device) -> str:
             "Check that the sender is set to TUIO 1.1, cursors (2Dcur), or TUIO 2.0, pointers."
         )
     if not isinstance(seen, TuioDevice):
-        return "Nothing has come yet." if not hasattr(seen, "damage") else "It begins with a pause."
+        return "It begins with a pause." if seen.plays_file else "Nothing has come yet."
     if "://" in seen.address:
         return f"{seen.address} has not answered, or is silent: touch the surface."
     where = f"{_network_address()} port {seen.port}"

@@ -25,6 +25,7 @@ from sandbox.devices.evdev.evdev_touch import (
     MultiTouch,
     Slots,
 )
+from sandbox.session.device import Device
 
 _INPUT_PROP_DIRECT = 0x01
 """Property of screens: what is touched is where the picture is."""
@@ -51,7 +52,7 @@ class Node(Protocol):
         """Gives the node back."""
 
 
-class EvdevDevice:
+class EvdevDevice(Device):
     """A touch screen or trackpad.
 
     `poll` reads what has come since; nothing ever waits, so there is no thread. Should nobody poll

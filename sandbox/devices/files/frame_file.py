@@ -19,6 +19,7 @@ from typing import Any
 from models.errors import FrameError, InputError, RecordingError
 from models.frames import FINGERS, Contact, TouchFrame
 from models.surface import METRES_PER_INCH, Surface
+from sandbox.session.device import Device
 
 _LONGEST_LINE = 1_000_000
 _EXPECTED = '{"time": seconds, "contacts": [{"id", "x", "y", "finger"}]}, times never backwards'
@@ -39,7 +40,7 @@ class FrameFile:
     damage: RecordingError | None = None
 
 
-class FramesDevice:
+class FramesDevice(Device):
     """Plays frames at their times; time 0 of the session is the first of them.
 
     Args:
@@ -48,6 +49,9 @@ class FramesDevice:
     """
 
     name = "frames"
+    plays_file = True
+    damage: RecordingError | None
+    has_lift: bool
 
     def __init__(self, frames: Sequence[TouchFrame], damage: RecordingError | None = None) -> None:
         start = frames[0].time if frames else 0.0

@@ -21,6 +21,7 @@ from models.errors import DeviceError
 from models.frames import HandFrame
 from sandbox.devices.leap.leap_file import LeapRecording
 from sandbox.devices.leap.leap_json import LeapDecoder
+from sandbox.session.device import HandDevice
 
 DEFAULT_ADDRESS = "ws://127.0.0.1:6437/v6.json"
 
@@ -43,7 +44,7 @@ _FIRST_PAUSE, _LONGEST_PAUSE = 0.1, 2.0
 """s, between attempts to connect; doubled each time."""
 
 
-class LeapFileDevice:
+class LeapFileDevice(HandDevice):
     """Plays a recording as the device it was taken from; time 0 is its first frame.
 
     Args:
@@ -55,6 +56,8 @@ class LeapFileDevice:
 
     name = "leap recording"
     has_lift = True
+    plays_file = True
+    damage: Exception | None
 
     def __init__(self, recording: LeapRecording) -> None:
         self._recording = recording
@@ -83,7 +86,7 @@ class LeapFileDevice:
         self._next = len(self._recording.frames)
 
 
-class LeapDevice:
+class LeapDevice(HandDevice):
     """A running leapd or bridge; connects again for as long as it is open.
 
     Args:

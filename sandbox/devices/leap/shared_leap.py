@@ -6,7 +6,6 @@ from collections import Counter, deque
 from collections.abc import Sequence
 from dataclasses import replace
 from math import inf
-from typing import Any
 
 from encoders.paalm.hand_reconstructor import SAID
 from encoders.paalm.palm import stacked
@@ -56,7 +55,7 @@ class SharedLeap:
                 part.waiting.append(replace(frame, hands=seen))
 
 
-class LeapPart:
+class LeapPart(HandDevice):
     """One hand's frames.
 
     Args:
@@ -65,21 +64,30 @@ class LeapPart:
         side: Its side.
     """
 
+    name: str
     has_lift = True
 
     def __init__(self, shared: SharedLeap, index: int, side: str) -> None:
         self._shared, self.side = shared, side
         self.name = f"{shared.device.name}, {side} hand"
         self.waiting: deque[HandFrame] = deque(maxlen=KEPT)
+        self._first = index == 0
         self._now = 0.0
-        if index == 0 and hasattr(shared.device, "show"):
-            # Whoever looks has to be shown things once.
-            self.show: Any = shared.device.show
 
     @property
     def finished(self) -> bool:
         """Whether nothing more can come for this hand."""
         return self._shared.device.finished and not self.waiting
+
+    @property
+    def looks(self) -> bool:
+        """As the device, and for the first hand only: whoever looks is shown things once."""
+        return self._first and self._shared.device.looks
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Shows the device what there is to see, through the first hand."""
+        if self._first:
+            self._shared.device.show(snapshot)
 
     @property
     def notice(self) -> str:
@@ -101,7 +109,7 @@ class LeapPart:
         self._shared.device.close()
 
 
-class BothOver:
+class BothOver(HandDevice):
     """Two devices as one that sees the hands of both: two simulated people over one Leap.
 
     Args:
@@ -110,18 +118,20 @@ class BothOver:
 
     name = "simulated leap"
     has_lift = True
+    looks = True
+    parts: tuple[HandDevice, ...]
 
-    def __init__(self, devices: Sequence[Any]) -> None:
-        self.devices = tuple(devices)
+    def __init__(self, devices: Sequence[HandDevice]) -> None:
+        self.parts = tuple(devices)
 
     @property
     def finished(self) -> bool:
         """Whether any of the two has ended."""
-        return any(d.finished for d in self.devices)
+        return any(d.finished for d in self.parts)
 
     def show(self, snapshot: Snapshot) -> None:
         """Lets both look at the screen."""
-        for device in self.devices:
+        for device in self.parts:
             device.show(snapshot)
 
     def poll(self, now: float) -> Sequence[HandFrame]:
@@ -133,10 +143,10 @@ class BothOver:
                     replace(h, id=2 * h.id + i) for i, f in enumerate(frames) for h in f.hands
                 ),
             )
-            for frames in zip(*(d.poll(now) for d in self.devices), strict=True)
+            for frames in zip(*(d.poll(now) for d in self.parts), strict=True)
         ]
 
     def close(self) -> None:
         """Closes both."""
-        for device in self.devices:
+        for device in self.parts:
             device.close()

@@ -17,6 +17,7 @@ from sandbox.devices.simulated.air_user.holds import check
 from sandbox.devices.simulated.air_user.person import AirHabits, AirPerson
 from sandbox.devices.simulated.leap_trouble import LeapTrouble
 from sandbox.devices.simulated.simulated import NEXT_PERSON
+from sandbox.session.device import HandDevice
 from sandbox.session.messages import Snapshot
 from tasks.registry import hands_of
 from tasks.task import Goal, Task
@@ -31,7 +32,7 @@ _CARRIED = 0.6
 _MIRROR = np.array([-1.0, 1.0, 1.0])
 
 
-class SimulatedLeap:
+class SimulatedLeap(HandDevice):
     """A Leap over which a simulated user moves a hand.
 
     Args:
@@ -51,6 +52,8 @@ class SimulatedLeap:
 
     name = "simulated leap"
     has_lift = True
+    looks = True
+    finished = False
 
     def __init__(
         self,
@@ -80,7 +83,6 @@ class SimulatedLeap:
         radius = person.skeleton(ADULT).tip_radius
         self.user = make(configuration, seed, radius, habits, home)
         self._eye = LeapEye(seed, person.hand, dialect, self._trouble.applied(FROZEN_LEAP))
-        self.finished = False
 
     def show(self, snapshot: Snapshot) -> None:
         """Lets the user look at the screen."""

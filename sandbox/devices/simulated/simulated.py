@@ -16,6 +16,7 @@ from models.person import Person
 from models.surface import Surface
 from models.tray import Tray
 from sandbox.devices.wrappers.drop_outs import DropOuts
+from sandbox.session.device import Device
 from sandbox.session.messages import Snapshot
 from tasks.registry import hands_of
 from tasks.simulated_user.carrier import Carrier
@@ -46,7 +47,7 @@ NEXT_PERSON = 1_000_003
 """Added to the seed of who plays the second hand; beyond all seeds of trials."""
 
 
-class SimulatedDevice:
+class SimulatedDevice(Device):
     """A tablet under the fingers of a simulated user.
 
     Args:
@@ -67,6 +68,9 @@ class SimulatedDevice:
 
     name = "simulated"
     has_lift = True
+    looks = True
+    finished = False
+    truth: dict[int, int]
 
     def __init__(
         self,
@@ -80,13 +84,12 @@ class SimulatedDevice:
         hand: int = 0,
         home: NDArray[np.float64] | None = None,
     ) -> None:
-        self.truth: dict[int, int] = {}
+        self.truth = {}
         self._hand = hand
         # Two people do not share their chance.
         seed += hand * NEXT_PERSON
         self._shapes = {thing.name: thing for thing in task.objects}
         self._tell_labels = tell_labels
-        self.finished = False
         self._screen = DropOuts(drop_outs, seed)
         person = person or Person()
         upright, view = surface.upright, FrontView(surface)

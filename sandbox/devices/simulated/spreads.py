@@ -8,10 +8,11 @@ from collections.abc import Sequence
 from models.frames import TouchFrame
 from models.person import Person
 from models.surface import Surface
+from sandbox.session.device import Device
 from tasks.simulated_user.spreads import SpreadingPerson
 
 
-class SimulatedSpreads:
+class SimulatedSpreads(Device):
     """A tablet under the fingers of somebody who is asked for three spreads.
 
     Args:

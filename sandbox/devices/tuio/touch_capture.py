@@ -20,6 +20,7 @@ from models.surface import Surface
 from sandbox.devices.tuio.osc import MAX_PACKET_BYTES
 from sandbox.devices.tuio.tuio import touch_frame
 from sandbox.devices.tuio.tuio_senders import Commit, Statistics, Tuio
+from sandbox.session.device import Device
 
 _MAX_LINE = 2 * MAX_PACKET_BYTES + 4096
 """Bytes of a line: the largest packet in hex, and room for other keys."""
@@ -142,13 +143,15 @@ def _reason(error: Exception) -> str:
     return f"{error} is missing" if isinstance(error, KeyError) else str(error)
 
 
-class CaptureDevice:
+class CaptureDevice(Device):
     """Plays a capture as the device that it was taken from; the protocol is TUIO 1.1 or 2.0.
 
     Time 0 of the session is the first packet. Silent sources go stale as they would have live.
     """
 
     name = "capture"
+    plays_file = True
+    damage: RecordingError | None
 
     def __init__(
         self, capture: TouchCapture, surface: Surface, *, stale_after: float = 2.0

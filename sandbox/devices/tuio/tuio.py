@@ -24,6 +24,7 @@ from models.surface import Surface
 from sandbox.devices.tuio.tuio_senders import Commit, SourceStatus, Statistics, Tuio
 from sandbox.devices.tuio.tuio_streams import DEFAULT_WEBSOCKET_PORT, Streams, parse_target
 from sandbox.session.closing import Closing
+from sandbox.session.device import Device
 
 DEFAULT_PORT = 3333
 """The UDP port that TUIO senders use unless told otherwise."""
@@ -46,7 +47,7 @@ _SOCKET_BUFFER = 1 << 20
 """Bytes that the system is asked to keep for us while the thread is busy."""
 
 
-class TuioDevice(Closing):
+class TuioDevice(Device, Closing):
     """A port on which any number of TUIO senders report touches, in version 1.1 or 2.0.
 
     All senders share the surface, so every frame holds the touches of all of them; their ids are
@@ -76,6 +77,8 @@ class TuioDevice(Closing):
     """
 
     name = "tuio"
+    news: threading.Event
+    clock_origin: float
 
     def __init__(
         self,
@@ -197,11 +200,11 @@ class TuioDevice(Closing):
                 raise self._failure
         return frames
 
-    def wait(self, timeout: float) -> bool:
-        """Blocks until `poll` has something to say, at most `timeout` seconds."""
+    def wait(self, seconds: float) -> bool:
+        """Blocks until `poll` has something to say, at most `seconds`."""
         with self._news:
             return self._news.wait_for(
-                lambda: bool(self._queue) or self._failure is not None, timeout
+                lambda: bool(self._queue) or self._failure is not None, seconds
             )
 
     def close(self) -> None:

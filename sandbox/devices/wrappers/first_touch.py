@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from models.frames import TouchFrame
-from sandbox.devices.wrappers.around import Around
+from sandbox.devices.wrappers.device_wrapper import DeviceWrapper
 from sandbox.session.device import Device
 
 
-class FirstTouch(Around):
+class FirstTouch(DeviceWrapper):
     """A device that can be asked whether anybody has touched it, while its session stands still.
 
     What comes before the first touch is forgotten; the frame of the first touch is the first one

@@ -7,22 +7,19 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from models.frames import TouchFrame
-from sandbox.devices.wrappers.around import Around
+from sandbox.devices.wrappers.device_wrapper import DeviceWrapper
 from sandbox.session.device import Device
 
 SPEED = 0.45
 """Of the whole lift per second, while a key is held."""
 
 
-class LiftKeys(Around):
+class LiftKeys(DeviceWrapper):
     """A device with a lift control beside it. Safe to use from two threads.
 
     Args:
         device: Where the touches come from.
         leader: Whose lift this one's is: of two hands, the same keys lift both.
-
-    Attributes:
-        has_lift: It has a lift control, by name as in other devices.
     """
 
     has_lift = True

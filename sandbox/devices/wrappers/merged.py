@@ -11,30 +11,32 @@ from sandbox.devices.wrappers.lift_keys import LiftKeys
 from sandbox.session.device import Device
 
 
-class MergedDevice:
+class MergedDevice(Device):
     """Touches of several devices on one surface, under ids that no two of them share.
 
     Args:
         devices: Theirs are the touches; frames keep the times of their own clocks.
 
     Attributes:
-        devices: As given.
+        parts: The devices.
         has_lift: Whether any of them has a lift control; where several have, the one that was
             moved last counts.
         news: Is set when one that tells so has something new.
         lift: Of the last frame; None where no control has been moved.
     """
 
+    name: str
+    has_lift: bool
+    parts: tuple[Device, ...]
+
     def __init__(self, devices: Sequence[Device]) -> None:
-        self.devices = tuple(devices)
+        self.parts = tuple(devices)
         self.name = "+".join(device.name for device in devices)
-        self.has_lift = any(getattr(device, "has_lift", False) for device in devices)
+        self.has_lift = any(device.has_lift for device in devices)
         self.news = threading.Event()
         for device in devices:
-            # A lift control beside a device is no part of it.
-            inner = device.device if isinstance(device, LiftKeys) else device
-            if hasattr(inner, "news"):
-                inner.news = self.news
+            if device.news is not None:
+                device.news = self.news
         self.lift: float | None = None
         self._lifts: list[float | None] = [None] * len(devices)
         self._contacts: list[tuple[Contact, ...]] = [()] * len(devices)
@@ -44,13 +46,13 @@ class MergedDevice:
     @property
     def finished(self) -> bool:
         """True when all of them have come to their end."""
-        return all(device.finished for device in self.devices)
+        return all(device.finished for device in self.parts)
 
     def poll(self, now: float) -> Sequence[TouchFrame]:
         """One frame for each of theirs, with what the others hold down in it."""
         found = [
             (frame.time, i, frame)
-            for i, device in enumerate(self.devices)
+            for i, device in enumerate(self.parts)
             for frame in device.poll(now)
         ]
         found.sort(key=lambda entry: entry[0])
@@ -58,7 +60,7 @@ class MergedDevice:
 
     def close(self) -> None:
         """Closes all of them."""
-        for device in self.devices:
+        for device in self.parts:
             device.close()
 
     def _taken_in(self, i: int, frame: TouchFrame) -> TouchFrame:
@@ -82,7 +84,7 @@ class MergedDevice:
             # A control that shows itself for the first time has not been moved.
             return
         self.lift = lift
-        for k, other in enumerate(self.devices):
+        for k, other in enumerate(self.parts):
             if k != i and isinstance(other, LiftKeys):
                 other.follow(lift)
                 self._lifts[k] = lift
@@ -90,13 +92,3 @@ class MergedDevice:
     def _new(self) -> int:
         self._next += 1
         return self._next - 1
-
-
-def parts_of(device: object) -> list[object]:
-    """A device with all that are within it: merged, spoiled, measured or beside a lift control."""
-    found: list[object] = [device]
-    inner = vars(device).get("device") if hasattr(device, "__dict__") else None
-    for part in (inner, *getattr(device, "devices", ())):
-        if part is not None and all(part is not other for other in found):
-            found += parts_of(part)
-    return found

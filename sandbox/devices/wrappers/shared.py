@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from encoders.labels.hand_split import HandSplitter
 from models.frames import TouchFrame
-from sandbox.devices.wrappers.around import Around
+from sandbox.devices.wrappers.device_wrapper import DeviceWrapper
 from sandbox.session.device import Device
 from sandbox.session.messages import Snapshot
 
@@ -54,7 +54,7 @@ class SharedSurface:
         return taken
 
 
-class OneHand(Around):
+class OneHand(DeviceWrapper):
     """One hand's contacts on a surface that two share.
 
     Args:
@@ -72,12 +72,11 @@ class OneHand(Around):
 
     def show(self, snapshot: Snapshot) -> None:
         """Shows a device that looks what there is to see; once, through the first hand."""
-        show = getattr(self.device, "show", None)
-        if show is not None and self._hand == 0:
-            show(snapshot)
+        if self._hand == 0:
+            self.device.show(snapshot)
 
 
-class MergedTouches:
+class MergedTouches(Device):
     """Two devices that touch the same surface, as one: two simulated users at one screen.
 
     The surface has one lift control, and two hold it: it is as high as the lower of them wants.
@@ -86,17 +85,19 @@ class MergedTouches:
         devices: Of one hand each.
     """
 
+    name: str
     has_lift = True
+    parts: tuple[Device, ...]
 
     def __init__(self, devices: tuple[Device, Device]) -> None:
-        self._devices = devices
+        self.parts = devices
         self._latest = [TouchFrame(0.0), TouchFrame(0.0)]
         self.name = devices[0].name
 
     def poll(self, now: float) -> Sequence[TouchFrame]:
         """All contacts, with ids that tell nobody's hand by their order."""
         cancelled: set[int] = set()
-        for k, device in enumerate(self._devices):
+        for k, device in enumerate(self.parts):
             for frame in device.poll(now):
                 self._latest[k] = frame
                 cancelled |= {_id(i, k) for i in frame.cancelled}
@@ -109,11 +110,15 @@ class MergedTouches:
         gone = frozenset(cancelled - {c.id for c in contacts})
         return [TouchFrame(now, contacts, min(lifts, default=None), gone, "merged")]
 
+    @property
+    def looks(self) -> bool:
+        """True where one of them looks."""
+        return any(device.looks for device in self.parts)
+
     def show(self, snapshot: Snapshot) -> None:
         """Shows each device what there is to see, with its own ids for its touches."""
-        for k, device in enumerate(self._devices):
-            show = getattr(device, "show", None)
-            if show is None:
+        for k, device in enumerate(self.parts):
+            if not device.looks:
                 continue
             hands = tuple(
                 replace(hand, contacts=tuple(
@@ -121,16 +126,16 @@ class MergedTouches:
                 ))
                 for hand in snapshot.hands
             )  # fmt: skip
-            show(replace(snapshot, hands=hands))
+            device.show(replace(snapshot, hands=hands))
 
     @property
     def finished(self) -> bool:
         """Whether no further frame can come from either."""
-        return all(device.finished for device in self._devices)
+        return all(device.finished for device in self.parts)
 
     def close(self) -> None:
         """Closes both."""
-        for device in self._devices:
+        for device in self.parts:
             device.close()
 
 

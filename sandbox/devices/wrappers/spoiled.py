@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from models.frames import Contact, TouchFrame
 from models.surface import Surface
-from sandbox.devices.wrappers.around import Around
+from sandbox.devices.wrappers.device_wrapper import DeviceWrapper
 from sandbox.devices.wrappers.drop_outs import DropOuts
 from sandbox.session.device import Device
 from sandbox.session.messages import Snapshot
@@ -84,7 +84,7 @@ class Ghosts:
         return replace(frame, contacts=frame.contacts + ghosts)
 
 
-class SpoiledDevice(Around):
+class SpoiledDevice(DeviceWrapper):
     """Any device, with what a variation says done to its touches. Frames get session time.
 
     Args:
@@ -115,8 +115,7 @@ class SpoiledDevice(Around):
 
     def show(self, snapshot: Snapshot) -> None:
         """Shows a device that looks what there is to see, with its own ids for its touches."""
-        show = getattr(self.device, "show", None)
-        if show is None:
+        if not self.device.looks:
             return
         hands = tuple(
             replace(
@@ -129,7 +128,7 @@ class SpoiledDevice(Around):
             )
             for hand in snapshot.hands
         )
-        show(replace(snapshot, hands=hands))
+        self.device.show(replace(snapshot, hands=hands))
 
     @property
     def finished(self) -> bool:

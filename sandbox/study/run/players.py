@@ -144,8 +144,9 @@ class WindowPlayer:
                                   in_air=ask.settings.in_air is not None)  # fmt: skip
             device = session.rigs[0].device
             self._window.attach(device)
-            live = LiveSession(session, lambda snapshot: trial.step(session, snapshot),
-                               news=getattr(device, "news", None))  # fmt: skip
+            live = LiveSession(
+                session, lambda snapshot: trial.step(session, snapshot), news=device.news
+            )
             live.start()
             try:
                 with no_search_for_garbage():
@@ -186,9 +187,7 @@ class Trial:
         """After every control period."""
         self.table.watch(session)
         self.table.show(snapshot)
-        looking = getattr(session.rigs[0].device, "show", None)
-        if looking:
-            looking(snapshot)
+        session.rigs[0].device.show(snapshot)
         if session.time >= self._ask.time_limit - 1e-9:
             session.scorer.abort(Status.TIMEOUT, "the study's time limit")
 
@@ -200,14 +199,14 @@ class Trial:
             "measures": {"first_contact_s": self.table.first_contact, "lost_s": round(lost, 6),
                          **(more or {})}
         }  # fmt: skip
-        latency = getattr(session.rigs[0].device, "latency", None)
+        latency = session.rigs[0].device.latency
         if latency is not None:
             told = latency.as_json()
             found["latency"] = told
             waited = told.get("waited", {})
             found["measures"] |= {f"latency_{p}_ms": waited.get(f"{p}_ms") for p in
                                   ("p50", "p95", "p99")}  # fmt: skip
-        truth = getattr(session.rigs[0].device, "truth", None)
+        truth = session.rigs[0].device.truth
         if truth:
             self.table.truth, self.table.truth_by = dict(truth), "simulated user"
             found |= {"fingers": sorted(truth.items()), "fingers_by": "simulated user"}

@@ -17,9 +17,8 @@ from models.scene import Scene
 from models.surface import Surface
 from sandbox.devices.mouse import MouseDevice
 from sandbox.devices.wrappers.lift_keys import LiftKeys
-from sandbox.devices.wrappers.merged import parts_of
 from sandbox.session.closing import Closing
-from sandbox.session.device import Device, HandDevice
+from sandbox.session.device import AnyDevice
 from sandbox.session.messages import Snapshot
 from sandbox.views import palette
 from sandbox.views.cameras import camera_above, window_camera
@@ -147,11 +146,9 @@ class Window(Closing):
         if before is not None:
             self._renderer.shadows = before.shadows
 
-    def attach(self, device: Device | HandDevice) -> None:
+    def attach(self, device: AnyDevice) -> None:
         """Lets mouse and keys drive a device, as far as it is one that they can drive."""
-        parts = parts_of(device)
-        self._lift = next((part for part in parts if isinstance(part, LiftKeys)), None)
-        self._mouse = next((part for part in parts if isinstance(part, MouseDevice)), None)
+        self._lift, self._mouse = device.find(LiftKeys), device.find(MouseDevice)
         self._touched = self._mouse.surface if self._mouse else self._surface
 
     def pump(self, snapshot: Snapshot | None) -> bool:

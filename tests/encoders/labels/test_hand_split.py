@@ -12,6 +12,7 @@ from encoders.labels.hand_split import HandSplitter, SplitSettings
 from models.frames import Contact, TouchFrame
 from models.scene import CONTROL_PERIOD
 from sandbox.devices.wrappers.shared import SharedSurface
+from sandbox.session.device import Device
 
 HOMES = np.array([(0.30, 0.10), (0.10, 0.10)])
 """m, of a right and a left hand on 40 by 20 cm."""
@@ -131,7 +132,7 @@ def test_what_is_cancelled_is_told_to_its_hand_alone():
     assert right.lift == left.lift == 0.5
 
 
-class Once:
+class Once(Device):
     """A surface that tells each change once, and nothing while fingers rest."""
 
     name, finished = "once", False

@@ -19,6 +19,7 @@ from models.person import Person, PersonFrame
 from models.skeleton import ADULT
 from models.surface import METRES_PER_INCH, Surface
 from sandbox.cli import run
+from sandbox.session.device import Device
 from sandbox.session.messages import Snapshot
 from sandbox.trial.assembly import build
 from sandbox.trial.headless import run_trial
@@ -150,7 +151,7 @@ def natural_touches(turn: float, surface: Surface) -> tuple[Contact, ...]:
     return tuple(Contact(i, float(x), float(y)) for i, (x, y) in enumerate(xy))
 
 
-class Resting:
+class Resting(Device):
     """A device on which five fingers of a turned hand rest for some seconds."""
 
     name = "script"

@@ -189,7 +189,7 @@ def test_what_is_wrong_with_frames_is_said(frames: list[Any], said: str) -> None
         check_frames(frames, SURFACE)
 
 
-class Bad:
+class Bad(Device):
     """A device with everything; each of those below lacks one thing."""
 
     name = "bad"

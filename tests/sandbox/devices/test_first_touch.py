@@ -58,7 +58,9 @@ class TestMouseThatIsWaitedFor(DeviceConformance):
         return FirstTouch(MouseDevice(surface))
 
     def stir(self, device: FirstTouch, step: int) -> None:
+        mouse = device.find(MouseDevice)
+        assert mouse is not None
         if step == 5:
-            device.press((0.03, 0.03), pin=True)
+            mouse.press((0.03, 0.03), pin=True)
             assert device.came()
-        device.move((0.03 + 0.001 * step, 0.03))
+        mouse.move((0.03 + 0.001 * step, 0.03))

@@ -17,6 +17,7 @@ from models.kinematics import Kinematics
 from sandbox.devices.wrappers.lift_keys import SPEED, LiftKeys
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording.recording import RecordingWriter, load_recording
+from sandbox.session.device import Device
 from sandbox.trial.assembly import build
 from sandbox.trial.headless import run_trial
 from sandbox.trial.lift import with_lift
@@ -130,7 +131,7 @@ def test_a_recording_with_an_impossible_lift_is_read_up_to_it(tmp_path: Path, li
     assert "line 3 is damaged" in recording.damage
 
 
-class Still:
+class Still(Device):
     """A device that says one thing once."""
 
     name = "still"

@@ -9,13 +9,14 @@ import pytest
 from models.errors import DeviceError
 from models.frames import TouchFrame
 from models.surface import Surface
+from sandbox.session.device import Device
 from sandbox.trial.assembly import build
 from sandbox.trial.live import LiveSession
 from sandbox.trial.settings import RunSettings
 from tests.support.processes import until
 
 
-class Breaking:
+class Breaking(Device):
     """A device that breaks once it was asked some times.
 
     Args:

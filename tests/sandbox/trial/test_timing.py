@@ -89,12 +89,12 @@ def test_a_device_that_is_followed_gives_the_same_states() -> None:
     assert hashes[0] == hashes[1]
 
 
-def test_whatever_else_a_device_has_is_found_around_it_too() -> None:
+def test_a_wrapper_has_the_members_of_the_wrapped_device() -> None:
     mouse = MouseDevice(viewed().surface)
     device = timed(lambda task, surface: mouse, Timing(LatencyLog()))(None, None)  # type: ignore[arg-type]
     assert isinstance(device, TimedDevice) and device.name == "mouse" and not device.finished
-    assert device.news is LiftKeys(mouse).news is mouse.news and device.pins == 0
-    assert not hasattr(device, "has_lift") and copy.copy(device).name == "mouse"
+    assert device.news is LiftKeys(mouse).news is mouse.news and device.find(MouseDevice) is mouse
+    assert not device.has_lift and LiftKeys(device).has_lift and copy.copy(device).name == "mouse"
     device.close()
     assert mouse.finished
 

@@ -1,0 +1,121 @@
+"""Base class of device wrappers."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Mapping, Sequence
+
+from models.frames import TouchFrame
+from sandbox.session.device import AnyDevice, Device
+from sandbox.session.latency import LatencyLog
+from sandbox.session.messages import Snapshot
+
+
+class DeviceWrapper(Device):
+    """A touch device around another one; every member is the wrapped device's.
+
+    A wrapper overrides the members that it changes.
+
+    Args:
+        device: The wrapped device.
+
+    Attributes:
+        device: As given.
+    """
+
+    def __init__(self, device: Device) -> None:
+        self.device = device
+
+    @property
+    def name(self) -> str:
+        """The wrapped device's."""
+        return self.device.name
+
+    def poll(self, now: float) -> Sequence[TouchFrame]:
+        """The wrapped device's frames."""
+        return self.device.poll(now)
+
+    @property
+    def finished(self) -> bool:
+        """The wrapped device's."""
+        return self.device.finished
+
+    def close(self) -> None:
+        """Closes the wrapped device."""
+        self.device.close()
+
+    @property
+    def has_lift(self) -> bool:
+        """The wrapped device's."""
+        return self.device.has_lift
+
+    @property
+    def looks(self) -> bool:
+        """The wrapped device's."""
+        return self.device.looks
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Shows the snapshot to the wrapped device."""
+        self.device.show(snapshot)
+
+    @property
+    def notice(self) -> str:
+        """The wrapped device's."""
+        return self.device.notice
+
+    def switches(self, now: float) -> Sequence[str]:
+        """The wrapped device's."""
+        return self.device.switches(now)
+
+    @property
+    def news(self) -> threading.Event | None:
+        """The wrapped device's; setting it gives the wrapped device another event."""
+        return self.device.news
+
+    @news.setter
+    def news(self, news: threading.Event | None) -> None:
+        self.device.news = news
+
+    def wait(self, seconds: float) -> bool:
+        """Waits for the wrapped device."""
+        return self.device.wait(seconds)
+
+    @property
+    def address(self) -> str:
+        """The wrapped device's."""
+        return self.device.address
+
+    @property
+    def title(self) -> str:
+        """The wrapped device's."""
+        return self.device.title
+
+    @property
+    def plays_file(self) -> bool:
+        """The wrapped device's."""
+        return self.device.plays_file
+
+    @property
+    def damage(self) -> Exception | None:
+        """The wrapped device's."""
+        return self.device.damage
+
+    @property
+    def clock_origin(self) -> float:
+        """The wrapped device's."""
+        return self.device.clock_origin
+
+    @property
+    def latency(self) -> LatencyLog | None:
+        """The wrapped device's."""
+        return self.device.latency
+
+    @property
+    def truth(self) -> Mapping[int, int]:
+        """The wrapped device's."""
+        return self.device.truth
+
+    @property
+    def parts(self) -> tuple[AnyDevice, ...]:
+        """The wrapped device."""
+        return (self.device,)

@@ -1,0 +1,149 @@
+"""Every device has all members of the contract, also wrapped, and also one written elsewhere."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from models.errors import DeviceError
+from models.frames import Contact, TouchFrame
+from models.surface import Surface
+from sandbox.devices.discovery import AdaptedDevice, adapted, find_device
+from sandbox.devices.mouse import MouseDevice
+from sandbox.devices.touch_device import TouchDevice
+from sandbox.devices.wrappers.device_wrapper import DeviceWrapper
+from sandbox.devices.wrappers.lift_keys import LiftKeys
+from sandbox.devices.wrappers.merged import MergedDevice
+from sandbox.session.device import AnyDevice, Device
+
+OPTIONAL = {
+    "name",
+    "finished",
+    "close",
+    "has_lift",
+    "looks",
+    "show",
+    "notice",
+    "switches",
+    "news",
+    "wait",
+    "address",
+    "title",
+    "plays_file",
+    "damage",
+    "clock_origin",
+    "latency",
+    "truth",
+    "parts",
+}
+
+
+class Bare(Device):
+    def poll(self, now: float) -> Sequence[TouchFrame]:
+        return []
+
+
+class Minimal:
+    """A device that knows nothing of our base class."""
+
+    name, finished = "minimal", False
+
+    def poll(self, now: float) -> list[TouchFrame]:
+        return [TouchFrame(now, (Contact(1, 0.01, 0.02),))]
+
+    def close(self) -> None:
+        self.finished = True
+
+
+def public(kind: type) -> set[str]:
+    return {name for name in vars(kind) if not name.startswith("_")}
+
+
+def test_the_contract_is_the_documented_one() -> None:
+    assert public(AnyDevice) == OPTIONAL | {"poll", "within", "find"}
+
+
+def test_a_device_that_only_polls_has_a_default_for_everything_else() -> None:
+    device = Bare()
+    assert (device.name, device.title, device.address, device.notice) == ("Bare", "Bare", "", "")
+    assert not (device.finished or device.has_lift or device.looks or device.plays_file)
+    assert device.news is device.damage is device.latency is None
+    assert (device.clock_origin, dict(device.truth), device.switches(0.0)) == (0.0, {}, ())
+    assert device.wait(0.0) and list(device.within()) == [device]
+    device.close()
+    assert device.finished
+
+
+def test_a_member_is_overridden_by_the_class_or_by_the_object() -> None:
+    class Pad(TouchDevice):
+        has_lift = True
+
+        def poll(self, now: float) -> Sequence[TouchFrame]:
+            return []
+
+    pad: Any = Pad(Surface(), "argument")
+    assert (pad.name, pad.argument) == ("Pad", "argument")
+    pad.name, pad.address = "my pad", "somewhere:1"
+    assert pad.name == pad.title == "my pad"
+    assert pad.address == "somewhere:1" and pad.has_lift
+
+
+def test_a_wrapper_forwards_every_member_of_the_contract() -> None:
+    assert public(DeviceWrapper) == OPTIONAL | {"poll"}
+
+
+def test_a_device_is_found_inside_wrappers_and_merged_devices() -> None:
+    mouse = MouseDevice(Surface())
+    both = DeviceWrapper(MergedDevice([LiftKeys(mouse), Bare()]))
+    assert both.find(MouseDevice) is mouse
+    assert isinstance(both.find(LiftKeys), LiftKeys)
+    assert both.find(Minimal) is None
+    assert mouse.news is both.news
+
+
+def test_a_device_with_the_four_required_members_is_completed() -> None:
+    device = adapted(Minimal(), "test")
+    assert isinstance(device, AdaptedDevice) and device.name == device.title == "minimal"
+    assert device.poll(0.5)[0].contacts[0].id == 1
+    assert not (device.finished or device.has_lift or device.looks) and device.news is None
+    device.close()
+    assert device.finished
+
+
+def test_optional_members_of_an_adapted_device_are_used() -> None:
+    outside: Any = Minimal()
+    seen: list[Any] = []
+    outside.address, outside.has_lift, outside.news = "host:1", True, threading.Event()
+    outside.show, outside.wait = seen.append, lambda seconds: False
+    device: Any = adapted(outside, "test")
+    assert (device.address, device.has_lift, device.looks) == ("host:1", True, True)
+    assert device.news is outside.news and not device.wait(9.0)
+    device.show("snapshot")
+    assert seen == ["snapshot"]
+    MergedDevice([device]).news.set()
+    assert outside.news.is_set()
+    outside.notice = "nothing moves"
+    assert device.notice == "nothing moves"
+
+
+def test_what_is_missing_of_the_required_members_is_said() -> None:
+    with pytest.raises(DeviceError, match="without close, finished"):
+        adapted(type("Half", (), {"name": "half", "poll": lambda self, now: []})(), "test")
+
+
+def test_our_base_class_is_opened_as_it_is(tmp_path: Path) -> None:
+    file = tmp_path / "pad.py"
+    file.write_text(
+        "from sandbox.devices.touch_device import TouchDevice\n"
+        "class Pad(TouchDevice):\n"
+        "    def poll(self, now):\n"
+        "        return []\n"
+    )
+    make = find_device(f"{file}:Pad:three")
+    assert make is not None
+    device = make(Surface())
+    assert isinstance(device, TouchDevice) and device.argument == "three"
