@@ -1,5 +1,8 @@
 """The running program: devices, session, views, recordings, command line.
 
+The names in `__all__` are the public API; `docs/from-python.md` explains them. Every other module
+may change without notice.
+
 `models` and `tasks` are common names. Where somebody's `models.py` comes first on the import path,
 half of this program would silently be theirs, and the first sign would be a strange AttributeError
 far from the cause. So importing `sandbox` looks, without importing anything, at where its
@@ -12,6 +15,7 @@ import importlib.util
 import os
 import sys
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 _NEIGHBOURS = ("models", "encoders", "tasks")
 _EXIT_BAD_INPUT = 2
@@ -96,4 +100,54 @@ except ShadowedPackageError as _error:
     print(f"sandbox: {_error}", file=sys.stderr)
     sys.exit(_EXIT_BAD_INPUT)
 
-import models  # noqa: E402, F401  (before NumPy: it pins the BLAS kernel)
+from models import lazy_names  # noqa: E402  (before NumPy: `models` pins the BLAS kernel)
+
+if TYPE_CHECKING:
+    from sandbox.devices.conformance import DeviceConformance
+    from sandbox.devices.touch_device import TouchDevice
+    from sandbox.library.motion import export_motion
+    from sandbox.library.trajectories import Trajectories
+    from sandbox.library.trial_run import TrialRun, replay_recording, run_trial
+    from sandbox.recording.recording import Recording, load_recording
+    from sandbox.session.device import Device, HandDevice
+    from sandbox.session.messages import Snapshot
+    from sandbox.session.session import Session
+    from sandbox.trial.settings import RunSettings
+else:
+    __getattr__ = lazy_names(
+        __name__,
+        {
+            "Device": "sandbox.session.device",
+            "DeviceConformance": "sandbox.devices.conformance",
+            "HandDevice": "sandbox.session.device",
+            "Recording": "sandbox.recording.recording",
+            "RunSettings": "sandbox.trial.settings",
+            "Session": "sandbox.session.session",
+            "Snapshot": "sandbox.session.messages",
+            "TouchDevice": "sandbox.devices.touch_device",
+            "Trajectories": "sandbox.library.trajectories",
+            "TrialRun": "sandbox.library.trial_run",
+            "export_motion": "sandbox.library.motion",
+            "load_recording": "sandbox.recording.recording",
+            "replay_recording": "sandbox.library.trial_run",
+            "run_trial": "sandbox.library.trial_run",
+        },
+    )
+
+__all__ = [
+    "Device",
+    "DeviceConformance",
+    "HandDevice",
+    "Recording",
+    "RunSettings",
+    "Session",
+    "ShadowedPackageError",
+    "Snapshot",
+    "TouchDevice",
+    "Trajectories",
+    "TrialRun",
+    "export_motion",
+    "load_recording",
+    "replay_recording",
+    "run_trial",
+]

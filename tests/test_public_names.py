@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
-PACKAGES = ("models", "encoders", "tasks")
+PACKAGES = ("models", "encoders", "tasks", "sandbox")
 
 
 @pytest.mark.parametrize("package", PACKAGES)

@@ -1,0 +1,1 @@
+"""The library behind `import sandbox`: trials, replays and exports as functions."""

@@ -1,0 +1,248 @@
+"""Trials from Python: play a task or a recording, and get score, film and trajectories."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
+
+import models
+from models.errors import InputError
+from models.surface import Surface
+from sandbox.library.trajectories import Trajectories, TrajectoryView
+from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.recording.recording import load_recording
+from sandbox.session.device import Device
+from sandbox.session.messages import Snapshot
+from sandbox.session.session import Session
+from sandbox.trial.assembly import DeviceMaker
+from sandbox.trial.headless import View
+from sandbox.trial.headless import run_trial as play_trial
+from sandbox.trial.lift import with_lift
+from sandbox.trial.pacing import RealTime
+from sandbox.trial.replay import Verification, replay
+from tasks.registry import TASKS
+from tasks.score import Score
+from tasks.task import Task
+
+OpenDevice = Callable[[Surface], Device]
+"""Opens a device on a placed surface; a subclass of `TouchDevice` is one."""
+
+
+@dataclass(frozen=True)
+class TrialRun:
+    """A trial that was played to its end.
+
+    Attributes:
+        score: Success, how it ended, how long it took, and what was missing.
+        state_hash: Chained hash of all states; equal hashes mean equal trials.
+        trajectories: Everything that moved; None where it was not asked for.
+        pictures: (n, height, width, 3) uint8 RGB, 15 a second; None where none were asked for.
+        verification: Comparison of a replay with its recording; None for a trial played anew.
+        result: What `sandbox run --json` writes; empty for a replay.
+    """
+
+    score: Score
+    state_hash: str
+    trajectories: Trajectories | None = None
+    pictures: NDArray[np.uint8] | None = None
+    verification: Verification | None = None
+    result: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def success(self) -> bool:
+        """True if the goal was held for the task's hold time."""
+        return self.score.success
+
+
+def run_trial(
+    task: str | type[Task] = "box-to-goal",
+    seed: int | None = None,
+    device: str | OpenDevice = "simulated",
+    *,
+    record: Path | str | None = None,
+    film: Path | str | None = None,
+    pictures: tuple[int, int] | None = None,
+    trajectories: bool = True,
+    real_time: bool | None = None,
+    **options: Any,
+) -> TrialRun:
+    """Plays one trial without a window and returns its score and what moved.
+
+    Args:
+        task: A task's name, `FILE.py`, `FILE.py:CLASS`, or a task class.
+        seed: Start, goal and simulated user follow from it; same seed, same trial. None: 0, or the
+            seed of the recording that is the device.
+        device: A device as `sandbox run --device` takes it (`simulated`, `tuio`, a recording,
+            `FILE.py:CLASS`), or a class or function that opens a device on a `Surface`.
+        record: Writes a recording; the file must not exist.
+        film: Writes a film: .webp, .gif, or .mp4 with the extra `film`.
+        pictures: Width and height in px of pictures to return; None draws none.
+        trajectories: Whether to return trajectories.
+        real_time: True plays at the speed of the clock, False as fast as it goes. None: real time
+            for a device that a person or another program drives by its name, else as fast as it
+            goes.
+        options: Other options of `sandbox run`, with underscores: `encoder="paper"`, `fingers=5`,
+            `hand="left"`, `without=("correction",)`.
+
+    Returns:
+        The run.
+
+    Warns:
+        UserWarning: NumPy was imported before `sandbox`: states depend on the processor.
+
+    Raises:
+        InputError: The task, device or an option cannot be used.
+        GraphicsError: A film or pictures are asked for and this machine has no OpenGL.
+    """
+    _warn_if_states_depend_on_the_processor()
+    named = device if isinstance(device, str) else "simulated"
+    chosen = plan(_scene_options(task=_place(task), seed=seed, device=named, **options))
+    make_device, about, live = chosen.make_device, chosen.about, chosen.live
+    if named == "mouse":
+        raise InputError("the mouse needs a window", where="device", remedy="Use `sandbox play`")
+    if not isinstance(device, str):
+        make_device, about, live = _opens(device), {"device": "from Python"}, False
+    caption = "simulated user" if about.get("user") is not None else ""
+    with _Views(film, pictures, trajectories, caption) as views:
+        if live if real_time is None else real_time:
+            views.pace = RealTime()
+        result = play_trial(
+            chosen.settings,
+            with_lift(make_device, keys=False),
+            views.make,
+            Path(record) if record else None,
+            about,
+        )
+    return views.run(result=result)
+
+
+def replay_recording(
+    path: Path | str,
+    *,
+    film: Path | str | None = None,
+    pictures: tuple[int, int] | None = None,
+    trajectories: bool = True,
+) -> TrialRun:
+    """Plays a recording again, compares every state with it, and returns what moved.
+
+    Args:
+        path: A recording: `record=FILE`, `--record FILE`, or a trial of a study.
+        film, pictures, trajectories: As in `run_trial`.
+
+    Returns:
+        The run; `verification.exact` is True if all states were equal.
+
+    Raises:
+        RecordingError: The file is no recording, or cannot be played with what is installed here.
+        GraphicsError: A film or pictures are asked for and this machine has no OpenGL.
+    """
+    _warn_if_states_depend_on_the_processor()
+    recording = load_recording(Path(path))
+    caption = "simulated user" if recording.header.get("user") else ""
+    with _Views(film, pictures, trajectories, caption) as views, threadpool_limits(1):
+        session, verification = replay(recording, views.make)
+        session.close()
+    return views.run(verification=verification)
+
+
+def _opens(device: OpenDevice) -> DeviceMaker:
+    return lambda task, surface: device(surface)
+
+
+class _Views:
+    """What looks on while a trial is played, and the run that comes of it."""
+
+    def __init__(
+        self,
+        film: Path | str | None,
+        pictures: tuple[int, int] | None,
+        trajectories: bool,
+        caption: str,
+    ) -> None:
+        self.pace: RealTime | None = None
+        self._film, self._pictures, self._trajectories = film, pictures, trajectories
+        self._caption = caption
+        self._closing = ExitStack()
+        self._made: dict[str, Callable[[], Any]] = {}
+
+    def __enter__(self) -> _Views:
+        return self
+
+    def __exit__(self, *error: Any) -> None:
+        self._closing.__exit__(*error)
+
+    def make(self, session: Session) -> list[View]:
+        """The views of a session that has not begun."""
+        self._session = session
+        views: list[View] = [self._wait] if self.pace else []
+        if self._trajectories:
+            kept = TrajectoryView(session)
+            self._made["trajectories"] = kept.trajectories
+            views.append(kept.show)
+        if self._pictures:
+            # Drawing loads OpenGL, which a trial without pictures does not need.
+            from sandbox.library.pictures import PictureView
+
+            drawn = PictureView(session, self._pictures, self._caption)
+            self._closing.callback(drawn.close)
+            self._made["pictures"] = drawn.pictures
+            views.append(drawn.show)
+        if self._film:
+            from sandbox.views.film import FilmView
+
+            film = FilmView(self._film, session.scene, session.whole_surface, caption=self._caption)
+            views.append(self._closing.enter_context(film).show)
+        return views
+
+    def run(self, **more: Any) -> TrialRun:
+        """The run, once the session has ended."""
+        arrays = {name: make() for name, make in self._made.items()}
+        session = self._session
+        return TrialRun(session.scorer.score, session.state_hash, **arrays, **more)
+
+    def _wait(self, snapshot: Snapshot) -> None:
+        assert self.pace is not None
+        self.pace.wait(snapshot.time)
+
+
+def _warn_if_states_depend_on_the_processor() -> None:
+    if not models.KERNEL_PINNED:
+        warnings.warn(
+            "NumPy was imported before `sandbox`, so states may differ from those of the command "
+            "line and of other processors. Import `sandbox` first, or set "
+            "OPENBLAS_CORETYPE=Haswell before Python starts",
+            stacklevel=3,
+        )
+
+
+def _scene_options(**values: Any) -> SceneOptions:
+    """Options of `sandbox run`, by name.
+
+    Raises:
+        InputError: There is no option of a name.
+    """
+    known = {f.name for f in fields(SceneOptions)}
+    unknown = sorted(set(values) - known)
+    if unknown:
+        raise InputError(
+            "this option is unknown",
+            where="run_trial",
+            got=", ".join(unknown),
+            expected=", ".join(sorted(known)),
+        )
+    return SceneOptions(**values)
+
+
+def _place(task: str | type[Task]) -> str:
+    """The text by which a task is found: its name, or `module:Class`."""
+    if isinstance(task, str):
+        return task
+    return task.name if TASKS.get(task.name) is task else f"{task.__module__}:{task.__qualname__}"

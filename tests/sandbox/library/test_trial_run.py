@@ -1,0 +1,206 @@
+"""Trials from Python: what comes back, what it is equal to, and what is refused."""
+
+from __future__ import annotations
+
+import csv
+import math
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import models
+from models import Contact, InputError, Kinematics, TouchFrame
+from models.objects import Box
+from models.skeleton import ADULT
+from sandbox import (
+    TouchDevice,
+    TrialRun,
+    export_motion,
+    load_recording,
+    replay_recording,
+    run_trial,
+)
+from tasks import Goal, OwnTask, judge, two_places
+from tests.support.processes import ROOT
+
+
+class Still(OwnTask):
+    """A box that nobody has to move, for a fifth of a second."""
+
+    name = "test-still"
+    time_limit = 0.2
+    hold_time = 0.05
+
+    @classmethod
+    def place(cls, rng, surface):
+        start, end = two_places(rng, surface)
+        box = Box("it", (0.02, 0.02, 0.02), 0.1, (start[0], start[1], 0.02))
+        return [box], [Goal("it", (end[0], end[1], 0.02), 0.0)]
+
+    def measure(self, sensing):
+        return judge(0.5, (True, "never"))
+
+
+class OneFinger(TouchDevice):
+    """A finger that moves along a line from the start on."""
+
+    time = 0.0
+
+    def poll(self, now):
+        frames = []
+        while self.time <= now:
+            contact = Contact(7, 0.05 + 0.1 * self.time, 0.04, label=1)
+            frames.append(TouchFrame(self.time, (contact,)))
+            self.time += 1 / 60
+        return frames
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> tuple[TrialRun, Path]:
+    path = tmp_path_factory.mktemp("trial") / "run.jsonl"
+    return run_trial(seed=3, record=path), path
+
+
+def test_a_trial_brings_its_score_and_everything_that_moved(recorded):
+    run, _ = recorded
+    moved = run.trajectories
+    T = len(moved.time)
+    assert run.success and run.result["success"] and run.result["seed"] == 3
+    assert run.state_hash == run.result["state_hash"]
+    assert np.allclose(np.diff(moved.time), 0.016) and moved.step.shape == (T,)
+    assert moved.objects["box"].position.shape == (T, 3)
+    assert moved.objects["box"].rotation.shape == (T, 3, 3)
+    assert moved.hands[0].q.shape == moved.hands[0].commanded.shape == (T, 48)
+    assert moved.hands[0].solid.any() and not moved.hands[0].solid.all()
+    assert set(moved.touches.finger) <= {-1, 0, 1, 2, 3, 4}
+
+
+def test_the_simulated_pose_and_the_simulated_fingertips_agree(recorded):
+    hand = recorded[0].trajectories.hands[0]
+    tips = Kinematics(ADULT).place(hand.q).tips
+    # Bodies are one physics step older than joint positions: between the last two poses.
+    step = np.linalg.norm(np.diff(tips, axis=0), axis=2)
+    off = np.linalg.norm(tips - hand.tips, axis=2)[1:]
+    assert np.all(off < step / 2 + 1e-4) and off.max() > 0
+
+
+def test_a_replay_is_the_same_trial_to_the_bit(recorded):
+    run, path = recorded
+    again = replay_recording(path)
+    assert again.verification.exact and again.verification.complete
+    assert again.state_hash == run.state_hash and again.score == run.score
+    assert np.array_equal(again.trajectories.hands[0].q, run.trajectories.hands[0].q)
+    assert np.array_equal(again.trajectories.touches.xy, run.trajectories.touches.xy)
+
+
+def test_a_recording_is_a_device_and_brings_its_task_and_seed(recorded):
+    again = run_trial(device=str(recorded[1]), trajectories=False)
+    assert again.state_hash == recorded[0].state_hash and again.trajectories is None
+
+
+def test_tables_tell_what_the_arrays_tell(recorded, tmp_path):
+    moved = recorded[0].trajectories
+    objects, hands, touches = moved.write_csv(tmp_path / "new")
+    rows = list(csv.DictReader(objects.open()))
+    assert len(rows) == len(moved.time)
+    last = [float(rows[-1][f"box_{axis}"]) for axis in "xyz"]
+    assert np.allclose(last, moved.objects["box"].position[-1], atol=1e-9)
+    turn = [float(rows[-1][f"box_q{part}"]) for part in "wxyz"]
+    assert np.allclose(turn, moved.objects["box"].quaternion[-1], atol=1e-9)
+    row = list(csv.DictReader(hands.open()))[-1]
+    assert float(row["q_position_x"]) == pytest.approx(moved.hands[0].q[-1, 0], abs=1e-9)
+    assert sum(1 for _ in touches.open()) == len(moved.touches.time) + 1
+
+
+def test_tables_that_cannot_be_written_are_an_input_error(recorded, tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="cannot be written"):
+        recorded[0].trajectories.write_csv(tmp_path / "file")
+
+
+def test_a_device_class_is_opened_and_its_touches_come_back():
+    run = run_trial(Still, device=OneFinger)
+    touches = run.trajectories.touches
+    assert set(touches.contact) == {7} and set(touches.hand) == {0}
+    assert np.allclose(touches.xy[-1], (0.05 + 0.1 * 0.19, 0.04), atol=0.004)
+    assert run.result["device"] == "from Python" and run.score.reason == "never"
+
+
+def test_a_task_class_is_played_by_its_name_too():
+    run = run_trial(Still, user="idle")
+    assert run.result["task"] == "test-still" and not run.success
+    assert len(run.trajectories.touches.time) == 0 and run.trajectories.touches.xy.shape == (0, 2)
+
+
+def test_two_hands_have_two_trajectories():
+    run = run_trial("carry-together", user="idle", second_user="idle", vary="", seed=1)
+    assert len(run.trajectories.hands) == 2
+
+
+@pytest.mark.needs("opengl")
+def test_pictures_come_fifteen_times_a_second_and_a_film_is_written(tmp_path):
+    run = run_trial(Still, user="idle", pictures=(160, 90), film=tmp_path / "film.gif")
+    assert run.pictures.shape == (1 + math.floor(0.208 * 15), 90, 160, 3)
+    assert run.pictures.dtype == np.uint8 and run.pictures.std() > 1
+    assert (tmp_path / "film.gif").stat().st_size > 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        ({"finger": 3}, "option is unknown .*got 'finger'.*expected .*fingers"),
+        ({"task": "no-such-task"}, "no such task"),
+        ({"device": "mouse"}, "needs a window"),
+        ({"device": "nothing-of-the-kind"}, "no such device"),
+        ({"fingers": 9}, "2 to 5"),
+    ],
+)
+def test_what_cannot_be_played_is_refused_in_a_line(arguments, says):
+    with pytest.raises(InputError, match=says) as error:
+        run_trial(**arguments)
+    assert "\n" not in str(error.value)
+
+
+def test_a_recording_is_never_overwritten(recorded):
+    with pytest.raises(InputError, match="exists already"):
+        run_trial(Still, user="idle", record=recorded[1])
+
+
+def test_motion_is_exported_by_the_ending_of_the_name(recorded, tmp_path):
+    assert export_motion(recorded[1], tmp_path / "hand.bvh") == (tmp_path / "hand.bvh",)
+    assert (tmp_path / "hand.bvh").read_text().startswith("HIERARCHY")
+    with pytest.raises(InputError, match="cannot be written"):
+        export_motion(recorded[1], tmp_path / "hand.xyz")
+
+
+def test_a_recording_that_breaks_off_is_exported_with_a_warning(recorded, tmp_path):
+    lines = recorded[1].read_bytes().splitlines(keepends=True)
+    broken = tmp_path / "broken.jsonl"
+    broken.write_bytes(b"".join(lines[:-1]))
+    assert load_recording(broken).damage
+    with pytest.warns(UserWarning, match="breaks off"):
+        export_motion(broken, tmp_path / "hand.csv")
+
+
+def test_numpy_before_sandbox_is_warned_of_and_after_it_is_not():
+    program = (
+        "import {}\nimport {}\nimport warnings\n"
+        "with warnings.catch_warnings(record=True) as seen:\n"
+        "    warnings.simplefilter('always')\n"
+        "    import sandbox.library.trial_run as runs\n"
+        "    runs._warn_if_states_depend_on_the_processor()\n"
+        "print(len(seen))"
+    )
+    counts = []
+    for order in (("numpy", "sandbox"), ("sandbox", "numpy")):
+        environment = {"PATH": "/usr/bin", "PYTHONPATH": str(ROOT)}
+        answer = subprocess.run(
+            [sys.executable, "-c", program.format(*order)],
+            cwd=ROOT, env=environment, capture_output=True, text=True, check=True,
+        )  # fmt: skip
+        counts.append(int(answer.stdout))
+    x86 = models.platform.machine().lower() in ("x86_64", "amd64")
+    assert counts == [int(x86), 0]

@@ -1,0 +1,60 @@
+"""The examples run as their docstrings say, and are short enough to be read."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+EXAMPLES = ROOT / "examples"
+MOST_LINES = 60
+SHORT = (
+    "run_a_trial.py",
+    "train_and_predict.py",
+    "replay_and_export.py",
+    "circling_finger.py",
+    "push_the_mug.py",
+)
+
+
+def run(name: str, folder: Path, *arguments: str) -> str:
+    """Runs an example in a folder; what it prints."""
+    answer = subprocess.run(
+        [sys.executable, "-c",
+         f"import sys, runpy; sys.path.insert(0, {str(ROOT)!r}); sys.argv[1:] = {arguments!r}\n"
+         f"runpy.run_path({str(EXAMPLES / name)!r}, run_name='__main__')"],
+        cwd=folder, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert answer.returncode == 0, answer.stderr
+    assert "Warning" not in answer.stderr
+    return answer.stdout
+
+
+@pytest.mark.parametrize("name", SHORT)
+def test_an_example_has_under_sixty_lines(name: str) -> None:
+    assert len((EXAMPLES / name).read_text(encoding="utf-8").splitlines()) < MOST_LINES
+
+
+def test_a_trial_is_run_replayed_and_exported_from_python(tmp_path: Path) -> None:
+    told = run("run_a_trial.py", tmp_path, "out")
+    assert "success True" in told and "hand poses (321, 48)" in told
+    names = {path.name for path in (tmp_path / "out").iterdir()}
+    assert {"run.jsonl", "objects.csv", "hands.csv", "touches.csv"} <= names
+    told = run("replay_and_export.py", tmp_path, "out/run.jsonl", "exported")
+    assert "box-to-goal, seed 3" in told and "exact True" in told
+    names = {path.name for path in (tmp_path / "exported").iterdir()}
+    assert {"hand.bvh", "hand.glb", "tips.csv", "objects.csv"} <= names
+
+
+@pytest.mark.needs("opengl")
+def test_the_film_of_a_trial_comes_as_an_array(tmp_path: Path) -> None:
+    assert "film (78, 180, 320, 3), uint8" in run("run_a_trial.py", tmp_path, "out", "--film")
+
+
+def test_an_encoder_is_trained_saved_and_asked_from_python(tmp_path: Path) -> None:
+    told = run("train_and_predict.py", tmp_path)
+    assert "7083 frames" in told and "pose (48,)" in told
+    assert (tmp_path / "mine.npz").is_file()
