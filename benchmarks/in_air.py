@@ -25,6 +25,7 @@ from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.hand_input import UNDER, HandInput
 from sandbox.trial.headless import View, run_trial
+from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import RunSettings, SecondHand
 from sandbox.trial.two_hands import DeviceMaker
 from tasks.registry import find_task, hands_of
@@ -78,7 +79,7 @@ class Depth:
 
 def play(
     task: str, seed: int, dialect: str, kind: str, size: float, depth: Depth, trouble: LeapTrouble
-) -> tuple[dict[str, Any], int]:
+) -> tuple[TrialResult, int]:
     """One trial's result, and how often something was grasped."""
     two = hands_of(find_task(task)) > 1
     second = SecondHand(in_air=HandInput(), hand_size=size) if two else None
@@ -132,10 +133,10 @@ def main() -> None:
                 play(task, seed, dialect, options.user, options.hand_size, depth, trouble)
                 for seed in drawn
             ]
-            won = [result for result, _ in found if result["success"]]
-            times = [result["time_s"] for result in won] or [float("nan")]
+            won = [result for result, _ in found if result.success]
+            times = [result.time_s for result in won] or [float("nan")]
             grasps = np.mean([count for _, count in found])
-            back = sum(result["respawned"] for result, _ in found)
+            back = sum(result.respawned for result, _ in found)
             print(
                 f"{task:15} {dialect}: {len(won)} of {len(found)}, median {np.median(times):.1f} s,"
                 f" {grasps:.2f} grasps a trial, {back} things put back,"

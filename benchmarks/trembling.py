@@ -60,7 +60,7 @@ def _boxes(way: PaalmOptions, noise: float, seeds: range) -> list[str]:
     hand_input.Paalm = partial(Paalm, way)  # type: ignore[assignment, attr-defined]
     trouble = LeapTrouble(noise)
     won = [
-        play("box-to-goal", seed, "v1", "skilled", 1.0, Depth(), trouble)[0]["success"]
+        play("box-to-goal", seed, "v1", "skilled", 1.0, Depth(), trouble)[0].success
         for seed in seeds
     ]
     return [f"boxes {sum(won)} of {len(seeds)}"]

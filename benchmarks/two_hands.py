@@ -14,6 +14,7 @@ from models.surface import Surface
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.session.device import Device
 from sandbox.trial.headless import run_trial
+from sandbox.trial.result import TrialResult
 from sandbox.trial.two_hands import DeviceMaker, with_first
 from tasks.task import Task
 
@@ -42,7 +43,7 @@ def impatient(make_device: DeviceMaker) -> DeviceMaker:
     return make
 
 
-def trial(arm: str, seed: int) -> dict[str, Any]:
+def trial(arm: str, seed: int) -> TrialResult:
     """The result of a trial."""
     chosen = plan(SceneOptions(task=TASK, seed=seed, **ARMS[arm]))
     make = chosen.make_device
@@ -62,14 +63,14 @@ def main() -> None:
     for arm in args.arms:
         began = time.monotonic()
         results = [trial(arm, seed) for seed in range(args.seeds)]
-        won = sum(r["success"] for r in results)
+        won = sum(r.success for r in results)
         low, high = wilson(won, args.seeds)
-        times = sorted(r["time_s"] for r in results if r["success"])
+        times = sorted(r.time_s for r in results if r.success)
         median = f"{times[len(times) // 2]:.1f} s" if times else "-"
         print(
             f"| {arm} | {won}/{args.seeds} | {low:.1f} % to {high:.1f} % | {median} |", flush=True
         )
-        failed = [r["seed"] for r in results if not r["success"]]
+        failed = [r.seed for r in results if not r.success]
         if won and failed:
             print(f"failed seeds: {failed}; {time.monotonic() - began:.0f} s")
 

@@ -27,6 +27,7 @@ from sandbox.trial.events import EventLog, NoticeEvents
 from sandbox.trial.headless import View, run_trial
 from sandbox.trial.lift import with_lift
 from sandbox.trial.pacing import RealTime
+from sandbox.trial.result import TrialResult
 from sandbox.trial.two_hands import DeviceMaker, with_each
 from tasks.score import ending
 from tasks.task import Task
@@ -73,13 +74,13 @@ def perform(options: RunOptions) -> int:
         for what, path in (("recording", options.record), ("film", options.film)):
             if path is not None:
                 console.print(f"[dim]{what}: {escape(str(path))}[/]", soft_wrap=True)
-        write_json(options.json, result)
+        write_json(options.json, result.as_json())
     finally:
         events.close()
     return 0
 
 
-def _run(options: RunOptions, chosen: Plan, events: EventLog, console: Console) -> dict[str, Any]:
+def _run(options: RunOptions, chosen: Plan, events: EventLog, console: Console) -> TrialResult:
     clock: list[RealTime] = []
     started: list[bool] = []
 
@@ -128,7 +129,7 @@ def _run(options: RunOptions, chosen: Plan, events: EventLog, console: Console) 
         result = run_trial(
             chosen.settings, makers, make_views, options.record, chosen.about, options.dump
         )
-    events.tell("trial_end", **result)
+    events.tell("trial_end", **result.as_json())
     if clock and clock[0].lost > 0:
         what = f"this machine fell behind real time by {clock[0].lost:.1f} s"
         console.print(f"[yellow]{what}[/]")
@@ -136,25 +137,23 @@ def _run(options: RunOptions, chosen: Plan, events: EventLog, console: Console) 
     return result
 
 
-def report_end(result: dict[str, Any], console: Console) -> None:
+def report_end(result: TrialResult, console: Console) -> None:
     """Says how a trial ended, and where the last states of a simulation are that diverged."""
-    if result["diverged"]:
-        console.print(f"[red]the simulation diverged: {result['diverged']}[/]")
-    if result.get("dump"):
-        line = shlex.join(["sandbox", "replay", result["dump"]])
+    if result.diverged:
+        console.print(f"[red]the simulation diverged: {result.diverged}[/]")
+    if result.dump:
+        line = shlex.join(["sandbox", "replay", result.dump])
         console.print(f"its last states: {escape(line)}", soft_wrap=True)
-    elif result.get("dump_error"):
-        console.print(f"[yellow]{escape(result['dump_error'])}[/]", soft_wrap=True)
-    colour = "green" if result["success"] else "red"
-    what = ending(result["status"], result["success"])
-    line = f"[bold {colour}]{result['task']}: {what}[/] after {result['time_s']:.1f} s"
-    if result["reason"]:
-        line += f", {escape(result['reason'])}"
+    elif result.dump_error:
+        console.print(f"[yellow]{escape(result.dump_error)}[/]", soft_wrap=True)
+    colour = "green" if result.success else "red"
+    what = ending(result.status, result.success)
+    line = f"[bold {colour}]{result.task}: {what}[/] after {result.time_s:.1f} s"
+    if result.reason:
+        line += f", {escape(result.reason)}"
     console.print(line)
 
 
-def _report(result: dict[str, Any], console: Console) -> None:
+def _report(result: TrialResult, console: Console) -> None:
     report_end(result, console)
-    console.print(
-        f"[dim]seed {result['seed']}, {result['encoder']}, state {result['state_hash']}[/]"
-    )
+    console.print(f"[dim]seed {result.seed}, {result.encoder}, state {result.state_hash}[/]")

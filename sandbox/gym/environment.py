@@ -15,8 +15,9 @@ from models.scene import CONTROL_PERIOD
 from models.skeleton import ADULT
 from sandbox.gym.actions import Hands, PoseHands, TouchHands
 from sandbox.gym.observation import observation_space, observe
-from sandbox.session.session import Session, describe
+from sandbox.session.session import Session
 from sandbox.trial.assembly import build, place_surface
+from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import RunSettings, SecondHand
 from sandbox.trial.two_hands import DeviceMaker, PerHand, place_all
 from tasks.registry import draw_task, find_task, hands_of
@@ -239,7 +240,7 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
             "state_hash": session.state_hash,
             "success": session.scorer.score.success,
         }
-        return {**info, "trial": describe(session)} if session.over else info
+        return {**info, "trial": TrialResult.of(session).as_json()} if session.over else info
 
 
 def _given(hand: Hands) -> DeviceMaker:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import astuple, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ from msgspec import Struct
 from models.errors import InputError
 from models.json_input import check_layout, decoded, read_bytes
 from sandbox.regress.execute import CRASHED, Trial
+from sandbox.trial.result import KeptIn, kept_fields
 
 SCHEMA = 1
 """Version of the file's layout."""
@@ -25,7 +26,7 @@ _ENCODER = {"digests.encoder"}
 
 @dataclass(frozen=True)
 class Kept:
-    """What a baseline remembers of a trial."""
+    """Fields of a trial's result that a baseline keeps: those of `KeptIn.BASELINE`, in order."""
 
     success: bool
     progress: float
@@ -170,7 +171,7 @@ class Baseline:
             tasks[name] = KeptTask(
                 version,
                 fingerprints.pop() if len(fingerprints) == 1 else "",
-                {t["seed"]: Kept(**{k: t[k] for k in Kept.__annotations__}) for t in own},
+                {t["seed"]: Kept(**{k: t[k] for k in kept_fields(KeptIn.BASELINE)}) for t in own},
             )
         return Baseline(configuration, tasks, self.path)
 
@@ -179,8 +180,7 @@ class Baseline:
         tasks = []
         for name, task in self.tasks.items():
             rows = [
-                f"    {json.dumps(str(seed))}: "
-                + json.dumps([k.success, k.progress, k.time_s, k.state_hash])
+                f"    {json.dumps(str(seed))}: " + json.dumps(astuple(k))
                 for seed, k in sorted(task.trials.items())
             ]
             tasks.append(

@@ -21,26 +21,10 @@ from typing import Any, Protocol
 from models.errors import HandSandboxError, InputError
 from sandbox.regress.plan import TrialJob, registered
 from sandbox.trial.headless import run_trial
+from sandbox.trial.result import KeptIn, kept_fields
 
 Trial = dict[str, Any]
-"""A trial's JSON, shortened: see `KEPT`."""
-
-KEPT = (
-    "task",
-    "task_version",
-    "seed",
-    "success",
-    "instant",
-    "held",
-    "final",
-    "status",
-    "progress",
-    "reason",
-    "time_s",
-    "state_hash",
-    "encoder",
-)
-"""Of a trial's JSON; the rest is the same for all trials of a run."""
+"""JSON of a trial: the fields of its result that `KeptIn.REGRESS` names, and its fingerprint."""
 
 CRASHED = "crashed"
 """Status of a trial that has no result: its process died, or its code raised an error."""
@@ -87,18 +71,16 @@ def run_job(job: TrialJob) -> Trial:
             about=planned.about,
             dump=Path(gettempdir()),
         )
-    if recording is not None and result["success"]:
+    if recording is not None and result.success:
         recording.unlink()
-    trial = {**{k: result[k] for k in KEPT}, "fingerprint": result["versions"]["fingerprint"]}
-    # Only of those that diverged: where their last states are.
-    return trial | {k: result[k] for k in ("dump", "dump_error") if k in result}
+    return {**result.kept_in(KeptIn.REGRESS), "fingerprint": result.fingerprint}
 
 
 def crashed(job: TrialJob, why: str) -> Trial:
     """What stands for a trial without a result; it counts as a failure."""
-    trial: Trial = dict.fromkeys(KEPT)
+    names = (name for name in kept_fields(KeptIn.REGRESS) if name not in ("dump", "dump_error"))
     return {
-        **trial,
+        **dict.fromkeys(names),
         "task": job.name,
         "seed": job.seed,
         **dict.fromkeys(("success", "instant", "held", "final"), False),

@@ -374,24 +374,3 @@ def _hand_view(
         ContactView(c.id, place, c.label, c.state) for c, place in zip(found, places, strict=True)
     )
     return HandView(reconstruction.q, tips, solid, reconstruction.phase.value, contacts)
-
-
-def describe(session: Session) -> dict[str, Any]:
-    """The trial's score as JSON values."""
-    score = session.scorer.score
-    return {
-        "task": session.task.name,
-        "task_version": session.task.version,
-        "seed": session.task.seed,
-        "success": score.success,
-        "instant": score.instant,
-        "held": score.held,
-        "final": score.final,
-        "status": score.status.value,
-        "progress": round(score.progress, 6),
-        "reason": score.reason,
-        "time_s": round(score.time, 6),
-        "diverged": session.diverged,
-        "respawned": session.respawned,
-        "state_hash": session.state_hash,
-    }

@@ -16,6 +16,7 @@ from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.assembly import DeviceMaker, build, digests
 from sandbox.trial.keeping import Keeping
+from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import RunSettings
 from tasks.registry import origin
 
@@ -38,7 +39,7 @@ def run_trial(
     record: Path | None = None,
     about: dict[str, Any] | None = None,
     dump: Path | None = None,
-) -> dict[str, Any]:
+) -> TrialResult:
     """Plays a trial to its end.
 
     Args:
@@ -51,7 +52,7 @@ def run_trial(
             beside a recording they are written in any case.
 
     Returns:
-        The trial's JSON; after a divergence, `dump` in it tells the file that shows how.
+        The trial's result; after a divergence, its `dump` is the file that shows how.
     """
     header = trial_header(settings, about)
     keeping = Keeping(header, record, dump)

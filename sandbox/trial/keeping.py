@@ -5,14 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from msgspec.structs import replace
+
 from models.errors import RecordingError
 from sandbox.lsl.lsl_listening import Told, with_listeners
 from sandbox.recording.dump import BlackBox, dump_path
 from sandbox.recording.recording import RecordingWriter
-from sandbox.session.session import Recorder, Session, describe
-
-SCHEMA = 1
-"""Version of a trial's JSON."""
+from sandbox.session.session import Recorder, Session
+from sandbox.trial.result import SCHEMA, TrialResult
 
 
 class Keeping:
@@ -39,22 +39,27 @@ class Keeping:
         self._box = BlackBox(header, self._writer)
         self.recorder: Recorder = with_listeners(self._box, header)
 
-    def end(self, session: Session, **more: Any) -> dict[str, Any]:
-        """Writes the trial's end; its result with whatever else is given, JSON values.
+    def end(self, session: Session, **more: Any) -> TrialResult:
+        """Writes the trial's end.
 
-        After a divergence `dump` in it is the file that shows how. One that cannot be written does
-        not cost the result: `dump` is empty then, and `dump_error` says why.
+        After a divergence `dump` of the result is the file that shows how. One that cannot be
+        written does not cost the result: `dump` is empty then, and `dump_error` says why.
+
+        Args:
+            session: As it ended.
+            more: Further fields of the result by name, JSON values.
         """
-        result = {**describe(session), **self._header, **more, "schema": SCHEMA}
+        result = TrialResult.of(session, {**self._header, **more, "schema": SCHEMA})
         path = dump_path(self._dump, self._record, session.task.name, session.task.seed)
         if session.diverged and path is not None:
             try:
-                result["dump"] = str(self._box.dump(path, session.step, result))
+                dump = str(self._box.dump(path, session.step, result.as_json()))
+                result = replace(result, dump=dump)
             except RecordingError as error:
-                result |= {"dump": "", "dump_error": str(error)}
+                result = replace(result, dump="", dump_error=str(error))
         if isinstance(self.recorder, Told):
-            self.recorder.end(result)
-        self._box.end(session.step, result)
+            self.recorder.end(result.as_json())
+        self._box.end(session.step, result.as_json())
         return result
 
     def close(self) -> None:

@@ -15,8 +15,9 @@ from models.errors import RecordingError
 from sandbox.recording.recording import Recording
 from sandbox.session.messages import ObjectView, Snapshot
 from sandbox.session.session import Session
+from sandbox.trial.result import TrialResult
 from tasks.goals import place
-from tasks.score import Score, Status
+from tasks.score import Score
 
 
 class RecordedPoses:
@@ -81,24 +82,6 @@ class RecordedPoses:
     def _score(self, step: int) -> Score:
         """The recorded score at the end, and no word of it before."""
         end = self._recording.end
-        return recorded_score(end["result"]) if end and step >= end["step"] else Score()
-
-
-def recorded_score(result: dict[str, object]) -> Score:
-    """The score that a recording tells.
-
-    Raises:
-        RecordingError: It tells none.
-    """
-    try:
-        return Score(
-            instant=bool(result["instant"]),
-            held=bool(result["held"]),
-            final=bool(result["final"]),
-            status=Status(str(result["status"])),
-            progress=float(str(result["progress"])),
-            reason=str(result["reason"]),
-            time=float(str(result["time_s"])),
-        )
-    except (KeyError, ValueError) as error:
-        raise RecordingError("its end tells no score", got=str(error)) from None
+        if end is None or step < end["step"]:
+            return Score()
+        return TrialResult.from_json(end["result"], str(self._recording.path)).score

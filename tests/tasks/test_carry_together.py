@@ -49,7 +49,7 @@ def recording(tmp_path_factory):
 
 
 def test_two_simulated_users_carry_the_tray(recording):
-    for result in (carry(0), recording.end["result"]):
+    for result in (carry(0).as_json(), recording.end["result"]):
         assert result["success"] and result["final"]
 
 
@@ -60,7 +60,7 @@ def test_the_recording_of_two_hands_replays_to_the_bit_and_plays_as_two_devices(
     assert len(session.rigs) == 2
     again = plan(SceneOptions(device=str(recording.path)))
     result = run_trial(again.settings, again.make_device)
-    assert result["state_hash"] == recording.end["result"]["state_hash"]
+    assert result.state_hash == recording.end["result"]["state_hash"]
 
 
 def test_a_recording_of_one_hand_says_nothing_of_a_second_one_and_an_older_one_is_read():
@@ -113,12 +113,12 @@ def test_in_a_mirror_the_same_trial_is_drawn_for_the_hands_sides():
 
 
 def test_a_left_hand_first_and_a_right_one_second_carry_the_tray_too():
-    assert carry(4, hand="left", second_hand="right")["success"]
+    assert carry(4, hand="left", second_hand="right").success
 
 
 def test_two_hands_on_one_large_surface_carry_the_tray():
     result = carry(3, one_surface=True, surface="15.5x5.8in")
-    assert result["success"]
+    assert result.success
 
 
 @pytest.fixture(scope="module")

@@ -173,10 +173,10 @@ def test_the_simulated_user_stacks_with_one_hand_and_replay_shows_it_to_the_bit(
     planned = plan(options)
     file = tmp_path / "trial.jsonl"
     result = run_trial(planned.settings, planned.make_device, record=file)
-    assert result["success"], result["reason"]
+    assert result.success, result.reason
     session, verification = replay(load_recording(file))
     assert verification.exact and verification.complete
-    assert session.state_hash == result["state_hash"]
+    assert session.state_hash == result.state_hash
 
 
 @pytest.mark.parametrize("user", ["idle", "random"])

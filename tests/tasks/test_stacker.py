@@ -28,17 +28,17 @@ def trial(**options) -> dict:
 @pytest.mark.parametrize("fingers", [2, 3, 5])
 def test_the_simulated_user_stacks_two_boxes(fingers):
     result = trial(task="stack", seed=2, fingers=fingers)
-    assert result["success"] and result["final"] and result["respawned"] == 0
+    assert result.success and result.final and result.respawned == 0
 
 
 def test_the_simulated_user_stacks_three_boxes():
     result = trial(task="stack-three", seed=0)
-    assert result["success"] and result["final"]
+    assert result.success and result.final
 
 
 @pytest.mark.parametrize("person", [{"hand": "left"}, {"turn": 180}, {"hand_size": 0.9}])
 def test_left_handed_people_at_other_sides_stack_too(person):
-    assert trial(task="stack", seed=0, **person)["success"]
+    assert trial(task="stack", seed=0, **person).success
 
 
 def test_touching_nothing_stacks_nothing():
@@ -113,5 +113,5 @@ def test_a_grasp_is_chosen_that_fits_on_the_screen_at_the_goal_as_well():
 @pytest.mark.full
 @pytest.mark.parametrize("task", ["stack", "stack-three"])
 def test_random_touches_with_a_random_slider_hardly_ever_stack(task):
-    done = [trial(task=task, seed=seed, user="random")["success"] for seed in range(100)]
+    done = [trial(task=task, seed=seed, user="random").success for seed in range(100)]
     assert sum(done) < 5

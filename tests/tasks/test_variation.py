@@ -294,12 +294,12 @@ def test_a_varied_run_replays_to_the_bit_and_is_marked_in_recording_and_result(t
     result = run_trial(chosen.settings, chosen.make_device, record=path, about=chosen.about)
     recording = load_recording(path)
     session, found = replay(recording)
-    assert found.exact and found.complete and session.state_hash == result["state_hash"]
+    assert found.exact and found.complete and session.state_hash == result.state_hash
     assert session.task.objects[0].half_size[0] == pytest.approx(0.9 * 0.025)
     again = RunSettings.from_json(recording.header["settings"])
     assert again == chosen.settings and again.hand_size == 1.05
     assert (
-        result["variation"]
+        result.variation
         == again.variation.as_json()
         == json.loads(json.dumps(recording.header["variation"]))
     )

@@ -146,20 +146,20 @@ def play(task: str, seed: int, **options) -> dict:
 @pytest.mark.parametrize("n", [2, 3, 5])
 def test_the_simulated_user_succeeds_by_touch_alone(task, n):
     result = play(task, 3, fingers=n)
-    assert result["success"], result["reason"]
-    assert result["task_version"] == registry.find_task(task).version
+    assert result.success, result.reason
+    assert result.task_version == registry.find_task(task).version
 
 
 @pytest.mark.parametrize("task", TASKS)
 def test_a_left_hand_from_another_seat_succeeds_as_well(task):
-    assert play(task, 1, hand="left", turn=90)["success"]
+    assert play(task, 1, hand="left", turn=90).success
 
 
 @pytest.mark.full
 @pytest.mark.parametrize(("task", "least"), [("wrench-turn", 39), ("wrench-slide", 38)])
 @pytest.mark.parametrize("n", [2, 3, 5])
 def test_nearly_all_of_forty_trials_succeed(task, least, n):
-    assert sum(play(task, seed, fingers=n)["success"] for seed in range(40)) >= least
+    assert sum(play(task, seed, fingers=n).success for seed in range(40)) >= least
 
 
 @pytest.mark.full
@@ -173,4 +173,4 @@ def test_nearly_all_of_forty_trials_succeed(task, least, n):
     ],
 )
 def test_control_arms_succeed_in_under_5_of_100_trials(task, user):
-    assert sum(play(task, seed, user=user)["success"] for seed in range(100)) < 5
+    assert sum(play(task, seed, user=user).success for seed in range(100)) < 5

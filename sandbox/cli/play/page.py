@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -88,7 +88,6 @@ class PagePlay:
         events: Are told of trials.
         console: For words.
         second: Of the second hand's page, where it has one of its own.
-        latest: Result of the last trial.
     """
 
     options: SceneOptions
@@ -96,7 +95,6 @@ class PagePlay:
     events: EventLog
     console: Console
     second: PageServer | None = None
-    latest: dict[str, Any] = field(default_factory=dict)
 
     @property
     def servers(self) -> tuple[PageServer, ...]:
@@ -186,8 +184,7 @@ class PagePlay:
             keeping.close()
             session.close()
             # Told here, since most sessions on the page end by being interrupted.
-            self.latest.update(result)
-            self.events.tell("trial_end", **result)
+            self.events.tell("trial_end", **result.as_json())
         for server in self.servers:
             server.publish(session.snapshot())
         if live.failure:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -113,7 +113,6 @@ class WindowPlay:
     console: Console
     latency: LatencyLog
     window: Window | None = None
-    results: list[dict[str, Any]] = field(default_factory=list)
 
     def run(self) -> None:
         """Trials until the window is closed."""
@@ -175,8 +174,7 @@ class WindowPlay:
             session.close()
         if live.failure:
             raise live.failure
-        self.results.append(result)
-        self.events.tell("trial_end", **result)
+        self.events.tell("trial_end", **result.as_json())
         report_end(result, self.console)
         return again
 

@@ -22,8 +22,8 @@ from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.study.record.trial_files import find_recordings
 from sandbox.trial.headless import View, no_search_for_garbage
-from sandbox.trial.recorded_poses import recorded_score
 from sandbox.trial.replay import Verification, replay
+from sandbox.trial.result import TrialResult
 from tasks.score import ending
 
 ELSEWHERE = "it was made with other versions or on another kind of processor"
@@ -183,7 +183,7 @@ def _report(recording: Recording, session: Session, found: Verification, console
     if found.exact and not found.same_machine:
         console.print(f"[yellow]{ELSEWHERE}; every state is the same here all the same[/]")
     if not found.exact and found.compared and not found.same_machine and recording.end:
-        score = recorded_score(recording.end["result"])
+        score = TrialResult.from_json(recording.end["result"], str(recording.path)).score
     if not found.same_machine:
         shown = "its recorded poses" if found.shown_recorded else "what is simulated here"
         why = "" if found.shown_recorded else ", since an older version recorded no poses"

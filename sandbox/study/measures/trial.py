@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -15,6 +14,7 @@ from sandbox.study.measures.handling import drops, grasps, handled, stretches
 from sandbox.study.measures.labels import Named, label_errors, label_switches
 from sandbox.study.measures.movement import STILL, efficiency, path_length, sparc, speeds, straight
 from sandbox.study.measures.throughput import along
+from sandbox.trial.result import TrialResult
 
 VERSION = 1
 """Of the definitions: measures that another version made are made again."""
@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 Values = dict[str, Any]
 
 
-def measure_trial(table: Columns, result: Mapping[str, Any], truth: str = "") -> Values:
+def measure_trial(table: Columns, result: TrialResult, truth: str = "") -> Values:
     """The measures of a trial by name; those that do not apply are missing, or None.
 
     Args:
@@ -36,16 +36,15 @@ def measure_trial(table: Columns, result: Mapping[str, Any], truth: str = "") ->
         result: Its result, as its recording ends with it.
         truth: Who tells the `true_*` columns.
     """
-    table = table.until(float(result["time_s"]))
-    success = bool(result["success"])
-    found: Values = {"completion_s": float(result["time_s"]) if success else None}
+    table = table.until(result.time_s)
+    found: Values = {"completion_s": result.time_s if result.success else None}
     if len(table) == 0:
         return found
     found |= _palm(table) | _objects(table) | _labels(table, truth)
     handling = _handling(table)
     if handling:
-        clean = not (handling["regrasps"] or handling["drops"] or result.get("respawned"))
-        handling["first_attempt_success"] = success and clean
+        clean = not (handling["regrasps"] or handling["drops"] or result.respawned)
+        handling["first_attempt_success"] = result.success and clean
     return found | handling
 
 

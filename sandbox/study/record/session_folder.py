@@ -20,6 +20,7 @@ from sandbox.study.record.folder import Participant, StudyFolder
 from sandbox.study.record.journal import SCHEMA, Journal, Record, Syncing
 from sandbox.study.record.kept_sessions import JOURNAL, session_path, sessions_of
 from sandbox.study.record.state import Attempt, SessionState
+from sandbox.trial.result import KeptIn, TrialResult
 
 TOLD = ("n", "step", "trial", "attempt", "practice", "form", "block", "levels")
 """Of a record, what other instruments are told."""
@@ -116,7 +117,7 @@ class SessionFolder(Closing):
         self._recording = self.path / file
         return self._recording
 
-    def finish(self, trial: TrialStep, result: dict[str, Any]) -> None:
+    def finish(self, trial: TrialStep, result: TrialResult) -> None:
         """Commits an attempt: its recording is on the disk before the journal says so.
 
         Raises:
@@ -151,7 +152,7 @@ class SessionFolder(Closing):
             name = f"trials/T{trial:03d}.a{attempt}.jsonl"
         return name
 
-    def _commit(self, attempt: Attempt, result: dict[str, Any], adopted: bool) -> None:
+    def _commit(self, attempt: Attempt, result: TrialResult, adopted: bool) -> None:
         start = attempt.start
         path = stored(self.path / start["file"])
         try:
@@ -162,8 +163,8 @@ class SessionFolder(Closing):
         self._recording = None
         more = {"adopted": True} if adopted else {}
         self.write("trial_end", durable=True, step=start["step"], trial=start["trial"],
-                   attempt=start["attempt"], file=start["file"], result=brief(result),
-                   **more)  # fmt: skip
+                   attempt=start["attempt"], file=start["file"],
+                   result=result.kept_in(KeptIn.JOURNAL), **more)  # fmt: skip
 
     def _check_turn(self) -> None:
         """Refuses a session that the design does not know, or whose forerunner is not finished."""
@@ -235,7 +236,7 @@ class SessionFolder(Closing):
                 sync_file(recording)
 
 
-def finished_result(path: Path) -> dict[str, Any] | None:
+def finished_result(path: Path) -> TrialResult | None:
     """The result that a recording ends with; None where it breaks off or says not to count."""
     file = stored(path)
     if not file.exists() or (file == path and not _ends(path)):
@@ -247,7 +248,7 @@ def finished_result(path: Path) -> dict[str, Any] | None:
         return None
     if recording.damage or recording.end is None or recording.end["result"].get("broken_off"):
         return None
-    return dict(recording.end["result"])
+    return TrialResult.from_json(recording.end["result"], str(path))
 
 
 def _ends(path: Path) -> bool:
@@ -262,16 +263,3 @@ def _ends(path: Path) -> bool:
     except (ValueError, IndexError, AttributeError):
         # The last line is longer than what was looked at.
         return True
-
-
-KEPT = (
-    "task", "task_version", "seed", "success", "instant", "held", "final", "status", "progress",
-    "reason", "time_s", "diverged", "respawned", "state_hash", "encoder", "digests", "measures",
-    "latency", "dump",
-)  # fmt: skip
-"""Of a trial's result, what the journal keeps; the recording has all of it."""
-
-
-def brief(result: dict[str, Any]) -> dict[str, Any]:
-    """What the journal keeps of a result."""
-    return {name: result[name] for name in KEPT if name in result}

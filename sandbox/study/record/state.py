@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from sandbox.study.design.plan import Step, TrialStep
+from sandbox.trial.result import TrialResult
 
 Record = dict[str, Any]
 
@@ -24,6 +25,17 @@ class Attempt:
     start: Record
     end: Record | None = None
     set_aside: str = ""
+
+    @property
+    def result(self) -> TrialResult:
+        """The part of the trial's result that the journal keeps; only of a finished attempt.
+
+        Raises:
+            RecordingError: The journal holds something else.
+        """
+        assert self.end is not None
+        where = f"trial_end of trial {self.end['trial']}, attempt {self.end['attempt']}"
+        return TrialResult.from_json(self.end["result"], where)
 
 
 @dataclass

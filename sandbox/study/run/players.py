@@ -19,6 +19,7 @@ from sandbox.trial.headless import no_search_for_garbage, trial_header
 from sandbox.trial.keeping import Keeping
 from sandbox.trial.live import LiveSession
 from sandbox.trial.pacing import RealTime
+from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import RunSettings
 from tasks.score import Status
 
@@ -56,7 +57,7 @@ class Ask:
 class Played:
     """How it went: the result, the tables, and why it was broken off (empty: it was not)."""
 
-    result: dict[str, Any]
+    result: TrialResult
     table: FrameTable
     broken: str = ""
 

@@ -29,6 +29,7 @@ from sandbox.study.run.players import TICK, Ask, Played, Player
 from sandbox.study.tables.frames import missing, rebuild
 from sandbox.study.tables.tables import rebuild_session, rebuild_study
 from sandbox.trial.assembly import DeviceMaker
+from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import RunSettings
 
 MakeDevice = Callable[[TrialStep, RunSettings], DeviceMaker]
@@ -304,8 +305,8 @@ class SessionRunner:
         return attempt.end is None and self.session.journal.records[-1]["kind"] != "trial_broken"
 
 
-def _told(result: dict[str, Any]) -> str:
-    """A trial's end, for the experimenter."""
-    away = result.get("measures", {}).get("away_s")
+def _told(result: TrialResult) -> str:
+    """The end of a trial, for the experimenter."""
+    away = (result.measures or {}).get("away_s")
     gone = f"; the page was gone for {away:.1f} s" if away else ""
-    return f"{result['status']}, {result['time_s']:.1f} s{gone}"
+    return f"{result.status}, {result.time_s:.1f} s{gone}"

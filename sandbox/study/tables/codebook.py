@@ -10,6 +10,7 @@ from sandbox.study.design.design import Design
 from sandbox.study.measures.measures import MEASURES
 from sandbox.study.tables.scoring_table import COLUMNS as SCORES
 from sandbox.study.tables.scoring_table import score_columns
+from sandbox.trial.result import KeptIn, fields, kept_fields
 
 COLUMNS = {
     "experiment": ("", "name of the study"),
@@ -30,13 +31,7 @@ COLUMNS = {
     "repetition": ("", "1, 2, ... of the same levels; 0 in practice"),
     "excluded": ("0/1", "1: left out by a rule or by the experimenter; never deleted"),
     "exclusion_reason": ("", "`rule NAME`, the experimenter's words, or `participant: ...`"),
-    "task": ("", "name of the task"),
-    "encoder": ("", "what makes the hand's pose from touches"),
-    "seed": ("", "start and goal of the trial follow from it"),
-    "status": ("", "how the trial ended: held, timeout, failed, diverged, input_ended"),
-    "reason": ("", "what was missing at the end"),
-    "respawned": ("", "times that an object left the workspace and was put back"),
-    "state_hash": ("", "BLAKE2b over all states; equal only for equal input, program and machine"),
+    **{name: (fields()[name].unit, fields()[name].meaning) for name in kept_fields(KeptIn.TABLE)},
     **{
         m.name: (m.unit, m.means + ("" if m.source == "ours" else f" ({m.source})"))
         for m in MEASURES

@@ -21,6 +21,7 @@ from sandbox.study.measures.columns import Columns
 from sandbox.study.measures.touching import Contacts, Pushes, Touching
 from sandbox.study.measures.trial import VERSION, measure_trial
 from sandbox.study.record.files import write_atomically
+from sandbox.trial.result import TrialResult
 from tasks.goals import flat_yaw
 
 if TYPE_CHECKING:
@@ -76,7 +77,7 @@ class FrameTable:
         """Makes who pushes what unknown: what was simulated is not what is shown."""
         self._contacts = []
 
-    def write(self, folder: Path, stem: str, result: Mapping[str, Any] | None = None) -> None:
+    def write(self, folder: Path, stem: str, result: TrialResult | None = None) -> None:
         """Writes the tables of a recording `stem`, and the measures.
 
         Args:
@@ -206,7 +207,7 @@ def _yaw(rotation: Any) -> float:
 
 
 def write_measures(
-    folder: Path, stem: str, table: Columns, result: Mapping[str, Any], truth: str
+    folder: Path, stem: str, table: Columns, result: TrialResult, truth: str
 ) -> None:
     """Writes the measures of a trial.
 
@@ -257,10 +258,10 @@ def rebuild(recording: Path, folder: Path) -> None:
     _, found = replay(loaded, views)
     if found.shown_recorded and not found.exact:
         table.forget_contacts()
-    result = loaded.end["result"] if loaded.end else None
+    result = TrialResult.from_json(loaded.end["result"], str(recording)) if loaded.end else None
     if result is not None:
-        table.truth = {int(contact): finger for contact, finger in result.get("fingers", [])}
-        table.truth_by = str(result.get("fingers_by", ""))
+        table.truth = dict(result.fingers or ())
+        table.truth_by = result.fingers_by or ""
     table.write(folder, recording.stem, result)
 
 

@@ -25,14 +25,14 @@ from sandbox.study.tables.codebook import codebook
 from sandbox.study.tables.exclusions import PERSON, exclude_person, excluded_by_rule
 from sandbox.study.tables.frames import STEMS, read_measures
 from sandbox.study.tables.scoring_table import score_columns, score_rows
+from sandbox.trial.result import KeptIn, kept_fields
 
 UXF = ("experiment", "ppid", "session_num", "trial_num", "block_num", "trial_num_in_block",
        "start_time", "end_time")  # fmt: skip
 """The first columns, as users of UXF know them."""
 OURS = ("mode", "participant_number", "hand", "hand_size", "attempt", "counted", "practice",
         "repetition", "excluded", "exclusion_reason")  # fmt: skip
-RESULTS = ("task", "encoder", "seed", "success", "instant", "held", "final", "status", "progress",
-           "time_s", "reason", "respawned", "state_hash")  # fmt: skip
+RESULTS = kept_fields(KeptIn.TABLE)
 MEASURED = tuple(m.name for m in MEASURES if m.name not in RESULTS)
 FILES = ("trial_recording_location_0", "hand_pose_location_0", "touches_location_0")
 
@@ -75,8 +75,8 @@ def trial_rows(design: Design, state: SessionState, session: Path | None = None)
 def _trial_row(
     design: Design, state: SessionState, attempt: Attempt, counted: bool, folder: Path | None
 ) -> Row:
-    start, end = attempt.start, attempt.end or {}
-    session, result = state.start, end["result"]
+    start, end, result = attempt.start, attempt.end or {}, attempt.result
+    session = state.start
     trial = start["trial"]
     row: Row = {
         "experiment": session["experiment"],
@@ -96,8 +96,9 @@ def _trial_row(
         "practice": start["practice"],
         "repetition": start["repetition"],
         **{f"factor_{k}": v for k, v in start["levels"].items()},
-        **{name: result.get(name) for name in RESULTS},
-        **result.get("measures", {}),
+        **dict.fromkeys(RESULTS),
+        **result.kept_in(KeptIn.TABLE),
+        **(result.measures or {}),
         "trial_recording_location_0": start["file"],
     }
     stem = Path(start["file"]).stem

@@ -138,7 +138,7 @@ def test_a_stream_says_what_its_channels_are(heard: Heard) -> None:
 def test_listening_changes_no_state_of_a_trial(heard: Heard, tmp_path: Path) -> None:
     chosen = plan(SCENE)
     result = run_trial(chosen.settings, chosen.make_device)
-    assert heard[1].end is not None and heard[1].end["hash"] == result["state_hash"]
+    assert heard[1].end is not None and heard[1].end["hash"] == result.state_hash
 
 
 contacts = st.builds(

@@ -74,7 +74,7 @@ def test_elsewhere_every_recorded_pose_is_shown_though_the_simulation_differs(re
         ):
             np.testing.assert_allclose(a, b, atol=3e-3)
         assert now.hands[0].solid == was.hands[0].solid
-    assert result["success"] and again[max(again)].score.status in ("held", "running")
+    assert result.success and again[max(again)].score.status in ("held", "running")
 
 
 def test_elsewhere_the_command_says_so_and_does_not_fail(recorded, capsys):
@@ -82,8 +82,8 @@ def test_elsewhere_the_command_says_so_and_does_not_fail(recorded, capsys):
     assert command.main([str(forged(path, "other.jsonl", impulse=0.02))]) == 0
     said = " ".join(capsys.readouterr().out.split())
     assert "another kind of processor" in said and "its recorded poses" in said
-    assert result["success"]
-    assert f"box-to-goal: done after {result['time_s']:.1f} s" in said
+    assert result.success
+    assert f"box-to-goal: done after {result.time_s:.1f} s" in said
 
 
 def test_elsewhere_equal_states_are_still_told_to_be_equal(recorded, capsys):

@@ -81,8 +81,8 @@ def test_a_trial_is_that_of_the_run_command_to_the_bit():
     alone = run_trial(chosen.settings, chosen.make_device, about=chosen.about)
     trial = run_job(TrialJob("box-to-goal", 4, {"fingers": 5}))
     fingerprint = trial.pop("fingerprint")
-    assert trial == {name: alone[name] for name in trial}
-    assert fingerprint == alone["versions"]["fingerprint"]
+    assert trial == {name: alone.as_json()[name] for name in trial}
+    assert fingerprint == alone.fingerprint
 
 
 def test_a_worker_that_dies_is_reported_with_its_seed_and_the_others_are_run():

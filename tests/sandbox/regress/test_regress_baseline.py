@@ -16,11 +16,11 @@ from hypothesis import strategies as st
 
 from models.errors import InputError
 from sandbox.regress.baseline import Baseline, load_baseline
-from sandbox.regress.execute import KEPT
 from sandbox.regress.junit import junit
 from sandbox.regress.plan import RegressionPlan
 from sandbox.regress.report import Report, make_report
 from sandbox.regression import Regression
+from sandbox.trial.result import KeptIn, kept_fields
 from tests.support.processes import ROOT
 from tests.support.regress_tasks import Dying, Newer, Quick, Worse
 
@@ -32,7 +32,7 @@ def trials(plan: RegressionPlan, failed=(), state="00", machine="here", reason="
     """What a run would give, were these seeds to fail."""
     return [
         {
-            **dict.fromkeys(KEPT),
+            **dict.fromkeys(kept_fields(KeptIn.REGRESS)),
             "task": job.task,
             "task_version": 1,
             "seed": job.seed,

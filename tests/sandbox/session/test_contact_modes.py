@@ -9,9 +9,9 @@ from models.errors import InputError
 from models.frames import Contact
 from sandbox.recording.recording import load_recording
 from sandbox.session.contact_modes import SOFT_IMPULSE, SOFT_SOLREF
-from sandbox.session.session import describe
 from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
+from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import RunSettings
 from tests.support.scripted import Script, box_xy, pinch, run, scripted
 
@@ -164,7 +164,7 @@ def test_a_session_with_switches_replays_to_the_bit_with_them(tmp_path):
     assert [e.details["mode"] for e in recording.events] == list(times.values())
     session, found = replay(recording)
     assert found.exact and found.complete
-    assert describe(session)["state_hash"] == result["state_hash"]
+    assert TrialResult.of(session).state_hash == result.state_hash
     assert session.contact == "hard"
 
 

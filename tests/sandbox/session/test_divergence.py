@@ -37,25 +37,25 @@ def recorded(tmp_path_factory):
 
 def test_a_diverged_trial_is_marked_and_says_what_went_wrong(recorded):
     result, _ = recorded
-    assert result["status"] == "diverged" and not result["success"]
-    assert "box turns at" in result["diverged"] and result["diverged"] in result["reason"]
+    assert result.status == "diverged" and not result.success
+    assert "box turns at" in result.diverged and result.diverged in result.reason
 
 
 def test_the_dump_beside_a_recording_replays_to_the_same_divergence_to_the_bit(recorded):
     result, path = recorded
     dump = path.with_name("run-diverged.jsonl")
-    assert result["dump"] == str(dump)
+    assert result.dump == str(dump)
     recording = load_recording(dump)
     session, found = replay(recording)
     assert found.exact and found.complete and not recording.damage
-    assert session.state_hash == result["state_hash"]
-    assert found.diverged == result["diverged"]
+    assert session.state_hash == result.state_hash
+    assert found.diverged == result.diverged
     assert session.scorer.score.status == "diverged"
 
 
 def test_a_dump_holds_the_last_hundred_control_states_the_broken_one_included(recorded):
     result, _ = recorded
-    recording = load_recording(Path(result["dump"]))
+    recording = load_recording(Path(result.dump))
     end = recording.end["step"]
     assert recording.header["dump"]["states"] == LAST == 100
     dense = [end - 8 * i for i in range(LAST)]
@@ -69,23 +69,23 @@ def test_a_dump_holds_the_last_hundred_control_states_the_broken_one_included(re
 def test_the_recording_itself_replays_to_the_same_end_too(recorded):
     result, path = recorded
     _, found = replay(load_recording(path))
-    assert found.exact and found.complete and found.diverged == result["diverged"]
+    assert found.exact and found.complete and found.diverged == result.diverged
 
 
 def test_without_a_recording_the_dump_goes_to_its_folder_and_overwrites_nothing(tmp_path):
     folder = tmp_path / "new" / "folder"
     first, second = diverge(dump=folder), diverge(dump=folder)
-    assert Path(first["dump"]).name == "diverged-absurd-2.jsonl"
-    assert Path(second["dump"]).name == "diverged-absurd-2-2.jsonl"
+    assert Path(first.dump).name == "diverged-absurd-2.jsonl"
+    assert Path(second.dump).name == "diverged-absurd-2-2.jsonl"
     assert len(list(folder.iterdir())) == 2
-    assert first["state_hash"] == second["state_hash"]
+    assert first.state_hash == second.state_hash
 
 
 def test_a_dump_that_cannot_be_written_costs_no_result(tmp_path):
     (tmp_path / "file").write_text("in the way")
     result = diverge(dump=tmp_path / "file" / "folder")
-    assert result["status"] == "diverged"
-    assert result["dump"] == "" and "folder" in result["dump_error"]
+    assert result.status == "diverged"
+    assert result.dump == "" and "folder" in result.dump_error
 
 
 def test_the_command_names_the_file_that_replay_opens(tmp_path, monkeypatch, capsys):

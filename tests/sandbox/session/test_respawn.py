@@ -13,9 +13,9 @@ from models.scene import CONTROL_PERIOD
 from models.surface import Surface
 from sandbox.recording.recording import load_recording
 from sandbox.session.respawn import AWAY, Respawn
-from sandbox.session.session import describe
 from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
+from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import RunSettings
 from tests.support.scripted import Script, run, scripted
 
@@ -47,7 +47,7 @@ def test_an_object_out_of_reach_comes_back_to_its_start_at_rest_and_is_counted(t
     run(session, AWAY - 0.1)
     assert session.respawned == 0
     run(session, 0.15)
-    assert session.respawned == 1 and describe(session)["respawned"] == 1
+    assert session.respawned == 1 and TrialResult.of(session).respawned == 1
     assert thing.name in session.snapshot().notice
     np.testing.assert_allclose(place(session, thing.name), thing.position, atol=1e-3)
     run(session, 0.3)
@@ -153,13 +153,13 @@ def test_a_trial_in_which_things_come_back_replays_to_the_bit(tmp_path):
         return [stop]
 
     result = run_trial(RunSettings(seed=4), device, views, record=path)
-    assert result["respawned"] == 1
+    assert result.respawned == 1
     recording = load_recording(path)
     assert [e.what for e in recording.events] == ["respawn"]
     session, found = replay(recording)
     assert found.exact and found.complete
-    assert session.respawned == 1 and session.state_hash == result["state_hash"]
-    assert json.dumps(result)
+    assert session.respawned == 1 and session.state_hash == result.state_hash
+    assert json.dumps(result.as_json())
 
 
 def test_an_object_for_which_there_is_no_room_holds_nobody_up(monkeypatch):

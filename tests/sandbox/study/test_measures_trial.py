@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from models.frames import FINGERS
 from models.surface import Surface
 from sandbox.devices.simulated.simulated import SimulatedDevice
-from sandbox.session.session import Session, describe
+from sandbox.session.session import Session
 from sandbox.study.measures.columns import Columns
 from sandbox.study.measures.measures import BY_NAME, MEASURES
 from sandbox.study.measures.touching import Touching
@@ -27,7 +27,9 @@ from sandbox.study.tables.codebook import COLUMNS
 from sandbox.study.tables.frames import FrameTable, missing, rebuild, turn_off
 from sandbox.study.tables.tables import rebuild_study, trial_columns
 from sandbox.trial.assembly import build
+from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import RunSettings
+from tasks.score import Status
 from tasks.sensing import Sensing
 from tasks.task import Goal, Task
 from tasks.user import UserConfiguration
@@ -36,7 +38,24 @@ from tests.support.study_files import DESIGN, design, open_study
 Array = NDArray[np.float64]
 PERIOD = 0.016
 DOCS = Path(__file__).resolve().parents[3] / "docs" / "measures.md"
-HELD = {"success": True, "respawned": 0}
+
+
+def ended(time_s: float, success: bool = True, respawned: int = 0) -> TrialResult:
+    """The result of a trial that ended after so many seconds."""
+    return TrialResult(
+        task="box-to-goal",
+        seed=1,
+        success=success,
+        instant=success,
+        held=success,
+        final=success,
+        status=Status.HELD if success else Status.TIMEOUT,
+        progress=1.0,
+        time_s=time_s,
+        reason="",
+        respawned=respawned,
+        state_hash="",
+    )
 
 
 def table(palm: Array, box: Array, goal: Array, **other: Any) -> Columns:
@@ -70,7 +89,7 @@ def test_a_half_circle_of_palm_and_box_has_the_measures_of_geometry() -> None:
     found = measure_trial(
         table(arc[::-1], arc, goal, box_digits=["ti"] * n, box_grip_N=[1.0] * n,
               box_off_rad=[0.1] * n),
-        {**HELD, "time_s": n * PERIOD},
+        ended(n * PERIOD),
     )  # fmt: skip
     for what in ("palm", "object"):
         assert found[f"{what}_path_m"] == pytest.approx(0.05 * np.pi, rel=1e-3)
@@ -88,7 +107,7 @@ def test_a_half_circle_of_palm_and_box_has_the_measures_of_geometry() -> None:
 def test_what_comes_after_the_goal_was_held_does_not_count() -> None:
     arc = half_circle(100)
     later = np.concatenate([arc, arc[::-1] + 0.3, arc])
-    goal, result = arc[-1], {**HELD, "time_s": 100 * PERIOD}
+    goal, result = arc[-1], ended(100 * PERIOD)
     assert measure_trial(table(later, later, goal), result) == measure_trial(
         table(arc, arc, goal), result
     )
@@ -112,7 +131,7 @@ def test_a_regrasp_or_a_drop_or_a_thing_put_back_is_no_success_at_the_first_atte
         made = table(
             still, box, still[0], **columns, box_grip_N=[1.0 if d else 0.0 for d in digits]
         )
-        found = measure_trial(made, {"success": True, "time_s": n * PERIOD, "respawned": respawned})
+        found = measure_trial(made, ended(n * PERIOD, respawned=respawned))
         names = ("grasps", "regrasps", "drops", "first_attempt_success")
         assert tuple(found[name] for name in names) == told
 
@@ -122,7 +141,7 @@ def test_nothing_is_said_about_pushes_that_are_not_known_nor_about_ways_of_thing
 ):
     still = np.tile([0.1, 0.1, 0.025], (50, 1))
     unknown = table(still, still, still[0], box_grip_N=[None] * 50)
-    result = {**HELD, "time_s": 50 * PERIOD}
+    result = ended(50 * PERIOD)
     assert not {"grasps", "drops", "first_push_s", "first_attempt_success"} & set(
         measure_trial(unknown, result)
     )
@@ -139,7 +158,7 @@ def test_a_hand_that_rises_and_comes_down_elsewhere_goes_straight_there() -> Non
     phases = ["down"] * 10 + ["above"] * 10 + ["down"] * 10
     found = measure_trial(
         table(palm, np.zeros((30, 3)), np.zeros(3), phase=phases),
-        {"success": False, "time_s": 1.0},
+        ended(1.0, success=False),
     )
     assert found["palm_path_m"] == pytest.approx(0.04) and found["palm_peak_m_s"] == 0.0
     assert found["palm_efficiency"] == pytest.approx(1.0) and found["completion_s"] is None
@@ -147,7 +166,7 @@ def test_a_hand_that_rises_and_comes_down_elsewhere_goes_straight_there() -> Non
 
 def test_an_empty_table_has_no_measures_but_the_time() -> None:
     none = np.zeros((0, 3))
-    assert measure_trial(table(none, none, np.zeros(3)), {"success": False, "time_s": 0.0}) == {
+    assert measure_trial(table(none, none, np.zeros(3)), ended(0.0, success=False)) == {
         "completion_s": None
     }
 
@@ -212,7 +231,7 @@ def test_measures_of_the_file_are_those_of_the_trial_and_all_of_them_are_in_the_
     tmp_path: Path,
 ) -> None:
     session, frames = played("box-to-goal", 3, lambda session: None)
-    result = describe(session)
+    result = TrialResult.of(session)
     frames.write(tmp_path, "T001", result)
     told = json.loads((tmp_path / "measures_T001.json").read_bytes())
     read = Columns.read((tmp_path / "frames_T001.csv.gz").read_bytes())
@@ -241,7 +260,7 @@ def test_no_label_that_a_device_tells_is_wrong_and_those_of_a_simulated_user_are
         user.show(snapshot)
         labels |= {c.id: c.label for c in snapshot.hands[0].contacts if c.label is not None}
     assert labels and labels == {contact: user.truth[contact] for contact in labels}
-    frames.write(tmp_path, "T001", describe(session))
+    frames.write(tmp_path, "T001", TrialResult.of(session))
     told = json.loads((tmp_path / "measures_T001.json").read_bytes())
     assert (told["label_truth"], told["label_accuracy"], told["label_errors"]) == ("device", 1.0, 0)
 

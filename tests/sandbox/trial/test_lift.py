@@ -204,5 +204,5 @@ def test_a_run_with_lift_replays_to_the_bit(tmp_path: Path):
     assert max(i.frame.lift for i in recording.inputs[0]) > 0.3
     session, verification = replay(recording)
     assert verification.exact and verification.complete
-    assert session.state_hash == result["state_hash"]
-    assert result["success"]
+    assert session.state_hash == result.state_hash
+    assert result.success

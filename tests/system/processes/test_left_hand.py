@@ -197,21 +197,21 @@ def left_run(tmp_path_factory):
 
 def test_the_left_handed_simulated_user_brings_the_box_to_its_goal(left_run):
     result, _ = left_run
-    assert result["success"], result["reason"]
-    assert result["settings"]["hand"] == "left"
+    assert result.success, result.reason
+    assert result.settings["hand"] == "left"
 
 
 def test_a_left_handed_recording_replays_to_the_same_hashes(left_run):
     result, path = left_run
     session, found = replay(load_recording(path))
     assert found.exact and found.complete and found.compared > 100
-    assert session.state_hash == result["state_hash"]
+    assert session.state_hash == result.state_hash
     assert session.scene.spec.hands[0].skeleton.side == "left"
 
 
 def test_a_left_handed_recording_as_a_device_keeps_its_hand_unless_asked_otherwise(left_run):
     result, path = left_run
-    assert trial(device=str(path))["state_hash"] == result["state_hash"]
+    assert trial(device=str(path)).state_hash == result.state_hash
     assert plan(SceneOptions(device=str(path), hand="right")).settings.hand == "right"
 
 
@@ -232,7 +232,7 @@ def test_the_keys_of_the_mouse_put_down_a_left_hand_and_a_turned_one():
 @pytest.mark.parametrize("turn", [90, 180, 270])
 def test_the_simulated_user_succeeds_from_every_side_of_the_screen(turn):
     result = trial(seed=5, fingers=3, turn=turn)
-    assert result["success"], result["reason"]
+    assert result.success, result.reason
 
 
 def test_recordings_from_before_hands_could_be_chosen_are_right_hands():

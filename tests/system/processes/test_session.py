@@ -51,29 +51,29 @@ def recorded(tmp_path_factory):
 @pytest.mark.parametrize("fingers", [2, 3, 5])
 def test_the_simulated_user_brings_the_box_to_its_goal(fingers):
     result = trial(seed=5, fingers=fingers)
-    assert result["success"], result["reason"]
-    assert result["status"] == "held"
-    assert result["instant"] and result["progress"] == 1.0 and not result["reason"]
+    assert result.success, result.reason
+    assert result.status == "held"
+    assert result.instant and result.progress == 1.0 and not result.reason
 
 
 @pytest.mark.parametrize("user", ["idle", "random"])
 def test_control_arms_do_not_succeed(user):
     results = [trial(seed=seed, user=user) for seed in range(3)]
-    assert not any(r["success"] for r in results)
-    assert all(r["status"] == "timeout" and r["reason"] for r in results)
+    assert not any(r.success for r in results)
+    assert all(r.status == "timeout" and r.reason for r in results)
 
 
 def test_the_same_seed_gives_the_same_states_and_another_seed_others(recorded):
     result, _ = recorded
-    assert trial(seed=11, fingers=3)["state_hash"] == result["state_hash"]
-    assert trial(seed=12, fingers=3)["state_hash"] != result["state_hash"]
+    assert trial(seed=11, fingers=3).state_hash == result.state_hash
+    assert trial(seed=12, fingers=3).state_hash != result.state_hash
 
 
 def test_a_recording_replays_to_the_same_hash_at_every_input(recorded):
     result, path = recorded
     session, found = replay(load_recording(path))
     assert found.exact and found.complete and found.same_machine
-    assert session.state_hash == result["state_hash"]
+    assert session.state_hash == result.state_hash
     assert found.compared > 100
 
 
@@ -82,8 +82,8 @@ def test_a_recording_as_a_device_of_another_process_gives_the_same_hash(recorded
     done = command("run", "--device", str(path), "--json", "-", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     again = json.loads(done.stdout)
-    assert again["state_hash"] == result["state_hash"]
-    assert again["seed"] == 11 and again["success"] == result["success"]
+    assert again["state_hash"] == result.state_hash
+    assert again["seed"] == 11 and again["success"] == result.success
 
 
 def test_a_changed_touch_is_noticed_by_the_replay(recorded, tmp_path):
@@ -276,8 +276,8 @@ def test_a_scene_holds_two_rigs_that_do_not_disturb_each_other():
 
 def test_a_screen_that_loses_touches_changes_ids_only_and_costs_no_success():
     lossy = trial(seed=5, fingers=3, drop_outs=1.0)
-    assert lossy["success"], lossy["reason"]
-    assert lossy["state_hash"] != trial(seed=5, fingers=3)["state_hash"]
+    assert lossy.success, lossy.reason
+    assert lossy.state_hash != trial(seed=5, fingers=3).state_hash
 
 
 def test_lost_touches_come_back_after_a_moment_under_an_id_of_their_own():

@@ -102,7 +102,7 @@ def recorded(folder: Path, dialect: str = "v1") -> Path:
     path = folder / f"{dialect}.jsonl"
     of = settings()
     result = run_trial(of, device(of, dialect=dialect), record=path)
-    assert result["success"], result["reason"]
+    assert result.success, result.reason
     return path
 
 
@@ -345,4 +345,4 @@ def test_a_wrench_is_held_so_low_that_no_fingertip_rides_over_its_handle(seed: i
 
     result = run_trial(settings, device, lambda session: [look])
     assert over and not any(over)
-    assert result["success"] and made[0].user.grasps == 1
+    assert result.success and made[0].user.grasps == 1

@@ -71,7 +71,7 @@ def test_two_hands_over_one_leap_carry_a_tray_and_replay_to_the_bit(tmp_path: Pa
     assert [i is not None for i in made.settings.in_airs] == [True, True]
     path = tmp_path / "two.jsonl"
     result = run_trial(made.settings, made.make_device, record=path, about=made.about)
-    assert result["success"], result["reason"]
+    assert result.success, result.reason
     read = load_recording(path)
     sides = [{h.side for e in read.inputs[i] for h in e.frame.hands} for i in (0, 1)]
     assert sides == [{"right"}, {"left"}]
@@ -149,7 +149,7 @@ def test_a_simulated_leap_that_is_none_is_refused(wrong: str):
 def test_a_hand_that_is_lost_while_it_carries_a_box_takes_it_up_again(tmp_path: Path):
     made = chosen("box-to-goal", device="leap-simulated:lose=1")
     path = tmp_path / "lost.jsonl"
-    assert run_trial(made.settings, made.make_device, record=path)["success"]
+    assert run_trial(made.settings, made.make_device, record=path).success
     frames = [entry.frame for entry in load_recording(path).inputs[0]]
     gone = [f.time for f in frames if not f.hands]
     assert 0.9 < gone[-1] - gone[0] < 1.1, "once, for a second"

@@ -1,0 +1,310 @@
+"""The result of a trial: every field with its unit, its meaning, and the records that keep it.
+
+`sandbox run --json`, recordings, `sandbox regress` and its baselines, a study's journals and tables
+are all derived from this one declaration.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import cache
+from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
+
+import msgspec
+
+from models.errors import RecordingError
+from tasks.score import Score, Status
+
+if TYPE_CHECKING:
+    from sandbox.session.session import Session
+
+SCHEMA = 1
+"""Version of a trial's JSON."""
+
+
+class KeptIn(StrEnum):
+    """A record that keeps only some fields of a result; a trial's JSON and recording keep all."""
+
+    JOURNAL = "journal"
+    """A `trial_end` record of a study's journal."""
+    TABLE = "table"
+    """`trial_results.csv`, in the order in which the fields are declared."""
+    REGRESS = "regress"
+    """A trial in the JSON of `sandbox regress`."""
+    BASELINE = "baseline"
+    """A trial in a baseline of `sandbox regress`, in the order in which they are declared."""
+
+
+JOURNAL, TABLE = KeptIn.JOURNAL, KeptIn.TABLE
+REGRESS, BASELINE = KeptIn.REGRESS, KeptIn.BASELINE
+
+
+@dataclass(frozen=True)
+class Field:
+    """Description of a field of `TrialResult`.
+
+    Attributes:
+        unit: Unit of its numbers; `0/1` for yes or no; empty for words, counts and nested values.
+        meaning: Definition in a line.
+        kept_in: Records that keep it.
+    """
+
+    unit: str
+    meaning: str
+    kept_in: frozenset[KeptIn] = frozenset()
+
+
+def _field(unit: str, meaning: str, *kept_in: KeptIn) -> Field:
+    return Field(unit, meaning, frozenset(kept_in))
+
+
+class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
+    """The result of a trial.
+
+    The annotation of a field has its unit and meaning; `fields()` lists them. A field that is None
+    is left out of JSON: it is unknown, or does not apply.
+    """
+
+    task: Annotated[str, _field("", "name of the task", JOURNAL, TABLE, REGRESS)]
+    task_version: Annotated[
+        int, _field("", "version of the task's definition", JOURNAL, REGRESS)
+    ] = 1
+    encoder: Annotated[
+        str | None,
+        _field("", "encoder that turns touches into the hand's pose", JOURNAL, TABLE, REGRESS),
+    ] = None
+    seed: Annotated[
+        int, _field("", "start and goal of the trial follow from it", JOURNAL, TABLE, REGRESS)
+    ]
+    success: Annotated[
+        bool,
+        _field(
+            "0/1",
+            "the goal was held for the task's hold time; the same as held",
+            JOURNAL,
+            TABLE,
+            REGRESS,
+            BASELINE,
+        ),
+    ]
+    instant: Annotated[
+        bool, _field("0/1", "the goal was reached at some moment", JOURNAL, TABLE, REGRESS)
+    ]
+    held: Annotated[
+        bool,
+        _field(
+            "0/1",
+            "the goal was reached for the hold time without a break",
+            JOURNAL,
+            TABLE,
+            REGRESS,
+        ),
+    ]
+    final: Annotated[
+        bool,
+        _field(
+            "0/1",
+            "the goal was still reached when the trial ended, 1 s after success",
+            JOURNAL,
+            TABLE,
+            REGRESS,
+        ),
+    ]
+    status: Annotated[
+        Status,
+        _field(
+            "",
+            "how the trial ended: held, timeout, failed, diverged, input_ended",
+            JOURNAL,
+            TABLE,
+            REGRESS,
+        ),
+    ]
+    progress: Annotated[
+        float,
+        _field("0 to 1", "how near the goal was at the end", JOURNAL, TABLE, REGRESS, BASELINE),
+    ]
+    time_s: Annotated[
+        float,
+        _field(
+            "s",
+            "simulated time until the goal was held, or until the trial ended",
+            JOURNAL,
+            TABLE,
+            REGRESS,
+            BASELINE,
+        ),
+    ]
+    reason: Annotated[str, _field("", "what was missing at the end", JOURNAL, TABLE, REGRESS)]
+    diverged: Annotated[
+        str, _field("", "why the simulation diverged; empty where it did not", JOURNAL)
+    ] = ""
+    respawned: Annotated[
+        int,
+        _field("", "times that an object left the workspace and was put back", JOURNAL, TABLE),
+    ] = 0
+    state_hash: Annotated[
+        str,
+        _field(
+            "",
+            "BLAKE2b over all states; equal only for equal input, program and machine",
+            JOURNAL,
+            TABLE,
+            REGRESS,
+            BASELINE,
+        ),
+    ]
+    settings: Annotated[
+        dict[str, Any] | None, _field("", "settings of the run: `RunSettings.as_json`")
+    ] = None
+    digests: Annotated[
+        dict[str, str] | None, _field("", "digests of the encoder and of the labels", JOURNAL)
+    ] = None
+    versions: Annotated[
+        dict[str, str] | None, _field("", "versions, processor and their fingerprint")
+    ] = None
+    task_from: Annotated[
+        dict[str, Any] | None, _field("", "file or package of a task that is not built in")
+    ] = None
+    device: Annotated[str | None, _field("", "device that the input came from")] = None
+    user: Annotated[dict[str, Any] | None, _field("", "configuration of the simulated user")] = None
+    drop_outs: Annotated[float | None, _field("1/s", "touches that the simulated screen loses")] = (
+        None
+    )
+    variation: Annotated[
+        dict[str, Any] | None, _field("", "differences from the trial that the seed draws")
+    ] = None
+    second: Annotated[
+        dict[str, Any] | None, _field("", "device and simulated user of the second hand")
+    ] = None
+    study: Annotated[dict[str, Any] | None, _field("", "study, participant, session and trial")] = (
+        None
+    )
+    measures: Annotated[
+        dict[str, Any] | None,
+        _field("", "measures that are known only while the trial runs, by name", JOURNAL),
+    ] = None
+    latency: Annotated[
+        dict[str, Any] | None, _field("ms", "percentiles of delays, by kind", JOURNAL)
+    ] = None
+    fingers: Annotated[
+        list[tuple[int, int]] | None, _field("", "true finger of each contact: (contact, finger)")
+    ] = None
+    fingers_by: Annotated[str | None, _field("", "source of the true fingers")] = None
+    broken_off: Annotated[
+        str | None, _field("", "why the attempt was broken off and does not count")
+    ] = None
+    dump: Annotated[
+        str | None,
+        _field("", "file with the last states before a divergence", JOURNAL, REGRESS),
+    ] = None
+    dump_error: Annotated[str | None, _field("", "why that file could not be written", REGRESS)] = (
+        None
+    )
+    schema: Annotated[int | None, _field("", "version of this JSON")] = None
+    extra: Annotated[
+        dict[str, Any], _field("", "keys that the caller of the trial added; in JSON beside these")
+    ] = {}
+
+    @classmethod
+    def of(cls, session: Session, more: Mapping[str, Any] | None = None) -> TrialResult:
+        """The result of a session.
+
+        Args:
+            session: As it is now.
+            more: Further fields by name, such as those of a recording's header.
+
+        Raises:
+            TypeError: A value has another type than its field.
+        """
+        score = session.scorer.score
+        values = {
+            "task": session.task.name,
+            "task_version": session.task.version,
+            "seed": session.task.seed,
+            "success": score.success,
+            "instant": score.instant,
+            "held": score.held,
+            "final": score.final,
+            "status": score.status,
+            "progress": round(score.progress, 6),
+            "time_s": round(score.time, 6),
+            "reason": score.reason,
+            "diverged": session.diverged,
+            "respawned": session.respawned,
+            "state_hash": session.state_hash,
+        }
+        return cls(**_split({**values, **(more or {})}))
+
+    @classmethod
+    def from_json(cls, values: Mapping[str, Any], where: str) -> TrialResult:
+        """The result that JSON holds: all of it, or the part that a journal keeps.
+
+        Args:
+            values: The JSON object.
+            where: It comes from, for messages.
+
+        Raises:
+            RecordingError: A field is missing or has another type.
+        """
+        try:
+            return msgspec.convert(_split(values), cls)
+        except msgspec.ValidationError as error:
+            raise RecordingError(
+                "this is not the result of a trial", where=where, got=str(error)
+            ) from None
+
+    def as_json(self) -> dict[str, Any]:
+        """JSON values of all fields that are known."""
+        values = msgspec.structs.asdict(self)
+        extra = values.pop("extra")
+        return {name: v for name, v in values.items() if v is not None} | extra
+
+    def kept_in(self, record: KeptIn) -> dict[str, Any]:
+        """JSON values of the fields that a record keeps and that are known."""
+        values = self.as_json()
+        return {name: values[name] for name in kept_fields(record) if name in values}
+
+    @property
+    def fingerprint(self) -> str:
+        """Fingerprint of machine and versions; empty where they are unknown."""
+        return (self.versions or {}).get("fingerprint", "")
+
+    @property
+    def score(self) -> Score:
+        """The score of the trial at its end."""
+        return Score(
+            self.instant,
+            self.held,
+            self.final,
+            self.status,
+            self.progress,
+            self.reason,
+            self.time_s,
+        )
+
+
+@cache
+def fields() -> dict[str, Field]:
+    """Unit, meaning and records of every field, by name, in the order of declaration."""
+    hints = get_type_hints(TrialResult, include_extras=True)
+    return {
+        name: next(m for m in hints[name].__metadata__ if isinstance(m, Field))
+        for name in TrialResult.__struct_fields__
+    }
+
+
+@cache
+def kept_fields(record: KeptIn) -> tuple[str, ...]:
+    """Names of the fields that a record keeps, in the order of declaration."""
+    return tuple(name for name, field in fields().items() if record in field.kept_in)
+
+
+def _split(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Arguments of `TrialResult`: keys that it does not declare go into `extra`."""
+    names = TrialResult.__struct_fields__
+    known = {name: value for name, value in values.items() if name in names}
+    extra = {name: value for name, value in values.items() if name not in names}
+    return {**known, "extra": {**known.get("extra", {}), **extra}}
