@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 import msgspec
 
 from models.errors import RecordingError
+from models.json_input import checked
 from tasks.score import Score, Status
 
 if TYPE_CHECKING:
@@ -249,12 +250,9 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
         Raises:
             RecordingError: A field is missing or has another type.
         """
-        try:
-            return msgspec.convert(_split(values), cls)
-        except msgspec.ValidationError as error:
-            raise RecordingError(
-                "this is not the result of a trial", where=where, got=str(error)
-            ) from None
+        return checked(
+            _split(values), cls, RecordingError, what="this is not a trial's result", where=where
+        )
 
     def as_json(self) -> dict[str, Any]:
         """JSON values of all fields that are known."""
