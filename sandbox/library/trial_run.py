@@ -121,7 +121,7 @@ def run_trial(
             Path(record) if record else None,
             about,
         )
-    return views.run(result=result)
+    return views.run(result=result.as_json())
 
 
 def replay_recording(
