@@ -54,11 +54,10 @@ class Depth:
         model, data = session.scene.model, session.data
         pairs = []
         for hand in session.scene.spec.hands:
-            bones = hand.skeleton.bones
-            for bone, after in pairwise(bones):
-                if bone.finger == after.finger and bone is not bones[0]:
-                    ids = [model.body(hand.element_name(b.name)).id for b in (bone, after)]
-                    pairs.append((*ids, bone.radius))
+            for link, after in pairwise(hand.links):
+                if link.finger == after.finger and link is not hand.links[0]:
+                    ids = [model.body(k.body).id for k in (link, after)]
+                    pairs.append((*ids, link.radius))
         shares = np.linspace(0.0, 1.0, 5)[:, None]
 
         def look(snapshot: Snapshot) -> None:

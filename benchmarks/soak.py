@@ -188,7 +188,7 @@ class Depths:
         model = session.scene.model
         self._hand = np.zeros(model.ngeom, bool)
         for hand in session.scene.spec.hands:
-            palm = model.body(hand.element_name("palm")).id
+            palm = model.body(hand.palm).id
             self._hand |= model.body_rootid[model.geom_bodyid] == palm
         self._fixed = model.geom_bodyid == 0
         self._seed, self._found = seed, found

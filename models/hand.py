@@ -7,7 +7,9 @@ motor impulse J per step of 1/60 s becomes the force limit J / (1/60 s), whateve
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import pairwise
 from xml.etree.ElementTree import Element, SubElement
 
@@ -15,7 +17,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from models.errors import SceneError
-from models.rotations import matrix_to_quaternion
+from models.one_pose import OnePose
+from models.rotations import matrix_to_quaternion, quaternion_exp
+from models.scene_hand import Link
 from models.skeleton import ADULT, Bone, Skeleton
 
 IMPULSE_PERIOD = 1.0 / 60.0
@@ -50,9 +54,12 @@ CUFF, SLEEVE = ".93 .94 .95 1", ".16 .20 .27 1"
 """Colours, red green blue alpha, of cuff and sleeve, where the hand ends at the wrist."""
 
 
+Array = NDArray[np.float64]
+
+
 @dataclass(frozen=True)
 class Hand:
-    """Settings of one hand of a scene.
+    """The built-in hand; it keeps to the contract `models.scene_hand.SceneHand`.
 
     Attributes:
         name: Prefix of its bodies, joints and actuators.
@@ -93,9 +100,52 @@ class Hand:
         """Name in the MuJoCo model of a part of this hand: `palm` or a bone's name."""
         return f"{self.name}_{part}"
 
-    def solid_name(self, bone: Bone) -> str:
-        """Name of the geom that collides with objects in place of a last link."""
-        return self.element_name(bone.name) + ("" if self.solid_end is None else "_end")
+    @property
+    def palm(self) -> str:
+        """Name of the palm's body."""
+        return self.element_name("palm")
+
+    @property
+    def first_joint(self) -> str:
+        """Name of the first of the three slides that carry the palm."""
+        return self.element_name("root_x")
+
+    @cached_property
+    def links(self) -> tuple[Link, ...]:
+        """All bones but the palm, as links."""
+        last = self.skeleton.last_bones
+        return tuple(self._link(bone, bone is last[bone.finger]) for bone in self.skeleton.bones)
+
+    def _link(self, bone: Bone, last: bool) -> Link:
+        name = self.element_name(bone.name)
+        ends = last and self.solid_end is not None
+        start = max(0.0, 1.0 - self.solid_end / bone.length) if ends and self.solid_end else 0.0
+        tip = f"{name}_end" if ends else name
+        return Link(bone.finger, name, bone.length, bone.radius, name, tip, start)
+
+    def defaults(self) -> Element:
+        """The default class that all hands of this kind share."""
+        return hand_default()
+
+    def body(self) -> Element:
+        """The palm's body with everything that hangs on it."""
+        return hand_body(self)
+
+    def actuators(self) -> list[Element]:
+        """48 servos in the order of the pose."""
+        return hand_actuators(self)
+
+    def controls(self, q: Array) -> Array:
+        """The pose (48,) itself: every servo has one of its numbers as its target."""
+        return q
+
+    def joint_positions(self, q: Array) -> Array:
+        """(63,) joint positions at a pose (48,): three slides and 15 quaternions."""
+        return np.concatenate([q[:3], quaternion_exp(q[3:].reshape(15, 3)).ravel()])
+
+    def tips_of(self) -> Callable[[Array], Array]:
+        """Forward kinematics: a pose (48,) gives the fingertips (5, 3) m."""
+        return OnePose(self.skeleton).tips
 
 
 def is_calm(impulse: float) -> bool:
@@ -160,8 +210,9 @@ def hand_body(hand: Hand) -> Element:
         if hand.solid_end is not None and bone is hand.skeleton.last_bones[bone.finger]:
             # It has no mass and is never seen: only its collisions count.
             start = bone.length - min(max(hand.solid_end, 1e-4), bone.length)
+            fromto = _text(0, start, 0, 0, bone.length, 0)
             SubElement(body, "geom", {
-                "name": hand.solid_name(bone), "fromto": _text(0, start, 0, 0, bone.length, 0),
+                "name": f"{hand.element_name(bone.name)}_end", "fromto": fromto,
                 "size": _text(bone.radius), "contype": str(CONTACT_HAND), "mass": "0", "group": "3",
             })  # fmt: skip
         parents[bone.finger] = body

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import NamedTuple, Protocol
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
@@ -11,18 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.errors import SceneError
-from models.hand import (
-    CONTACT_HAND,
-    CONTACT_TABLE,
-    Hand,
-    hand_actuators,
-    hand_body,
-    hand_default,
-)
+from models.hand import CONTACT_HAND, CONTACT_TABLE
 from models.mjcf_thing import MjcfThing
 from models.objects import Thing
 from models.pose import POSE_SIZE
-from models.rotations import quaternion_exp
+from models.scene_hand import SceneHand
 
 Array = NDArray[np.float64]
 
@@ -43,7 +37,7 @@ class SceneSpec:
         timestep: s; a whole number of them makes one control period.
     """
 
-    hands: tuple[Hand, ...]
+    hands: tuple[SceneHand, ...]
     objects: tuple[Thing, ...] = ()
     table_friction: float = 0.5
     timestep: float = 0.002
@@ -101,18 +95,22 @@ class Scene:
         self.model = mujoco.MjModel.from_xml_string(self.xml)
         names = [o.name for o in spec.objects]
         self.object_bodies = {n: self.model.body(n).id for n in names}
-        self._geoms = [
-            {b.name: self.model.geom(h.element_name(b.name)).id for b in h.skeleton.bones}
-            for h in spec.hands
-        ]
-        self._ends = [
-            {f: self.model.geom(h.solid_name(b)).id for f, b in h.skeleton.last_bones.items()}
-            for h in spec.hands
+        geom = self.model.geom
+        self._geoms = [{link.geom: geom(link.geom).id for link in h.links} for h in spec.hands]
+        # The last link of a finger is the one that stays.
+        self._ends = [{link.finger: geom(link.tip_geom).id for link in h.links} for h in spec.hands]
+        at_rest = np.zeros(POSE_SIZE)
+        ends = np.cumsum([0, *(len(h.controls(at_rest)) for h in spec.hands)])
+        self._controls = [slice(int(a), int(b)) for a, b in pairwise(ends)]
+        starts = [int(self.model.joint(h.first_joint).qposadr[0]) for h in spec.hands]
+        self._joints = [
+            slice(start, start + len(h.joint_positions(at_rest)))
+            for h, start in zip(spec.hands, starts, strict=True)
         ]
 
     def control_slice(self, hand: int) -> slice:
-        """Slice of `ctrl` that holds the pose of a hand."""
-        return slice(hand * POSE_SIZE, (hand + 1) * POSE_SIZE)
+        """Where in `ctrl` the controls of a hand go."""
+        return self._controls[hand]
 
     def set_solid(
         self, hand: int, fingers: frozenset[int], whole: bool = False, links: int = 1
@@ -130,9 +128,8 @@ class Scene:
         # The solid part of a last link is the link itself, or a separate geom.
         solid = set(geoms) if whole and fingers else {ends[f] for f in fingers}
         if links > 1:
-            bones = self.spec.hands[hand].skeleton.bones
             for finger in fingers:
-                own = [b.name for b in bones if b.finger == finger]
+                own = [k.geom for k in self.spec.hands[hand].links if k.finger == finger]
                 solid |= {self._geoms[hand][name] for name in own[-links:-1]}
         for geom in {*geoms, *ends.values()}:
             self.model.geom_contype[geom] = CONTACT_HAND if geom in solid else 0
@@ -143,13 +140,12 @@ class Scene:
         return data.xpos[body].copy(), data.xmat[body].reshape(3, 3).copy()
 
     def pose_to_qpos(self, hand: int, q: Array) -> Array:
-        """Joint positions (63,) of a hand at the pose (48,), in the order of its joints."""
-        return np.concatenate([q[:3], quaternion_exp(q[3:].reshape(15, 3)).ravel()])
+        """(n,) joint positions of a hand that is at the pose (48,), in the order of its joints."""
+        return self.spec.hands[hand].joint_positions(q)
 
     def qpos_slice(self, hand: int) -> slice:
-        """Slice of `qpos` that holds a hand's joint positions."""
-        start = int(self.model.joint(self.spec.hands[hand].element_name("root_x")).qposadr[0])
-        return slice(start, start + 3 + 4 * 15)
+        """Where in `qpos` a hand's joint positions are."""
+        return self._joints[hand]
 
 
 def touching_sensor(a: str, b: str) -> str:
@@ -172,7 +168,8 @@ def scene_xml(spec: SceneSpec) -> str:
     SubElement(option, "flag", {"autoreset": "disable"})
     _look(root)
     defaults = SubElement(root, "default")
-    defaults.append(hand_default())
+    classes = {element.get("class"): element for element in (h.defaults() for h in spec.hands)}
+    defaults.extend(classes.values())
     world = SubElement(root, "worldbody")
     _lights(world)
     SubElement(world, "geom", {
@@ -186,7 +183,7 @@ def scene_xml(spec: SceneSpec) -> str:
         "material": "mat", "contype": "0", "conaffinity": "0",
     })  # fmt: skip
     for hand in spec.hands:
-        world.append(hand_body(hand))
+        world.append(hand.body())
     for thing in spec.objects:
         world.append(thing.body())
     assets = root.find("asset")
@@ -196,7 +193,7 @@ def scene_xml(spec: SceneSpec) -> str:
             assets.extend(thing.assets())
     actuators = SubElement(root, "actuator")
     for hand in spec.hands:
-        actuators.extend(hand_actuators(hand))
+        actuators.extend(hand.actuators())
     _touch_sensors(root, spec)
     indent(root)
     return tostring(root, encoding="unicode")
@@ -207,7 +204,7 @@ def _touch_sensors(root: Element, spec: SceneSpec) -> None:
     sensors = SubElement(root, "sensor")
     for i, thing in enumerate(spec.objects):
         pairs = [(TABLE, {"geom2": TABLE})]
-        pairs += [(h.name, {"subtree2": h.element_name("palm")}) for h in spec.hands]
+        pairs += [(h.name, {"subtree2": h.palm}) for h in spec.hands]
         pairs += [(other.name, {"body2": other.name}) for other in spec.objects[i + 1 :]]
         for name, match in pairs:
             SubElement(sensors, "contact", {

@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from models.errors import MotionError
 from models.pose import ROOT_POSITION, ROOT_ROTATION, joint_vectors
 from models.rotations import exp
+from models.scene_hand import SceneHand
 from models.skeleton import Skeleton
 
 Array = NDArray[np.float64]
@@ -60,6 +61,17 @@ class Armature:
     """
 
     skeleton: Skeleton
+
+    @classmethod
+    def of_hand(cls, hand: SceneHand) -> Armature:
+        """The armature of a hand of a scene.
+
+        Raises:
+            MotionError: The hand has no skeleton.
+        """
+        if hand.skeleton is None:
+            raise MotionError("this hand has no skeleton to export", where=hand.name)
+        return cls(hand.skeleton)
 
     @cached_property
     def names(self) -> tuple[str, ...]:

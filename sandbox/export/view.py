@@ -49,7 +49,7 @@ class MotionView:
         self._poses = simulated_poses if of == "simulated" else commanded_poses
         self._exporter = Exporter(
             path,
-            tuple(Armature(hand.skeleton) for hand in hands),
+            tuple(Armature.of_hand(hand) for hand in hands),
             tuple(hand.name for hand in hands),
             settings or ExportSettings(),
         )

@@ -78,9 +78,7 @@ class ContactModes:
     def __init__(self, scene: Scene, mode: ContactMode = ContactMode.HARD) -> None:
         self._model = model = scene.model
         hands = scene.spec.hands
-        self._geoms = np.array(
-            [model.geom(h.element_name(b.name)).id for h in hands for b in h.skeleton.bones]
-        )
+        self._geoms = np.array([model.geom(link.geom).id for hand in hands for link in hand.links])
         names = tuple(f"{h.name}_" for h in hands)
         self._actuators = np.array(
             [i for i in range(model.nactuator) if model.actuator(i).name.startswith(names)]

@@ -23,8 +23,8 @@ from encoders.reconstruction.personal import Reconstructor
 from encoders.reconstruction.touch_reconstructor import Reconstruction
 from models.errors import DivergenceError
 from models.frames import Frame, TouchFrame
-from models.hand import Hand
 from models.scene import Scene, SceneSpec, StillPoses
+from models.scene_hand import SceneHand
 from models.surface import Surface, enclosing
 from sandbox.session.contact_modes import ContactMode, ContactModes, contact_mode
 from sandbox.session.device import AnyDevice
@@ -63,7 +63,7 @@ class Rig:
 
     device: AnyDevice
     reconstructor: Reconstructor | HandReconstructor
-    hand: Hand
+    hand: SceneHand
     yaw: YawWatch | None = None
     rules: SolidityRules | None = None
 
@@ -320,7 +320,7 @@ class Session:
                 rig.yaw.reset()
             pose = rig.reconstructor.commanded
             self.data.qpos[self.scene.qpos_slice(i)] = self.scene.pose_to_qpos(i, pose)
-            self.data.ctrl[self.scene.control_slice(i)] = pose
+            self.data.ctrl[self.scene.control_slice(i)] = rig.hand.controls(pose)
             self.scene.set_solid(i, frozenset())
         mujoco.mj_forward(self.scene.model, self.data)
 
@@ -331,7 +331,7 @@ class Session:
         reconstruction = rig.reconstructor.step(frame)
         if rig.yaw:
             rig.yaw.step(self.time, reconstruction.u)
-        self.data.ctrl[self.scene.control_slice(i)] = reconstruction.q
+        self.data.ctrl[self.scene.control_slice(i)] = rig.hand.controls(reconstruction.q)
         self._solidity[i].update(self.data, reconstruction, self._contact.ghost)
         return reconstruction
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.reconstruction.touch_reconstructor import Reconstruction
-from models.one_pose import OnePose
+from models.frames import FINGERS
 from models.scene import CONTROL_PERIOD, BodyPoses, Scene
 
 Array = NDArray[np.float64]
@@ -57,21 +57,21 @@ class Solidity:
 
     def __init__(self, scene: Scene, hand: int, rules: SolidityRules) -> None:
         self._scene, self._hand, self._rules = scene, hand, rules
-        skeleton = scene.spec.hands[hand].skeleton
-        name = scene.spec.hands[hand].element_name
-        last = {b.finger: b for b in skeleton.bones}
-        self._bodies = np.array([scene.model.body(name(last[f].name)).id for f in sorted(last)])
+        links = scene.spec.hands[hand].links
+        body = scene.model.body
+        fingers = [[link for link in links if link.finger == f] for f in range(len(FINGERS))]
+        last = [own[-1] for own in fingers]
+        self._bodies = np.array([body(link.body).id for link in last])
         # Two of a finger's links at most are looked at before they become solid.
-        before = [[b for b in skeleton.bones if b.finger == f][-2] for f in sorted(last)]
-        self._before_radius = np.array([b.radius for b in before])
-        self._before = np.array([scene.model.body(name(b.name)).id for b in before])
-        self._reach = np.array([last[f].length for f in sorted(last)])
-        self._radius = skeleton.tip_radius
-        self._commanded = OnePose(skeleton)
+        before = [own[-2] for own in fingers]
+        self._before_radius = np.array([link.radius for link in before])
+        self._before = np.array([body(link.body).id for link in before])
+        self._reach = np.array([link.length for link in last])
+        self._radius = np.array([link.radius for link in last])
+        self._commanded = scene.spec.hands[hand].tips_of()
         # What has to be clear of things is all that is going to be solid, up to where it begins: a
         # finger leans, and may be inside of a high thing with its tip well beside it.
-        end = scene.spec.hands[hand].solid_end
-        self._inner = np.maximum(0.0, 1.0 - (np.inf if end is None else end) / self._reach)
+        self._inner = np.array([link.solid_from for link in last])
         self.fingers = GHOST
         self._inside = 0  # steps in a row that a finger inside an object kept the hand a ghost
 
@@ -107,7 +107,7 @@ class Solidity:
         joining = wanted - staying
         inside = False
         if joining:
-            target = self._commanded.tips(reconstruction.q)
+            target = self._commanded(reconstruction.q)
             near = np.linalg.norm(self.tips(data) - target, axis=1) < ARRIVED
             free = near & (self._clear(data) if self._rules.ghost_until_clear else True)
             fit = frozenset(f for f in joining if free[f])

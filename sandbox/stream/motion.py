@@ -36,7 +36,7 @@ def source_of_session(session: Session, stop: threading.Event, of: str = "comman
     physics = bool(looking) or of == "simulated"
     play = _with_physics if physics else _without_physics
     names = tuple(rig.hand.name for rig in session.rigs)
-    armatures = tuple(Armature(rig.hand.skeleton) for rig in session.rigs)
+    armatures = tuple(Armature.of_hand(rig.hand) for rig in session.rigs)
     what = "the simulated hand" if of == "simulated" else "what the hand is told to do"
 
     def run(take: Take) -> str:

@@ -78,7 +78,7 @@ class Drawing:
     Attributes:
         view: The drawing list, up to date after `update`.
         model: The copy that is drawn.
-        looks: Its hands.
+        looks: Hands that have a skin, by their number.
         narrowness: By how much the view is higher than its camera's own.
     """
 
@@ -93,7 +93,7 @@ class Drawing:
         self._data = mujoco.MjData(self.model)
         self._option = mujoco.MjvOption()
         self._option.geomgroup[HIDDEN_GROUP:] = 0
-        self._owners = {n: (i, part) for i, look in enumerate(self.looks)
+        self._owners = {n: (i, part) for i, look in self.looks.items()
                         for part, n in look.parts.items()}  # fmt: skip
         self._parts = {n: self._parts_of(body) for n, body in scene.object_bodies.items()}
         flat = surface.rotation[2, 2] > 0.999
@@ -151,7 +151,8 @@ class Drawing:
             self._draw_goal(goal, snapshot, colour)
         for i, hand in enumerate(snapshot.hands):
             if drawn[i]:
-                self._draw_casters(self.looks[i].casters)
+                if i in self.looks:
+                    self._draw_casters(self.looks[i].casters)
                 self._draw_threads(hand)
             for contact in hand.contacts:
                 self._draw_contact(contact, hand)
@@ -169,8 +170,8 @@ class Drawing:
         """The solid hands whose fingers are visibly away from where they should be."""
         return [
             i
-            for i, (look, hand) in enumerate(zip(self.looks, snapshot.hands, strict=True))
-            if hand.solid and look.is_held_back(hand)
+            for i, look in self.looks.items()
+            if snapshot.hands[i].solid and look.is_held_back(snapshot.hands[i])
         ]
 
     def _parts_of(self, body: int) -> list[_Part]:
@@ -210,7 +211,7 @@ class Drawing:
         if not self._option.skingroup[TARGET_GROUP]:
             return
         view = self.view
-        for i, look in enumerate(self.looks):
+        for i, look in self.looks.items():
             start, count = view.skinvertadr[look.target], view.skinvertnum[look.target]
             place = slice(3 * start, 3 * (start + count))
             if i not in held_back:

@@ -13,11 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.frames import FINGERS
-from models.hand import Hand
 from models.kinematics import Kinematics
 from models.pose import POSE_SIZE
 from models.rotations import matrix_to_quaternion
 from models.scene import Scene
+from models.scene_hand import SceneHand
+from models.skeleton import Skeleton
 from models.skin.colours import CUFF, NAIL, SLEEVE, tone_colours
 from models.skin.skin import Skin, frames
 from sandbox.session.messages import HandView
@@ -51,14 +52,14 @@ class Look:
     """One hand of the copy.
 
     Attributes:
-        hand: Which.
-        skin: Fitted to its skeleton.
+        skeleton: Bones of the hand.
+        skin: Fitted to them.
         parts: MuJoCo's number of the skin of each part.
         target: Number of the skin that shows the commanded pose.
         casters: Geoms in whose place the hand's shadow is cast.
     """
 
-    hand: Hand
+    skeleton: Skeleton
     skin: Skin
     parts: dict[str, int]
     target: int
@@ -66,35 +67,42 @@ class Look:
 
     def is_held_back(self, hand: HandView) -> bool:
         """Whether any fingertip is visibly away from where the commanded pose has it."""
-        tips = Kinematics(self.hand.skeleton).tips(hand.target)
+        tips = Kinematics(self.skeleton).tips(hand.target)
         return bool(np.max(np.linalg.norm(hand.tips - tips, axis=1)) > TARGET_OFF)
 
     def commanded(self, hand: HandView) -> tuple[Array, Array]:
         """Vertices and normals (n, 3) of the skin at the commanded pose."""
         part = self.skin.part("skin").vertices
-        bones = frames(self.hand.skeleton, hand.target)
+        bones = frames(self.skeleton, hand.target)
         normals = self.skin.normals(*bones)[part]
         return self.skin.posed(*bones)[part] - TARGET_THIN * normals, normals
 
 
-def skinned_model(scene: Scene) -> tuple[mujoco.MjModel, list[Look]]:
-    """A copy of a scene's model in which every hand has a skin, and its capsules are hidden."""
+def skinned_model(scene: Scene) -> tuple[mujoco.MjModel, dict[int, Look]]:
+    """A copy of a scene's model with skins on its hands, and their looks by number of the hand.
+
+    The capsules of a hand with a skin are hidden. A hand without a skeleton has no skin, and is
+    drawn as its own MJCF shows it.
+    """
     spec = mujoco.MjSpec.from_string(scene.xml)
     _materials(spec)
-    looks, count = [], 0
+    looks: dict[int, Look] = {}
+    count = 0
     for index, hand in enumerate(scene.spec.hands):
+        if hand.skeleton is None:
+            continue
         skin = Skin.builtin().fitted(hand.skeleton)
         numbers = {}
         for part in skin.parts:
-            _add_skin(spec, hand, skin, part.name, hand.element_name(part.name), index)
+            _add_skin(spec, hand, skin, part.name, f"{hand.name}_{part.name}", index)
             numbers[part.name] = count
             count += 1
-        _add_skin(spec, hand, skin, "skin", hand.element_name("target"), TARGET_GROUP)
-        looks.append(Look(hand, skin, numbers, count, []))
+        _add_skin(spec, hand, skin, "skin", f"{hand.name}_target", TARGET_GROUP)
+        looks[index] = Look(hand.skeleton, skin, numbers, count, [])
         count += 1
     model = spec.compile()
-    for look in looks:
-        root = int(model.body(look.hand.element_name("palm")).rootid[0])
+    for index, look in looks.items():
+        root = int(model.body(scene.spec.hands[index].palm).rootid[0])
         mine = model.body_rootid[model.geom_bodyid] == root
         # The simulation's own capsules have names; of the rest, the sleeve's cylinders count.
         named = np.array([bool(model.geom(g).name) for g in range(model.ngeom)])
@@ -119,7 +127,7 @@ def _materials(spec: mujoco.MjSpec) -> None:
 
 
 def _add_skin(
-    spec: mujoco.MjSpec, hand: Hand, skin: Skin, part: str, name: str, group: int
+    spec: mujoco.MjSpec, hand: SceneHand, skin: Skin, part: str, name: str, group: int
 ) -> None:
     chosen = skin.part(part)
     triangles = skin.triangles[chosen.triangles] - chosen.vertices.start
@@ -134,9 +142,10 @@ def _add_skin(
         made.texcoord = tone.ravel().tolist()
     shares = skin.shares[chosen.vertices]
     used = np.flatnonzero(shares.any(axis=0))
-    names = ["palm", *(b.name for b in hand.skeleton.bones)]
+    assert hand.skeleton is not None
+    bodies = [hand.palm, *(link.body for link in hand.links)]
     places, turns = frames(hand.skeleton, np.zeros(POSE_SIZE))
-    made.bodyname = [hand.element_name(names[b]) for b in used]
+    made.bodyname = [bodies[b] for b in used]
     made.bindpos = places[used].ravel().tolist()
     made.bindquat = matrix_to_quaternion(turns[used]).ravel().tolist()
     ids = [np.flatnonzero(shares[:, b]) for b in used]

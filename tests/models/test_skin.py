@@ -166,7 +166,8 @@ def test_bones_that_move_together_carry_the_skin_along_unchanged(seed: int) -> N
 @pytest.mark.parametrize("skeleton", [ADULT, *OTHERS], ids=lambda s: f"{s.name} {s.side}")
 def test_mujoco_bends_it_alike(skeleton: Skeleton) -> None:
     scene = Scene(SceneSpec((Hand(skeleton=skeleton),)))
-    model, (look,) = skinned_model(scene)
+    model, looks = skinned_model(scene)
+    look = looks[0]
     data, view = mujoco.MjData(model), mujoco.MjvScene(model, 1000)
     for seed in range(4):
         q = pose(seed, skeleton)

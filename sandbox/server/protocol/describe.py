@@ -178,7 +178,7 @@ def _force(sense: HandSense, label: int | None) -> float:
 def _part(scene: SimulatedScene, root: str, things: set[str]) -> Any:
     if root in things or any(root == f"{name}_bolt" for name in things):
         return "object"
-    hands = {h.element_name("palm") for h in scene.spec.hands}
+    hands = {h.palm for h in scene.spec.hands}
     return (
         "hand"
         if root in hands or any(root.startswith(h.name) for h in scene.spec.hands)

@@ -65,8 +65,7 @@ def _owners(scene: Scene) -> NDArray[np.int64]:
     if scene not in _OWNERS:
         bodies = np.full(scene.model.nbody, -1)
         for i, hand in enumerate(scene.spec.hands):
-            for bone in hand.skeleton.bones:
-                body = scene.model.body(hand.element_name(bone.name)).id
-                bodies[body] = len(FINGERS) * i + bone.finger
+            for link in hand.links:
+                bodies[scene.model.body(link.body).id] = len(FINGERS) * i + link.finger
         _OWNERS[scene] = bodies[scene.model.geom_bodyid]
     return _OWNERS[scene]

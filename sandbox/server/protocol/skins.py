@@ -27,9 +27,9 @@ import struct
 import numpy as np
 from numpy.typing import NDArray
 
-from models.hand import Hand
 from models.pose import POSE_SIZE
 from models.rotations import matrix_to_quaternion
+from models.scene_hand import SceneHand
 from models.skeleton import Skeleton
 from models.skin.colours import CUFF, NAIL, SLEEVE, tone_colours
 from models.skin.skin import BONES, Skin, frames
@@ -40,12 +40,12 @@ _HEADER = struct.Struct("<BBHIII")
 _FLAT = {"nail": NAIL, "cuff": CUFF, "sleeve": SLEEVE}
 
 
-def pack_skin(hand: Hand) -> bytes:
-    """The skin of a hand; empty if it has other bones than the skin."""
+def pack_skin(hand: SceneHand) -> bytes:
+    """The skin of a hand; empty if it has no skeleton, or other bones than the skin."""
     skeleton = hand.skeleton
-    if len(skeleton.bones) != BONES - 1:
+    if skeleton is None or len(skeleton.bones) != BONES - 1:
         return b""
-    names = [hand.element_name(name) for name in ("palm", *(b.name for b in skeleton.bones))]
+    names = [hand.palm, *(link.body for link in hand.links)]
     return _packed(skeleton, tuple(names))
 
 

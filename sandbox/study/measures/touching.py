@@ -73,9 +73,8 @@ class Touching:
         self._scene = scene
         letters = {}
         for hand in scene.spec.hands:
-            for bone in hand.skeleton.bones:
-                body = model.body(hand.element_name(bone.name)).id
-                letters[body] = FINGERS[bone.finger][0]
+            for link in hand.links:
+                letters[model.body(link.body).id] = FINGERS[link.finger][0]
         things = {body: name for name, body in scene.object_bodies.items()}
         # Of every geom: a thing's name, a digit's letter or the table.
         self._thing: dict[int, str] = {}

@@ -120,5 +120,5 @@ def test_two_hands_have_two_skins() -> None:
     scene = Scene(SceneSpec(pair))
     model, looks = skinned_model(scene)
     assert model.nskin == 2 * (len(Skin.builtin().parts) + 1)
-    numbers = [n for look in looks for n in (*look.parts.values(), look.target)]
+    numbers = [n for look in looks.values() for n in (*look.parts.values(), look.target)]
     assert sorted(numbers) == list(range(model.nskin))
