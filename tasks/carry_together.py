@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.errors import InputError
+from models.objects import GRIP, HANDLE, Tray
 from models.surface import Surface
-from models.tray import GRIP, HANDLE, Tray
 from tasks.sensing import Sensing
 from tasks.task import Goal, Measure
 

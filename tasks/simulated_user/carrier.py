@@ -12,9 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.frames import TouchFrame
-from models.objects import Box
+from models.objects import Box, Tray
 from models.surface import Surface
-from models.tray import Tray
 from tasks.simulated_user.grasp import Grasp
 from tasks.simulated_user.handling import BoxHandling
 from tasks.simulated_user.lift import Slider

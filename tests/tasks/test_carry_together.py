@@ -11,10 +11,9 @@ import numpy as np
 import pytest
 
 from models.errors import InputError
-from models.objects import Box
+from models.objects import GRIP, HANDLE, Box
 from models.rotations import exp, matrix_to_quaternion
 from models.surface import Surface, enclosing
-from models.tray import GRIP, HANDLE
 from sandbox.cli.main import main
 from sandbox.devices.simulated.simulated import SimulatedDevice
 from sandbox.options.scene_options import SceneOptions, plan

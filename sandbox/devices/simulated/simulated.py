@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 
 from models.errors import InputError
 from models.frames import TouchFrame
-from models.objects import Thing
+from models.objects import Thing, Tray
 from models.person import Person
 from models.surface import Surface
-from models.tray import Tray
 from sandbox.devices.wrappers.drop_outs import DropOuts
 from sandbox.session.device import Device
 from sandbox.session.messages import Snapshot

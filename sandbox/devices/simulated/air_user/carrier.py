@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from models.tray import Tray
+from models.objects import Tray
 from sandbox.devices.simulated.air_user.holds import Hold
 from sandbox.devices.simulated.air_user.person import AirPerson, Stage
 from tasks.user import SeenObject, Sight

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.errors import InputError
-from models.objects import Box, Thing, Wrench
-from models.tray import Tray
+from models.objects import Box, Thing, Tray, Wrench
 from tasks.goals import flat_yaw
 from tasks.task import Goal
 from tasks.user import SeenObject
