@@ -1,4 +1,4 @@
-"""Objects to manipulate: boxes and wrenches."""
+"""Objects to manipulate: boxes, wrenches and a tray."""
 
 from __future__ import annotations
 
@@ -305,11 +305,11 @@ def _text(values: ArrayLike) -> str:
 
 WOOD, DARK_WOOD = (0.80, 0.60, 0.38), (0.55, 0.37, 0.22)
 
-DECK = (0.080, 0.060, 0.007)
+TRAY_DECK = (0.080, 0.060, 0.007)
 """m, half the edges of the deck of a tray of size 1: broader than a hand opens."""
-HANDLE = (0.035, 0.015, 0.018)
+TRAY_HANDLE = (0.035, 0.015, 0.018)
 """m, half the edges of each of its handles, which begin where the deck ends."""
-GRIP = 0.120
+TRAY_GRIP = 0.120
 """m from a tray's middle to where a hand closes on a handle."""
 
 
@@ -336,18 +336,18 @@ class Tray:
     @property
     def grip(self) -> float:
         """m, distance from the middle to the point where a hand closes on a handle."""
-        return self.size * GRIP
+        return self.size * TRAY_GRIP
 
     @property
     def handle(self) -> tuple[float, float, float]:
         """(3,) m, half the edges of a handle."""
-        a, b, c = (self.size * half for half in HANDLE)
+        a, b, c = (self.size * half for half in TRAY_HANDLE)
         return a, b, c
 
     def scaled(self, size: float) -> Tray:
         """The same tray in another size, with the same place and mass."""
         x, y, z = self.position
-        raised = (size - 1.0) * self.size * HANDLE[2]
+        raised = (size - 1.0) * self.size * TRAY_HANDLE[2]
         return replace(self, size=self.size * size, position=(x, y, z + raised))
 
     def body(self) -> Element:
@@ -385,7 +385,7 @@ class Tray:
 
     def _pieces(self) -> list[tuple[str, Array, Array]]:
         """Name, middle (3,) and half edges (3,), m, of deck and handles."""
-        deck, handle = self.size * np.array(DECK), self.size * np.array(HANDLE)
+        deck, handle = self.size * np.array(TRAY_DECK), self.size * np.array(TRAY_HANDLE)
         out = deck[0] + handle[0]
         # All of them stand on the table.
         return [
@@ -393,7 +393,3 @@ class Tray:
             ("right", np.array([out, 0.0, 0.0]), handle),
             ("left", np.array([-out, 0.0, 0.0]), handle),
         ]
-
-
-def _text(values: ArrayLike) -> str:
-    return " ".join(f"{float(v):.9g}" for v in np.asarray(values, float))

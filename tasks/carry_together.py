@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.errors import InputError
-from models.objects import GRIP, HANDLE, Tray
+from models.objects import TRAY_GRIP, TRAY_HANDLE, Tray
 from models.surface import Surface
 from tasks.sensing import Sensing
 from tasks.task import Goal, Measure
@@ -88,8 +88,8 @@ class CarryTogether:
         rng = np.random.default_rng([seed, cls.version, 20])
         # Nowhere else is there a tray with both grips in their halves.
         width, height = surface.size.tolist()
-        low = (max(width / 2 - GRIP + SEAM, 0.0), 0.0)
-        high = (min(width / 2 + GRIP - SEAM, width), height)
+        low = (max(width / 2 - TRAY_GRIP + SEAM, 0.0), 0.0)
+        high = (min(width / 2 + TRAY_GRIP - SEAM, width), height)
         for _ in range(_TRIES):
             start, end = rng.uniform(low, high, (2, 2)).tolist()
             yaw, goal_yaw = rng.uniform(-YAW, YAW, 2).tolist()
@@ -110,8 +110,8 @@ class CarryTogether:
             )
         mass, rise = float(rng.uniform(*MASS)), float(rng.uniform(*RISE))
         places = surface.to_world(np.array([start, end]))[:, :2].tolist()
-        tray = Tray("tray", mass, (*places[0], HANDLE[2]), yaw)
-        goal = Goal("tray", (*places[1], HANDLE[2] + rise), goal_yaw)
+        tray = Tray("tray", mass, (*places[0], TRAY_HANDLE[2]), yaw)
+        goal = Goal("tray", (*places[1], TRAY_HANDLE[2] + rise), goal_yaw)
         return cls(seed, (tray,), (goal,))
 
     def measure(self, sensing: Sensing) -> Measure:
@@ -144,7 +144,7 @@ class CarryTogether:
 def _fits(middle: list[float], yaw: float, surface: Surface) -> bool:
     """Whether both grips of a tray are where their hands can reach; all on the surface."""
     # Yaw goes counterclockwise seen from above, where the surface's y points down.
-    way = GRIP * np.array([np.cos(yaw), -np.sin(yaw)])
+    way = TRAY_GRIP * np.array([np.cos(yaw), -np.sin(yaw)])
     right, left = middle + way, middle - way
     width, height = surface.size
     half = width / 2
