@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.regression.collapsed import FLAGS
-from encoders.regression.pca_ik import pca_ik_model
+from encoders.regression.model_registry import pca_ik_model
 
 Array = NDArray[np.float64]
 Job = TypeVar("Job")

@@ -10,6 +10,7 @@ from models import lazy_names  # before NumPy: `models` pins the BLAS kernel
 
 if TYPE_CHECKING:
     from encoders.capture import Capture
+    from encoders.encoder import Encoder
     from encoders.input_vector import contact_vector
     from encoders.paalm.paalm import Paalm
     from encoders.regression.pca_ik import PcaIkEncoder
@@ -29,6 +30,7 @@ else:
         {
             "Capture": "encoders.capture",
             "CubicEncoder": "encoders.regression.polynomial",
+            "Encoder": "encoders.encoder",
             "LinearEncoder": "encoders.regression.polynomial",
             "Paalm": "encoders.paalm.paalm",
             "PcaIkEncoder": "encoders.regression.pca_ik",
@@ -48,6 +50,7 @@ else:
 __all__ = [
     "Capture",
     "CubicEncoder",
+    "Encoder",
     "LinearEncoder",
     "Paalm",
     "PcaIkEncoder",

@@ -52,13 +52,13 @@ def write_npz(path: Path, header: Mapping[str, Any], arrays: Mapping[str, NDArra
 
 
 def read_npz(
-    path: Path, names: Iterable[str], error: type[InputError], what: str, remedy: str
+    path: Path, names: Iterable[str] | None, error: type[InputError], what: str, remedy: str
 ) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
     """Header and arrays of a file.
 
     Args:
         path: The file.
-        names: Arrays that it must have.
+        names: Arrays that it must have; None reads whatever arrays it has.
         error: Raised when it is missing, damaged or too large.
         what: What the file should be, for the message: "a capture".
         remedy: How to get a sound one.
@@ -75,7 +75,8 @@ def read_npz(
         if bad is not None:
             raise zipfile.BadZipFile(f"checksum of {bad}")
         with np.load(path, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in names}
+            wanted = [n for n in file.files if n != "header"] if names is None else names
+            arrays = {name: file[name] for name in wanted}
             header = json.loads(bytes(file["header"].tobytes()).decode())
     except FileNotFoundError:
         raise error("no such file", where=where) from None

@@ -6,13 +6,16 @@ Outside code runs only when its task or device is asked for. Its errors are shor
 from __future__ import annotations
 
 import importlib.util
+import inspect
 import sys
 import traceback
+from collections.abc import Mapping
 from functools import cache
 from hashlib import blake2b
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 
 def offered(group: str) -> dict[str, list[EntryPoint]]:
@@ -42,6 +45,10 @@ def failure(error: BaseException) -> str:
     return f"{text} ({theirs[-1].filename}:{theirs[-1].lineno})"
 
 
+_FILES: dict[str, Path] = {}
+"""Name of a module that `load_file` has made -> its file."""
+
+
 @cache
 def load_file(path: Path) -> ModuleType:
     """Loads a Python file as a module; its errors pass through unchanged.
@@ -51,6 +58,7 @@ def load_file(path: Path) -> ModuleType:
     """
     # A unique name, so that it hides no other module; dataclasses look up their module by name.
     name = f"{path.stem}_{blake2b(str(path).encode(), digest_size=4).hexdigest()}"
+    _FILES[name] = path
     spec = importlib.util.spec_from_file_location(name, path)
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
@@ -61,3 +69,32 @@ def load_file(path: Path) -> ModuleType:
         del sys.modules[name]
         raise
     return module
+
+
+def loaded_from(module: str) -> Path | None:
+    """The file of a module that has no name to import it by: of a file loaded, or of a script."""
+    if module == "__main__":
+        script = inspect.getsourcefile(sys.modules[module])
+        return Path(script).resolve() if script else None
+    return _FILES.get(module)
+
+
+def place_of(source: Mapping[str, Any]) -> str:
+    """`FILE.py:CLASS` or `MODULE:CLASS`, as what was recorded of somebody else's class tells it.
+
+    Args:
+        source: `file` and `member`, or `entry_point`, perhaps with `package` and `version`.
+    """
+    if source.get("file"):
+        return f"{source['file']}:{source.get('member', '')}"
+    return str(source.get("entry_point", ""))
+
+
+def how_to_get(source: Mapping[str, Any]) -> str:
+    """The next step for whoever lacks that class: what to install, or what to put where."""
+    if source.get("package"):
+        return f"Install it: pip install '{source['package']}=={source.get('version')}'"
+    if source.get("file"):
+        return f"Put {Path(str(source['file'])).name} back where it was"
+    module = str(source.get("entry_point", "")).partition(":")[0]
+    return f"Put the module {module} on the path: PYTHONPATH=its folder"

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.capture import Capture
+from encoders.encoder import Encoder
 from encoders.input_vector import contact_vectors
 from encoders.labels.belief import BeliefLabels, builtin_belief
 from encoders.labels.belief_training import train_belief
@@ -25,17 +26,22 @@ from encoders.regression.person_correction import (
     train_correction,
 )
 from encoders.regression.polynomial import PolynomialEncoder
-from encoders.regression.trained import TrainedModel, builtin, origin, rounded
+from encoders.regression.trained import (
+    TrainedModel,
+    blocked_predictions,
+    builtin,
+    origin,
+    rounded,
+)
 from encoders.regression.turned import TurnedEncoder
 from encoders.smoothing import PoseFilter, rigid_motion
-from encoders.validation import FOLDS, badness, robust_covariance, trial_folds
-from models.pose import POSE_SIZE, absolute_pose
+from encoders.validation import badness, robust_covariance
+from models.pose import absolute_pose
 from models.skeleton import ADULT
 
 Array = NDArray[np.float64]
-AnyEncoder = PolynomialEncoder | TurnedEncoder
 
-CANDIDATES: dict[str, Callable[[], AnyEncoder]] = {
+CANDIDATES: dict[str, Callable[[], Encoder]] = {
     "quadratic, ridge 0.01": lambda: PolynomialEncoder(2, 0.01),
     "quadratic, ridge 0.03": lambda: PolynomialEncoder(2, 0.03),
     "quadratic, ridge 0.1": lambda: PolynomialEncoder(2, 0.1),
@@ -135,19 +141,6 @@ def train_best_model(
     meta = origin(capture) | {"winner": winner, "validated": _in_cm_degrees(scores)}
     encoder = CANDIDATES[winner]().fit(U, Q)
     return rounded(TrainedModel(name, encoder, covariances[winner], U, Q, meta, correction))
-
-
-def blocked_predictions(
-    make: Callable[[], AnyEncoder], capture: Capture, folds: int = FOLDS
-) -> Array:
-    """(T, 48) relative poses predicted by encoders that had not seen their trial."""
-    U, Q = capture.u, capture.relative
-    predicted = np.empty((len(U), POSE_SIZE))
-    fold = trial_folds(capture.trial, folds)
-    for k in np.unique(fold):
-        out = fold == k
-        predicted[out] = make().fit(U[~out], Q[~out]).predict(U[out])
-    return predicted
 
 
 def _in_cm_degrees(found: dict[str, tuple[float, float]]) -> dict[str, Any]:

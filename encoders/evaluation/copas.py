@@ -20,11 +20,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from encoders.encoder import Encoder
 from encoders.validation import trial_folds
 from models.errors import EncoderError
 
@@ -36,16 +36,6 @@ RULES = ("f_test", "t_test", "clustered")
 
 _STILL = 1e-9
 """rad or m, spread of predictions below which there is no slope to speak of."""
-
-
-class Encoder(Protocol):
-    """What can be fitted and asked."""
-
-    def fit(self, U: Array, Q: Array) -> Any:
-        """Learns from inputs (T, width) and outputs (T, n)."""
-
-    def predict(self, U: Array) -> Array:
-        """Outputs (T, n) of inputs (T, width)."""
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.evaluation.copas import Encoder
+from encoders.encoder import Encoder
 from encoders.input_vector import contact_vectors
 from encoders.labels.labelling import Labeller
 from models.pose import absolute_pose
@@ -68,16 +68,3 @@ class EncoderMethod:
     def labeller(self) -> Labeller:
         """See `Method.labeller`."""
         return self.make_labeller()
-
-
-class MeanEncoder:
-    """The mean training pose, whatever the touches: what an encoder must beat."""
-
-    def fit(self, U: Array, Q: Array) -> MeanEncoder:
-        """Learns the mean of outputs (T, n)."""
-        self._mean = np.asarray(Q, float).mean(axis=0)
-        return self
-
-    def predict(self, U: Array) -> Array:
-        """(T, n) the mean for inputs (T, width), or (n,) for one input."""
-        return np.broadcast_to(self._mean, (*np.shape(U)[:-1], len(self._mean))).copy()

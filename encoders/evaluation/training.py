@@ -5,50 +5,42 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from importlib import import_module
-from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from encoders.capture import Capture
+from encoders.discovery import guarded, is_place
+from encoders.encoder import Encoder
 from encoders.evaluation.best import CANDIDATES, Best, builtin_best, train_best
-from encoders.evaluation.copas import Encoder
-from encoders.evaluation.methods import EncoderMethod, MeanEncoder, Method
+from encoders.evaluation.methods import EncoderMethod, Method
 from encoders.labels.assignment import AssignmentLabels
 from encoders.labels.belief import builtin_belief
 from encoders.labels.labelling import Labeller, PaperLabels
-from encoders.regression.polynomial import (
-    CubicEncoder,
-    LinearEncoder,
-    PolynomialEncoder,
-    QuadraticEncoder,
-)
+from encoders.regression.registry import ENCODERS, find_encoder, is_outside
+from encoders.regression.stored_encoder import predicted
 from encoders.regression.trained import TrainedModel, load_model
 from models.errors import EncoderError
 from models.pose import POSE_SIZE
 
 Progress = Callable[[float], None]
 
-LEAST_SQUARES: dict[str, Callable[[], PolynomialEncoder]] = {
-    "linear": LinearEncoder,
-    "quadratic": QuadraticEncoder,
-    "cubic": CubicEncoder,
-    "paper": QuadraticEncoder,
+LEAST_SQUARES = {
+    "linear": "linear",
+    "quadratic": "quadratic",
+    "cubic": "cubic",
+    "paper": "quadratic",
 }
-"""The paper's encoders, by plain least squares as there. `paper` is its method: the quadratic."""
+"""The paper's encoders by plain least squares, as there. `paper` is its method: the quadratic."""
 
-INVERSE_KINEMATICS: dict[str, tuple[str, str]] = {
-    "pca-ik": ("encoders.regression.pca_ik", "PcaIkEncoder"),
-    "pca-ik-null": ("encoders.regression.regularised_ik", "NullSpaceIkEncoder"),
-    "map-ik": ("encoders.regression.regularised_ik", "MapIkEncoder"),
-}
-"""Name -> module and class: the paper's rival, that with the rest of the pose projected into the
-null space, and one with the training poses' mean and full covariance as its prior."""
+INVERSE_KINEMATICS = ("pca-ik", "pca-ik-null", "map-ik")
+"""The paper's rival, that with the rest of the pose projected into the null space, and one with the
+training poses' mean and full covariance as its prior."""
 
 NAMES = (*LEAST_SQUARES, *INVERSE_KINEMATICS, "mean", "best")
 """Methods that can be trained by name."""
+
+_EXPECTED = ", ".join(NAMES) + ", a FILE.npz made by `sandbox train`, or FILE.py:CLASS"
 
 
 @dataclass(frozen=True)
@@ -65,20 +57,22 @@ class Training:
     shipped: bool = False
 
     def method(self, name: str, progress: Progress | None = None) -> Method:
-        """A method of `NAMES`, or a model's file, ready for use.
+        """A method of `NAMES`, a model's file or an encoder that is not ours, ready for use.
 
         Raises:
             EncoderError: There is no such method or file, or it cannot learn from this capture.
         """
         if name in LEAST_SQUARES:
-            return self._fitted(name, LEAST_SQUARES[name])
+            return self._fitted(name, ENCODERS[LEAST_SQUARES[name]])
         if name in INVERSE_KINEMATICS:
-            return self._fitted(name, _inverse_kinematics(name), metric="touches")
+            return self._fitted(name, ENCODERS[name], metric="touches")
         if name == "mean":
-            model = self._model(MeanEncoder())
+            model = self._model(ENCODERS[name]())
             return EncoderMethod(
-                name, model.encoder, lambda: AssignmentLabels(model), fresh=MeanEncoder
+                name, model.encoder, lambda: AssignmentLabels(model), fresh=ENCODERS[name]
             )
+        if is_outside(name):
+            return self._fitted(_shown(name), find_encoder(name))
         if name == "best":
             return self._best(progress)
         if Path(name).suffix == ".npz":
@@ -91,18 +85,20 @@ class Training:
             "no such encoder",
             where="--encoders",
             got=name,
-            expected=", ".join(NAMES) + " or a FILE.npz made by `sandbox train`",
+            expected=_EXPECTED,
         )
 
-    def _fitted(self, name: str, fresh: Callable[[], Any], metric: str = "joints") -> EncoderMethod:
+    def _fitted(self, name: str, fresh: type[Encoder], metric: str = "joints") -> EncoderMethod:
         """An encoder with the paper's rule for labels; it has no history, so one will do."""
         model = self._model(fresh())
         paper = PaperLabels(model, metric)
         return EncoderMethod(name, model.encoder, lambda: paper, fresh=fresh)
 
-    def _model(self, encoder: Any) -> TrainedModel:
+    def _model(self, encoder: Encoder) -> TrainedModel:
         U, Q = self._inputs
-        encoder.fit(U, Q)
+        with guarded("the encoder cannot learn", type(encoder).__qualname__):
+            encoder.fit(U, Q)
+        predicted(encoder, U[:1])
         return TrainedModel("", encoder, np.eye(POSE_SIZE), U, Q)
 
     @cached_property
@@ -141,12 +137,11 @@ class CorrectedMethod(BestMethod):
         return self._labeller
 
 
-def _inverse_kinematics(name: str) -> Callable[[], Any]:
-    module, kind = INVERSE_KINEMATICS[name]
-    if find_spec(module) is None:
-        raise EncoderError("this installation has no such inverse kinematics", got=name)
-    made: Callable[[], Any] = getattr(import_module(module), kind)
-    return made
+def _shown(name: str) -> str:
+    """What tables call a method: a file by its stem, an encoder at a place by its class."""
+    if is_place(name):
+        return find_encoder(name).__qualname__
+    return Path(name).stem if Path(name).suffix == ".npz" else name
 
 
 def check_names(names: tuple[str, ...]) -> None:
@@ -157,16 +152,21 @@ def check_names(names: tuple[str, ...]) -> None:
     """
     for name in names:
         path = Path(name)
-        if name not in NAMES and path.suffix != ".npz":
+        if name in NAMES:
+            continue
+        if is_outside(name):
+            find_encoder(name)
+            continue
+        if path.suffix != ".npz":
             raise EncoderError(
                 "no such encoder",
                 where="--encoders",
                 got=name,
-                expected=", ".join(NAMES) + " or a FILE.npz made by `sandbox train`",
+                expected=_EXPECTED,
             )
-        if name not in NAMES and not path.is_file():
+        if not path.is_file():
             raise EncoderError("no such file", where="--encoders", got=name)
-    shown = [name if name in NAMES else Path(name).stem for name in names]
+    shown = [_shown(name) for name in names]
     twice = sorted({n for n in shown if shown.count(n) > 1})
     if twice or not names:
         raise EncoderError(

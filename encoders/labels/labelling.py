@@ -186,9 +186,7 @@ class PaperLabels:
         if metric not in METRICS:
             raise EncoderError("no such metric", got=metric, expected=", ".join(METRICS))
         self.metric = metric
-        # Polynomials have a quicker path for contact vectors; what else predicts has one way.
-        prepare = getattr(model.encoder, "for_contacts", None)
-        self._poses = prepare(fast) if prepare else model.encoder
+        self._poses = model.encoder.for_contacts(fast)
         if metric == "touches":
             self._map = np.diag(np.repeat([1.0, _FLAG_SCALE], [2 * len(FINGERS), len(FINGERS)]))
             frames = np.asarray(model.training_u, float)

@@ -10,6 +10,7 @@ the end.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -27,6 +28,14 @@ terms (measured on captures of the simulated subject: above 1e-6), far above rou
 
 _ROWS = 4096
 """Frames reduced at once; larger blocks leave the processor's caches, smaller ones repeat work."""
+
+
+def is_ridge(value: object) -> bool:
+    """Whether a value can be a penalty: a finite number that is not negative."""
+    if not isinstance(value, int | float | np.number) or isinstance(value, bool):
+        return False
+    # Whole numbers of JSON may be larger than any float.
+    return bool(0 <= value <= sys.float_info.max)
 
 
 class LeastSquares:

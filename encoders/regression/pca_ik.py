@@ -35,16 +35,13 @@ moved, or with a free root also turned, until the fingertip is there. The paper 
 
 from __future__ import annotations
 
-import json
-from functools import cache, cached_property
-from hashlib import blake2b
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from encoders.regression.touch_ik import TouchIkEncoder
 from encoders.regression.touch_neighbour import Mask
-from encoders.regression.trained import TrainedModel, builtin
 from models.errors import EncoderError
 from models.frames import FINGERS
 from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION
@@ -136,6 +133,18 @@ class PcaIkEncoder(TouchIkEncoder):
         self.start = start
         self.components = components
 
+    def configuration(self) -> dict[str, Any]:
+        """See `Encoder.configuration`."""
+        return {
+            **super().configuration(),
+            "compliance_translation": self.compliance_translation,
+            "compliance_rotation": self.compliance_rotation,
+            "reading": self.reading,
+            "free": self.free,
+            "start": self.start,
+            "components": self.components,
+        }
+
     def n_components(self, contacts: int) -> int:
         """Number of components used for so many contacts."""
         wanted = 3 * contacts - 3 if self.components is None else self.components
@@ -201,32 +210,3 @@ class PcaIkEncoder(TouchIkEncoder):
             raise EncoderError("no such start", got=self.start, expected=", ".join(STARTS))
         if self.components is not None and self.components < 0:
             raise EncoderError("no such number of components", got=self.components)
-
-
-PCA_IK = "pca-ik"
-
-
-class PcaIkModel(TrainedModel):
-    """A model whose encoder is inverse kinematics."""
-
-    @cached_property
-    def digest(self) -> str:
-        """BLAKE2b over what it was made from, hexadecimal."""
-        options = {k: v for k, v in vars(self.encoder).items() if isinstance(v, int | float | str)}
-        text = json.dumps([PCA_IK, options, builtin("quadratic").digest], sort_keys=True)
-        return blake2b(text.encode(), digest_size=16).hexdigest()
-
-
-@cache
-def pca_ik_model() -> TrainedModel:
-    """The paper's PCA-IK with its own numbers, fitted to the built-in capture."""
-    like = builtin("quadratic")
-    encoder = PcaIkEncoder().fit(like.training_u, like.training_pose)
-    return PcaIkModel(
-        PCA_IK,
-        encoder,  # type: ignore[arg-type]  # all that a session asks of it is predict
-        like.residual_covariance,
-        like.training_u,
-        like.training_pose,
-        {k: v for k, v in like.meta.items() if k not in ("degree", "ridge")},
-    )

@@ -9,11 +9,15 @@ equal solutions; predictions do not depend on the choice.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from math import comb
+from numbers import Integral
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from encoders.encoder import Encoder
 from encoders.input_vector import CONTACT_VECTOR_SIZE
 from encoders.regression.collapsed import (
     SETS,
@@ -23,7 +27,7 @@ from encoders.regression.collapsed import (
     set_codes,
     set_name,
 )
-from encoders.regression.least_squares import LeastSquares, ridge_path
+from encoders.regression.least_squares import LeastSquares, is_ridge, ridge_path
 from models.errors import EncoderError
 
 __all__ = [
@@ -41,7 +45,7 @@ _LEAST_FINGERS = 2
 """A set that a training can be missed in: one finger has no layout, and captures drop it."""
 
 
-class PolynomialEncoder:
+class PolynomialEncoder(Encoder):
     """Least-squares polynomial from inputs to outputs.
 
     Args:
@@ -61,8 +65,11 @@ class PolynomialEncoder:
     def __init__(self, degree: int = 2, ridge: float = 0.0) -> None:
         self.degree = degree
         self.ridge = ridge
+        self.coef_: Array
+        self._learned = False
+        self._codes: frozenset[int] | None = None
 
-    def fit(self, U: ArrayLike, Q: ArrayLike) -> PolynomialEncoder:
+    def fit(self, U: ArrayLike, Q: ArrayLike) -> Self:
         """Learns from inputs U (T, width) and outputs Q (T, n_outputs).
 
         Raises:
@@ -71,7 +78,7 @@ class PolynomialEncoder:
         """
         return self.fit_blocks([(U, Q)])
 
-    def fit_blocks(self, blocks: Iterable[tuple[ArrayLike, ArrayLike]]) -> PolynomialEncoder:
+    def fit_blocks(self, blocks: Iterable[tuple[ArrayLike, ArrayLike]]) -> Self:
         """Learns from any number of pairs (U, Q), as from all their frames together.
 
         Only one block is held at a time; some ten thousand frames make a good block.
@@ -79,10 +86,7 @@ class PolynomialEncoder:
         Raises:
             EncoderError: As `fit`, or the blocks' widths differ, or there is none.
         """
-        if self.degree not in (1, 2, 3):
-            raise EncoderError("no such degree", got=self.degree, expected="1, 2 or 3")
-        if not 0 <= self.ridge < np.inf:
-            raise EncoderError("no such ridge", got=self.ridge, expected="0 or more, finite")
+        self._check_options()
         sums = LeastSquares(self.degree, self.terms)
         for given in blocks:
             U, Q = (np.asarray(array, float) for array in given)
@@ -105,11 +109,12 @@ class PolynomialEncoder:
             self.coef_, self.rank_ = sums.solve()
         self.constant_inputs_ = tuple(np.flatnonzero(sums.least == sums.greatest).tolist())
         self._codes = None if sums.others else sums.codes
+        self._learned = True
         return self
 
     @property
     def missing_sets_(self) -> tuple[str, ...]:
-        learned = getattr(self, "_codes", None)
+        learned = self._codes
         if learned is None:
             return ()
         return tuple(
@@ -164,7 +169,7 @@ class PolynomialEncoder:
             X[..., start:stop] = X[..., shorter] * U[..., last]
         return X
 
-    def load(self, coef: ArrayLike, n_inputs: int, U: Array | None = None) -> PolynomialEncoder:
+    def load(self, coef: ArrayLike, n_inputs: int, U: Array | None = None) -> Self:
         """Takes over coefficients (K, n_outputs) learned earlier.
 
         Args:
@@ -184,7 +189,23 @@ class PolynomialEncoder:
         self.rank_ = self._terms
         codes = frozenset() if U is None else frozenset(np.unique(set_codes(U)).tolist())
         self._codes = None if U is None or 0 in codes else codes
+        self._learned = True
         return self
+
+    def configuration(self) -> dict[str, Any]:
+        """Degree and ridge."""
+        return {"degree": self.degree, "ridge": self.ridge}
+
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """The coefficients, in single precision."""
+        self._check_learned()
+        return {"coef": self.coef_.astype(np.float32)}
+
+    def restore(self, arrays: Mapping[str, NDArray[Any]], U: Array, Q: Array) -> Self:
+        """See `Encoder.restore`."""
+        self._check_options()
+        terms = comb(U.shape[1] + self.degree, self.degree)
+        return self.load(stored_coefficients(arrays, (terms, Q.shape[1])), U.shape[1], U)
 
     def _plan(self, width: int) -> None:
         """Prepares the products that make the terms of each degree from those of the one below."""
@@ -199,9 +220,35 @@ class PolynomialEncoder:
             last = np.array([t[-1] for t in chosen])
             self._products.append((start, start + len(chosen), shorter, last))
 
+    def _check_options(self) -> None:
+        whole = isinstance(self.degree, Integral) and not isinstance(self.degree, bool)
+        if not whole or self.degree not in (1, 2, 3):
+            raise EncoderError("no such degree", got=self.degree, expected="1, 2 or 3")
+        if not is_ridge(self.ridge):
+            raise EncoderError("no such ridge", got=self.ridge, expected="0 or more, finite")
+
     def _check_learned(self) -> None:
-        if not hasattr(self, "coef_"):
+        if not self._learned:
             raise EncoderError("the encoder has learned nothing yet", remedy="Call fit first")
+
+
+def stored_coefficients(arrays: Mapping[str, NDArray[Any]], shape: tuple[int, ...]) -> Array:
+    """The stored array `coef`, checked.
+
+    Raises:
+        EncoderError: It is missing, has another shape, or is not finite floating point.
+    """
+    coef = arrays.get("coef")
+    if coef is None or coef.dtype.kind != "f" or coef.shape != shape:
+        raise EncoderError(
+            "the coefficients are not the encoder's",
+            where="coef",
+            got="nothing" if coef is None else f"{coef.dtype} {coef.shape}",
+            expected=f"floating point {shape}",
+        )
+    if not np.isfinite(coef).all():
+        raise EncoderError("values must be finite", where="coef")
+    return coef.astype(float)
 
 
 def _check(U: Array, Q: Array) -> None:

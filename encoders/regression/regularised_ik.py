@@ -8,6 +8,8 @@ the training poses' covariance says that it should.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -79,6 +81,16 @@ class NullSpaceIkEncoder(TouchIkEncoder):
         self.compliance_rotation = compliance_rotation
         self.gain = gain
 
+    def configuration(self) -> dict[str, Any]:
+        """See `Encoder.configuration`."""
+        return {
+            **super().configuration(),
+            "desired": self.desired,
+            "compliance_translation": self.compliance_translation,
+            "compliance_rotation": self.compliance_rotation,
+            "gain": self.gain,
+        }
+
     def _learn(self, Q: Array) -> None:
         cost = step_costs(self.compliance_translation, self.compliance_rotation, "damping")
         self._cost = np.maximum(cost, _FLOOR)
@@ -136,6 +148,10 @@ class MapIkEncoder(TouchIkEncoder):
     ) -> None:
         super().__init__(skeleton, iterations, settled, pad_height)
         self.tip_sigma = tip_sigma
+
+    def configuration(self) -> dict[str, Any]:
+        """See `Encoder.configuration`."""
+        return {**super().configuration(), "tip_sigma": self.tip_sigma}
 
     def _learn(self, Q: Array) -> None:
         away = Q - self.mean_

@@ -6,20 +6,21 @@ A concrete encoder says where to start and what one step is.
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Callable
-from typing import NamedTuple, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from encoders.encoder import Encoder
 from encoders.input_vector import CONTACT_VECTOR_SIZE
 from encoders.regression.touch_neighbour import Mask, TouchNeighbours, touches_of
 from models.errors import EncoderError
 from models.kinematics import Kinematics
 from models.one_pose import OnePose, SeveralPoses
 from models.pose import POSE_SIZE
-from models.skeleton import Skeleton
+from models.skeleton import ADULT, Skeleton
 
 Array = NDArray[np.float64]
 
@@ -48,7 +49,7 @@ class IkSolution(NamedTuple):
     """(T,) steps taken."""
 
 
-class TouchIkEncoder(ABC):
+class TouchIkEncoder(Encoder):
     """Inverse kinematics with the interface of an encoder.
 
     The target of a touching fingertip's centre is (x, -y, pad height): over its touch, in the 3-D
@@ -80,6 +81,8 @@ class TouchIkEncoder(ABC):
         self.iterations = iterations
         self.settled = settled
         self.pad_height = pad_height
+        self.mean_: Array
+        self._learned = False
 
     def fit(self, U: ArrayLike, Q: ArrayLike) -> Self:
         """Learns from contact vectors U (T, 15) and relative poses Q (T, 48).
@@ -107,6 +110,7 @@ class TouchIkEncoder(ABC):
         self.mean_ = Q.mean(axis=0)
         self.pad_height_, self.tip_misfit_ = height, float(np.sqrt(np.mean(misfit**2)))
         self._learn(Q)
+        self._learned = True
         return self
 
     def predict(self, U: ArrayLike) -> Array:
@@ -126,7 +130,7 @@ class TouchIkEncoder(ABC):
                 without contact, or a set of fingers for which a nearest neighbour is needed and no
                 training frame has one.
         """
-        if not hasattr(self, "mean_"):
+        if not self._learned:
             raise EncoderError("the encoder has learned nothing yet", remedy="Call fit first")
         down, places = touches_of(U)
         targets = _targets(places, self.pad_height_)
@@ -184,6 +188,24 @@ class TouchIkEncoder(ABC):
             return tips[None], jacobian[None]
 
         return one
+
+    def configuration(self) -> dict[str, Any]:
+        """Options of all encoders by inverse kinematics; a concrete one adds its own.
+
+        Raises:
+            EncoderError: The skeleton is not that of our own hand, which alone has a name.
+        """
+        if self.skeleton is not ADULT:
+            raise EncoderError(
+                "inverse kinematics of another skeleton cannot be stored",
+                got=self.skeleton.name,
+                expected=ADULT.name,
+            )
+        return {
+            "iterations": self.iterations,
+            "settled": self.settled,
+            "pad_height": self.pad_height,
+        }
 
     @abstractmethod
     def _learn(self, Q: Array) -> None:

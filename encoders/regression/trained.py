@@ -7,13 +7,11 @@ person.
 from __future__ import annotations
 
 import json
-import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from hashlib import blake2b
 from importlib.resources import files
-from math import comb
 from pathlib import Path
 from typing import Any
 
@@ -21,14 +19,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.capture import Capture
+from encoders.discovery import guarded
+from encoders.encoder import Encoder
 from encoders.input_vector import CONTACT_VECTOR_SIZE
 from encoders.npz import read_npz, write_npz
+from encoders.regression.least_squares import is_ridge, ridge_path
 from encoders.regression.person_correction import PersonCorrection
-from encoders.regression.polynomial import PolynomialEncoder, ridge_path
-from encoders.regression.turned import SPREADS, TurnedEncoder
+from encoders.regression.polynomial import PolynomialEncoder
+from encoders.regression.registry import ENCODERS, origin_of
+from encoders.regression.stored_encoder import (
+    MODEL_ARRAYS,
+    OUTSIDE,
+    as_stored,
+    described,
+    found_again,
+    predicted,
+    restored,
+)
 from encoders.store import load_capture
-from encoders.validation import badness, robust_covariance, trial_folds
+from encoders.validation import FOLDS, badness, robust_covariance, trial_folds
 from models.errors import EncoderError
+from models.outside import place_of
 from models.pose import BALL_JOINTS, POSE_SIZE
 from models.skeleton import ADULT, Skeleton
 
@@ -36,6 +47,8 @@ Array = NDArray[np.float64]
 
 SCHEMA = 2
 """Version of the file's layout."""
+
+_REMEDY = "`sandbox train --out FILE` makes a sound one"
 
 RIDGES = (1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 1e-1, 3e-1, 1.0, 3.0)
 """Penalties that validation chooses from."""
@@ -69,7 +82,7 @@ class TrainedModel:
     """
 
     name: str
-    encoder: PolynomialEncoder | TurnedEncoder
+    encoder: Encoder
     residual_covariance: Array
     training_u: Array
     training_pose: Array
@@ -80,24 +93,21 @@ class TrainedModel:
     def digest(self) -> str:
         """BLAKE2b over arrays and meta, hexadecimal; two models are the same if theirs is."""
         hash_ = blake2b(digest_size=16)
-        arrays = [
-            self.encoder.coef_,
-            self.residual_covariance,
-            self.training_u,
-            self.training_pose,
-        ]
+        for _, learned in sorted(self.encoder.arrays().items()):
+            hash_.update(np.ascontiguousarray(learned).tobytes())
+        arrays = [self.residual_covariance, self.training_u, self.training_pose]
         if self.correction is not None:
             variance = self.correction.tip_variance
             arrays += [_anchors(self.correction), _lengths(self.correction), variance]
         for array in arrays:
             hash_.update(np.ascontiguousarray(array, np.float32).tobytes())
         hash_.update(json.dumps(self.meta, sort_keys=True).encode())
-        hash_.update(json.dumps(_kind(self.encoder), sort_keys=True).encode())
+        hash_.update(json.dumps(described(self.encoder), sort_keys=True).encode())
         return hash_.hexdigest()
 
 
 def train(capture: Capture, name: str, degree: int, ridge: float | None) -> TrainedModel:
-    """Trains an encoder on a capture.
+    """Trains a polynomial encoder on a capture.
 
     Args:
         capture: Labelled contacts and poses.
@@ -119,6 +129,63 @@ def train(capture: Capture, name: str, degree: int, ridge: float | None) -> Trai
     meta = origin(capture) | {"degree": degree, "ridge": ridge}
     encoder = PolynomialEncoder(degree, ridge).fit(U, Q)
     return rounded(TrainedModel(name, encoder, robust_covariance(residuals), U, Q, meta))
+
+
+def train_encoder(
+    capture: Capture,
+    name: str,
+    make: Callable[[], Encoder],
+    progress: Callable[[float], None] | None = None,
+) -> TrainedModel:
+    """Trains any encoder on a capture.
+
+    Args:
+        capture: Labelled contacts and poses.
+        name: Of the model.
+        make: Makes an encoder that has learned nothing.
+        progress: Called with the share done, 0 to 1.
+
+    Raises:
+        EncoderError: The encoder cannot learn, predict or be stored, or the capture has one trial
+            only.
+    """
+    U, Q = capture.u, capture.relative
+    residuals = Q - blocked_predictions(make, capture, progress=progress)
+    with guarded("the encoder cannot learn", name):
+        encoder = make().fit(U, Q)
+    predicted(encoder, U[:1])
+    covariance = robust_covariance(residuals)
+    return rounded(TrainedModel(name, encoder, covariance, U, Q, origin(capture)))
+
+
+def blocked_predictions(
+    make: Callable[[], Encoder],
+    capture: Capture,
+    folds: int = FOLDS,
+    progress: Callable[[float], None] | None = None,
+) -> Array:
+    """(T, 48) relative poses predicted by encoders that had not seen their trial.
+
+    Args:
+        make: Makes an encoder that has learned nothing.
+        capture: Labelled contacts and poses.
+        folds: Of the cross-validation.
+        progress: Called with the share done, 0 to 1.
+
+    Raises:
+        EncoderError: The encoder cannot learn or predict, or the capture has one trial only.
+    """
+    U, Q = capture.u, capture.relative
+    found = np.empty((len(U), POSE_SIZE))
+    fold = trial_folds(capture.trial, folds)
+    for k in np.unique(fold):
+        out = fold == k
+        with guarded("the encoder cannot learn", "fit"):
+            encoder = make().fit(U[~out], Q[~out])
+        found[out] = predicted(encoder, U[out])
+        if progress:
+            progress((k + 1) / (folds + 1))
+    return found
 
 
 def origin(capture: Capture) -> dict[str, Any]:
@@ -150,7 +217,8 @@ def single(array: Array) -> Array:
 
 def rounded(model: TrainedModel) -> TrainedModel:
     """The model as it comes back from a file, so that a saved one predicts alike to the bit."""
-    training_u, covariance = single(model.training_u), single(model.residual_covariance)
+    training_u, training_pose = single(model.training_u), single(model.training_pose)
+    covariance = single(model.residual_covariance)
     correction = model.correction
     if correction is not None:
         correction = replace(
@@ -161,29 +229,13 @@ def rounded(model: TrainedModel) -> TrainedModel:
         )
     return replace(
         model,
-        encoder=_encoder(_kind(model.encoder), single(model.encoder.coef_), training_u),
+        encoder=as_stored(model.encoder, training_u, training_pose),
         residual_covariance=covariance,
         training_u=training_u,
-        training_pose=single(model.training_pose),
+        training_pose=training_pose,
         meta=json.loads(json.dumps(model.meta)),
         correction=correction,
     )
-
-
-def _kind(encoder: PolynomialEncoder | TurnedEncoder) -> dict[str, Any]:
-    """What an encoder is, as JSON values; with its coefficients, all of it."""
-    if isinstance(encoder, TurnedEncoder):
-        return {"kind": "turned", "ridge": encoder.ridge, "turned_ridge": encoder.turned_ridge}
-    return {"kind": "polynomial", "degree": encoder.degree, "ridge": encoder.ridge}
-
-
-def _encoder(
-    kind: Mapping[str, Any], coef: Array, training_u: Array
-) -> PolynomialEncoder | TurnedEncoder:
-    if kind["kind"] == "turned":
-        return TurnedEncoder(kind["ridge"], kind["turned_ridge"]).load(coef)
-    encoder = PolynomialEncoder(kind["degree"], kind["ridge"])
-    return encoder.load(coef, CONTACT_VECTOR_SIZE, training_u)
 
 
 def _anchors(correction: PersonCorrection) -> Array:
@@ -204,16 +256,24 @@ def _skeleton(anchors: Array, lengths: Array) -> Skeleton:
 
 
 def save_model(model: TrainedModel, path: Path, training: bool = True) -> None:
-    """Writes a model as npz, single precision, without pickle.
+    """Writes a model as npz without pickle: a JSON header, and arrays.
+
+    Arrays of the model are in single precision, those of an encoder that is not ours as it gives
+    them.
 
     Args:
         model: The model.
         path: The file.
         training: Whether to write the training data, too. Built-in models leave it out: it is the
             built-in capture, and that is in the package already.
+
+    Raises:
+        EncoderError: The encoder cannot be stored.
     """
-    header = {"schema": SCHEMA, "name": model.name, "meta": model.meta, **_kind(model.encoder)}
-    arrays = {"coef": model.encoder.coef_, "covariance": model.residual_covariance}
+    header = {"schema": SCHEMA, "name": model.name, "meta": model.meta, **described(model.encoder)}
+    if header["kind"] == OUTSIDE:
+        header["from"] = origin_of(type(model.encoder))
+    arrays = {"covariance": single(model.residual_covariance)}
     if training:
         arrays |= {"training_u": model.training_u, "training_pose": model.training_pose}
     if model.correction is not None:
@@ -223,23 +283,23 @@ def save_model(model: TrainedModel, path: Path, training: bool = True) -> None:
             "lengths": _lengths(model.correction),
             "tip_variance": model.correction.tip_variance,
         }
-    write_npz(path, header, {name: a.astype(np.float32) for name, a in arrays.items()})
+    ours = {name: array.astype(np.float32) for name, array in arrays.items()}
+    write_npz(path, header, model.encoder.arrays() | ours)
 
 
 def load_model(path: Path, capture: Capture | None = None) -> TrainedModel:
-    """Reads a model.
+    """Reads a model. One of an encoder that is not ours also loads the code of its class.
 
     Args:
         path: The file.
         capture: Of what the model was trained on, where the file does not hold it.
 
     Raises:
-        EncoderError: The file is missing, damaged, of another version or breaks its contract.
+        EncoderError: The file is missing, damaged, of another version or breaks its contract, or
+            the class of its encoder is not on this machine.
     """
-    where, what = str(path), "a trained model"
-    names = ["coef", "covariance", *(() if capture else ("training_u", "training_pose"))]
-    remedy = "`sandbox train --out FILE` makes a sound one"
-    header, raw = read_npz(path, names, EncoderError, what, remedy)
+    where = str(path)
+    header, raw = read_npz(path, None, EncoderError, "a trained model", _REMEDY)
     if header.get("schema") != SCHEMA:
         raise EncoderError(
             "another version's model",
@@ -248,19 +308,30 @@ def load_model(path: Path, capture: Capture | None = None) -> TrainedModel:
             expected=str(SCHEMA),
             remedy="`sandbox train` makes it anew from its capture",
         )
-    meta: Any = header.get("meta")
-    if not _sound(header) or not isinstance(meta, dict):
-        raise EncoderError("the header is damaged", where=where, remedy=remedy)
-    distrust: Any = header.get("distrust")
+    meta, distrust = header.get("meta"), header.get("distrust")
+    if not isinstance(meta, dict) or not _is_distrust(distrust):
+        raise EncoderError("the header is damaged", where=where, remedy=_REMEDY)
+    wanted = ["covariance"]
+    if capture is None:
+        wanted += ["training_u", "training_pose"]
     if distrust is not None:
-        names = ["anchors", "lengths", "tip_variance"]
-        raw |= read_npz(path, names, EncoderError, what, remedy)[1]
-    if any(array.dtype.kind != "f" for array in raw.values()):
-        raise EncoderError("wrong type", where=where, expected="floating point", remedy=remedy)
-    arrays = {name: array.astype(float) for name, array in raw.items()}
-    if capture:
+        wanted += ["anchors", "lengths", "tip_variance"]
+    arrays = {name: _array(raw, name, where) for name in wanted}
+    if capture is not None:
         arrays |= {"training_u": single(capture.u), "training_pose": single(capture.relative)}
-    _check(arrays, header, where)
+    _check(arrays, where)
+    learned = {name: array for name, array in raw.items() if name not in MODEL_ARRAYS}
+    U, Q = arrays["training_u"], arrays["training_pose"]
+    try:
+        encoder = _stored_encoder(header, learned, U, Q)
+    except EncoderError as error:
+        raise EncoderError(
+            error.what,
+            where=f"{where}: {error.where}" if error.where else where,
+            got=error.got,
+            expected=error.expected,
+            remedy=error.remedy if header.get("kind") == OUTSIDE else _REMEDY,
+        ) from error
     correction = None
     if distrust is not None:
         bones = _skeleton(arrays["anchors"], arrays["lengths"])
@@ -268,46 +339,59 @@ def load_model(path: Path, capture: Capture | None = None) -> TrainedModel:
             bones, arrays["covariance"], arrays["tip_variance"], float(distrust)
         )
     return TrainedModel(
-        str(header.get("name")),
-        _encoder(header, arrays["coef"], arrays["training_u"]),
-        arrays["covariance"],
-        arrays["training_u"],
-        arrays["training_pose"],
-        meta,
-        correction,
+        str(header.get("name")), encoder, arrays["covariance"], U, Q, meta, correction
     )
 
 
-def _sound(header: Mapping[str, Any]) -> bool:
-    """Whether a header describes an encoder."""
+def _stored_encoder(
+    header: Mapping[str, Any], learned: Mapping[str, NDArray[Any]], U: Array, Q: Array
+) -> Encoder:
+    """The encoder that a header describes.
 
-    def number(name: str) -> bool:
-        value: Any = header.get(name)
-        real = isinstance(value, int | float) and not isinstance(value, bool)
-        # Whole numbers of JSON may be larger than any float.
-        return real and bool(0 <= value <= sys.float_info.max)
+    Raises:
+        EncoderError: The header or the arrays are damaged, or the encoder's class has changed.
+    """
+    name: Any = header.get("kind")
+    if name != OUTSIDE:
+        kind = ENCODERS.get(name) if isinstance(name, str) else None
+        if kind is None:
+            raise EncoderError("the header is damaged", where="kind", got=str(name)[:80])
+        options = {option: header.get(option) for option in kind().configuration()}
+        return restored(kind, options, learned, U, Q)
+    source, told = header.get("from"), header.get("configuration")
+    if not isinstance(source, dict) or not isinstance(told, dict):
+        raise EncoderError("the header is damaged", where="from, configuration")
+    encoder = restored(found_again(source), told, learned, U, Q)
+    if encoder.digest() != header.get("encoder"):
+        raise EncoderError(
+            "the encoder is not as it was stored: the file is damaged, or the class has changed",
+            where=place_of(source),
+            remedy="`sandbox train --encoder` trains it again",
+        )
+    return encoder
 
-    if header.get("distrust") is not None and not (number("distrust") and header["distrust"] > 0):
-        return False
-    if header.get("kind") == "turned":
-        return number("ridge") and number("turned_ridge")
-    degree: Any = header.get("degree")
-    polynomial = header.get("kind") == "polynomial" and type(degree) is int and degree in (1, 2, 3)
-    return polynomial and number("ridge")
+
+def _array(raw: Mapping[str, NDArray[Any]], name: str, where: str) -> Array:
+    if name not in raw:
+        raise EncoderError("a part is missing", where=where, expected=name, remedy=_REMEDY)
+    if raw[name].dtype.kind != "f":
+        raise EncoderError(
+            "wrong type", where=f"{where}: {name}", expected="floating point", remedy=_REMEDY
+        )
+    return raw[name].astype(float)
 
 
-def _check(arrays: dict[str, Array], header: Mapping[str, Any], where: str) -> None:
+def _is_distrust(value: Any) -> bool:
+    """Whether a header's trust in the touches is one, or is absent."""
+    return value is None or (is_ridge(value) and value > 0)
+
+
+def _check(arrays: Mapping[str, Array], where: str) -> None:
     frames = len(np.atleast_1d(arrays["training_u"]))
-    turned = header["kind"] == "turned"
-    degree = 2 if turned else int(header["degree"])
-    coef: tuple[int, ...] = (comb(CONTACT_VECTOR_SIZE + degree, degree), POSE_SIZE)
-    if turned:
-        coef = (1 + len(SPREADS), *coef)
     shapes = {
         "covariance": (POSE_SIZE, POSE_SIZE),
         "training_u": (frames, CONTACT_VECTOR_SIZE),
         "training_pose": (frames, POSE_SIZE),
-        "coef": coef,
         "anchors": (BALL_JOINTS, 3),
         "lengths": (BALL_JOINTS,),
         "tip_variance": (3,),

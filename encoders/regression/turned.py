@@ -12,15 +12,22 @@ The paper fixed the device before the person and used one quadratic; this is our
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import comb, cos, sin
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from encoders.encoder import Encoder
 from encoders.input_vector import CONTACT_VECTOR_SIZE, LIFTED
 from encoders.regression.collapsed import FLAGS, collapse
-from encoders.regression.polynomial import PolynomialEncoder, QuadraticEncoder
+from encoders.regression.least_squares import is_ridge
+from encoders.regression.polynomial import (
+    PolynomialEncoder,
+    QuadraticEncoder,
+    stored_coefficients,
+)
 from models.errors import EncoderError
 from models.frames import FINGERS
 from models.pose import POSE_SIZE, ROOT_POSITION, ROOT_ROTATION
@@ -43,7 +50,7 @@ _UP = np.array([1.0, -1.0])
 """From the surface's y down to the pose's y up."""
 
 
-class TurnedEncoder:
+class TurnedEncoder(Encoder):
     """Quadratics in a frame that turns with the hand.
 
     Args:
@@ -56,8 +63,10 @@ class TurnedEncoder:
 
     def __init__(self, ridge: float = 0.03, turned_ridge: float = 0.1) -> None:
         self.ridge, self.turned_ridge = ridge, turned_ridge
+        self.coef_: Array
+        self._learned = False
 
-    def fit(self, U: ArrayLike, Q: ArrayLike) -> TurnedEncoder:
+    def fit(self, U: ArrayLike, Q: ArrayLike) -> Self:
         """Learns from contact vectors (T, 15) and relative poses (T, 48).
 
         Equal inputs give equal encoders: the errors of the turn come from a fixed seed.
@@ -83,7 +92,7 @@ class TurnedEncoder:
             stages.append(QuadraticEncoder(self.turned_ridge).fit(inputs, outputs))
         return self._made_of(stages)
 
-    def load(self, coef: ArrayLike) -> TurnedEncoder:
+    def load(self, coef: ArrayLike) -> Self:
         """Takes over coefficients (1 + rounds, 136, 48) learned earlier.
 
         Raises:
@@ -110,8 +119,7 @@ class TurnedEncoder:
         Raises:
             EncoderError: Other inputs, or nothing was learned yet.
         """
-        if not hasattr(self, "coef_"):
-            raise EncoderError("the encoder has learned nothing yet", remedy="Call fit first")
+        self._check_learned()
         U = np.asarray(U, float)
         if U.shape[-1:] != (CONTACT_VECTOR_SIZE,):
             raise EncoderError(
@@ -131,10 +139,31 @@ class TurnedEncoder:
         result: Array = Q.reshape(*U.shape[:-1], POSE_SIZE)
         return result
 
-    def _made_of(self, stages: list[PolynomialEncoder]) -> TurnedEncoder:
+    def configuration(self) -> dict[str, Any]:
+        """Both ridges."""
+        return {"ridge": self.ridge, "turned_ridge": self.turned_ridge}
+
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """The coefficients, in single precision."""
+        self._check_learned()
+        return {"coef": self.coef_.astype(np.float32)}
+
+    def restore(self, arrays: Mapping[str, NDArray[Any]], U: Array, Q: Array) -> Self:
+        """See `Encoder.restore`."""
+        for ridge in (self.ridge, self.turned_ridge):
+            if not is_ridge(ridge):
+                raise EncoderError("no such ridge", got=ridge, expected="0 or more, finite")
+        return self.load(stored_coefficients(arrays, (1 + len(SPREADS), *_COEF)))
+
+    def _check_learned(self) -> None:
+        if not self._learned:
+            raise EncoderError("the encoder has learned nothing yet", remedy="Call fit first")
+
+    def _made_of(self, stages: list[PolynomialEncoder]) -> Self:
         self._stages = stages
         self.coef_ = np.stack([s.coef_ for s in stages])
         self._one = TurnedPose(self.coef_)
+        self._learned = True
         return self
 
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 from models.errors import InputError, RecordingError
+from models.outside import how_to_get, place_of
 from tasks.registry import find_task
 
 
@@ -25,7 +25,7 @@ def recorded_task(header: dict[str, Any], where: str) -> str:
         # Ours; another version's is refused with the settings.
         return name
     reasons = []
-    for candidate in (name, _place(source)):
+    for candidate in (name, place_of(source)):
         if not candidate:
             continue
         try:
@@ -40,22 +40,6 @@ def recorded_task(header: dict[str, Any], where: str) -> str:
         "its task is not on this machine as it was",
         where=where,
         got=reasons[-1],
-        expected=f"{name} from {_place(source)}",
-        remedy=_remedy(source),
+        expected=f"{name} from {place_of(source)}",
+        remedy=how_to_get(source),
     )
-
-
-def _place(source: dict[str, Any]) -> str:
-    """`FILE.py:Class` or `module:Class`."""
-    if source.get("file"):
-        return f"{source['file']}:{source.get('member', '')}"
-    return str(source.get("entry_point", ""))
-
-
-def _remedy(source: dict[str, Any]) -> str:
-    if source.get("package"):
-        return f"Install it: pip install '{source['package']}=={source.get('version')}'"
-    if source.get("file"):
-        return f"Put {Path(str(source['file'])).name} back where it was"
-    module = str(source.get("entry_point", "")).partition(":")[0]
-    return f"Put the module {module} on the path: PYTHONPATH=its folder"

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 from encoders.correction import CorrectionSettings
@@ -16,8 +16,8 @@ from encoders.reconstruction.contact_tracker import TrackerSettings
 from encoders.reconstruction.lift import LiftSettings
 from encoders.reconstruction.personal import Reconstructor, personal
 from encoders.reconstruction.touch_reconstructor import ReconstructorSettings, TouchReconstructor
-from encoders.regression.pca_ik import PCA_IK, pca_ik_model
-from encoders.regression.trained import BUILTIN, TrainedModel, builtin, load_model
+from encoders.regression.model_registry import find_model
+from encoders.regression.trained import TrainedModel
 from models.errors import CaptureError, InputError
 from models.hand import Hand, finger_armature, is_calm
 from models.limits import GENTLE, RateLimit
@@ -59,23 +59,16 @@ through them look wrong; `python -m benchmarks.in_air --links 1` tells the diffe
 
 
 def load_encoder(name: str) -> TrainedModel:
-    """A built-in encoder by name, or a trained model's file.
+    """The model that `--encoder` names; one that has to be trained first says so on stderr.
 
     Raises:
-        InputError: It is neither.
+        InputError: There is none, or it cannot be used.
     """
-    if name in BUILTIN:
-        return builtin(name)
-    if name == PCA_IK:
-        return pca_ik_model()
-    if not Path(name).exists():
-        raise InputError(
-            "there is no such encoder",
-            where="--encoder",
-            got=name,
-            expected=", ".join((*BUILTIN, PCA_IK)) + ", or a file made by `sandbox train`",
-        )
-    return load_model(Path(name))
+    return find_model(name, _tell)
+
+
+def _tell(line: str) -> None:
+    print(f"--encoder: {line}", file=sys.stderr)
 
 
 def digests(settings: RunSettings) -> dict[str, str]:

@@ -13,11 +13,15 @@ from encoders.capture import Capture
 from encoders.evaluation.best import (
     CANDIDATES,
     Best,
-    blocked_predictions,
     builtin_best,
     train_best_model,
 )
-from encoders.regression.trained import TrainedModel, builtin_capture, builtin_folder
+from encoders.regression.trained import (
+    TrainedModel,
+    blocked_predictions,
+    builtin_capture,
+    builtin_folder,
+)
 from encoders.regression.turned import TurnedEncoder
 from encoders.smoothing import PoseFilter
 from encoders.validation import FOLDS, badness, robust_covariance, trial_folds

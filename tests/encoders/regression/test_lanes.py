@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.lanes import in_lanes
-from encoders.regression.pca_ik import pca_ik_model
+from encoders.regression.model_registry import pca_ik_model
 from encoders.regression.trained import builtin_capture
 
 TOUCHES = builtin_capture().u[::301]

@@ -10,7 +10,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from encoders.correction import PAD_HEIGHT
-from encoders.evaluation.best import blocked_predictions
 from encoders.regression.bone_fit import fitted_skeleton, perturbed_skeleton, tip_misses
 from encoders.regression.person_correction import (
     DISTRUSTS,
@@ -19,7 +18,7 @@ from encoders.regression.person_correction import (
     train_correction,
 )
 from encoders.regression.polynomial import PolynomialEncoder
-from encoders.regression.trained import builtin_capture
+from encoders.regression.trained import blocked_predictions, builtin_capture
 from encoders.validation import robust_covariance
 from models.errors import EncoderError
 from models.kinematics import Kinematics

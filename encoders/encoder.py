@@ -1,0 +1,101 @@
+"""The contract of an encoder: relative poses from contact vectors, learned from examples.
+
+Shapes and units, for T frames:
+
+- `U` (T, 15), contact vectors: five (x, y) in inches relative to the leftmost contact, (-1, -1)
+  where a finger is lifted, then five flags, 1 where a finger touches (`encoders.input_vector`).
+- `Q` (T, 48), relative poses: position of the root in metres relative to the leftmost contact, then
+  the root's rotation vector and those of 14 ball joints in radians (`models.pose`).
+
+Our own encoders are in `encoders.regression`, by name in `encoders.regression.registry`. How to
+write another one is told in docs/write-an-encoder.md.
+"""
+
+from __future__ import annotations
+
+import json
+from abc import abstractmethod
+from collections.abc import Mapping
+from hashlib import blake2b
+from typing import Any, Protocol, Self, runtime_checkable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+
+class Predictor(Protocol):
+    """Predicts poses; all that a labeller asks of an encoder."""
+
+    def predict(self, U: ArrayLike, /) -> Array:
+        """Relative poses (T, 48) of contact vectors (T, 15)."""
+
+
+@runtime_checkable
+class Encoder(Protocol):
+    """A stateless estimator of relative poses; a class of your own inherits from it.
+
+    `fit` and `predict` are needed. Everything else has a default: no options, nothing stored but
+    the training frames, and no quicker form for contact vectors.
+
+    The class can be called without arguments, so that a fresh encoder can be made. Equal frames
+    must give equal encoders, and a prediction must not depend on the ones before it: sessions
+    replay to the bit.
+    """
+
+    @abstractmethod
+    def fit(self, U: ArrayLike, Q: ArrayLike) -> Self:
+        """Learns from contact vectors U (T, 15) and relative poses Q (T, 48); gives itself back."""
+
+    @abstractmethod
+    def predict(self, U: ArrayLike) -> Array:
+        """Relative poses (T, 48) of contact vectors (T, 15), or (48,) of one contact vector (15,).
+
+        A session asks for one pose in every touch frame, so a prediction should take less than a
+        millisecond.
+        """
+
+    def configuration(self) -> dict[str, Any]:
+        """Arguments of the constructor, as JSON values, that make an equal encoder.
+
+        The default is for encoders without options.
+        """
+        return {}
+
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """What was learned, by name, as numbers in the precision in which they are to be stored.
+
+        The default stores nothing: `restore` then learns again from the training frames.
+        """
+        return {}
+
+    def restore(self, arrays: Mapping[str, NDArray[Any]], U: Array, Q: Array) -> Self:
+        """Takes over what an equally configured encoder has learned; gives itself back.
+
+        Args:
+            arrays: What `arrays` gave.
+            U: (T, 15) training frames in single precision; a model's file holds them anyway.
+            Q: (T, 48) their relative poses, likewise.
+
+        Raises:
+            EncoderError: The arrays do not belong to such an encoder.
+        """
+        return self.fit(U, Q)
+
+    def for_contacts(self, fast: bool = False) -> Predictor:
+        """What predicts contact vectors most quickly; the encoder itself unless it has such a form.
+
+        Args:
+            fast: Whether to compile it where it can be compiled (extra `fast`: numba).
+        """
+        return self
+
+    def digest(self) -> str:
+        """BLAKE2b over configuration and learned arrays, hexadecimal."""
+        hash_ = blake2b(digest_size=16)
+        hash_.update(json.dumps(self.configuration(), sort_keys=True).encode())
+        for name, array in sorted(self.arrays().items()):
+            hash_.update(f"{name} {array.dtype.str} {array.shape}".encode())
+            hash_.update(np.ascontiguousarray(array).tobytes())
+        return hash_.hexdigest()

@@ -1,0 +1,153 @@
+"""Trained models by name, as `--encoder` takes them: built in, in a file, or trained when needed.
+
+An encoder that is not ours comes as a class that has learned nothing. It is trained on the built-in
+capture, as the built-in models were. Where that takes long, the model is kept in a folder of this
+user under the digest of the encoder's file, its configuration and the capture.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Callable
+from functools import cache, cached_property
+from hashlib import blake2b
+from pathlib import Path
+from tempfile import NamedTemporaryFile
+from time import perf_counter
+
+from encoders.discovery import offered, source_digest
+from encoders.encoder import Encoder
+from encoders.regression.pca_ik import PcaIkEncoder
+from encoders.regression.registry import find_encoder, is_outside, origin_of
+from encoders.regression.trained import (
+    BUILTIN,
+    SCHEMA,
+    TrainedModel,
+    builtin,
+    builtin_capture,
+    load_model,
+    save_model,
+    train_encoder,
+)
+from models.errors import EncoderError
+
+PCA_IK = "pca-ik"
+
+MODELS = (*BUILTIN, PCA_IK)
+"""Names of the models that are always there."""
+
+LONG = 2.0
+"""s; training that takes longer is kept for the next time."""
+
+
+class PcaIkModel(TrainedModel):
+    """A model whose encoder is inverse kinematics."""
+
+    encoder: PcaIkEncoder
+
+    @cached_property
+    def digest(self) -> str:
+        """BLAKE2b over what it was made from, hexadecimal."""
+        given = {k: v for k, v in self.encoder.configuration().items() if v is not None}
+        learned = {
+            "pad_height_": self.encoder.pad_height_,
+            "tip_misfit_": self.encoder.tip_misfit_,
+        }
+        text = json.dumps([PCA_IK, given | learned, builtin("quadratic").digest], sort_keys=True)
+        return blake2b(text.encode(), digest_size=16).hexdigest()
+
+
+@cache
+def pca_ik_model() -> TrainedModel:
+    """The paper's PCA-IK with its own numbers, fitted to the built-in capture."""
+    like = builtin("quadratic")
+    return PcaIkModel(
+        PCA_IK,
+        PcaIkEncoder().fit(like.training_u, like.training_pose),
+        like.residual_covariance,
+        like.training_u,
+        like.training_pose,
+        {k: v for k, v in like.meta.items() if k not in ("degree", "ridge")},
+    )
+
+
+def find_model(name: str, tell: Callable[[str], None]) -> TrainedModel:
+    """The model of a name: built in, a file, or an encoder that is not ours, which is trained.
+
+    Args:
+        name: One of `MODELS`, a file made by `sandbox train`, `FILE.py:CLASS`, `MODULE:CLASS`, or
+            the name of an encoder that an installed package offers.
+        tell: Called with a line before an encoder is trained, and after it.
+
+    Raises:
+        EncoderError: There is none, or it cannot be used.
+    """
+    if name in BUILTIN:
+        return builtin(name)
+    if name == PCA_IK:
+        return pca_ik_model()
+    if is_outside(name):
+        return _trained(find_encoder(name), tell)
+    if not Path(name).exists():
+        known = ", ".join((*MODELS, *sorted(offered())))
+        raise EncoderError(
+            "there is no such encoder",
+            where="--encoder",
+            got=name,
+            expected=f"{known}, a file made by `sandbox train`, or FILE.py:CLASS",
+        )
+    return load_model(Path(name))
+
+
+def cache_folder() -> Path:
+    """Where models that took long to train are kept, by the custom of the system."""
+    if sys.platform == "win32":
+        base = os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local"
+    else:
+        base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    return Path(base) / "hand-sandbox" / "encoders"
+
+
+@cache
+def _trained(kind: type[Encoder], tell: Callable[[str], None]) -> TrainedModel:
+    """The model of a class that is not ours, read from the cache or trained now."""
+    kept = cache_folder() / f"{_key(kind)}.npz"
+    if kept.exists():
+        try:
+            return load_model(kept, builtin_capture())
+        except EncoderError as error:
+            tell(f"a kept model cannot be used: {error}")
+    tell(f"training {kind.__qualname__} on the built-in capture of a simulated subject")
+    began = perf_counter()
+    model = train_encoder(builtin_capture(), kind.__qualname__, kind)
+    took = perf_counter() - began
+    tell(f"trained in {took:.1f} s" + (_keep(model, kept) if took > LONG else ""))
+    return model
+
+
+def _key(kind: type[Encoder]) -> str:
+    """Digest of all that a trained model follows from."""
+    parts = [
+        SCHEMA,
+        origin_of(kind),
+        source_digest(kind),
+        kind().configuration(),
+        builtin("quadratic").digest,
+    ]
+    text = json.dumps(parts, sort_keys=True)
+    return blake2b(text.encode(), digest_size=16).hexdigest()
+
+
+def _keep(model: TrainedModel, path: Path) -> str:
+    """Writes a model for the next time, whole or not at all; what is to be said of it."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with NamedTemporaryFile(dir=path.parent, suffix=".npz", delete=False) as file:
+            scratch = Path(file.name)
+        save_model(model, scratch, training=False)
+        scratch.replace(path)
+    except OSError as error:
+        return f"; it cannot be kept for the next time: {error}"
+    return f"; kept in {path.parent}"
