@@ -291,6 +291,12 @@ def test_ci_runs_the_readme_command_to_the_letter(readme_commands: list[str], ci
     assert re.search(r'^[^#]*bash -euc "\$readme_tests"', ci_run, re.MULTILINE)
 
 
+def test_ci_says_which_thirty_tests_took_longest(ci_run: str) -> None:
+    assert re.search(r'^export PYTEST_ADDOPTS="--durations=30"$', ci_run, re.MULTILINE)
+    # The bare root begins with an empty environment.
+    assert re.search(r'env -i [^#]*PYTEST_ADDOPTS="\$PYTEST_ADDOPTS"', ci_run)
+
+
 def test_ci_run_refuses_a_flag_it_does_not_know(tmp_path: Path) -> None:
     result = subprocess.run(
         [ROOT / ".ci" / "run", "--fast"], cwd=tmp_path, capture_output=True, text=True, check=False

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -30,91 +31,111 @@ from models.pose import absolute_pose
 from tests.encoders.regression.turning import turned_places, turned_pose
 from tests.support.simulation import legal_poses
 
-CAPTURE = builtin_capture()
-TAKES = CAPTURE.select(np.isin(CAPTURE.trial, np.unique(CAPTURE.trial)[:4]))
-"""Whole takes, at the capture's rate."""
 
-SPARSE = CAPTURE.select(np.flatnonzero(CAPTURE.trial % 3 == 0)[::20])
-"""A third of all takes, quickly learned."""
+@cache
+def shipped() -> Best:
+    return builtin_best()
 
-BEST = builtin_best()
+
+@cache
+def takes() -> Capture:
+    """Whole takes, at the capture's rate."""
+    capture = builtin_capture()
+    return capture.select(np.isin(capture.trial, np.unique(capture.trial)[:4]))
+
+
+@cache
+def sparse() -> Capture:
+    """A third of all takes, quickly learned."""
+    capture = builtin_capture()
+    return capture.select(np.flatnonzero(capture.trial % 3 == 0)[::20])
 
 
 def estimate(best: Best, capture: Capture) -> np.ndarray:
     return best.estimate(capture.time, capture.trial, capture.xy)
 
 
-ESTIMATED = estimate(BEST, TAKES)
+@cache
+def estimated() -> np.ndarray:
+    return estimate(shipped(), takes())
 
 
 @pytest.fixture(scope="module")
 def trained() -> TrainedModel:
-    return train_best_model(SPARSE, "mine")
+    return train_best_model(sparse(), "mine")
 
 
 @settings(max_examples=10)
-@given(chosen=st.sets(st.sampled_from(np.unique(TAKES.trial).tolist()), min_size=1))
+@given(
+    chosen=st.sets(
+        st.deferred(lambda: st.sampled_from(np.unique(takes().trial).tolist())), min_size=1
+    )
+)
 def test_a_takes_poses_do_not_depend_on_other_takes(chosen):
-    part = np.isin(TAKES.trial, list(chosen))
-    np.testing.assert_allclose(estimate(BEST, TAKES.select(part)), ESTIMATED[part], atol=1e-9)
+    part = np.isin(takes().trial, list(chosen))
+    np.testing.assert_allclose(
+        estimate(shipped(), takes().select(part)), estimated()[part], atol=1e-9
+    )
 
 
 @settings(max_examples=10)
-@given(first=st.integers(0, len(TAKES) - 1))
+@given(first=st.deferred(lambda: st.integers(0, len(takes()) - 1)))
 def test_poses_do_not_depend_on_what_comes_later(first):
     part = np.arange(first + 1)
-    np.testing.assert_allclose(estimate(BEST, TAKES.select(part)), ESTIMATED[part], atol=1e-9)
+    np.testing.assert_allclose(
+        estimate(shipped(), takes().select(part)), estimated()[part], atol=1e-9
+    )
 
 
 def test_every_take_begins_with_the_unsmoothed_pose_and_goes_on_with_smoothed_ones():
-    unsmoothed = estimate(replace(BEST, tau=0.0), TAKES)
-    begins = np.concatenate([[True], np.diff(TAKES.trial) != 0])
+    unsmoothed = estimate(replace(shipped(), tau=0.0), takes())
+    begins = np.concatenate([[True], np.diff(takes().trial) != 0])
     assert begins.sum() == 4
-    np.testing.assert_array_equal(ESTIMATED[begins], unsmoothed[begins])
-    assert (np.abs(ESTIMATED - unsmoothed)[~begins].max(axis=1) > 0).mean() > 0.9
+    np.testing.assert_array_equal(estimated()[begins], unsmoothed[begins])
+    assert (np.abs(estimated() - unsmoothed)[~begins].max(axis=1) > 0).mean() > 0.9
 
 
 def test_without_a_filter_every_frame_is_encoded_and_corrected_by_itself():
-    unsmoothed = estimate(replace(BEST, tau=0.0), TAKES)
-    model = BEST.model
-    wanted = absolute_pose(model.encoder.predict(TAKES.u), TAKES.leftmost)
+    unsmoothed = estimate(replace(shipped(), tau=0.0), takes())
+    model = shipped().model
+    wanted = absolute_pose(model.encoder.predict(takes().u), takes().leftmost)
     assert model.correction is not None
-    np.testing.assert_array_equal(unsmoothed, model.correction.correct(wanted, TAKES.xy))
-    bare = estimate(Best(replace(model, correction=None), BEST.belief, 0.0), TAKES)
+    np.testing.assert_array_equal(unsmoothed, model.correction.correct(wanted, takes().xy))
+    bare = estimate(Best(replace(model, correction=None), shipped().belief, 0.0), takes())
     np.testing.assert_array_equal(bare, wanted)
 
 
 @settings(max_examples=10)
 @given(shift=st.tuples(st.floats(-0.2, 0.2), st.floats(-0.2, 0.2)))
 def test_where_on_the_surface_the_hand_is_does_not_matter(shift):
-    moved = ESTIMATED.copy()
+    moved = estimated().copy()
     moved[:, :2] += [shift[0], -shift[1]]
-    found = BEST.estimate(TAKES.time, TAKES.trial, TAKES.xy + shift)
+    found = shipped().estimate(takes().time, takes().trial, takes().xy + shift)
     np.testing.assert_allclose(found, moved, atol=1e-7)
 
 
 def test_estimating_leaves_the_touches_as_they_were():
-    kept = TAKES.xy.copy()
-    estimate(BEST, TAKES)
-    np.testing.assert_array_equal(TAKES.xy, kept)
-    np.testing.assert_array_equal(estimate(BEST, TAKES), ESTIMATED)
+    kept = takes().xy.copy()
+    estimate(shipped(), takes())
+    np.testing.assert_array_equal(takes().xy, kept)
+    np.testing.assert_array_equal(estimate(shipped(), takes()), estimated())
 
 
 def test_on_what_it_was_trained_on_it_is_nearer_than_its_encoder_alone():
-    encoder = absolute_pose(BEST.model.encoder.predict(TAKES.u), TAKES.leftmost)
-    assert badness(ESTIMATED, TAKES.q) < badness(encoder, TAKES.q)
+    encoder = absolute_pose(shipped().model.encoder.predict(takes().u), takes().leftmost)
+    assert badness(estimated(), takes().q) < badness(encoder, takes().q)
 
 
 def test_a_labeller_is_a_fresh_one_each_time():
-    one, other = BEST.labeller(), BEST.labeller()
-    assert one is not other and one is not BEST.belief and other is not BEST.belief
+    one, other = shipped().labeller(), shipped().labeller()
+    assert one is not other and one is not shipped().belief and other is not shipped().belief
 
 
 def test_the_built_in_estimate_is_simulated_and_says_so():
-    meta = BEST.model.meta
-    assert meta["simulated"] is True and meta["capture"] == CAPTURE.meta
-    assert BEST.model.name == "best" and BEST.model.correction is not None
-    assert isinstance(BEST.model.encoder, TurnedEncoder) == meta["winner"].startswith("turned")
+    meta = shipped().model.meta
+    assert meta["simulated"] is True and meta["capture"] == builtin_capture().meta
+    assert shipped().model.name == "best" and shipped().model.correction is not None
+    assert isinstance(shipped().model.encoder, TurnedEncoder) == meta["winner"].startswith("turned")
 
 
 def test_the_packages_data_are_below_five_megabytes():
@@ -122,7 +143,7 @@ def test_the_packages_data_are_below_five_megabytes():
 
 
 def test_the_winner_is_the_candidate_with_the_least_validated_error(trained):
-    for meta in (BEST.model.meta, trained.meta):
+    for meta in (shipped().model.meta, trained.meta):
         corrected = {name: pair[1] for name, pair in meta["validated"].items()}
         assert set(corrected) == set(CANDIDATES)
         assert corrected[meta["winner"]] == min(corrected.values())
@@ -130,18 +151,18 @@ def test_the_winner_is_the_candidate_with_the_least_validated_error(trained):
 
 def test_what_the_table_says_of_a_candidate_is_what_validation_gives(trained):
     winner = trained.meta["winner"]
-    predicted = blocked_predictions(CANDIDATES[winner], SPARSE)
-    plain = 100 * np.rad2deg(badness(predicted, SPARSE.relative))
+    predicted = blocked_predictions(CANDIDATES[winner], sparse())
+    plain = 100 * np.rad2deg(badness(predicted, sparse().relative))
     assert trained.meta["validated"][winner][0] == pytest.approx(plain, abs=1e-3)
     np.testing.assert_array_equal(
         trained.residual_covariance,
-        np.float32(robust_covariance(SPARSE.relative - predicted)),
+        np.float32(robust_covariance(sparse().relative - predicted)),
     )
 
 
 def test_training_again_gives_the_same_model_and_calls_simulated_only_what_is_marked_so(trained):
     told: list[float] = []
-    again = train_best_model(replace(SPARSE, meta={}), "again", told.append)
+    again = train_best_model(replace(sparse(), meta={}), "again", told.append)
     assert told == sorted(told) and len(told) == len(CANDIDATES) and 0 < told[0] <= told[-1] <= 1
     assert again.meta["simulated"] is False and trained.meta["simulated"] is True
     assert replace(again, meta=trained.meta).digest == trained.digest
@@ -151,18 +172,18 @@ def test_training_again_gives_the_same_model_and_calls_simulated_only_what_is_ma
 
 def test_one_take_alone_is_refused():
     with pytest.raises(EncoderError, match="2 trials"):
-        train_best_model(TAKES.select(TAKES.trial == TAKES.trial[0]))
+        train_best_model(takes().select(takes().trial == takes().trial[0]))
 
 
 def test_predictions_of_a_take_are_made_without_it():
     """The take's own poses may be anything: its predictions stay what they were."""
-    take = SPARSE.trial == SPARSE.trial[50]
-    strange = SPARSE.q.copy()
+    take = sparse().trial == sparse().trial[50]
+    strange = sparse().q.copy()
     strange[take] += np.linspace(-1, 1, 48)
     make = CANDIDATES["quadratic, ridge 0.03"]
-    before = blocked_predictions(make, SPARSE)
-    after = blocked_predictions(make, replace(SPARSE, q=strange))
-    fold = trial_folds(SPARSE.trial)
+    before = blocked_predictions(make, sparse())
+    after = blocked_predictions(make, replace(sparse(), q=strange))
+    fold = trial_folds(sparse().trial)
     same = fold == fold[50]
     np.testing.assert_array_equal(after[same], before[same])
     assert np.abs(after - before)[~same].max(axis=1).min() > 0
@@ -190,7 +211,7 @@ def test_the_order_of_frames_does_not_change_their_folds(trials, data):
 
 
 def test_folds_are_about_equally_large():
-    sizes = np.bincount(trial_folds(CAPTURE.trial), minlength=FOLDS)
+    sizes = np.bincount(trial_folds(builtin_capture().trial), minlength=FOLDS)
     assert sizes.min() > 0.9 * sizes.max()
 
 
@@ -243,11 +264,11 @@ def test_the_robust_covariance_is_one_and_no_frame_rules_it(seed):
 def test_the_filter_is_told_how_the_touches_turned(degrees, about):
     """What it finds from touches alone is the turn about the point that they were turned about."""
     time, step = 0.01 * np.arange(10), np.deg2rad(degrees) / 9
-    held = TAKES.xy[int(np.argmax(TAKES.down.sum(axis=1)))]
+    held = takes().xy[int(np.argmax(takes().down.sum(axis=1)))]
     xy = np.stack([turned_places(held, i * step, about) for i in range(10)])
-    found = BEST.estimate(time, np.zeros(10, int), xy)
-    unsmoothed = replace(BEST, tau=0.0).estimate(time, np.zeros(10, int), xy)
-    posture = PoseFilter(BEST.tau)
+    found = shipped().estimate(time, np.zeros(10, int), xy)
+    unsmoothed = replace(shipped(), tau=0.0).estimate(time, np.zeros(10, int), xy)
+    posture = PoseFilter(shipped().tau)
     wanted = [posture.step(unsmoothed[0], np.zeros(2), 0.0)]
     wanted += [posture.step(q, np.zeros(2), 0.01, step, about) for q in unsmoothed[1:]]
     np.testing.assert_allclose(found, wanted, atol=1e-9)

@@ -14,7 +14,6 @@ from models.errors import EncoderError
 
 Contacts = dict[int, tuple[float, float]]
 SEEDS = st.integers(0, 2**32 - 1)
-SHIPPED = builtin_belief().trained
 
 
 @st.composite

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from itertools import permutations
 
 import numpy as np
@@ -24,12 +25,15 @@ from models.errors import EncoderError
 from models.pose import JOINTS
 from models.surface import METRES_PER_INCH
 
-MODEL = builtin("paper")
-LABELLERS: dict[str, Labeller] = {
-    **{metric: PaperLabels(MODEL, metric) for metric in METRICS},
-    "assignment": AssignmentLabels(MODEL),
-}
-BY_NAME = pytest.mark.parametrize("labeller", LABELLERS.values(), ids=LABELLERS.keys())
+
+@cache
+def labeller_of(name: str) -> Labeller:
+    """A labeller that asks the encoder of the paper."""
+    model = builtin("paper")
+    return AssignmentLabels(model) if name == "assignment" else PaperLabels(model, name)
+
+
+BY_NAME = pytest.mark.parametrize("name", [*METRICS, "assignment"])
 
 
 @st.composite
@@ -73,8 +77,9 @@ def test_contact_vectors_of_labellings_are_those_of_single_labellings(
 @BY_NAME
 @given(contacts=touches(), shift=st.tuples(*[st.floats(-1.0, 1.0)] * 2))
 def test_moving_all_touches_moves_no_label(
-    labeller: Labeller, contacts: dict[int, tuple[float, float]], shift: tuple[float, float]
+    name: str, contacts: dict[int, tuple[float, float]], shift: tuple[float, float]
 ) -> None:
+    labeller = labeller_of(name)
     moved = {i: (x + shift[0], y + shift[1]) for i, (x, y) in contacts.items()}
     assert labeller.assign(moved, {}).labels == labeller.assign(contacts, {}).labels
 
@@ -82,8 +87,9 @@ def test_moving_all_touches_moves_no_label(
 @BY_NAME
 @given(contacts=touches(), data=st.data())
 def test_the_order_of_contacts_and_their_numbers_do_not_matter(
-    labeller: Labeller, contacts: dict[int, tuple[float, float]], data: st.DataObject
+    name: str, contacts: dict[int, tuple[float, float]], data: st.DataObject
 ) -> None:
+    labeller = labeller_of(name)
     order = data.draw(st.permutations(list(contacts)))
     other = dict(zip(contacts, order, strict=True))
     renamed = {other[i]: contacts[i] for i in order}
@@ -94,8 +100,9 @@ def test_the_order_of_contacts_and_their_numbers_do_not_matter(
 @BY_NAME
 @given(contacts=touches(), data=st.data())
 def test_fixed_labels_stay_and_every_contact_gets_a_finger_of_its_own(
-    labeller: Labeller, contacts: dict[int, tuple[float, float]], data: st.DataObject
+    name: str, contacts: dict[int, tuple[float, float]], data: st.DataObject
 ) -> None:
+    labeller = labeller_of(name)
     some = data.draw(st.lists(st.sampled_from(list(contacts)), unique=True))
     fingers = data.draw(st.permutations(range(5)))
     fixed = dict(zip(some, fingers, strict=False))
@@ -106,11 +113,12 @@ def test_fixed_labels_stay_and_every_contact_gets_a_finger_of_its_own(
     assert 0.0 <= found.probability <= 1.0
 
 
-@pytest.mark.parametrize("labeller", [LABELLERS[m] for m in METRICS], ids=METRICS)
+@pytest.mark.parametrize("name", METRICS)
 @given(contacts=touches(least=2))
 def test_fixing_what_would_be_chosen_anyway_changes_nothing(
-    labeller: Labeller, contacts: dict[int, tuple[float, float]]
+    name: str, contacts: dict[int, tuple[float, float]]
 ) -> None:
+    labeller = labeller_of(name)
     labels = labeller.assign(contacts, {}).labels
     first = next(iter(labels))
     assert labeller.assign(contacts, {first: labels[first]}).labels == labels
@@ -131,8 +139,9 @@ def test_fixing_what_would_be_chosen_anyway_changes_nothing(
     ],
 )
 def test_questions_without_an_answer_are_refused(
-    labeller: Labeller, contacts: dict[int, tuple[float, float]], fixed: dict[int, int]
+    name: str, contacts: dict[int, tuple[float, float]], fixed: dict[int, int]
 ) -> None:
+    labeller = labeller_of(name)
     with pytest.raises(EncoderError):
         labeller.assign(contacts, fixed)
 
@@ -141,7 +150,7 @@ def test_questions_without_an_answer_are_refused(
 def test_the_paper_rule_is_the_closest_training_pose_of_all(
     contacts: dict[int, tuple[float, float]],
 ) -> None:
-    degrees = np.rad2deg(MODEL.training_pose[:, JOINTS])
+    degrees = np.rad2deg(builtin("paper").training_pose[:, JOINTS])
     best = (np.inf, {})
     for fingers in permutations(range(5), len(contacts)):
         u = contact_vector(
@@ -150,21 +159,21 @@ def test_the_paper_rule_is_the_closest_training_pose_of_all(
                 for f, (x, y) in zip(fingers, contacts.values(), strict=True)
             }
         )
-        guess = np.rad2deg(MODEL.encoder.predict(u)[JOINTS])
+        guess = np.rad2deg(builtin("paper").encoder.predict(u)[JOINTS])
         distance = np.sqrt(np.sum((degrees - guess) ** 2, axis=1).min())
         best = min(best, (distance, dict(zip(contacts, fingers, strict=True))), key=lambda b: b[0])
-    assert LABELLERS["joints"].assign(contacts, {}).labels == best[1]
+    assert labeller_of("joints").assign(contacts, {}).labels == best[1]
 
 
 def test_a_lone_contact_is_the_index_finger_unless_its_name_is_fixed() -> None:
-    labeller = PaperLabels(MODEL)
+    labeller = PaperLabels(builtin("paper"))
     assert labeller.assign({7: (0.1, 0.1)}, {}).labels == {7: INDEX}
     assert labeller.assign({7: (0.1, 0.1)}, {7: 4}).labels == {7: 4}
 
 
 def test_a_training_frame_s_own_touches_are_the_closest_to_it() -> None:
-    labeller = LABELLERS["touches"]
-    for u in MODEL.training_u[:: len(MODEL.training_u) // 40]:
+    labeller = labeller_of("touches")
+    for u in builtin("paper").training_u[:: len(builtin("paper").training_u) // 40]:
         down = np.flatnonzero(u[10:])
         touched = {
             int(f): (u[2 * f] * METRES_PER_INCH + 0.05, u[2 * f + 1] * METRES_PER_INCH + 0.05)
@@ -175,4 +184,4 @@ def test_a_training_frame_s_own_touches_are_the_closest_to_it() -> None:
 
 def test_there_is_no_other_metric() -> None:
     with pytest.raises(EncoderError, match="no such metric"):
-        PaperLabels(MODEL, "taxicab")
+        PaperLabels(builtin("paper"), "taxicab")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -23,18 +24,22 @@ from models.errors import EncoderError
 Contacts = dict[int, tuple[float, float]]
 
 SEEDS = st.integers(0, 2**32 - 1)
-SHIPPED = builtin_belief().trained
+
+
+@cache
+def shipped() -> TrainedBelief:
+    return builtin_belief().trained
 
 
 def test_a_belief_comes_back_from_its_file_as_it_was(tmp_path: Path) -> None:
-    SHIPPED.save(tmp_path / "belief.npz")
+    shipped().save(tmp_path / "belief.npz")
     back = load_belief(tmp_path / "belief.npz")
-    assert back.digest == SHIPPED.digest
-    assert back.to_arrays().keys() == SHIPPED.to_arrays().keys()
+    assert back.digest == shipped().digest
+    assert back.to_arrays().keys() == shipped().to_arrays().keys()
     capture = builtin_capture()
     for frame in range(0, len(capture), 701):
         xy = capture.xy[frame, capture.down[frame]]
-        assert np.array_equal(back.evidence.log_posterior(xy), SHIPPED.evidence.log_posterior(xy))
+        assert np.array_equal(back.evidence.log_posterior(xy), shipped().evidence.log_posterior(xy))
 
 
 def test_a_freshly_trained_belief_decides_like_its_file(
@@ -65,7 +70,7 @@ def quickly_trained(monkeypatch: pytest.MonkeyPatch) -> TrainedBelief:
 
 
 def test_the_shipped_belief_was_trained_on_the_shipped_capture() -> None:
-    assert SHIPPED.capture_digest == capture_digest(builtin_capture()), (
+    assert shipped().capture_digest == capture_digest(builtin_capture()), (
         "belief.npz is of another capture: run `python -m encoders.labels.belief_training`"
     )
 
@@ -73,10 +78,10 @@ def test_the_shipped_belief_was_trained_on_the_shipped_capture() -> None:
 @pytest.mark.full
 def test_training_makes_the_shipped_belief_again() -> None:
     trained, _ = training.train_belief(builtin_capture())
-    assert trained.evidence.shapes == SHIPPED.evidence.shapes
-    assert (trained.eta, trained.stay) == (SHIPPED.eta, SHIPPED.stay)
+    assert trained.evidence.shapes == shipped().evidence.shapes
+    assert (trained.eta, trained.stay) == (shipped().eta, shipped().stay)
     for name, array in trained.to_arrays().items():
-        assert np.array_equal(array, SHIPPED.to_arrays()[name]), name
+        assert np.array_equal(array, shipped().to_arrays()[name]), name
 
 
 def test_a_capture_s_digest_notices_a_finger_moved_by_a_hair() -> None:
@@ -98,41 +103,39 @@ def test_a_capture_that_cannot_teach_is_refused(lacking: str) -> None:
         training.train_belief(capture.select(kept))
 
 
-def damage(change: Callable[[dict[str, Any], dict[str, np.ndarray]], object]) -> Any:
-    """Header and arrays of the shipped belief after a change."""
-    header, arrays = json.loads(json.dumps(SHIPPED.header)), SHIPPED.to_arrays()
-    change(header, arrays)
-    return header, arrays
+Damage = Callable[[dict[str, Any], dict[str, np.ndarray]], object]
 
-
-DAMAGED = {
-    "another version": damage(lambda h, a: h.update(schema=1)),
-    "no version": damage(lambda h, a: h.pop("schema")),
-    "no eta": damage(lambda h, a: h.pop("eta")),
-    "eta above one": damage(lambda h, a: h.update(eta=1.5)),
-    "no stay": damage(lambda h, a: h.pop("stay")),
-    "stay below nothing": damage(lambda h, a: h.update(stay=-0.1)),
-    "eta in words": damage(lambda h, a: h.update(eta="much")),
-    "shapes that are a list": damage(lambda h, a: h.update(shapes=[0.1])),
-    "no shape for four": damage(lambda h, a: h["shapes"].pop("4")),
-    "a kernel without width": damage(lambda h, a: h["shapes"]["2"].update(width=0.0)),
-    "a kernel with a colour": damage(lambda h, a: h["shapes"]["3"].update(colour=1.0)),
-    "no order": damage(lambda h, a: h.pop("order")),
-    "order of two": damage(lambda h, a: h["order"].update({"2": 0.5})),
-    "order without exception": damage(lambda h, a: h["order"].update({"4": 1.0})),
-    "layouts cut short": damage(lambda h, a: a.update(layout_3=a["layout_3"][:5])),
-    "layouts that are not finite": damage(lambda h, a: a["layout_2"].fill(np.nan)),
-    "layouts of one number": damage(lambda h, a: a.update(layout_5=np.array(1.0))),
-    "no layouts": damage(lambda h, a: a.update(layout_4=a["layout_4"][:, :0])),
-    "a prior in words": damage(lambda h, a: a.update(prior_2=np.array(["a"] * 10))),
-    "no prior": damage(lambda h, a: a.pop("prior_1")),
-    "a prior of too much": damage(lambda h, a: a.update(prior_3=2 * a["prior_3"])),
-    "a prior that rules out": damage(lambda h, a: a.update(prior_2=np.eye(10)[0])),
+DAMAGES: dict[str, Damage] = {
+    "another version": lambda h, a: h.update(schema=1),
+    "no version": lambda h, a: h.pop("schema"),
+    "no eta": lambda h, a: h.pop("eta"),
+    "eta above one": lambda h, a: h.update(eta=1.5),
+    "no stay": lambda h, a: h.pop("stay"),
+    "stay below nothing": lambda h, a: h.update(stay=-0.1),
+    "eta in words": lambda h, a: h.update(eta="much"),
+    "shapes that are a list": lambda h, a: h.update(shapes=[0.1]),
+    "no shape for four": lambda h, a: h["shapes"].pop("4"),
+    "a kernel without width": lambda h, a: h["shapes"]["2"].update(width=0.0),
+    "a kernel with a colour": lambda h, a: h["shapes"]["3"].update(colour=1.0),
+    "no order": lambda h, a: h.pop("order"),
+    "order of two": lambda h, a: h["order"].update({"2": 0.5}),
+    "order without exception": lambda h, a: h["order"].update({"4": 1.0}),
+    "layouts cut short": lambda h, a: a.update(layout_3=a["layout_3"][:5]),
+    "layouts that are not finite": lambda h, a: a["layout_2"].fill(np.nan),
+    "layouts of one number": lambda h, a: a.update(layout_5=np.array(1.0)),
+    "no layouts": lambda h, a: a.update(layout_4=a["layout_4"][:, :0]),
+    "a prior in words": lambda h, a: a.update(prior_2=np.array(["a"] * 10)),
+    "no prior": lambda h, a: a.pop("prior_1"),
+    "a prior of too much": lambda h, a: a.update(prior_3=2 * a["prior_3"]),
+    "a prior that rules out": lambda h, a: a.update(prior_2=np.eye(10)[0]),
 }
+"""Changes of the header and the arrays of a sound belief, after which it must be refused."""
 
 
-@pytest.mark.parametrize(("header", "arrays"), DAMAGED.values(), ids=DAMAGED.keys())
-def test_damaged_arrays_are_refused(header: dict[str, Any], arrays: dict[str, np.ndarray]) -> None:
+@pytest.mark.parametrize("damage", DAMAGES.values(), ids=DAMAGES.keys())
+def test_damaged_arrays_are_refused(damage: Damage) -> None:
+    header, arrays = json.loads(json.dumps(shipped().header)), shipped().to_arrays()
+    damage(header, arrays)
     with pytest.raises(EncoderError):
         TrainedBelief.from_arrays(header, arrays)
 
@@ -140,7 +143,7 @@ def test_damaged_arrays_are_refused(header: dict[str, Any], arrays: dict[str, np
 @given(cut=st.floats(0.0, 0.999))
 def test_a_file_cut_short_is_refused(cut: float, tmp_path_factory: pytest.TempPathFactory) -> None:
     path = tmp_path_factory.mktemp("belief") / "belief.npz"
-    SHIPPED.save(path)
+    shipped().save(path)
     whole = path.read_bytes()
     path.write_bytes(whole[: int(cut * len(whole))])
     with pytest.raises(EncoderError, match="damaged"):

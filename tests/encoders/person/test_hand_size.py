@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import mujoco
@@ -170,19 +171,22 @@ def test_one_misunderstood_spread_does_not_decide_alone():
 
 
 @pytest.mark.parametrize(
-    ("layouts", "says"),
+    ("layouts_of", "says"),
     [
-        ([], "three spreads"),
-        (someone()[:2], "three spreads"),
-        ([xy[:4] for xy in someone()], "three spreads"),
-        ([*someone()[:2], np.full((5, 2), np.nan)], "three spreads"),
-        ([someone()[0]] * 3, "hardly different"),
-        ([xy * 1.02**i for i, xy in enumerate([someone()[0]] * 3)], "hardly different"),
-        ([s * CROSS for s in (1.0, 1.7, 2.5)], "like a hand's"),
-        ([3 * xy for xy in someone()], "do not tell"),
+        (lambda spreads: [], "three spreads"),
+        (lambda spreads: spreads[:2], "three spreads"),
+        (lambda spreads: [xy[:4] for xy in spreads], "three spreads"),
+        (lambda spreads: [*spreads[:2], np.full((5, 2), np.nan)], "three spreads"),
+        (lambda spreads: [spreads[0]] * 3, "hardly different"),
+        (lambda spreads: [spreads[0] * 1.02**i for i in range(3)], "hardly different"),
+        (lambda spreads: [s * CROSS for s in (1.0, 1.7, 2.5)], "like a hand's"),
+        (lambda spreads: [3 * xy for xy in spreads], "do not tell"),
     ],
 )
-def test_layouts_that_tell_no_size_are_refused_with_the_reason(layouts, says):
+def test_layouts_that_tell_no_size_are_refused_with_the_reason(
+    layouts_of: Callable[[list[np.ndarray]], list[np.ndarray]], says: str
+) -> None:
+    layouts = layouts_of(someone())
     with pytest.raises(InputError, match=says):
         builtin_sizes().estimate(layouts)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -26,11 +27,22 @@ from sandbox.trial.headless import run_trial
 from sandbox.trial.settings import RunSettings
 from tasks.simulated_user.spreads import spread_layout
 
-RANGE = YawRange.of(builtin_capture().u)
-NATURAL = spread_layout(ADULT, 0.0, 0.0, 0.0) * [1.0, -1.0]
-"""(5, 2) m, x right and y down: fingertips of a relaxed hand, thumb first, about their middle."""
-MIDDLE = float(RANGE.turn(contact_vector(dict(enumerate(map(tuple, NATURAL))))))
-"""rad, how that hand is turned: not quite as the trained hands were on average."""
+
+@cache
+def trained_range() -> YawRange:
+    return YawRange.of(builtin_capture().u)
+
+
+@cache
+def natural() -> np.ndarray:
+    """(5, 2) m, x right, y down, about the middle: fingertips of a relaxed hand, thumb first."""
+    return spread_layout(ADULT, 0.0, 0.0, 0.0) * [1.0, -1.0]
+
+
+@cache
+def middle() -> float:
+    """rad, how that hand is turned: not quite as the trained hands were on average."""
+    return float(trained_range().turn(contact_vector(dict(enumerate(map(tuple, natural()))))))
 
 
 def turned(xy: np.ndarray, angle: float) -> np.ndarray:
@@ -41,7 +53,7 @@ def turned(xy: np.ndarray, angle: float) -> np.ndarray:
 
 def u_of(turn: float, fingers=range(5), names=None) -> np.ndarray:
     """Contact vector of a hand at a turn, with the names its fingers got."""
-    xy = turned(NATURAL, turn - MIDDLE) / METRES_PER_INCH
+    xy = turned(natural(), turn - middle()) / METRES_PER_INCH
     names = list(fingers) if names is None else names
     pairs = zip(names, fingers, strict=True)
     return contact_vector({int(n): (float(xy[f, 0]), float(xy[f, 1])) for n, f in pairs})
@@ -56,35 +68,35 @@ def test_the_turn_of_four_or_five_touches_does_not_depend_on_what_they_are_calle
     turn, fingers, data
 ):
     names = data.draw(st.permutations(fingers))
-    plain = RANGE.turn(u_of(turn, fingers))
+    plain = trained_range().turn(u_of(turn, fingers))
     # Whoever is leftmost stays so, hence positions are those of the true fingers.
-    assert np.cos(RANGE.turn(u_of(turn, fingers, names)) - plain) == pytest.approx(1.0)
+    assert np.cos(trained_range().turn(u_of(turn, fingers, names)) - plain) == pytest.approx(1.0)
     assert np.cos(plain - turn) > np.cos(np.deg2rad(20.0))
 
 
 @given(turn=st.floats(-3.1, 3.1), fingers=st.sampled_from([(0, 1), (0, 1, 2), (1, 2, 3), (2, 4)]))
 def test_the_turn_of_two_or_three_touches_is_that_of_their_names(turn, fingers):
-    assert np.cos(RANGE.turn(u_of(turn, fingers)) - turn) > np.cos(np.deg2rad(25.0))
+    assert np.cos(trained_range().turn(u_of(turn, fingers)) - turn) > np.cos(np.deg2rad(25.0))
 
 
 def test_one_touch_has_no_turn():
-    assert RANGE.turn(u_of(0.3, (1,))) is None
+    assert trained_range().turn(u_of(0.3, (1,))) is None
 
 
 def test_the_range_holds_the_turns_of_the_training_and_is_not_the_whole_circle():
-    assert -np.pi < RANGE.low < -0.5 < 0.5 < RANGE.high < np.pi
-    turns = RANGE.layout.turns
-    beyond = np.array([RANGE.beyond(t) for t in turns])
+    assert -np.pi < trained_range().low < -0.5 < 0.5 < trained_range().high < np.pi
+    turns = trained_range().layout.turns
+    beyond = np.array([trained_range().beyond(t) for t in turns])
     assert np.mean(beyond > 0) < 0.02
     assert np.mean(beyond > YawWarning().outside) < 0.005
 
 
 @given(turn=st.floats(-3.14, 3.14))
 def test_how_far_a_turn_is_beyond_the_range_is_the_way_to_its_nearer_end(turn):
-    beyond = RANGE.beyond(turn)
-    ends = np.array([RANGE.low, RANGE.high])
+    beyond = trained_range().beyond(turn)
+    ends = np.array([trained_range().low, trained_range().high])
     ways = np.abs((ends - turn + np.pi) % (2 * np.pi) - np.pi)
-    inside = RANGE.low <= turn <= RANGE.high
+    inside = trained_range().low <= turn <= trained_range().high
     assert beyond == pytest.approx(0.0 if inside else ways.min(), abs=1e-9)
     assert 0.0 <= beyond <= np.pi
 
@@ -99,55 +111,57 @@ def test_a_capture_with_few_frames_of_five_fingers_says_nothing_about_turns():
 
 def watched(turns: list[float], watch: YawWatch | None = None, dt: float = 0.1) -> list[str]:
     """Notices while a hand takes these turns, one after another."""
-    watch = watch or YawWatch(RANGE)
+    watch = watch or YawWatch(trained_range())
     return [watch.step(i * dt, u_of(t)) for i, t in enumerate(turns)]
 
 
-FAR = RANGE.high + np.deg2rad(40.0)
+@cache
+def far() -> float:
+    return trained_range().high + np.deg2rad(40.0)
 
 
 def test_a_hand_turned_too_far_is_noticed_once_it_stays_so():
-    notices = watched([0.0] * 5 + [FAR] * 20)
+    notices = watched([0.0] * 5 + [far()] * 20)
     assert not any(notices[:8]) and all(notices[10:])
     assert len(set(notices[10:])) == 1 and "--turn" in notices[-1]
 
 
 def test_a_moment_is_no_warning():
-    assert not any(watched(([0.0] * 5 + [FAR] * 3) * 10))
+    assert not any(watched(([0.0] * 5 + [far()] * 3) * 10))
 
 
 def test_a_turn_that_trembles_at_the_border_gives_one_warning():
     s = YawWarning()
-    border = RANGE.high + s.outside
+    border = trained_range().high + s.outside
     rng = np.random.default_rng(0)
-    watch = YawWatch(RANGE)
-    turns = [0.0] * 5 + [FAR] * 6 + list(border + rng.uniform(-0.05, 0.05, 600))
+    watch = YawWatch(trained_range())
+    turns = [0.0] * 5 + [far()] * 6 + list(border + rng.uniform(-0.05, 0.05, 600))
     notices = watched(turns, watch)
     assert watch.warnings == 1 and all(notices[12:])
 
 
 def test_a_hand_that_turns_back_takes_its_notice_away():
-    notices = watched([FAR] * 10 + [0.0] * 10)
+    notices = watched([far()] * 10 + [0.0] * 10)
     assert notices[9] and not notices[-1]
 
 
 def test_warnings_keep_their_distance_in_time():
-    watch = YawWatch(RANGE)
+    watch = YawWatch(trained_range())
     # In and out once a second for a minute.
-    turns = ([FAR] * 5 + [0.0] * 5) * 60
+    turns = ([far()] * 5 + [0.0] * 5) * 60
     watched(turns, watch)
     assert 2 <= watch.warnings <= 60 / YawWarning().apart + 1
 
 
 def test_lifting_and_landing_again_is_no_new_warning():
-    watch = YawWatch(RANGE)
+    watch = YawWatch(trained_range())
     for i in range(300):
-        watch.step(0.1 * i, None if i % 10 > 7 else u_of(FAR))
+        watch.step(0.1 * i, None if i % 10 > 7 else u_of(far()))
     assert watch.warnings == 1
 
 
 def natural_touches(turn: float, surface: Surface) -> tuple[Contact, ...]:
-    xy = turned(NATURAL, turn - MIDDLE) + surface.size / 2
+    xy = turned(natural(), turn - middle()) + surface.size / 2
     return tuple(Contact(i, float(x), float(y)) for i, (x, y) in enumerate(xy))
 
 

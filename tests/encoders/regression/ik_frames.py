@@ -5,6 +5,9 @@ Encoders learn from every twentieth frame of the built-in, simulated capture, an
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -16,26 +19,52 @@ from models.kinematics import Kinematics
 from models.skeleton import ADULT
 from models.surface import METRES_PER_INCH
 
-CAPTURE = builtin_capture()
-LEARNED, UNSEEN = np.arange(0, len(CAPTURE), 20), np.arange(7, len(CAPTURE), 240)
-U, Q = CAPTURE.u[LEARNED], CAPTURE.relative[LEARNED]
-NEW = CAPTURE.u[UNSEEN]
 KINEMATICS = Kinematics(ADULT)
 
 # Few iterations where a truth does not depend on their number.
-PCA = PcaIkEncoder(iterations=10).fit(U, Q)
-ENCODERS = {
-    "pca": PCA,
-    "pca, root free": PcaIkEncoder(iterations=10, free="root", start="projected").fit(U, Q),
-    "pca, components only": PcaIkEncoder(iterations=10, free="nothing", start="mean").fit(U, Q),
-    "null space, mean": NullSpaceIkEncoder(iterations=10).fit(U, Q),
-    "null space, neighbour": NullSpaceIkEncoder(iterations=10, desired="neighbour").fit(U, Q),
-    "likeliest": MapIkEncoder(iterations=10).fit(U, Q),
+ENCODERS: dict[str, Callable[[], TouchIkEncoder]] = {
+    "pca": lambda: PcaIkEncoder(iterations=10),
+    "pca, root free": lambda: PcaIkEncoder(iterations=10, free="root", start="projected"),
+    "pca, components only": lambda: PcaIkEncoder(iterations=10, free="nothing", start="mean"),
+    "null space, mean": lambda: NullSpaceIkEncoder(iterations=10),
+    "null space, neighbour": lambda: NullSpaceIkEncoder(iterations=10, desired="neighbour"),
+    "likeliest": lambda: MapIkEncoder(iterations=10),
 }
 KINDS = [PcaIkEncoder, NullSpaceIkEncoder, MapIkEncoder]
 
-every_encoder = pytest.mark.parametrize("encoder", ENCODERS.values(), ids=ENCODERS)
+every_encoder = pytest.mark.parametrize("name", ENCODERS)
 every_kind = pytest.mark.parametrize("kind", KINDS)
+
+
+@cache
+def touches() -> np.ndarray:
+    """(T, 15) contact vectors that encoders learn from."""
+    return builtin_capture().u[::20]
+
+
+@cache
+def poses() -> np.ndarray:
+    """(T, 48) relative poses that belong to them."""
+    return builtin_capture().relative[::20]
+
+
+@cache
+def new_touches() -> np.ndarray:
+    """(T, 15) contact vectors of other frames."""
+    return builtin_capture().u[7::240]
+
+
+@cache
+def fitted(name: str) -> TouchIkEncoder:
+    """One of `ENCODERS`, which has learned from `touches` and `poses`."""
+    return ENCODERS[name]().fit(touches(), poses())
+
+
+def pca() -> PcaIkEncoder:
+    """The first of `ENCODERS`."""
+    encoder = fitted("pca")
+    assert isinstance(encoder, PcaIkEncoder)
+    return encoder
 
 
 def row(*fingers: int) -> np.ndarray:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -9,7 +11,10 @@ from benchmarks.lanes import in_lanes
 from encoders.regression.model_registry import pca_ik_model
 from encoders.regression.trained import builtin_capture
 
-TOUCHES = builtin_capture().u[::301]
+
+@cache
+def touches() -> np.ndarray:
+    return builtin_capture().u[::301]
 
 
 def walk(job: tuple[int, int]) -> tuple[int, list[bytes]]:
@@ -17,7 +22,7 @@ def walk(job: tuple[int, int]) -> tuple[int, list[bytes]]:
     start, steps = job
     encoder, poses, at = pca_ik_model().encoder, list[bytes](), start
     for _ in range(steps):
-        q = encoder.predict(TOUCHES[at % len(TOUCHES)])
+        q = encoder.predict(touches()[at % len(touches())])
         poses.append(q.tobytes())
         at += 1 + int(abs(q[6]) * 1e6) % 7
     return start, poses
@@ -31,13 +36,13 @@ def test_every_trial_sees_the_poses_that_it_sees_alone():
 
 def test_what_a_trial_raises_is_raised_and_the_encoder_is_left_as_it_was():
     encoder = pca_ik_model().encoder
-    before = encoder.predict(TOUCHES[0])
+    before = encoder.predict(touches()[0])
 
     def breaks(job: int) -> int:
-        encoder.predict(TOUCHES[job])
+        encoder.predict(touches()[job])
         raise ValueError(f"trial {job}")
 
     with pytest.raises(ValueError, match="trial 3"):
         list(in_lanes(breaks, [3]))
     assert "predict" not in vars(encoder)
-    np.testing.assert_array_equal(encoder.predict(TOUCHES[0]), before)
+    np.testing.assert_array_equal(encoder.predict(touches()[0]), before)

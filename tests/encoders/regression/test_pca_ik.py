@@ -12,12 +12,15 @@ from hypothesis import strategies as st
 
 from encoders import PcaIkEncoder
 from models.pose import JOINTS
-from tests.encoders.regression.ik_frames import KINEMATICS, NEW, PCA, Q, U, row
+from tests.encoders.regression.ik_frames import KINEMATICS, new_touches, pca, poses, row, touches
 from tests.support.simulation import random_pose
 
 
 def test_damped_steps_go_on_where_the_paper_stops_counting():
-    found = {n: PcaIkEncoder(iterations=n).fit(U, Q).solve(NEW).residual for n in (0, 4, 20, 100)}
+    found = {
+        n: PcaIkEncoder(iterations=n).fit(touches(), poses()).solve(new_touches()).residual
+        for n in (0, 4, 20, 100)
+    }
     assert found[0].mean() > found[4].mean() > found[20].mean() > found[100].mean()
     assert (found[100] < found[0] + 1e-3).all()
     assert np.median(found[100]) < 0.003
@@ -27,20 +30,20 @@ def test_damped_steps_go_on_where_the_paper_stops_counting():
 def test_without_compliance_and_with_enough_components_fingertips_are_met(free):
     stiff = PcaIkEncoder(
         compliance_translation=0, compliance_rotation=0, components=30, free=free, iterations=30
-    ).fit(U, Q)
-    assert stiff.solve(NEW).residual.max() < 1e-6
+    ).fit(touches(), poses())
+    assert stiff.solve(new_touches()).residual.max() < 1e-6
 
 
 def test_the_whole_pose_in_all_its_components_meets_fingertips_too():
     stiff = PcaIkEncoder(
         compliance_translation=0, compliance_rotation=0, components=48, free="nothing"
-    ).fit(U, Q)
-    assert stiff.solve(NEW[::4]).residual.max() < 1e-6
+    ).fit(touches(), poses())
+    assert stiff.solve(new_touches()[::4]).residual.max() < 1e-6
 
 
 def test_a_training_frame_stays_nearer_to_itself_than_to_the_mean_pose():
-    away = np.linalg.norm((PCA.predict(U) - Q)[:, JOINTS], axis=1)
-    spread = np.linalg.norm((PCA.mean_ - Q)[:, JOINTS], axis=1)
+    away = np.linalg.norm((pca().predict(touches()) - poses())[:, JOINTS], axis=1)
+    spread = np.linalg.norm((pca().mean_ - poses())[:, JOINTS], axis=1)
     assert away.mean() < 0.25 * spread.mean()
 
 
@@ -51,7 +54,7 @@ def test_poses_change_in_three_k_minus_three_components_and_in_what_is_free(cont
     fingers = sorted(rng.permutation(5)[:contacts])
     inputs = np.array([row(*fingers)] * 60)
     inputs[:, :10] += rng.normal(0, 0.3, (60, 10))
-    encoder = PcaIkEncoder(iterations=1, free=free).fit(U, Q)
+    encoder = PcaIkEncoder(iterations=1, free=free).fit(touches(), poses())
     assert encoder.n_components(contacts) == 3 * contacts - 3
     encoder.iterations = 0
     start = encoder.predict(inputs)
@@ -65,8 +68,8 @@ def test_poses_change_in_three_k_minus_three_components_and_in_what_is_free(cont
 
 
 def test_components_are_those_of_the_training_poses():
-    joints = PcaIkEncoder(free="root").fit(U, Q)
-    away = (Q - Q.mean(axis=0))[:, JOINTS]
+    joints = PcaIkEncoder(free="root").fit(touches(), poses())
+    away = (poses() - poses().mean(axis=0))[:, JOINTS]
     _, singular, directions = np.linalg.svd(away, full_matrices=False)
     share = np.cumsum(singular**2) / np.sum(singular**2)
     np.testing.assert_allclose(joints.explained_, share, rtol=1e-9)
@@ -79,8 +82,10 @@ def test_components_are_those_of_the_training_poses():
 
 def test_a_start_projected_on_all_components_is_the_neighbour_itself():
     options = {"iterations": 0, "components": 45}
-    neighbour = PcaIkEncoder(**options).fit(U, Q).predict(NEW)
-    projected = PcaIkEncoder(**options, start="projected").fit(U, Q).predict(NEW)
+    neighbour = PcaIkEncoder(**options).fit(touches(), poses()).predict(new_touches())
+    projected = (
+        PcaIkEncoder(**options, start="projected").fit(touches(), poses()).predict(new_touches())
+    )
     np.testing.assert_allclose(projected, neighbour, atol=1e-9)
 
 
@@ -90,27 +95,27 @@ def test_fingertips_move_along_the_components_as_the_jacobian_says(seed, contact
     rng = np.random.default_rng(seed)
     q, h = random_pose(rng), 1e-5
     _, J = KINEMATICS.tips_and_jacobian(q)
-    basis = PCA.basis(contacts)
+    basis = pca().basis(contacts)
     moved = [(KINEMATICS.tips(q + h * b) - KINEMATICS.tips(q - h * b)) / (2 * h) for b in basis.T]
     np.testing.assert_allclose(np.stack(moved, axis=-1), J @ basis, atol=1e-8)
 
 
 @pytest.mark.parametrize("finger", range(5))
 def test_one_contact_only_moves_the_mean_pose_over_it(finger):
-    encoder = PcaIkEncoder().fit(U, Q)
+    encoder = PcaIkEncoder().fit(touches(), poses())
     solution = encoder.solve(row(finger)[None])
     assert encoder.n_components(1) == 0
     assert solution.residual[0] < 1e-6
-    touching = U[:, 10 + finger] == 1
-    np.testing.assert_allclose(solution.q[0, 3:], Q[touching, 3:].mean(axis=0), atol=1e-12)
+    touching = touches()[:, 10 + finger] == 1
+    np.testing.assert_allclose(solution.q[0, 3:], poses()[touching, 3:].mean(axis=0), atol=1e-12)
 
 
 def test_more_damping_means_shorter_steps():
     moved = []
     for rotation in (2.5, 25.0, 250.0):
-        encoder = PcaIkEncoder(iterations=1, compliance_rotation=rotation).fit(U, Q)
-        start = PcaIkEncoder(iterations=0).fit(U, Q).predict(NEW)
-        moved.append(np.abs((encoder.predict(NEW) - start)[:, 3:]).mean())
+        encoder = PcaIkEncoder(iterations=1, compliance_rotation=rotation).fit(touches(), poses())
+        start = PcaIkEncoder(iterations=0).fit(touches(), poses()).predict(new_touches())
+        moved.append(np.abs((encoder.predict(new_touches()) - start)[:, 3:]).mean())
     assert moved[0] > moved[1] > moved[2]
 
 
@@ -119,7 +124,9 @@ def test_softness_is_damping_by_the_inverse():
         iterations=5, reading="softness", compliance_translation=10, compliance_rotation=0.04
     )
     np.testing.assert_allclose(
-        soft.fit(U, Q).predict(NEW), PcaIkEncoder(iterations=5).fit(U, Q).predict(NEW), atol=1e-9
+        soft.fit(touches(), poses()).predict(new_touches()),
+        PcaIkEncoder(iterations=5).fit(touches(), poses()).predict(new_touches()),
+        atol=1e-9,
     )
 
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from encoders.capture import Capture
 from encoders.correction import PAD_HEIGHT
 from encoders.regression.bone_fit import fitted_skeleton, perturbed_skeleton, tip_misses
 from encoders.regression.person_correction import (
@@ -29,10 +31,27 @@ from models.skeleton import ADULT
 from tests.support.simulation import HIGHEST, LOWEST
 
 TABLE = Kinematics(ADULT)
-CAPTURE = builtin_capture().select(np.arange(0, len(builtin_capture()), 20))
-PREDICTED = blocked_predictions(lambda: PolynomialEncoder(2, 0.03), CAPTURE)
-COVARIANCE = robust_covariance(CAPTURE.relative - PREDICTED)
-GUESS = absolute_pose(PREDICTED, CAPTURE.leftmost)
+
+
+@cache
+def takes() -> Capture:
+    return builtin_capture().select(np.arange(0, len(builtin_capture()), 20))
+
+
+@cache
+def predicted_poses() -> np.ndarray:
+    return blocked_predictions(lambda: PolynomialEncoder(2, 0.03), takes())
+
+
+@cache
+def error_covariance() -> np.ndarray:
+    return robust_covariance(takes().relative - predicted_poses())
+
+
+@cache
+def first_guess() -> np.ndarray:
+    return absolute_pose(predicted_poses(), takes().leftmost)
+
 
 seeds = st.integers(0, 2**16)
 fingers = st.lists(st.integers(0, 4), min_size=1, max_size=5, unique=True)
@@ -62,11 +81,11 @@ def tip_errors(q: np.ndarray, xy: np.ndarray) -> np.ndarray:
 
 def joint_angle(q: np.ndarray) -> float:
     """rad, mean angle of the joints from the captured ones."""
-    return float(geodesic_angle(joint_vectors(q), joint_vectors(CAPTURE.q)).mean())
+    return float(geodesic_angle(joint_vectors(q), joint_vectors(takes().q)).mean())
 
 
 def wrist_distance(q: np.ndarray) -> float:
-    return float(np.linalg.norm((q - CAPTURE.q)[:, :3], axis=1).mean())
+    return float(np.linalg.norm((q - takes().q)[:, :3], axis=1).mean())
 
 
 @settings(max_examples=40)
@@ -84,10 +103,12 @@ def test_with_the_right_bones_and_full_trust_the_tips_meet_the_touches(seed, dow
 
 
 def test_all_fingers_at_once_meet_their_touches_on_nearly_all_captured_frames():
-    bones = fitted_skeleton(CAPTURE, ADULT)
-    full = PersonCorrection(bones, COVARIANCE, np.full(3, 1e-12))
-    corrected = replace(CAPTURE, q=full.correct(GUESS, CAPTURE.xy))
-    before = np.linalg.norm(tip_misses(Kinematics(bones), replace(CAPTURE, q=GUESS)), axis=1)
+    bones = fitted_skeleton(takes(), ADULT)
+    full = PersonCorrection(bones, error_covariance(), np.full(3, 1e-12))
+    corrected = replace(takes(), q=full.correct(first_guess(), takes().xy))
+    before = np.linalg.norm(
+        tip_misses(Kinematics(bones), replace(takes(), q=first_guess())), axis=1
+    )
     after = np.linalg.norm(tip_misses(Kinematics(bones), corrected), axis=1)
     assert np.median(before) > 0.002
     assert np.quantile(after, 0.9) < 0.0005
@@ -130,10 +151,10 @@ def cost(
 
 
 @settings(max_examples=25)
-@given(seed=seeds, frame=st.integers(0, len(CAPTURE) - 1))
+@given(seed=seeds, frame=st.deferred(lambda: st.integers(0, len(takes()) - 1)))
 def test_the_corrected_pose_is_the_likeliest_one(seed, frame):
     """Central differences of the cost: next to nothing is left to gain in any direction."""
-    q, xy, covariance = CAPTURE.q[frame], CAPTURE.xy[frame], 0.1 * COVARIANCE
+    q, xy, covariance = takes().q[frame], takes().xy[frame], 0.1 * error_covariance()
     variance = np.array([3e-7, 3e-7, 2e-7])
     guess = np.random.default_rng(seed).multivariate_normal(q, covariance)
     found = PersonCorrection(ADULT, covariance, variance).correct(guess[None], xy[None])[0]
@@ -220,15 +241,15 @@ def test_joints_stay_within_their_ranges_wherever_the_touches_are(seed, down, fa
 @pytest.fixture(scope="module")
 def held() -> np.ndarray:
     """(T,) frames that corrections below are not trained on."""
-    return CAPTURE.trial % 3 == 0
+    return takes().trial % 3 == 0
 
 
 def corrected_on_the_rest(skeleton, held: np.ndarray, fit: bool) -> tuple[np.ndarray, float]:
     """Poses (T, 48), the held-out ones corrected, all others as captured; and the distrust."""
-    seen = CAPTURE.select(~held)
-    correction = train_correction(seen, PREDICTED[~held], COVARIANCE, skeleton, fit)
-    q = CAPTURE.q.copy()
-    q[held] = correction.correct(GUESS[held], CAPTURE.xy[held])
+    seen = takes().select(~held)
+    correction = train_correction(seen, predicted_poses()[~held], error_covariance(), skeleton, fit)
+    q = takes().q.copy()
+    q[held] = correction.correct(first_guess()[held], takes().xy[held])
     return q, correction.distrust
 
 
@@ -236,60 +257,64 @@ def corrected_on_the_rest(skeleton, held: np.ndarray, fit: bool) -> tuple[np.nda
 def test_bones_wrong_by_six_percent_are_fitted_and_joints_are_no_worse_than_before(seed, held):
     wrong = perturbed_skeleton(ADULT, np.random.default_rng(seed), 0.06, 0.004)
     corrected, _ = corrected_on_the_rest(wrong, held, fit=True)
-    before = np.where(held[:, None], GUESS, CAPTURE.q)
+    before = np.where(held[:, None], first_guess(), takes().q)
     assert joint_angle(corrected) < joint_angle(before)
     assert wrist_distance(corrected) < wrist_distance(before)
 
 
 def test_for_people_whose_bones_nobody_knows_touches_are_trusted_less(held):
-    seen = CAPTURE.select(~held)
+    seen = takes().select(~held)
     known, unknown = (
-        train_correction(seen, PREDICTED[~held], COVARIANCE, ADULT, fit) for fit in (True, False)
+        train_correction(seen, predicted_poses()[~held], error_covariance(), ADULT, fit)
+        for fit in (True, False)
     )
     assert (unknown.tip_variance > 4 * known.tip_variance).all()
     assert unknown.skeleton is ADULT
 
 
 def test_for_people_whose_bones_nobody_knows_joints_are_hardly_worse_than_before(held):
-    seen = CAPTURE.select(~held)
-    unknown = train_correction(seen, PREDICTED[~held], COVARIANCE, ADULT, fit=False)
-    own = PersonCorrection(ADULT, COVARIANCE, blocked_variance(seen, ADULT))
+    seen = takes().select(~held)
+    unknown = train_correction(seen, predicted_poses()[~held], error_covariance(), ADULT, fit=False)
+    own = PersonCorrection(ADULT, error_covariance(), blocked_variance(seen, ADULT))
     cautious, trusting = [], []
     for seed in range(100, 108):
         bones = perturbed_skeleton(ADULT, np.random.default_rng(seed), 0.06, 0.004)
         for correction, found in ((unknown, cautious), (own, trusting)):
             other = replace(correction, skeleton=bones)
-            found.append(joint_angle(other.correct(GUESS, CAPTURE.xy)))
-    assert np.mean(cautious) < joint_angle(GUESS) + np.deg2rad(1.0)
+            found.append(joint_angle(other.correct(first_guess(), takes().xy)))
+    assert np.mean(cautious) < joint_angle(first_guess()) + np.deg2rad(1.0)
     assert np.mean(cautious) < np.mean(trusting)
 
 
 def test_training_is_the_same_every_time_and_scales_the_variance_by_its_distrust(held):
-    seen = CAPTURE.select(~held)
-    once, again = (train_correction(seen, PREDICTED[~held], COVARIANCE, ADULT) for _ in range(2))
+    seen = takes().select(~held)
+    once, again = (
+        train_correction(seen, predicted_poses()[~held], error_covariance(), ADULT)
+        for _ in range(2)
+    )
     assert once.distrust == again.distrust and once.distrust in DISTRUSTS
     np.testing.assert_array_equal(once.tip_variance, again.tip_variance)
     np.testing.assert_array_equal(once.tip_variance, once.distrust * blocked_variance(seen, ADULT))
 
 
 def test_the_two_directions_along_the_surface_share_one_variance():
-    x, y, z = blocked_variance(CAPTURE, ADULT)
+    x, y, z = blocked_variance(takes(), ADULT)
     assert x == y > 0 and z > 0
-    misses = tip_misses(TABLE, CAPTURE)
+    misses = tip_misses(TABLE, takes())
     np.testing.assert_allclose(
-        blocked_variance(CAPTURE, ADULT, fit=False)[[0, 2]],
+        blocked_variance(takes(), ADULT, fit=False)[[0, 2]],
         [np.mean(misses[:, :2] ** 2), np.mean(misses[:, 2] ** 2)],
     )
 
 
 def test_one_take_alone_is_refused():
-    alone = CAPTURE.trial == CAPTURE.trial[0]
+    alone = takes().trial == takes().trial[0]
     with pytest.raises(EncoderError, match="2 trials"):
-        train_correction(CAPTURE.select(alone), PREDICTED[alone], COVARIANCE, ADULT)
+        train_correction(takes().select(alone), predicted_poses()[alone], error_covariance(), ADULT)
 
 
 def test_a_joint_that_its_prediction_puts_out_of_range_comes_back():
-    guess = GUESS[:3].copy()
+    guess = first_guess()[:3].copy()
     guess[:, JOINTS] = ADULT.upper + 0.5
-    some = PersonCorrection(ADULT, COVARIANCE, np.full(3, 1.0))
-    assert (violations(some.correct(guess, CAPTURE.xy[:3]), ADULT) == 0).all()
+    some = PersonCorrection(ADULT, error_covariance(), np.full(3, 1.0))
+    assert (violations(some.correct(guess, takes().xy[:3]), ADULT) == 0).all()

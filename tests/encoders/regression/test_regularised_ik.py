@@ -7,14 +7,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from encoders.regression.regularised_ik import MapIkEncoder, NullSpaceIkEncoder, leaving_tips
-from tests.encoders.regression.ik_frames import CAPTURE, KINEMATICS, PCA, Q, U, row, targets_of
+from encoders.regression.trained import builtin_capture
+from tests.encoders.regression.ik_frames import KINEMATICS, pca, poses, row, targets_of, touches
 from tests.support.simulation import random_pose
 
 
 def test_the_null_space_variant_ends_with_fingertips_met():
     # Many frames: unpaced steps went to and fro on some of them, and on most did not.
-    many = CAPTURE.u[7::120]
-    assert NullSpaceIkEncoder().fit(U, Q).solve(many).residual.max() < 1e-4
+    many = builtin_capture().u[7::120]
+    assert NullSpaceIkEncoder().fit(touches(), poses()).solve(many).residual.max() < 1e-4
 
 
 @given(seed=st.integers(0, 2**32 - 1), contacts=st.integers(1, 5))
@@ -37,18 +38,21 @@ def test_what_is_projected_into_the_null_space_leaves_fingertips_to_first_order(
 
 
 def test_the_wish_changes_no_fingertip_to_first_order_in_a_step():
-    q = PCA.predict(row(0, 1, 3))[None]
+    q = pca().predict(row(0, 1, 3))[None]
     _, jacobian = KINEMATICS.tips_and_jacobian(q)
     J = jacobian[:, [0, 1, 3]].reshape(1, 9, 48)
     off = np.full((1, 9), 0.002)
-    plain, wishing = NullSpaceIkEncoder(gain=0).fit(U, Q), NullSpaceIkEncoder(gain=1).fit(U, Q)
-    difference = wishing._step(q, Q[:1], off, J) - plain._step(q, Q[:1], off, J)
+    plain, wishing = (
+        NullSpaceIkEncoder(gain=0).fit(touches(), poses()),
+        NullSpaceIkEncoder(gain=1).fit(touches(), poses()),
+    )
+    difference = wishing._step(q, poses()[:1], off, J) - plain._step(q, poses()[:1], off, J)
     assert np.abs(difference).max() > 0.01
     np.testing.assert_allclose(J @ difference[0], 0.0, atol=1e-12)
 
 
 def test_the_null_space_variant_ends_as_near_to_its_wish_as_fingertips_let_it():
-    encoder = NullSpaceIkEncoder(settled=1e-10, iterations=300).fit(U, Q)
+    encoder = NullSpaceIkEncoder(settled=1e-10, iterations=300).fit(touches(), poses())
     contacts = row(0, 1, 2)
     q = encoder.predict(contacts)[None]
     _, jacobian = KINEMATICS.tips_and_jacobian(q)
@@ -59,7 +63,7 @@ def test_the_null_space_variant_ends_as_near_to_its_wish_as_fingertips_let_it():
 
 
 def test_the_likeliest_pose_is_one_from_which_every_way_leads_down():
-    encoder = MapIkEncoder(tip_sigma=0.002).fit(U, Q)
+    encoder = MapIkEncoder(tip_sigma=0.002).fit(touches(), poses())
     contacts = row(0, 1, 2, 4)
     q = encoder.predict(contacts)
     goal = targets_of(contacts[None], encoder.pad_height_)[0][[0, 1, 2, 4]]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -9,6 +11,7 @@ from hypothesis import strategies as st
 
 from encoders import PcaIkEncoder, contact_vector
 from encoders.regression.regularised_ik import MapIkEncoder, NullSpaceIkEncoder
+from encoders.regression.touch_ik import TouchIkEncoder
 from encoders.regression.touch_neighbour import TouchNeighbours, touches_of
 from models.errors import EncoderError
 from models.pose import relative_pose
@@ -16,93 +19,103 @@ from models.skeleton import ADULT
 from models.surface import METRES_PER_INCH
 from tests.encoders.regression.ik_frames import (
     KINEMATICS,
-    NEW,
-    PCA,
-    Q,
-    U,
     every_encoder,
     every_kind,
+    fitted,
     misses,
+    new_touches,
+    pca,
+    poses,
     row,
+    touches,
 )
 
 
 @every_encoder
 @given(
     shift=st.tuples(st.floats(-20, 20), st.floats(-20, 20)),
-    at=st.integers(0, len(NEW) - 1),
+    at=st.deferred(lambda: st.integers(0, len(new_touches()) - 1)),
 )
 @settings(max_examples=10, deadline=None)
-def test_touches_moved_alike_give_the_same_relative_pose(encoder, shift, at):
-    moved = NEW[at].copy()
+def test_touches_moved_alike_give_the_same_relative_pose(name: str, shift, at):
+    encoder = fitted(name)
+    moved = new_touches()[at].copy()
     moved[:10] += np.tile(shift, 5)
-    np.testing.assert_allclose(encoder.predict(moved), encoder.predict(NEW[at]), atol=1e-7)
-
-
-@every_encoder
-def test_where_a_lifted_finger_is_said_to_be_does_not_matter(encoder):
-    other = NEW.copy()
-    other[:, :10][np.repeat(NEW[:, 10:] == 0, 2, axis=1)] = 31.4
-    np.testing.assert_array_equal(encoder.predict(other), encoder.predict(NEW))
-
-
-@every_encoder
-def test_a_row_is_solved_in_company_as_it_is_alone(encoder):
-    together = encoder.predict(NEW)
-    for i in range(0, len(NEW), 7):
-        np.testing.assert_array_equal(encoder.predict(NEW[i]), together[i])
-    np.testing.assert_array_equal(encoder.predict(NEW[::-1])[::-1], together)
-    assert encoder.predict(NEW[:0]).shape == (0, 48)
-
-
-@every_encoder
-def test_the_residual_is_that_of_the_pose(encoder):
-    solution = encoder.solve(NEW)
     np.testing.assert_allclose(
-        solution.residual, misses(encoder, NEW, solution.q), rtol=1e-9, atol=1e-12
+        encoder.predict(moved), encoder.predict(new_touches()[at]), atol=1e-7
+    )
+
+
+@every_encoder
+def test_where_a_lifted_finger_is_said_to_be_does_not_matter(name: str):
+    encoder = fitted(name)
+    other = new_touches().copy()
+    other[:, :10][np.repeat(new_touches()[:, 10:] == 0, 2, axis=1)] = 31.4
+    np.testing.assert_array_equal(encoder.predict(other), encoder.predict(new_touches()))
+
+
+@every_encoder
+def test_a_row_is_solved_in_company_as_it_is_alone(name: str):
+    encoder = fitted(name)
+    together = encoder.predict(new_touches())
+    for i in range(0, len(new_touches()), 7):
+        np.testing.assert_array_equal(encoder.predict(new_touches()[i]), together[i])
+    np.testing.assert_array_equal(encoder.predict(new_touches()[::-1])[::-1], together)
+    assert encoder.predict(new_touches()[:0]).shape == (0, 48)
+
+
+@every_encoder
+def test_the_residual_is_that_of_the_pose(name: str):
+    encoder = fitted(name)
+    solution = encoder.solve(new_touches())
+    np.testing.assert_allclose(
+        solution.residual, misses(encoder, new_touches(), solution.q), rtol=1e-9, atol=1e-12
     )
     assert ((solution.iterations >= 0) & (solution.iterations <= encoder.iterations)).all()
 
 
 @every_kind
 def test_fingertips_come_closer_from_iteration_to_iteration(kind):
-    mean = [kind(iterations=n).fit(U, Q).solve(NEW).residual.mean() for n in (0, 1, 2)]
+    mean = [
+        kind(iterations=n).fit(touches(), poses()).solve(new_touches()).residual.mean()
+        for n in (0, 1, 2)
+    ]
     assert mean[0] > mean[1] > mean[2]
 
 
 def test_a_settled_row_stops_and_nothing_is_lost_by_it():
-    stopped = MapIkEncoder().fit(U, Q).solve(NEW[::2])
-    all_steps = MapIkEncoder(settled=0.0).fit(U, Q).solve(NEW[::2])
+    stopped = MapIkEncoder().fit(touches(), poses()).solve(new_touches()[::2])
+    all_steps = MapIkEncoder(settled=0.0).fit(touches(), poses()).solve(new_touches()[::2])
     assert stopped.iterations.min() < 100
     np.testing.assert_allclose(stopped.q, all_steps.q, atol=1e-6)
 
 
 @pytest.mark.parametrize("kind", ["pca", "pca, root free", "null space"])
 def test_training_frames_that_meet_their_touches_exactly_are_given_back(kind):
-    touched = MapIkEncoder(tip_sigma=1e-6).fit(U, Q).solve(U)
+    touched = MapIkEncoder(tip_sigma=1e-6).fit(touches(), poses()).solve(touches())
     exact = touched.residual < 1e-7
     assert exact.mean() > 0.9
     encoder = {
         "pca": PcaIkEncoder(),
         "pca, root free": PcaIkEncoder(free="root"),
         "null space": NullSpaceIkEncoder(desired="neighbour"),
-    }[kind].fit(U[exact], touched.q[exact])
-    np.testing.assert_allclose(encoder.predict(U[exact]), touched.q[exact], atol=1e-4)
+    }[kind].fit(touches()[exact], touched.q[exact])
+    np.testing.assert_allclose(encoder.predict(touches()[exact]), touched.q[exact], atol=1e-4)
 
 
 def test_the_start_is_the_training_frame_with_the_nearest_touches():
-    start = PcaIkEncoder(iterations=0).fit(U, Q).predict(NEW)
-    for contacts, pose in zip(NEW, start, strict=True):
-        same = np.flatnonzero((U[:, 10:] == contacts[10:]).all(axis=1))
-        distance = np.sum((U[same] - contacts) ** 2, axis=1)
-        np.testing.assert_allclose(pose, Q[same[np.argmin(distance)]], atol=1e-12)
+    start = PcaIkEncoder(iterations=0).fit(touches(), poses()).predict(new_touches())
+    for contacts, pose in zip(new_touches(), start, strict=True):
+        same = np.flatnonzero((touches()[:, 10:] == contacts[10:]).all(axis=1))
+        distance = np.sum((touches()[same] - contacts) ** 2, axis=1)
+        np.testing.assert_allclose(pose, poses()[same[np.argmin(distance)]], atol=1e-12)
 
 
 @every_kind
 def test_one_undamped_step_misses_by_the_square_of_its_length(kind):
     # Only a step along a right Jacobian does; a wrong one misses by its length.
     rng = np.random.default_rng(3)
-    q = PCA.predict(row(0, 1, 2, 3))[None]
+    q = pca().predict(row(0, 1, 2, 3))[None]
     tips, jacobian = KINEMATICS.tips_and_jacobian(q)
     J = jacobian[:, :4].reshape(1, 12, 48)
     options: dict = {"tip_sigma": 1e-6} if kind is MapIkEncoder else {"compliance_translation": 0}
@@ -110,7 +123,7 @@ def test_one_undamped_step_misses_by_the_square_of_its_length(kind):
         options |= {"compliance_rotation": 0, "components": 30}
     elif kind is NullSpaceIkEncoder:
         options |= {"compliance_rotation": 0}
-    encoder = kind(**options).fit(U, Q)
+    encoder = kind(**options).fit(touches(), poses())
     wish = rng.normal(0, 1, (1, 12))
     missed = []
     for length in (1e-3, 1e-4):
@@ -121,50 +134,53 @@ def test_one_undamped_step_misses_by_the_square_of_its_length(kind):
 
 
 @every_encoder
-def test_one_contact_has_an_answer_everywhere(encoder):
+def test_one_contact_has_an_answer_everywhere(name: str):
+    encoder = fitted(name)
     found = encoder.solve(np.array([row(finger) for finger in range(5)]))
     assert np.isfinite(found.q).all() and np.isfinite(found.residual).all()
 
 
 def test_fingers_never_seen_by_themselves_start_from_a_frame_with_more_fingers():
-    seen = ~(U[:, 10:] == [0, 1, 0, 1, 0]).all(axis=1)
-    encoder = PcaIkEncoder(iterations=0).fit(U[seen], Q[seen])
-    frame = np.flatnonzero((U[:, 10:] == 1).all(axis=1))[3]
-    places = U[frame, :10].reshape(5, 2)
+    seen = ~(touches()[:, 10:] == [0, 1, 0, 1, 0]).all(axis=1)
+    encoder = PcaIkEncoder(iterations=0).fit(touches()[seen], poses()[seen])
+    frame = np.flatnonzero((touches()[:, 10:] == 1).all(axis=1))[3]
+    places = touches()[frame, :10].reshape(5, 2)
     two = contact_vector({f: (places[f, 0], places[f, 1]) for f in (1, 3)})
     origin = places[[1, 3]][np.argmin(places[[1, 3], 0])] * METRES_PER_INCH
-    np.testing.assert_allclose(encoder.predict(two), relative_pose(Q[frame], origin), atol=1e-12)
+    np.testing.assert_allclose(
+        encoder.predict(two), relative_pose(poses()[frame], origin), atol=1e-12
+    )
 
 
 def test_fingers_of_which_nothing_is_known_are_reported_by_name():
-    seen = (U[:, 10:] == [1, 1, 0, 0, 0]).all(axis=1)
+    seen = (touches()[:, 10:] == [1, 1, 0, 0, 0]).all(axis=1)
     for encoder in (PcaIkEncoder(), NullSpaceIkEncoder(desired="neighbour")):
-        encoder.fit(U[seen], Q[seen]).predict(row(1))
+        encoder.fit(touches()[seen], poses()[seen]).predict(row(1))
         with pytest.raises(EncoderError, match="index, ring"):
             encoder.predict(row(1, 3))
-    assert np.isfinite(MapIkEncoder().fit(U[seen], Q[seen]).predict(row(1, 3))).all()
+    assert np.isfinite(MapIkEncoder().fit(touches()[seen], poses()[seen]).predict(row(1, 3))).all()
 
 
 @every_kind
 def test_the_fingertips_are_those_of_the_skeleton_given(kind):
     small = ADULT.scaled(0.9)
-    encoder = kind(small).fit(U, Q)
-    found = encoder.solve(NEW[::4])
+    encoder = kind(small).fit(touches(), poses())
+    found = encoder.solve(new_touches()[::4])
     np.testing.assert_allclose(
-        found.residual, misses(encoder, NEW[::4], found.q), rtol=1e-9, atol=1e-12
+        found.residual, misses(encoder, new_touches()[::4], found.q), rtol=1e-9, atol=1e-12
     )
-    assert encoder.tip_misfit_ > 2 * kind().fit(U, Q).tip_misfit_
+    assert encoder.tip_misfit_ > 2 * kind().fit(touches(), poses()).tip_misfit_
 
 
 def test_the_pad_height_is_learned_unless_it_is_given():
-    down = U[:, 10:] == 1
-    assert PCA.pad_height_ == pytest.approx(np.median(KINEMATICS.tips(Q)[down][:, 2]))
-    assert PcaIkEncoder(pad_height=0.004).fit(U, Q).pad_height_ == 0.004
+    down = touches()[:, 10:] == 1
+    assert pca().pad_height_ == pytest.approx(np.median(KINEMATICS.tips(poses())[down][:, 2]))
+    assert PcaIkEncoder(pad_height=0.004).fit(touches(), poses()).pad_height_ == 0.004
 
 
 @every_kind
 def test_one_training_frame_is_enough_for_an_answer(kind):
-    found = kind().fit(U[:1], Q[:1]).solve(U[:1])
+    found = kind().fit(touches()[:1], poses()[:1]).solve(touches()[:1])
     assert np.isfinite(found.q).all()
 
 
@@ -174,23 +190,32 @@ def nan_at(array: np.ndarray, place: tuple[int, int]) -> np.ndarray:
     return array
 
 
+Unusable = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
+
+
 @every_kind
 @pytest.mark.parametrize(
-    ("inputs", "outputs", "message"),
+    ("data", "message"),
     [
-        (U[:, :14], Q, "wrong number of inputs"),
-        (U[0], Q, "wrong number of inputs"),
-        (U, Q[:, :42], "do not belong together"),
-        (U, Q[:-1], "do not belong together"),
-        (U, Q[0], "do not belong together"),
-        (U[:0], Q[:0], "do not belong together"),
-        (nan_at(U, (3, 2)), Q, "row 3: contact vectors must be finite"),
-        (U, nan_at(Q, (5, 7)), "poses must be finite"),
-        (U + 0.5, Q, "row 0: a contact flag is neither 0 nor 1"),
-        (U * np.r_[np.ones(10), np.zeros(5)], Q, "row 0: a contact vector without any contact"),
+        (lambda u, q: (u[:, :14], q), "wrong number of inputs"),
+        (lambda u, q: (u[0], q), "wrong number of inputs"),
+        (lambda u, q: (u, q[:, :42]), "do not belong together"),
+        (lambda u, q: (u, q[:-1]), "do not belong together"),
+        (lambda u, q: (u, q[0]), "do not belong together"),
+        (lambda u, q: (u[:0], q[:0]), "do not belong together"),
+        (lambda u, q: (nan_at(u, (3, 2)), q), "row 3: contact vectors must be finite"),
+        (lambda u, q: (u, nan_at(q, (5, 7))), "poses must be finite"),
+        (lambda u, q: (u + 0.5, q), "row 0: a contact flag is neither 0 nor 1"),
+        (
+            lambda u, q: (u * np.r_[np.ones(10), np.zeros(5)], q),
+            "row 0: a contact vector without any contact",
+        ),
     ],
 )
-def test_unusable_training_data_are_refused(kind, inputs, outputs, message):
+def test_unusable_training_data_are_refused(
+    kind: type[TouchIkEncoder], data: Unusable, message: str
+) -> None:
+    inputs, outputs = data(touches(), poses())
     with pytest.raises(EncoderError, match=message):
         kind().fit(inputs, outputs)
 
@@ -199,27 +224,31 @@ def test_unusable_training_data_are_refused(kind, inputs, outputs, message):
 @pytest.mark.parametrize(
     "inputs",
     [
-        U[0, :14],
-        U[:, :14],
-        U[None],
-        nan_at(U, (0, 0)),
-        np.where(U > 1, np.inf, U),
-        U[:1] * np.r_[1.0, [0] * 14],
+        lambda u: u[0, :14],
+        lambda u: u[:, :14],
+        lambda u: u[None],
+        lambda u: nan_at(u, (0, 0)),
+        lambda u: np.where(u > 1, np.inf, u),
+        lambda u: u[:1] * np.r_[1.0, [0] * 14],
     ],
 )
-def test_unusable_contact_vectors_are_refused(encoder, inputs):
+def test_unusable_contact_vectors_are_refused(
+    name: str, inputs: Callable[[np.ndarray], np.ndarray]
+) -> None:
+    encoder = fitted(name)
+    unusable = inputs(touches())
     with pytest.raises(EncoderError):
-        encoder.predict(inputs)
+        encoder.predict(unusable)
 
 
 @every_kind
 def test_an_encoder_that_has_learned_nothing_says_so(kind):
     with pytest.raises(EncoderError, match="learned nothing"):
-        kind().predict(NEW)
+        kind().predict(new_touches())
 
 
 def test_a_tie_is_decided_by_the_first_frame():
-    down, places = touches_of(np.repeat(U[:1], 3, axis=0))
+    down, places = touches_of(np.repeat(touches()[:1], 3, axis=0))
     poses = np.arange(3.0)[:, None] * np.ones(48)
     found = TouchNeighbours(down, places, poses).nearest(down[0], places[:1])
     np.testing.assert_array_equal(found[0, 3:], poses[0, 3:])
@@ -246,4 +275,4 @@ def test_a_tie_is_decided_by_the_first_frame():
 )
 def test_options_out_of_their_range_are_refused(encoder):
     with pytest.raises(EncoderError):
-        encoder.fit(U, Q)
+        encoder.fit(touches(), poses())

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from encoders.capture import Capture
 from encoders.input_vector import contact_vectors
 from encoders.regression.polynomial import PolynomialEncoder, QuadraticEncoder
 from encoders.regression.trained import builtin_capture
@@ -16,14 +19,29 @@ from models.pose import absolute_pose, joint_vectors, relative_pose
 from models.rotations import exp, geodesic_angle, log
 from tests.encoders.regression.turning import turned_places, turned_pose
 
-CAPTURE = builtin_capture()
-SEEN = CAPTURE.select(np.arange(0, len(CAPTURE), 10))
-NEW = CAPTURE.select(np.arange(5, len(CAPTURE), 50))
-NEW = NEW.select(NEW.down.sum(axis=1) >= 3)
-"""Two fingers alone hardly tell where the hand points; three do."""
 
-TURNED = TurnedEncoder().fit(SEEN.u, SEEN.relative)
-PLAIN = QuadraticEncoder(0.03).fit(SEEN.u, SEEN.relative)
+@cache
+def learned() -> Capture:
+    return builtin_capture().select(np.arange(0, len(builtin_capture()), 10))
+
+
+@cache
+def new() -> Capture:
+    """Other frames; two fingers alone hardly tell where the hand points, three do."""
+    capture = builtin_capture()
+    frames = capture.select(np.arange(5, len(capture), 50))
+    return frames.select(frames.down.sum(axis=1) >= 3)
+
+
+@cache
+def turned_encoder() -> TurnedEncoder:
+    return TurnedEncoder().fit(learned().u, learned().relative)
+
+
+@cache
+def plain_encoder() -> QuadraticEncoder:
+    return QuadraticEncoder(0.03).fit(learned().u, learned().relative)
+
 
 points = st.tuples(st.floats(-0.3, 0.3), st.floats(-0.3, 0.3)).map(np.array)
 angles = st.floats(-3.0, 3.0)
@@ -47,14 +65,14 @@ def after_a_turn(
     encoder: TurnedEncoder | PolynomialEncoder, angle: float, about: np.ndarray
 ) -> np.ndarray:
     """How far the poses of turned touches are from the turned poses of the touches."""
-    turned = turned_pose(estimate(encoder, NEW.xy), angle, about)
-    return differences(turned, estimate(encoder, turned_places(NEW.xy, angle, about)))
+    turned = turned_pose(estimate(encoder, new().xy), angle, about)
+    return differences(turned, estimate(encoder, turned_places(new().xy, angle, about)))
 
 
 @settings(max_examples=30)
 @given(degrees=st.floats(-40, 40), about=points)
 def test_touches_that_turn_turn_the_hand_and_hardly_move_its_joints(degrees, about):
-    wrist, hand, joints = after_a_turn(TURNED, np.deg2rad(degrees), about)
+    wrist, hand, joints = after_a_turn(turned_encoder(), np.deg2rad(degrees), about)
     assert hand < 0.15 * np.deg2rad(abs(degrees)) + 1e-9
     assert joints < np.deg2rad(1.0)
     assert wrist < 0.010
@@ -64,13 +82,16 @@ def test_touches_that_turn_turn_the_hand_and_hardly_move_its_joints(degrees, abo
 @given(degrees=st.floats(5, 40), left=st.booleans(), about=points)
 def test_a_plain_quadratic_turns_far_worse(degrees, left, about):
     angle = np.deg2rad(degrees if left else -degrees)
-    assert (after_a_turn(TURNED, angle, about) < 0.5 * after_a_turn(PLAIN, angle, about)).all()
+    assert (
+        after_a_turn(turned_encoder(), angle, about)
+        < 0.5 * after_a_turn(plain_encoder(), angle, about)
+    ).all()
 
 
 @given(shift=points)
 def test_touches_that_move_together_change_nothing_relative(shift):
-    moved = TURNED.predict(contact_vectors(NEW.xy + shift)[0])
-    np.testing.assert_allclose(moved, TURNED.predict(NEW.u), atol=1e-9)
+    moved = turned_encoder().predict(contact_vectors(new().xy + shift)[0])
+    np.testing.assert_allclose(moved, turned_encoder().predict(new().u), atol=1e-9)
 
 
 @given(seed=seeds, angle=angles, more=angles, shift=points)
@@ -156,8 +177,8 @@ def test_a_quadratic_law_in_the_hands_own_frame_is_found_far_better_than_by_a_pl
 
 
 def test_on_takes_not_seen_the_wrist_is_nearer_than_a_plain_quadratics():
-    left = SEEN.trial % 5 == 0
-    seen, unseen = SEEN.select(~left), SEEN.select(left)
+    left = learned().trial % 5 == 0
+    seen, unseen = learned().select(~left), learned().select(left)
 
     def wrist_error(encoder: TurnedEncoder | PolynomialEncoder) -> float:
         fitted = encoder.fit(seen.u, seen.relative)
@@ -167,35 +188,35 @@ def test_on_takes_not_seen_the_wrist_is_nearer_than_a_plain_quadratics():
 
 
 def test_the_same_training_gives_the_same_encoder_to_the_bit():
-    again = TurnedEncoder().fit(SEEN.u, SEEN.relative)
-    np.testing.assert_array_equal(again.coef_, TURNED.coef_)
+    again = TurnedEncoder().fit(learned().u, learned().relative)
+    np.testing.assert_array_equal(again.coef_, turned_encoder().coef_)
     assert again.coef_.shape == (1 + len(SPREADS), 136, 48)
 
 
 def test_the_first_of_its_quadratics_is_the_plain_one():
-    np.testing.assert_array_equal(TURNED.coef_[0], PLAIN.coef_)
+    np.testing.assert_array_equal(turned_encoder().coef_[0], plain_encoder().coef_)
 
 
 def test_training_leaves_its_data_as_they_were():
-    u, q = SEEN.u.copy(), SEEN.relative.copy()
+    u, q = learned().u.copy(), learned().relative.copy()
     TurnedEncoder().fit(u, q).predict(u)
-    np.testing.assert_array_equal(u, SEEN.u)
-    np.testing.assert_array_equal(q, SEEN.relative)
+    np.testing.assert_array_equal(u, learned().u)
+    np.testing.assert_array_equal(q, learned().relative)
 
 
-@given(rows=st.lists(st.integers(0, len(NEW) - 1), min_size=1, max_size=5))
+@given(rows=st.lists(st.deferred(lambda: st.integers(0, len(new()) - 1)), min_size=1, max_size=5))
 def test_many_at_once_are_what_one_after_the_other_is(rows):
-    together = TURNED.predict(NEW.u[rows])
-    alone = np.stack([TURNED.predict(NEW.u[i]) for i in rows])
+    together = turned_encoder().predict(new().u[rows])
+    alone = np.stack([turned_encoder().predict(new().u[i]) for i in rows])
     assert together.shape == (len(rows), 48)
     np.testing.assert_allclose(together, alone, atol=1e-10)
-    shaped = TURNED.predict(NEW.u[[rows, rows]])
+    shaped = turned_encoder().predict(new().u[[rows, rows]])
     np.testing.assert_allclose(shaped, np.stack([together, together]), atol=1e-10)
 
 
 def test_coefficients_taken_over_predict_alike_to_the_bit():
-    loaded = TurnedEncoder().load(TURNED.coef_)
-    np.testing.assert_array_equal(loaded.predict(NEW.u), TURNED.predict(NEW.u))
+    loaded = TurnedEncoder().load(turned_encoder().coef_)
+    np.testing.assert_array_equal(loaded.predict(new().u), turned_encoder().predict(new().u))
 
 
 @pytest.mark.parametrize(
@@ -219,7 +240,7 @@ def test_data_that_are_no_touches_and_poses_are_refused(u, q):
 @pytest.mark.parametrize("shape", ((14,), (3, 16), ()))
 def test_inputs_of_another_width_are_refused(shape):
     with pytest.raises(EncoderError, match="inputs"):
-        TURNED.predict(np.zeros(shape))
+        turned_encoder().predict(np.zeros(shape))
 
 
 def test_an_encoder_says_when_it_has_learned_nothing():
@@ -236,4 +257,4 @@ def test_coefficients_of_another_shape_are_refused(shape):
 @pytest.mark.parametrize("ridges", ((-1.0, 0.1), (0.1, np.nan), (np.inf, 0.1)))
 def test_a_ridge_that_is_none_is_refused(ridges):
     with pytest.raises(EncoderError, match="ridge"):
-        TurnedEncoder(*ridges).fit(SEEN.u, SEEN.relative)
+        TurnedEncoder(*ridges).fit(learned().u, learned().relative)

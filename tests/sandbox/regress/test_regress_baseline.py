@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -165,7 +166,7 @@ def test_a_file_that_is_no_baseline_is_refused(tmp_path, text):
 
 @given(cut=st.integers(0, 10_000), put=st.sampled_from(["", "null", "1e999", "[]", "{}", '"x"']))
 def test_a_damaged_baseline_is_refused_or_read_and_never_a_traceback(tmp_path_factory, cut, put):
-    whole = WHOLE
+    whole = whole_baseline()
     cut %= len(whole)
     path = tmp_path_factory.getbasetemp() / "damaged.json"
     path.write_text(whole[:cut] + put + whole[cut + 5 :])
@@ -177,7 +178,9 @@ def test_a_damaged_baseline_is_refused_or_read_and_never_a_traceback(tmp_path_fa
         assert isinstance(found, Baseline)
 
 
-WHOLE = baseline().text()
+@cache
+def whole_baseline() -> str:
+    return baseline().text()
 
 
 @given(reason=st.text(max_size=30))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
+from functools import cache
 
 import numpy as np
 import pytest
@@ -19,7 +20,11 @@ from tests.sandbox.stream.fake_maya import FakeMaya, maya_with
 from tests.support.motion_poses import moving
 
 RATE = 60.0
-SCRIPT = script("maya")
+
+
+@cache
+def maya_script() -> str:
+    return script("maya")
 
 
 def commands(q, side="right", run="r1"):
@@ -50,7 +55,7 @@ def where(scene, name):
 def test_a_hand_made_in_maya_has_its_fingertips_where_the_streamed_one_has(side, up):
     scene, q = FakeMaya(up=up), moving(ADULT, 60, 4)[::6]
     hand, lines, (joints, tips) = commands(q, side)
-    with maya_with(SCRIPT, scene) as (names, run):
+    with maya_with(maya_script(), scene) as (names, run):
         names["start"](side=side)
         run(hand.rig)
         axes = Y_UP if up == "y" else np.eye(3)
@@ -83,7 +88,7 @@ def test_any_chains_that_are_selected_reach_as_far_and_point_as_the_fingers_do(c
         row = [(3.0 - 2.0 * c, 0.1 * c, 5.0 + (1.0 + 0.2 * c) * i) for i in range(joints)]
         bases.append(chain(scene, f"f{c}_", row, "palm")[0])
     scene.select(*bases)
-    with maya_with(SCRIPT, scene) as (names, run):
+    with maya_with(maya_script(), scene) as (names, run):
         names["start"](absolute=True)
         fingers = names["BY_COUNT"][chains]
         armature = Armature(ADULT)
@@ -106,7 +111,7 @@ def test_any_chains_that_are_selected_reach_as_far_and_point_as_the_fingers_do(c
 def test_keys_are_whole_frames_and_baking_leaves_the_joints_as_they_were_seen():
     scene, q = FakeMaya("film"), moving(ADULT, 30, 2)
     hand, lines, _ = commands(q)
-    with maya_with(SCRIPT, scene) as (names, run):
+    with maya_with(maya_script(), scene) as (names, run):
         names["start"]()
         run(hand.rig)
         for line in lines:
@@ -136,7 +141,7 @@ def test_a_thousand_moments_leave_the_undo_queue_as_it_was():
     row = [chain(scene, f"f{c}_", [(c, 0, 3 * i) for i in range(4)])[0] for c in range(2)]
     scene.select(*row)
     before = len(scene.undo)
-    with maya_with(SCRIPT, scene) as (names, run):
+    with maya_with(maya_script(), scene) as (names, run):
         names["start"]()
         for _ in range(10):
             for line in lines[::10]:
@@ -155,7 +160,7 @@ def test_a_rig_goes_on_from_where_it_stands_unless_it_is_to_be_where_the_hand_is
         for c in range(4)
     ]
     scene.select(*firsts)
-    with maya_with(SCRIPT, scene) as (names, run):
+    with maya_with(maya_script(), scene) as (names, run):
         names["start"](scale=100.0)
         for i, line in enumerate(lines):
             run(line)
@@ -168,7 +173,7 @@ def test_a_palm_that_is_to_stay_stays_while_the_fingers_move():
     _, lines, _ = commands(q)
     palm = chain(scene, "palm", [(0.0, 0.0, 0.0)])[0]
     scene.select(chain(scene, "f", [(0, 0, 3 * i) for i in range(1, 5)], palm)[0])
-    with maya_with(SCRIPT, scene) as (names, run):
+    with maya_with(maya_script(), scene) as (names, run):
         names["start"](root="")
         ends = []
         for line in lines:
@@ -194,7 +199,7 @@ def test_chains_that_cannot_follow_a_hand_are_refused_in_words_and_leave_nothing
     chain(scene, "still", [(0, 0, 0)] * 3)
     scene.select(*select)
     count = len(scene.nodes)
-    with maya_with(SCRIPT, scene) as (names, _):
+    with maya_with(maya_script(), scene) as (names, _):
         names["start"]()
         assert not names["hands"]
     assert len(scene.nodes) == count and len(scene.warnings) == 1
@@ -205,7 +210,7 @@ def test_fingers_may_be_named_but_each_once_and_for_every_chain():
     scene, q = FakeMaya(), moving(ADULT, 2, 0)
     _, lines, _ = commands(q)
     row = [chain(scene, f"f{c}_", [(c, 0, 3 * i) for i in range(4)])[0] for c in range(2)]
-    with maya_with(SCRIPT, scene) as (names, run):
+    with maya_with(maya_script(), scene) as (names, run):
         for wrong in ((1,), (1, 1), (1, 7), (0, 1, 2)):
             scene.select(*row)
             names["start"](fingers=wrong)
@@ -219,7 +224,7 @@ def test_targets_that_somebody_deletes_end_the_hand_with_a_word_and_nothing_else
     scene, q = FakeMaya(), moving(ADULT, 3, 0)
     hand, lines, _ = commands(q)
     scene.select(chain(scene, "f", [(0, 0, 3 * i) for i in range(4)])[0])
-    with maya_with(SCRIPT, scene) as (names, run):
+    with maya_with(maya_script(), scene) as (names, run):
         names["start"]()
         run(lines[0])
         scene.delete("hand_sandbox_right")
@@ -238,7 +243,7 @@ good = "hs1 r1 right 0 0.0000 p 0 0 0 1 0 0 0 c 1 0 0.5 0 0 0 1 0.1"
 def test_nothing_that_is_written_to_the_port_reaches_maya_as_an_error(text):
     scene = FakeMaya()
     scene.select(chain(scene, "f", [(0, 0, 3 * i) for i in range(4)])[0])
-    with maya_with(SCRIPT, scene) as (names, _):
+    with maya_with(maya_script(), scene) as (names, _):
         names["start"]()
         names["hand_sandbox"](text)
         assert sum(names["counts"].values()) <= 1
@@ -270,13 +275,13 @@ def test_nothing_that_is_written_to_the_port_reaches_maya_as_an_error(text):
 )
 def test_a_line_that_is_not_exactly_as_it_should_be_is_refused(line):
     scene = FakeMaya()
-    with maya_with(SCRIPT, scene) as (names, _):
+    with maya_with(maya_script(), scene) as (names, _):
         names["hand_sandbox"](line)
         assert names["counts"] == {"lines": 0, "lines refused": 1}
 
 
 def test_the_script_is_one_file_for_pythons_from_3_7_that_needs_nothing_of_ours():
-    tree = ast.parse(SCRIPT, feature_version=(3, 7))
+    tree = ast.parse(maya_script(), feature_version=(3, 7))
     wanted = {
         (node.module if isinstance(node, ast.ImportFrom) else node.names[0].name)
         for node in ast.walk(tree)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -33,7 +34,11 @@ from tests.support.study_files import DESIGN, design
 SHORT = DESIGN.replace("repetitions = 2\npractice = 1", "repetitions = 1\npractice = 0")
 OVER_A_LEAP = SHORT.replace("[settings]\n", '[settings]\ndevice = "leap"\n')
 WANTED = 60
-OPEN = [leap_message(f, n) for n, f in enumerate(take(0, drop_outs=False).frames[:120])]
+
+
+@cache
+def open_hand() -> list[dict[str, Any]]:
+    return [leap_message(f, n) for n, f in enumerate(take(0, drop_outs=False).frames[:120])]
 
 
 def steps(text: str, number: int) -> list[type]:
@@ -59,7 +64,7 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
     """Somebody's session whose trials are over a Leap that shows an open hand."""
     found = StudyFolder(tmp_path_factory.mktemp("leap"), design(OVER_A_LEAP), PILOT)
     person = found.add(hand="right", hand_size=1.0, language="en")
-    server = FakeLeapd(OPEN, port=0, rate=1000.0, loop=True)
+    server = FakeLeapd(open_hand(), port=0, rate=1000.0, loop=True)
     forms = SimulatedForms(1)
     try:
         with SessionFolder(found, person) as session:
@@ -116,7 +121,7 @@ def test_a_sensor_that_falls_silent_ends_the_session_with_one_clear_line(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("sandbox.devices.leap.leap.SILENCE", 0.5)
-    server = FakeLeapd(OPEN[:30], port=0, rate=1000.0)
+    server = FakeLeapd(open_hand()[:30], port=0, rate=1000.0)
     person = Participant("3B5G5T", 0)
     measure = hand_measurer(SimulatedForms(1), person, server.address, lambda text: None, 1000)
     try:

@@ -5,7 +5,9 @@ from __future__ import annotations
 import socket
 import time
 from collections.abc import Callable
+from functools import cache
 from itertools import pairwise
+from typing import Any
 
 import pytest
 from websockets.exceptions import InvalidStatus
@@ -18,7 +20,10 @@ from sandbox.devices.leap.leap_write import leap_message
 from tests.support.leap_hands import take
 from tests.support.processes import PATIENCE
 
-MESSAGES = [leap_message(f, n) for n, f in enumerate(take(0).frames[:300])]
+
+@cache
+def messages() -> list[dict[str, Any]]:
+    return [leap_message(f, n) for n, f in enumerate(take(0).frames[:300])]
 
 
 def until(true: Callable[[], bool]) -> bool:
@@ -36,7 +41,7 @@ def free_port() -> int:
 
 
 def test_at_290_frames_a_second_every_frame_arrives_once_and_in_order():
-    server = FakeLeapd(MESSAGES, port=0, rate=290.0)
+    server = FakeLeapd(messages(), port=0, rate=290.0)
     device = LeapDevice(server.address)
     frames = []
     try:
@@ -51,7 +56,7 @@ def test_at_290_frames_a_second_every_frame_arrives_once_and_in_order():
 
 
 def test_frames_that_nobody_fetches_are_dropped_oldest_first_and_counted():
-    server = FakeLeapd(MESSAGES, port=0, rate=5000.0, loop=True)
+    server = FakeLeapd(messages(), port=0, rate=5000.0, loop=True)
     device = LeapDevice(server.address)
     try:
         assert until(lambda: device.counts["frames nobody fetched"] > 50)
@@ -69,7 +74,7 @@ def test_a_service_that_is_started_anew_is_found_again_and_time_goes_on():
     frames = []
     try:
         for _ in range(2):
-            server = FakeLeapd(MESSAGES, port=port, rate=400.0, loop=True)
+            server = FakeLeapd(messages(), port=port, rate=400.0, loop=True)
             before = len(frames)
             assert until(
                 lambda b=before: (frames.extend(device.poll(0.0)), len(frames) > b + 50)[1]
@@ -84,7 +89,7 @@ def test_a_service_that_is_started_anew_is_found_again_and_time_goes_on():
 
 def test_damaged_messages_are_counted_and_the_connection_stays():
     junk = [{"hands": 3, "pointables": 4}, {"weather": 1}, {"event": {}}, {"hands": [{"id": 1}]}]
-    server = FakeLeapd([*junk, *MESSAGES[:50]], port=0, rate=500.0, loop=True)
+    server = FakeLeapd([*junk, *messages()[:50]], port=0, rate=500.0, loop=True)
     device = LeapDevice(server.address)
     try:
         assert until(lambda: device.counts["frames"] >= 60)
@@ -96,7 +101,7 @@ def test_damaged_messages_are_counted_and_the_connection_stays():
 
 
 def test_the_fake_service_turns_other_paths_away_as_the_bridge_does():
-    server = FakeLeapd(MESSAGES[:3], port=0)
+    server = FakeLeapd(messages()[:3], port=0)
     try:
         with pytest.raises(InvalidStatus):
             connect(server.address.replace("v6", "v7"), proxy=None)
@@ -105,10 +110,10 @@ def test_the_fake_service_turns_other_paths_away_as_the_bridge_does():
 
 
 def test_a_taken_port_and_an_address_that_is_none_are_refused():
-    server = FakeLeapd(MESSAGES[:3], port=0)
+    server = FakeLeapd(messages()[:3], port=0)
     try:
         with pytest.raises(DeviceError, match="cannot listen"):
-            FakeLeapd(MESSAGES[:3], port=server.port)
+            FakeLeapd(messages()[:3], port=server.port)
     finally:
         server.close()
     with pytest.raises(DeviceError, match="no WebSocket address"):

@@ -5,6 +5,8 @@ from __future__ import annotations
 import contextlib
 import json
 from collections.abc import Callable
+from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,7 +21,11 @@ from sandbox.devices.leap.leap_truth import take_with_truth, write_take
 from sandbox.devices.leap.leap_write import leap_message
 from tests.support.leap_hands import take
 
-MESSAGES = [leap_message(f, n) for n, f in enumerate(take(0, "v3").frames[:20])]
+
+@cache
+def messages() -> list[dict[str, Any]]:
+    return [leap_message(f, n) for n, f in enumerate(take(0, "v3").frames[:20])]
+
 
 # Made with the npm format's reference implementation in Python (PyPI lzstring 1.0.4).
 VECTORS = {
@@ -48,15 +54,17 @@ def packed(messages: list[dict]) -> list:
 
 
 FORMS: dict[str, Callable[[], str]] = {
-    "list": lambda: json.dumps(MESSAGES),
-    "with metadata": lambda: json.dumps({"metadata": {"frameRate": "100"}, "frames": MESSAGES}),
-    "packed": lambda: json.dumps({"metadata": {}, "frames": packed(MESSAGES)}),
-    "lines": lambda: "".join(json.dumps(m) + "\n" for m in [{"version": 6}, *MESSAGES]),
-    "printed prettily": lambda: json.dumps({"frames": MESSAGES}, indent=1),
+    "list": lambda: json.dumps(messages()),
+    "with metadata": lambda: json.dumps({"metadata": {"frameRate": "100"}, "frames": messages()}),
+    "packed": lambda: json.dumps({"metadata": {}, "frames": packed(messages())}),
+    "lines": lambda: "".join(json.dumps(m) + "\n" for m in [{"version": 6}, *messages()]),
+    "printed prettily": lambda: json.dumps({"frames": messages()}, indent=1),
 }
 
 
-SMALL = {form: text().encode() for form, text in FORMS.items()}
+@cache
+def small(form: str) -> bytes:
+    return FORMS[form]().encode()
 
 
 @pytest.mark.parametrize("text", VECTORS)
@@ -80,7 +88,7 @@ def test_every_form_of_a_file_holds_the_same_frames(form, tmp_path):
     path = tmp_path / "no-telling-name"
     path.write_text(FORMS[form]())
     recording = read_leap(path)
-    assert len(recording.frames) == len(MESSAGES)
+    assert len(recording.frames) == len(messages())
     tips = [[f.tip for f in frame.hands[0].fingers] for frame in recording.frames]
     known = [[f.tip for f in frame.hands[0].fingers] for frame in take(0, "v3").frames[:20]]
     np.testing.assert_allclose(tips, known, atol=1e-9)
@@ -91,7 +99,7 @@ def test_lines_are_good_up_to_the_damage(tmp_path):
     path = tmp_path / "torn"
     path.write_text(FORMS["lines"]()[:-200])
     recording = read_leap(path)
-    assert len(recording.frames) == len(MESSAGES) - 1
+    assert len(recording.frames) == len(messages()) - 1
     assert recording.damage is not None and "line 21" in str(recording.damage)
 
 
@@ -130,7 +138,7 @@ def test_a_file_that_is_no_recording_is_refused_with_its_name(content, tmp_path)
 def test_bytes_that_changed_are_refused_or_counted_and_raise_nothing_else(
     form, damage, cut, tmp_path_factory
 ):
-    content = bytearray(SMALL[form])
+    content = bytearray(small(form))
     for place, byte in damage:
         content[int(place * (len(content) - 1))] = byte
     path = tmp_path_factory.mktemp("damaged") / "hand"
