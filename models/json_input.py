@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import re
 import reprlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
@@ -82,6 +82,24 @@ def read_bytes(
             remedy=remedy,
         )
     return data
+
+
+def numbered_lines(path: Path, longest: int) -> Iterator[tuple[int, bytes]]:
+    """Lines of a file that are not blank, with their numbers from 1.
+
+    Args:
+        path: The file.
+        longest: Bytes beyond which a line is cut in two, so that neither part is JSON.
+
+    Raises:
+        OSError: The file cannot be read.
+    """
+    with path.open("rb") as file:
+        number = 0
+        while line := file.readline(longest):
+            number += 1
+            if line.strip():
+                yield number, line
 
 
 def decoded(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import Annotated, Any
 import tyro
 
 from models.errors import DeviceError, InputError, RecordingError
+from models.json_input import decoded_record
 from models.surface import Surface, parse_surface
 from sandbox.devices.discovery import find_device, offered_devices
 from sandbox.devices.evdev.evdev_device import EvdevDevice, evdev_surface, open_node
@@ -195,12 +195,13 @@ def first_line(path: Path) -> dict[str, object]:
     """
     try:
         with path.open("rb") as file:
-            head = json.loads(file.readline(_LONGEST_LINE))
+            line = file.readline(_LONGEST_LINE)
     except OSError as error:
         raise RecordingError("cannot be read", where=str(path), got=error.strerror) from None
-    except (ValueError, RecursionError):
+    try:
+        return decoded_record(line, RecordingError, what="no JSON lines", where=str(path))
+    except RecordingError:
         return {}
-    return head if isinstance(head, dict) else {}
 
 
 def guessed_surface() -> Surface:

@@ -288,7 +288,7 @@ def is_recording(path: Path) -> bool:
     """Whether a file begins like a recording of ours."""
     try:
         head = json.loads(first_line(path))
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return False
     return isinstance(head, dict) and head.get("kind") == "header" and "settings" in head
 

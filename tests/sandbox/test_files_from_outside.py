@@ -14,8 +14,14 @@ from hypothesis import strategies as st
 
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.calibration_file import calibration_to_json, is_calibration, read_calibration
-from models.errors import EncoderError, InputError
+from models.errors import EncoderError, InputError, RecordingError
+from sandbox.cli.capture.hand_files import read_mapping
+from sandbox.cli.capture.touch_files import read_touch_log
+from sandbox.devices.files.frame_file import read_frame_file
+from sandbox.devices.files.together_file import arrivals, first_line_with_host, read_about
+from sandbox.devices.tuio.touch_capture import read_capture
 from sandbox.options.profiles import load_profile
+from sandbox.options.touch_devices import open_file
 from sandbox.regress.baseline import Baseline, Kept, KeptTask, load_baseline
 from tests.support.json_values import VALUES, damaged
 
@@ -58,6 +64,35 @@ PROFILE = {
 TRIALS = {seed: Kept(True, 0.5, 3.25, "ab") for seed in (1, 2, 2**70)}
 BASELINE = Baseline({"settings": {"encoder": "best"}}, {"stack": KeptTask(1, "m", TRIALS)})
 
+FRAMES = [
+    {"surface_in": [7.76, 5.82], "device": "evdev"},
+    {
+        "time": 0.5,
+        "contacts": [{"id": 3, "x": 1.5, "y": 2, "finger": "index", "size": 0.4}],
+        "lift": 0.5,
+        "host": 12.5,
+    },
+    {"time": 0.75, "contacts": [], "cancelled": [3], "host": 13},
+]
+PACKETS = [{"t": 1.5, "hex": "23627564", "from": "tablet"}, {"t": 2, "closed": "tablet"}]
+MAPPING = {
+    "points": {"a": "index_tip", "b": {"bone": "palm", "at": [0, 0.1, 0], "spread": 0.01}},
+    "surface": {"top_left": "a", "top_right": [1, 2, 3.5], "bottom_left": "b"},
+}
+ABOUT = {"side": "left", "subject": "p1", "simulated": True, "touches": "tuio"}
+
+
+def lines(values: list[dict[str, Any]]) -> str:
+    """Values as JSON lines."""
+    return "".join(json.dumps(value) + "\n" for value in values)
+
+
+def folder_of(path: Path) -> Path:
+    """The folder of a session with a file as its description."""
+    path.with_name("about.json").write_bytes(path.read_bytes())
+    return path.parent
+
+
 READERS = {
     "profile": Reader(load_profile, json.dumps(PROFILE), InputError),
     "baseline": Reader(load_baseline, BASELINE.text(), InputError),
@@ -68,6 +103,14 @@ READERS = {
         ),
         EncoderError,
     ),
+    "frames": Reader(read_frame_file, lines(FRAMES), RecordingError),
+    "shown touches": Reader(lambda path: read_touch_log(path, None), lines(FRAMES), InputError),
+    "arrivals": Reader(lambda path: arrivals(path, 2), lines(FRAMES), RecordingError),
+    "first arrival": Reader(first_line_with_host, lines(FRAMES), RecordingError),
+    "packets": Reader(read_capture, lines(PACKETS), RecordingError),
+    "any touches": Reader(lambda path: open_file(path, None), lines(FRAMES), InputError),
+    "mapping": Reader(read_mapping, json.dumps(MAPPING), InputError),
+    "session": Reader(lambda path: read_about(folder_of(path)), json.dumps(ABOUT), RecordingError),
     "any calibration": Reader(is_calibration, "{}", EncoderError),
 }
 
@@ -80,7 +123,7 @@ def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize("name", READERS)
 def test_a_sound_file_is_read(name: str, file: Path) -> None:
     file.write_text(READERS[name].sound)
-    READERS[name].read(file)
+    assert READERS[name].read(file) is not None
 
 
 def read(reader: Reader, file: Path) -> None:
@@ -89,7 +132,7 @@ def read(reader: Reader, file: Path) -> None:
         reader.read(file)
     except reader.error as error:
         text = str(error)
-        assert str(file) in text
+        assert str(file.parent) in text
         assert len(text.splitlines()) == 1
         assert len(text) < 900
 
@@ -115,8 +158,8 @@ def test_any_json_is_read_or_refused_in_one_line(name: str, file: Path, value: A
 def test_any_value_in_the_place_of_another_is_read_or_refused_in_one_line(
     name: str, file: Path, data: st.DataObject, value: Any
 ) -> None:
-    lines = [json.loads(line) for line in _values(READERS[name].sound)]
-    inner: Any = lines
+    values = [json.loads(line) for line in _values(READERS[name].sound)]
+    inner: Any = values
     while True:
         keys = range(len(inner)) if isinstance(inner, list) else list(inner)
         if not keys:
@@ -126,7 +169,7 @@ def test_any_value_in_the_place_of_another_is_read_or_refused_in_one_line(
             inner[key] = value
             break
         inner = inner[key]
-    file.write_text("".join(json.dumps(line) + "\n" for line in lines))
+    file.write_text(lines(values))
     read(READERS[name], file)
 
 

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
+from msgspec import Meta, Struct
 from numpy.typing import NDArray
 
 from models.errors import CaptureError
 from models.frames import FINGERS
+from models.json_input import checked
 from models.skeleton import Skeleton
 
 Array = NDArray[np.float64]
@@ -31,6 +33,17 @@ _BACK_OF_HAND = {
 }
 """m in the hand frame: a plate of three markers on the back of a hand. Left and right are a right
 hand's, seen from its own wrist."""
+
+
+_Metres = Annotated[float, Meta(ge=-1e3, le=1e3)]
+
+
+class _Table(Struct):
+    """A place on the hand as a table of a mapping file; see `mapped`."""
+
+    bone: str
+    at: tuple[_Metres, _Metres, _Metres]
+    spread: Annotated[float, Meta(gt=0, lt=1)] = _SKIN
 
 
 @dataclass(frozen=True)
@@ -162,20 +175,14 @@ def mapped(mapping: Mapping[str, Any], names: Sequence[str], skeleton: Skeleton)
 
 def _site(name: str, table: dict[str, Any], skeleton: Skeleton) -> Site:
     bones = {"palm": PALM} | {bone.name: i for i, bone in enumerate(skeleton.bones)}
-    try:
-        at = np.array(table["at"], float)
-        spread = float(table.get("spread", _SKIN))
-        bone = bones[table["bone"]]
-    except (KeyError, TypeError, ValueError):
-        at, spread, bone = np.zeros(0), 0.0, PALM
-    if at.shape != (3,) or not (np.isfinite(at).all() and 0 < spread < 1):
+    expected = f"bone ({', '.join(bones)}), at = [x, y, z] in m"
+    what, where = "the place on the hand is damaged", f"mapping, {name}"
+    place = checked(table, _Table, CaptureError, what=what, where=where, expected=expected)
+    if place.bone not in bones:
         raise CaptureError(
-            "this is no place on the hand",
-            where=f"mapping, {name}",
-            got=str(table)[:80],
-            expected="bone (palm, " + ", ".join(list(bones)[1:]) + "), at = [x, y, z] in m",
+            "no such bone", where=where, got=place.bone[:40], expected=", ".join(bones)
         )
-    return Site(name, bone, at, spread)
+    return Site(name, bones[place.bone], np.array(place.at), place.spread)
 
 
 def _unseen(

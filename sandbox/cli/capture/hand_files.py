@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import json
 import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
+from msgspec import Meta, Struct
 from numpy.typing import NDArray
 
 from encoders.captures.conversion import (
@@ -21,6 +21,7 @@ from encoders.captures.conversion import (
 )
 from encoders.captures.conversion.sites import mapped, recognised, sites_of
 from models.errors import CaptureError, InputError
+from models.json_input import checked, decoded, read_bytes
 from models.motion.motion import Motion
 from models.motion.read.asf import read_amc, read_asf
 from models.motion.read.bvh import CENTIMETRE, read_bvh
@@ -37,7 +38,24 @@ Array = NDArray[np.float64]
 SKELETONS = {"amc": ".asf", "v": ".vsk"}
 """Kinds of motion that need a skeleton from another file, and what that is called."""
 
-_CORNERS = ("top_left", "top_right", "bottom_left")
+_Coordinate = Annotated[float, Meta(ge=-1e9, le=1e9)]
+Place = tuple[_Coordinate, _Coordinate, _Coordinate]
+"""Three coordinates in a recording's units."""
+
+
+class _Corners(Struct, forbid_unknown_fields=True):
+    """Table [surface] of a mapping file."""
+
+    top_left: str | Place
+    top_right: str | Place
+    bottom_left: str | Place
+
+
+class _MappingFile(Struct, forbid_unknown_fields=True):
+    """A mapping file; what may stand for a point is checked where the points are looked up."""
+
+    points: dict[str, Any] = {}
+    surface: _Corners | None = None
 
 
 @dataclass(frozen=True)
@@ -51,7 +69,7 @@ class Mapping:
     """
 
     points: dict[str, Any] = field(default_factory=dict)
-    corners: tuple[Any, ...] = ()
+    corners: tuple[str | Place, ...] = ()
 
 
 def read_mapping(path: Path | None) -> Mapping:
@@ -62,29 +80,20 @@ def read_mapping(path: Path | None) -> Mapping:
     """
     if path is None:
         return Mapping()
-    try:
-        text = path.read_text(encoding="utf-8")
-        data = json.loads(text) if path.suffix.lower() == ".json" else tomllib.loads(text)
-    except OSError as error:
-        raise InputError("cannot be read", where=str(path), got=error.strerror) from None
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"it is damaged: {error}", where=str(path)) from None
-    sound = isinstance(data, dict) and set(data) <= {"points", "surface"}
-    points, surface = (data.get("points", {}), data.get("surface", {})) if sound else (None, None)
-    if not isinstance(points, dict) or not isinstance(surface, dict):
-        raise InputError(
-            "this is no mapping",
-            where=str(path),
-            expected="tables [points] and [surface], both optional",
-        )
-    if surface and set(surface) != set(_CORNERS):
-        raise InputError(
-            "the surface needs three corners",
-            where=f"{path}, [surface]",
-            got=", ".join(surface),
-            expected=", ".join(_CORNERS),
-        )
-    return Mapping(points, tuple(surface[name] for name in _CORNERS) if surface else ())
+    what, where, tables = "the mapping is damaged", str(path), "tables [points] and [surface]"
+    data = read_bytes(path, InputError, what="the mapping cannot be read")
+    if path.suffix.lower() == ".json":
+        file = decoded(data, _MappingFile, InputError, what=what, where=where, expected=tables)
+    else:
+        try:
+            values = tomllib.loads(data.decode())
+        except (ValueError, RecursionError) as error:
+            raise InputError(f"{what}: {error}", where=where, expected=tables) from None
+        file = checked(values, _MappingFile, InputError, what=what, where=where, expected=tables)
+    corners = file.surface
+    if corners is None:
+        return Mapping(file.points)
+    return Mapping(file.points, (corners.top_left, corners.top_right, corners.bottom_left))
 
 
 def read_hand(
@@ -209,21 +218,17 @@ def _surface(
     return None
 
 
-def _corner(corner: object, points: dict[str, Array], unit: float) -> Array:
+def _corner(corner: str | Place, points: dict[str, Array], unit: float) -> Array:
     """(3,) m, a corner told by three numbers, or by the name of a point that lies on it."""
-    if isinstance(corner, str) and corner in points:
-        seen = points[corner][np.isfinite(points[corner]).all(axis=1)]
-        if len(seen):
-            return np.asarray(np.median(seen, axis=0))
-    try:
-        place = unit * np.array(corner, float)
-    except (TypeError, ValueError):
-        place = np.zeros(0)
-    if place.shape != (3,):
+    if not isinstance(corner, str):
+        return unit * np.array(corner)
+    seen = points.get(corner, np.full((1, 3), np.nan))
+    seen = seen[np.isfinite(seen).all(axis=1)]
+    if not len(seen):
         raise InputError(
-            "this is no corner",
+            "the corner cannot be found",
             where="[surface]",
-            got=str(corner)[:40],
+            got=corner[:40],
             expected="three numbers, or the name of a point that is seen",
         )
-    return place
+    return np.asarray(np.median(seen, axis=0))

@@ -13,12 +13,12 @@ from encoders.captures.together.clocks import host_clock
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.calibration_file import read_hand
 from models.errors import EncoderError, InputError
-from models.frames import SIDES
 from models.surface import Surface
 from sandbox.cli.capture.touch_files import read_touch_log
 from sandbox.devices.files.together_file import (
     HANDS,
     TOUCHES,
+    About,
     HandsFile,
     arrivals,
     read_about,
@@ -41,7 +41,8 @@ def capture_of_hands(
     Raises:
         InputError: The recordings cannot be used, or do not go together.
     """
-    touches, hands_file, side, about = _files(options)
+    touches, hands_file, about = _files(options)
+    side = about.side
     log, damage = read_touch_log(touches, surface)
     hands = read_hands(hands_file)
     check_side(hands.frames, side, str(hands_file), "--side")
@@ -58,8 +59,8 @@ def capture_of_hands(
     if side == "left":
         log = replace(log, xy=log.xy * [-1.0, 1.0])
     meta: dict[str, Any] = {
-        "simulated": options.simulated or bool(about.get("simulated")),
-        "subject": about.get("subject", options.subject),
+        "simulated": options.simulated or about.simulated,
+        "subject": options.subject if about.subject is None else about.subject,
         "side": "right",
         "recorded_side": side,
         "skeleton": "PAALM's",
@@ -84,21 +85,20 @@ def capture_of_hands(
     return capture, tails
 
 
-def _files(options: Any) -> tuple[Path, Path, str, dict[str, Any]]:
-    """Touches, hands, side, and what else is known."""
+def _files(options: Any) -> tuple[Path, Path, About]:
+    """The touches, the hands, and what is known of them."""
     if options.recorded is None:
         if options.touches is None:
             raise InputError("there are no touches", where="--hands", expected="--touches FILE too")
-        return options.touches, options.hands, options.side or SIDES[0], {}
+        return options.touches, options.hands, About(options.side or "right")
     folder: Path = options.recorded
     about = read_about(folder)
-    side = str(about["side"])
-    if options.side not in (None, side):
+    if options.side not in (None, about.side):
         raise InputError(
-            "another hand was recorded", where=f"--side {options.side}", got=side,
+            "another hand was recorded", where=f"--side {options.side}", got=about.side,
             remedy="Leave --side away; the folder says it",
         )  # fmt: skip
-    return folder / TOUCHES, folder / HANDS, side, about
+    return folder / TOUCHES, folder / HANDS, about
 
 
 def _calibration(path: Path | None, hands: HandsFile, side: str) -> HandCalibration:

@@ -222,7 +222,7 @@ def _simulated(path: Path) -> bool:
     """Whether a file that plays as a device belongs to a simulated session."""
     if not (path.is_file() and (path.parent / ABOUT).is_file()):
         return False
-    return bool(read_about(path.parent).get("simulated"))
+    return read_about(path.parent).simulated
 
 
 def _hands(options: RecordOptions) -> HandDevice:

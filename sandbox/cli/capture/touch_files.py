@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterable
 from pathlib import Path
@@ -12,7 +11,9 @@ import numpy as np
 from encoders.captures.conversion import TouchLog
 from models.errors import InputError, RecordingError
 from models.frames import TouchFrame
+from models.json_input import numbered_lines
 from models.surface import METRES_PER_INCH, Surface
+from sandbox.devices.files.frame_file import LONGEST_LINE, decoded_frame, frame_surface
 from sandbox.devices.tuio.touch_capture import CaptureDevice, read_capture
 from sandbox.options.touch_devices import first_line
 from sandbox.recording.recording import is_recording, load_recording
@@ -62,32 +63,25 @@ def _log(frames: Iterable[TouchFrame], path: Path) -> TouchLog:
 
 
 def _shown(path: Path) -> tuple[TouchLog, str]:
-    """Lines {"time": s, "contacts": [{"id", "x", "y"}]} in inches."""
+    """The touches of `touches show`, in the order of arrival: their times may run backwards."""
     times: list[float] = []
     rows: list[tuple[int, int, float, float]] = []
     damage = ""
-    with path.open("rb") as file:
-        for number, line in enumerate(file, start=1):
-            if not line.strip():
+    remedy = "Everything before this line is used"
+    for number, line in numbered_lines(path, LONGEST_LINE):
+        where = f"{path}, line {number}"
+        try:
+            if number == 1 and frame_surface(line, where) is not None:
                 continue
-            try:
-                record = json.loads(line)
-                if number == 1 and "surface_in" in record:
-                    continue  # how large the surface is that was recorded
-                contacts = [
-                    (int(c["id"]), float(c["x"]), float(c["y"])) for c in record["contacts"]
-                ]
-                time = float(record["time"])
-                if not math.isfinite(time + sum(x + y for _, x, y in contacts)):
-                    raise ValueError("a value is not finite")
-                if len({c[0] for c in contacts}) != len(contacts):
-                    raise ValueError("two contacts share an id")
-            except (ValueError, KeyError, TypeError, OverflowError, RecursionError) as error:
-                damage = f"line {number} is damaged ({error}); everything before it is used"
-                break
-            inch = METRES_PER_INCH
-            rows += [(len(times), id_, inch * x, inch * y) for id_, x, y in contacts]
-            times.append(time)
+            frame = decoded_frame(line, where, remedy)
+            if len({touch.id for touch in frame.contacts}) != len(frame.contacts):
+                raise RecordingError("two contacts share an id", where=where, remedy=remedy)
+        except InputError as error:
+            damage = str(error)
+            break
+        inch = METRES_PER_INCH
+        rows += [(len(times), t.id, inch * t.x, inch * t.y) for t in frame.contacts]
+        times.append(frame.time)
     return _arrays(times, rows, path), damage
 
 

@@ -9,20 +9,51 @@ The first line is optional. A frame may also have `cancelled` (ids) and `lift` (
 
 from __future__ import annotations
 
-import json
-import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal
+
+from msgspec import Meta, Struct
 
 from models.errors import FrameError, InputError, RecordingError
 from models.frames import FINGERS, Contact, TouchFrame
+from models.json_input import decoded, numbered_lines
 from models.surface import METRES_PER_INCH, Surface
 from sandbox.session.device import Device
 
-_LONGEST_LINE = 1_000_000
+LONGEST_LINE = 1_000_000
+"""Bytes of a line; a frame of ten contacts has about a thousand."""
+
+_DAMAGED = "the recording of touches is damaged here"
+_PLAYABLE = "What stands before this line can be played"
+_FORMATS = "`sandbox touches formats` lists what can be played"
 _EXPECTED = '{"time": seconds, "contacts": [{"id", "x", "y", "finger"}]}, times never backwards'
+
+
+class TouchLine(Struct):
+    """A contact in a line; lengths in inches."""
+
+    id: int
+    x: float
+    y: float
+    finger: Literal["thumb", "index", "middle", "ring", "little"] | None = None
+    size: Annotated[float, Meta(gt=0)] | None = None
+
+
+class FrameLine(Struct):
+    """A frame in a line; time in seconds."""
+
+    time: float
+    contacts: list[TouchLine]
+    lift: float | None = None
+    cancelled: list[int] = []
+
+
+class HeaderLine(Struct):
+    """The first line of a file, where it has a header."""
+
+    surface_in: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -113,28 +144,27 @@ def read_frame_file(path: Path) -> FrameFile:
     frames: list[TouchFrame] = []
     damage: RecordingError | None = None
     try:
-        for number, line in _lines(path):
+        for number, line in numbered_lines(path, LONGEST_LINE):
+            where, remedy = f"{path}, line {number}", _PLAYABLE if frames else _FORMATS
             try:
-                record = json.loads(line)
-                if not isinstance(record, dict):
-                    raise TypeError("the line is not a JSON object")
-                if "surface_in" in record and not frames and surface is None:
-                    width, height = record["surface_in"]
-                    surface = Surface(float(width), float(height))
-                    continue
-                frame = _frame(record)
+                if not frames and surface is None:
+                    surface = frame_surface(line, where)
+                    if surface is not None:
+                        continue
+                frame = _frame(decoded_frame(line, where, remedy))
                 if frames and frame.time < frames[-1].time:
-                    raise ValueError("the time runs backwards")
-            except (ValueError, TypeError, KeyError, OverflowError, RecursionError,
-                    InputError) as error:  # fmt: skip
+                    raise FrameError("the time runs backwards", got=frame.time)
+            except RecordingError as error:
+                damage = error
+                break
+            except InputError as error:
                 damage = RecordingError(
-                    f"the recording of touches is damaged here: {_reason(error)}",
-                    where=f"{path}, line {number}",
-                    got=line[:40],
-                    expected=_EXPECTED,
-                    remedy="What stands before this line can be played" if frames else
-                    "`sandbox touches formats` lists what can be played",
-                )  # fmt: skip
+                    f"{_DAMAGED}: {error.what}",
+                    where=where,
+                    got=None if error.got is None else str(error.got)[:40],
+                    expected=error.expected,
+                    remedy=remedy,
+                )
                 break
             frames.append(frame)
     except OSError as error:
@@ -146,52 +176,60 @@ def read_frame_file(path: Path) -> FrameFile:
     return FrameFile(tuple(frames), surface, damage)
 
 
-def _lines(path: Path) -> Iterator[tuple[int, bytes]]:
-    with path.open("rb") as file:
-        number = 0
-        while line := file.readline(_LONGEST_LINE):
-            number += 1
-            if line.strip():
-                yield number, line
+def decoded_frame(line: bytes, where: str, remedy: str) -> FrameLine:
+    """Decodes a line of a file.
 
+    Args:
+        line: JSON.
+        where: The file and the line's number.
+        remedy: The next step for the person who reads the error.
 
-def _frame(record: dict[str, Any]) -> TouchFrame:
-    """One line; what is wrong with it leaves as an error of Python's or as a `FrameError`."""
-    contacts = []
-    for c in record["contacts"]:
-        finger, size = c.get("finger"), c.get("size")
-        if finger is not None and finger not in FINGERS:
-            raise ValueError(f"there is no finger {str(finger)[:20]!r}")
-        if size is not None and not 0.0 < float(size) < math.inf:
-            raise ValueError("a size is not positive")
-        contacts.append(
-            Contact(
-                _id(c["id"]),
-                METRES_PER_INCH * float(c["x"]),
-                METRES_PER_INCH * float(c["y"]),
-                None if size is None else METRES_PER_INCH * float(size),
-                None if finger is None else FINGERS.index(finger),
-            )
-        )
-    lift = record.get("lift")
-    return TouchFrame(
-        float(record["time"]),
-        tuple(contacts),
-        None if lift is None else float(lift),
-        frozenset(_id(i) for i in record.get("cancelled", [])),
-        "file",
+    Raises:
+        RecordingError: The line is no frame.
+    """
+    return decoded(
+        line,
+        FrameLine,
+        RecordingError,
+        what=_DAMAGED,
+        where=where,
+        expected=_EXPECTED,
+        remedy=remedy,
     )
 
 
-def _id(value: object) -> int:
-    if isinstance(value, bool) or not isinstance(value, int):
-        raise TypeError("an id is no whole number")
-    return value
+def frame_surface(line: bytes, where: str) -> Surface | None:
+    """The surface of a header line; None for a line without one.
+
+    Raises:
+        InputError: The line is no JSON object, or the surface is none.
+    """
+    header = decoded(
+        line,
+        HeaderLine,
+        RecordingError,
+        what=_DAMAGED,
+        where=where,
+        expected=_EXPECTED,
+        remedy=_FORMATS,
+    )
+    return None if header.surface_in is None else Surface(*header.surface_in)
 
 
-def _reason(error: Exception) -> str:
-    if isinstance(error, KeyError):
-        return f"{error} is missing"
-    if isinstance(error, FrameError):
-        return str(error.args[0]) if error.args else "no frame"
-    return str(error)
+def _frame(line: FrameLine) -> TouchFrame:
+    return TouchFrame(
+        line.time,
+        tuple(
+            Contact(
+                touch.id,
+                METRES_PER_INCH * touch.x,
+                METRES_PER_INCH * touch.y,
+                None if touch.size is None else METRES_PER_INCH * touch.size,
+                None if touch.finger is None else FINGERS.index(touch.finger),
+            )
+            for touch in line.contacts
+        ),
+        line.lift,
+        frozenset(line.cancelled),
+        "file",
+    )

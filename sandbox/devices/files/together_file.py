@@ -12,17 +12,21 @@ from __future__ import annotations
 
 import json
 import math
+from contextlib import suppress
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from models.errors import RecordingError
-from models.frames import SIDES, HandFrame, TouchFrame
+from models.frames import HandFrame, TouchFrame
+from models.json_input import decoded, numbered_lines, read_bytes
 from models.surface import Surface
-from sandbox.devices.files.frame_file import frame_record, header_record
+from sandbox.devices.files.frame_file import LONGEST_LINE, frame_record, header_record
 from sandbox.devices.files.line_file import LineFile
 from sandbox.devices.leap.leap_file import read_leap
 from sandbox.devices.leap.leap_json import LeapDecoder
@@ -32,6 +36,27 @@ from sandbox.session.closing import Closing
 Array = NDArray[np.float64]
 
 TOUCHES, HANDS, ABOUT = "touches.jsonl", "hands.jsonl", "about.json"
+
+
+class About(Struct):
+    """Contents of `about.json`; other fields are for people.
+
+    Attributes:
+        side: The hand that was recorded.
+        subject: Who it was; a pseudonym. None where it is not said.
+        simulated: Nobody real was recorded.
+    """
+
+    side: Literal["right", "left"]
+    subject: str | None = None
+    simulated: bool = False
+
+
+class _Arrival(Struct):
+    """The fields of a line that tell when a frame arrived, s."""
+
+    contacts: list[Any] | None = None
+    host: float | None = None
 
 
 def check_new(folder: Path) -> None:
@@ -136,56 +161,53 @@ def read_hands(path: Path) -> HandsFile:
 def arrivals(path: Path, count: int) -> Array | None:
     """(count,) s, when the frames of a file of touches arrived; None where it does not say."""
     host: list[float] = []
-    with path.open("rb") as file:
-        for line in file:
-            try:
-                record = json.loads(line)
-            except ValueError:
-                break
-            if isinstance(record, dict) and "contacts" in record:
-                host.append(_number(record.get("host")))
-    found = np.array(host[:count])
-    return found if len(found) == count and np.isfinite(found).all() else None
+    with suppress(RecordingError):
+        for number, line in numbered_lines(path, LONGEST_LINE):
+            arrival = _arrival(line, f"{path}, line {number}")
+            if arrival.contacts is not None:
+                host.append(math.nan if arrival.host is None else arrival.host)
+    times = np.array(host[:count])
+    return times if len(times) == count and np.isfinite(times).all() else None
 
 
 def first_line_with_host(path: Path) -> float | None:
     """s, when the first frame of a file arrived; None where it does not say, or is no file."""
     if not path.is_file():
         return None
-    with path.open("rb") as file:
-        for line, _ in zip(file, range(2), strict=False):
-            try:
-                record = json.loads(line)
-            except ValueError:
-                return None
-            host = _number(record.get("host")) if isinstance(record, dict) else math.nan
-            if math.isfinite(host):
+    with suppress(RecordingError):
+        for number, line in islice(numbered_lines(path, LONGEST_LINE), 2):
+            host = _arrival(line, f"{path}, line {number}").host
+            if host is not None:
                 return host
     return None
 
 
-def read_about(folder: Path) -> dict[str, Any]:
+def read_about(folder: Path) -> About:
     """What is known of a session.
 
     Raises:
         RecordingError: The folder holds none, or it is damaged.
     """
     path = folder / ABOUT
-    try:
-        about = json.loads(path.read_text(encoding="utf-8"))
-    except OSError:
+    if not path.exists():
         raise RecordingError(
             "this is no folder of `sandbox capture record`",
             where=str(folder),
             expected=f"{TOUCHES}, {HANDS} and {ABOUT}",
-        ) from None
-    except ValueError as error:
-        raise RecordingError(f"it is damaged: {error}", where=str(path)) from None
-    if not isinstance(about, dict) or about.get("side") not in SIDES:
-        raise RecordingError(
-            "it does not say whose hand it is", where=str(path), expected='"side": right or left'
         )
-    return about
+    data = read_bytes(path, RecordingError, what="it cannot be read")
+    return decoded(
+        data,
+        About,
+        RecordingError,
+        what="the description of the session is damaged",
+        where=str(path),
+        expected='"side": right or left',
+    )
+
+
+def _arrival(line: bytes, where: str) -> _Arrival:
+    return decoded(line, _Arrival, RecordingError, what="the line is damaged", where=where)
 
 
 def _number(value: object) -> float:

@@ -7,15 +7,17 @@ says that somebody's connection has ended. A damaged file is good up to the dama
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
+from msgspec import Struct, field
+
 from models.errors import RecordingError
 from models.frames import TouchFrame
+from models.json_input import decoded, numbered_lines
 from models.surface import Surface
 from sandbox.devices.tuio.osc import MAX_PACKET_BYTES
 from sandbox.devices.tuio.tuio import touch_frame
@@ -29,6 +31,20 @@ _MAX_PEER = 200
 """Characters of a sender's address."""
 
 _EXPECTED = '{"t": seconds, "hex": "..."} with times that never run backwards'
+
+
+_DAMAGED = "the capture of touches is damaged here"
+_PLAYABLE = "What stands before this line can be played"
+_FORMATS = "`sandbox touches formats` lists what can be played"
+
+
+class _PacketLine(Struct):
+    """A line: a packet in hex from a sender, or the sender whose connection has ended."""
+
+    t: float
+    hex: str | None = None
+    sender: str = field(default="", name="from")
+    closed: str | None = None
 
 
 class CapturedPacket(NamedTuple):
@@ -84,52 +100,48 @@ def read_capture(path: Path) -> TouchCapture:
 
 def _packets(path: Path) -> Iterator[CapturedPacket]:
     last = -math.inf
-    with path.open("rb") as file:
-        number = 0
-        while line := file.readline(_MAX_LINE):
-            number += 1
-            if not line.strip():
-                continue
-            try:
-                packet = _packet(line)
-                if packet.time < last:
-                    raise ValueError(f"the time runs backwards, from {last} to {packet.time} s")
-            except (ValueError, TypeError, KeyError, RecursionError, OverflowError) as error:
-                raise RecordingError(
-                    f"the capture of touches is damaged here: {_reason(error)}",
-                    where=f"{path}, line {number}",
-                    got=line[:40],
-                    expected=_EXPECTED,
-                    remedy="What stands before this line can be played"
-                    if math.isfinite(last)
-                    else "`sandbox touches formats` lists what can be played",
-                ) from error
-            last = packet.time
-            yield packet
+    for number, line in numbered_lines(path, _MAX_LINE):
+        where = f"{path}, line {number}"
+        remedy = _PLAYABLE if math.isfinite(last) else _FORMATS
+        record = decoded(
+            line,
+            _PacketLine,
+            RecordingError,
+            what=_DAMAGED,
+            where=where,
+            expected=_EXPECTED,
+            remedy=remedy,
+        )
+        try:
+            packet = _packet(record)
+            if packet.time < last:
+                raise ValueError(f"the time runs backwards, from {last} to {packet.time} s")
+        except ValueError as error:
+            raise RecordingError(
+                f"{_DAMAGED}: {error}",
+                where=where,
+                got=line[:40].decode(errors="replace"),
+                expected=_EXPECTED,
+                remedy=remedy,
+            ) from None
+        last = packet.time
+        yield packet
 
 
-def _packet(line: bytes) -> CapturedPacket:
-    """One line; what is wrong with it leaves as one of Python's own errors."""
-    if len(line) >= _MAX_LINE:
-        raise ValueError("the line is too long")
-    record = json.loads(line)
-    if not isinstance(record, dict):
-        raise TypeError("the line is not a JSON object")
-    ended = "closed" in record
-    seconds, text = record["t"], "" if ended else record["hex"]
-    peer = record.get("closed" if ended else "from", "")
-    if not isinstance(peer, str):
-        raise TypeError("the name of a sender is not a text")
-    if isinstance(seconds, bool) or not isinstance(seconds, (int, float)):
-        raise TypeError("t is not a number")
-    if not math.isfinite(seconds):
-        raise ValueError("t is not finite")
-    if not isinstance(text, str):
-        raise TypeError("hex is not a text")
-    data = bytes.fromhex(text)
+def _packet(line: _PacketLine) -> CapturedPacket:
+    """The packet of a line.
+
+    Raises:
+        ValueError: The bytes are no packet.
+    """
+    if line.closed is not None:
+        return CapturedPacket(line.t, None, line.closed[:_MAX_PEER])
+    if line.hex is None:
+        raise ValueError("hex is missing")
+    data = bytes.fromhex(line.hex)
     if len(data) > MAX_PACKET_BYTES:
         raise ValueError(f"a packet of {len(data)} bytes does not exist in UDP")
-    return CapturedPacket(float(seconds), None if ended else data, peer[:_MAX_PEER])
+    return CapturedPacket(line.t, data, line.sender[:_MAX_PEER])
 
 
 def packet_record(packet: CapturedPacket) -> dict[str, object]:
@@ -137,10 +149,6 @@ def packet_record(packet: CapturedPacket) -> dict[str, object]:
     if packet.data is None:
         return {"t": packet.time, "closed": packet.peer}
     return {"t": packet.time, "hex": packet.data.hex(), "from": packet.peer}
-
-
-def _reason(error: Exception) -> str:
-    return f"{error} is missing" if isinstance(error, KeyError) else str(error)
 
 
 class CaptureDevice(Device):
