@@ -12,7 +12,7 @@ from models.errors import InputError
 from models.objects import Box
 from models.surface import Surface
 from tasks.sensing import Sensing
-from tasks.task import Goal, Measure
+from tasks.task import Goal, Measure, TaskDefaults
 
 EDGE = 0.050
 """m, edge of the box."""
@@ -36,7 +36,7 @@ SPEED_TOLERANCE = 0.010
 
 
 @dataclass(frozen=True)
-class BoxToGoal:
+class BoxToGoal(TaskDefaults):
     """Bring a 5 cm box onto its translucent twin.
 
     Scene: a box of 5 cm on a table, friction 0.5 against the table, 50 to 250 g.

@@ -13,7 +13,7 @@ from models.errors import InputError
 from models.objects import TRAY_GRIP, TRAY_HANDLE, Tray
 from models.surface import Surface
 from tasks.sensing import Sensing
-from tasks.task import Goal, Measure
+from tasks.task import Goal, Measure, TaskDefaults
 
 Array = NDArray[np.float64]
 
@@ -41,7 +41,7 @@ _TRIES = 20_000
 
 
 @dataclass(frozen=True)
-class CarryTogether:
+class CarryTogether(TaskDefaults):
     """Lift a tray with a hand at either end, carry it to its translucent twin, and hold it there.
 
     Scene: a tray of 300 to 600 g on a table: a deck of 16 by 12 cm, broader than a hand opens, with

@@ -20,7 +20,7 @@ from typing import Any
 from models import outside
 from models.errors import HandSandboxError, InputError
 from models.outside import failure, load_file, package
-from tasks.task import Task
+from tasks.task import Task, TaskDefaults
 
 GROUP = "hand_sandbox.tasks"
 """Of entry points; each is named like its task."""
@@ -54,8 +54,7 @@ def load_offered(name: str) -> type[Task] | None:
         )
     entry = entries[0]
     where = f"entry point {name} = {entry.value} of {package(entry)}"
-    task = _guarded(entry.load, where)
-    check_task(task, where)
+    task = adapted(_guarded(entry.load, where), where)
     if task.name != name:
         raise InputError(
             "the entry point and its task have different names",
@@ -90,15 +89,27 @@ def load_place(text: str) -> type[Task]:
     if task is None:
         raise InputError("there is nothing of this name", where=text, got=member,
                          expected=_names(_tasks_in(module)))  # fmt: skip
-    check_task(task, text)
-    kind: type[Task] = task
-    return kind
+    return adapted(task, text)
 
 
 def place_file(text: str) -> Path | None:
     """The file of a place, absolute; None where it is a module's."""
     in_file = _FILE.fullmatch(text)
     return Path(in_file["file"]).resolve() if in_file else None
+
+
+def adapted(kind: Any, where: str) -> type[Task]:
+    """A checked task with all members of the contract; those that it lacks get their defaults.
+
+    Raises:
+        InputError: A required member is missing.
+    """
+    check_task(kind, where)
+    for member in ("hands", "user"):
+        if not hasattr(kind, member):
+            setattr(kind, member, getattr(TaskDefaults, member))
+    task: type[Task] = kind
+    return task
 
 
 def check_task(kind: Any, where: str) -> None:

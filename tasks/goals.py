@@ -3,19 +3,38 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tasks.sensing import length
-from tasks.task import Goal
 
 Array = NDArray[np.float64]
 
 _NEAR = 0.030
 """m; a thing nearer than this to its own goal is where it belongs, and what goes on it goes there.
 Farther away, what goes on it is shown where the thing will be."""
+
+
+@dataclass(frozen=True)
+class Goal:
+    """Where an object should end up; views draw the object's ghost there.
+
+    Attributes:
+        object: Name of the object.
+        position: (3,) m, centre of the object at the goal; where `on` is set, how far from that
+            object's centre, in the world's directions.
+        yaw: rad about the vertical; where `on` is set, against that object's.
+        on: Name of the object on which it should stand, wherever that is now. Whoever looks at
+            goals takes them from `place`, which has put them into the world.
+    """
+
+    object: str
+    position: tuple[float, float, float]
+    yaw: float
+    on: str | None = None
 
 
 class Posed(Protocol):

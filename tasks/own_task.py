@@ -20,7 +20,7 @@ Any class that keeps to `tasks.task.Task` will do as well; this one fills in wha
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Self
 from zlib import crc32
@@ -32,20 +32,16 @@ from models.errors import InputError
 from models.objects import Thing
 from models.surface import Surface
 from tasks.sensing import Sensing
-from tasks.task import Goal, Measure
-from tasks.user import User, UserConfiguration
+from tasks.task import Goal, Measure, TaskDefaults
 
 Array = NDArray[np.float64]
-
-UserMaker = Callable[[UserConfiguration, Surface, int], User]
-"""Makes a simulated person from what kind of person, the screen, and a seed."""
 
 _TRIES = 4_000
 """Draws before a surface is said to be too small."""
 
 
 @dataclass(frozen=True)
-class OwnTask(ABC):
+class OwnTask(TaskDefaults, ABC):
     """One drawn trial of a task; its class attributes are those of `tasks.task.Task`.
 
     Attributes:
@@ -64,7 +60,6 @@ class OwnTask(ABC):
     touch_height: ClassVar[float] = 0.015
     lift_range: ClassVar[float] = 0.0
     plane: ClassVar[str] = "table"
-    user: ClassVar[UserMaker | None] = None
 
     seed: int
     objects: tuple[Thing, ...]

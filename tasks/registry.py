@@ -74,7 +74,7 @@ def unusable_tasks() -> dict[str, str]:
 
 def hands_of(task: type[Task] | Task) -> int:
     """How many hands a task is made for: those that say nothing want one."""
-    return int(getattr(task, "hands", 1))
+    return task.hands
 
 
 def draw_task(kind: type[Task], seed: int, surface: Surface) -> Task:

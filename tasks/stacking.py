@@ -17,7 +17,7 @@ from models.scene import TABLE
 from models.surface import Surface
 from tasks.goals import Posed, place
 from tasks.sensing import ObjectState, Sensing, length
-from tasks.task import Goal, Measure
+from tasks.task import Goal, Measure, TaskDefaults
 
 Array = NDArray[np.float64]
 
@@ -42,7 +42,7 @@ SPEED_TOLERANCE = 0.010
 
 
 @dataclass(frozen=True)
-class Stacking:
+class Stacking(TaskDefaults):
     """Boxes that are to stand on each other, in their order.
 
     Tasks differ in how many there are and in where they start.

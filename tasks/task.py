@@ -10,28 +10,13 @@ from numpy.typing import NDArray
 
 from models.objects import Thing
 from models.surface import Surface
+from tasks.goals import Goal
 from tasks.sensing import Sensing
+from tasks.user import UserMaker
+
+__all__ = ["Goal", "Measure", "Task", "TaskDefaults"]
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Goal:
-    """Where an object should end up; views draw the object's ghost there.
-
-    Attributes:
-        object: Name of the object.
-        position: (3,) m, centre of the object at the goal; where `on` is set, how far from that
-            object's centre, in the world's directions.
-        yaw: rad about the vertical; where `on` is set, against that object's.
-        on: Name of the object on which it should stand, wherever that is now. Whoever looks at
-            goals takes them from `tasks.goals.place`, which has put them into the world.
-    """
-
-    object: str
-    position: tuple[float, float, float]
-    yaw: float
-    on: str | None = None
 
 
 @dataclass(frozen=True)
@@ -51,7 +36,19 @@ class Measure:
     lost: bool = False
 
 
-class Task(Protocol):
+class TaskDefaults(Protocol):
+    """Members that a task may leave out, with their defaults.
+
+    Attributes:
+        hands: How many hands it is made for.
+        user: Makes its simulated user; None: the one that plays the built-in tasks.
+    """
+
+    hands: ClassVar[int] = 1
+    user: ClassVar[UserMaker | None] = None
+
+
+class Task(TaskDefaults, Protocol):
     """One drawn trial of a task. It only reads the simulation and never moves anything.
 
     Attributes:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any, Protocol
 
@@ -13,7 +13,8 @@ from models.errors import InputError
 from models.frames import TouchFrame
 from models.later import Later
 from models.objects import Thing
-from tasks.task import Goal
+from models.surface import Surface
+from tasks.goals import Goal
 
 Array = NDArray[np.float64]
 
@@ -129,3 +130,7 @@ class User(Protocol):
     def look(self, sight: Sight) -> None: ...
 
     def touch(self, now: float) -> TouchFrame: ...
+
+
+UserMaker = Callable[[UserConfiguration, Surface, int], User]
+"""Makes a simulated person from what kind of person it is, the screen, and a seed."""

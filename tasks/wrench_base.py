@@ -13,7 +13,7 @@ from models.errors import InputError
 from models.objects import Wrench
 from models.surface import Surface
 from tasks.sensing import ObjectState, Sensing
-from tasks.task import Goal, Measure
+from tasks.task import Goal, Measure, TaskDefaults
 
 Array = NDArray[np.float64]
 Place = tuple[float, float, float]
@@ -32,7 +32,7 @@ _TRIES = 4_000
 
 
 @dataclass(frozen=True)
-class WrenchTask(ABC):
+class WrenchTask(TaskDefaults, ABC):
     """One wrench that is to come to lie on its translucent twin.
 
     Tasks differ in what the wrench is free to do, in where it may start and in how near counts.

@@ -174,7 +174,42 @@ def nothing_is_left_undone(path: str, source: str) -> Iterator[str]:
             yield f"{path}:{token.start[0]} leaves work for later"
 
 
+CONTRACTS = {"device", "task", "reconstructor", "rig", "session", "inner", "part"}
+"""Names of objects whose contract declares all they can do: nobody needs to ask them."""
+
+
+def subject_of(node: ast.expr) -> str:
+    """The name of what an expression is about: `task` for `task`, `rig.task` and `type(task)`."""
+    while isinstance(node, ast.Call) and node.args:
+        node = node.args[0]
+    while isinstance(node, ast.Subscript):
+        node = node.value
+    return name_of(node).split(".")[-1]
+
+
+def nobody_is_asked_what_they_can_do(path: str, source: str) -> Iterator[str]:
+    if Path(path).parts[0] not in PACKAGES:
+        return
+    for node in ast.walk(ast.parse(source)):
+        if (
+            isinstance(node, ast.Call)
+            and node.args
+            and name_of(node.func) in ("getattr", "hasattr", "vars")
+        ):
+            words = subject_of(node.args[0]).strip("_").removesuffix("s").split("_")
+            if words[-1] in CONTRACTS:
+                yield f"{path}:{node.lineno} asks a {words[-1]}, whose contract says what it can do"
+        elif isinstance(node, ast.ClassDef) and any(
+            isinstance(base, ast.Name) and base.id.endswith(("Device", "Wrapper", "Reconstructor"))
+            for base in node.bases
+        ):
+            for part in node.body:
+                if isinstance(part, ast.FunctionDef) and part.name == "__getattr__":
+                    yield f"{path}:{part.lineno} forwards members that no contract declares"
+
+
 RULES: tuple[Rule, ...] = (
+    nobody_is_asked_what_they_can_do,
     arrows_point_down,
     commands_are_on_top,
     only_the_program_shows_and_serves,
@@ -183,6 +218,17 @@ RULES: tuple[Rule, ...] = (
 )
 
 BROKEN = [
+    (nobody_is_asked_what_they_can_do, "sandbox/a.py", "getattr(device, 'news', None)"),
+    (nobody_is_asked_what_they_can_do, "sandbox/a.py", "hasattr(session.rigs[0].device, 'show')"),
+    (nobody_is_asked_what_they_can_do, "sandbox/a.py", "hasattr(self._rigs[0], 'yaw')"),
+    (nobody_is_asked_what_they_can_do, "sandbox/a.py", "vars(device).get('device')"),
+    (nobody_is_asked_what_they_can_do, "sandbox/a.py", "getattr(type(task), 'user', None)"),
+    (nobody_is_asked_what_they_can_do, "encoders/a.py", "getattr(r.reconstructor, 'empty', 0)"),
+    (
+        nobody_is_asked_what_they_can_do,
+        "sandbox/a.py",
+        "class A(Device):\n    def __getattr__(self, name):\n        return 1",
+    ),
     (arrows_point_down, "models/a.py", "import encoders.regression.polynomial"),
     (arrows_point_down, "models/motion/a.py", "def f():\n    from tasks import score"),
     (arrows_point_down, "encoders/a.py", "from tasks.score import Score"),
@@ -205,6 +251,9 @@ BROKEN = [
 ]
 
 SOUND = [
+    (nobody_is_asked_what_they_can_do, "sandbox/a.py", "getattr(options, 'device', None)"),
+    (nobody_is_asked_what_they_can_do, "sandbox/a.py", "vars(self.person), device.news"),
+    (nobody_is_asked_what_they_can_do, "tests/a.py", "hasattr(device, 'show')"),
     (arrows_point_down, "encoders/a.py", "from models.errors import EncoderError"),
     (arrows_point_down, "encoders/paalm/a.py", "from .. import polynomial\nfrom . import b"),
     (arrows_point_down, "sandbox/a.py", "import models, encoders, tasks"),

@@ -10,48 +10,21 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from encoders.reconstruction.reconstructor import Reconstructor
 from encoders.reconstruction.touch_reconstructor import Reconstruction
-from models.frames import Contact, TouchFrame
+from models.frames import Contact, Frame, TouchFrame
 from models.person import Person, PersonFrame
 from models.pose import surface_to_world
 from models.surface import Surface
 
 Array = NDArray[np.float64]
 
-ReconstructorMaker = Callable[[Surface], "Reconstructor"]
+ReconstructorMaker = Callable[[Surface], Reconstructor]
 """Makes a reconstructor on a surface."""
-
-
-class Reconstructor(Protocol):
-    """From one touch frame after another to the pose of the whole hand."""
-
-    @property
-    def surface(self) -> Surface:
-        """Where the touches are in the world."""
-        ...
-
-    @property
-    def commanded(self) -> Array:
-        """(48,) the pose last commanded, in the world."""
-        ...
-
-    @property
-    def counts(self) -> dict[str, int]:
-        """How often contacts were ignored or repaired, by reason."""
-        ...
-
-    def reset(self) -> None:
-        """Back to a hand that hovers over the middle of the surface and knows no contact."""
-        ...
-
-    def step(self, frame: TouchFrame) -> Reconstruction:
-        """Takes in a touch frame; called once per control step."""
-        ...
 
 
 class PersonalReconstructor:
@@ -71,6 +44,16 @@ class PersonalReconstructor:
     def surface(self) -> Surface:
         """The person's screen in the world."""
         return self._surface
+
+    @property
+    def empty(self) -> Frame:
+        """A frame without touches."""
+        return self.trained.empty
+
+    @property
+    def notice(self) -> str:
+        """As the trained hand's reconstructor says."""
+        return self.trained.notice
 
     @property
     def commanded(self) -> Array:

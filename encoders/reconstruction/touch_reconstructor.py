@@ -124,7 +124,14 @@ class TouchReconstructor:
         skeleton: The hand whose fingertips are to meet the touches.
         surface: Where the touches are in the world.
         settings: What takes part.
+
+    Attributes:
+        empty: A frame without touches.
+        notice: Always empty: touches are followed wherever they are.
     """
+
+    empty = TouchFrame(0.0)
+    notice = ""
 
     def __init__(
         self,

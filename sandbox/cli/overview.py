@@ -51,7 +51,7 @@ def first_steps() -> list[str]:
     from tasks.registry import TASKS
 
     first = next(iter(TASKS))
-    lifts = next(name for name, task in TASKS.items() if getattr(task, "lift_range", 0.0) > 0)
+    lifts = next(name for name, task in TASKS.items() if task.lift_range > 0)
     play = f"sandbox play {first}" + ("" if has_display() else " --view web")
     return ["sandbox demo", play, f"sandbox play {lifts} --tablet", "sandbox doctor",
             f"sandbox run {first} --seed 7 --record run.jsonl"]  # fmt: skip

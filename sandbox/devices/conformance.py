@@ -127,8 +127,8 @@ def check_frames(frames: Sequence[TouchFrame], surface: Surface, whole: bool = T
     last = None
     present: frozenset[int] = frozenset()
     for n, frame in enumerate(frames):
-        where = f"frame {n} at {getattr(frame, 'time', None)} s"
-        assert isinstance(frame, TouchFrame), f"{where}: {type(frame).__name__} is no TouchFrame"
+        assert isinstance(frame, TouchFrame), f"frame {n}: {type(frame).__name__} is no TouchFrame"
+        where = f"frame {n} at {frame.time} s"
         assert last is None or frame.time >= last, f"{where}: time runs backwards, from {last}"
         ids = frozenset(c.id for c in frame.contacts)
         for c in frame.contacts:

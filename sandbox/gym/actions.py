@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.reconstruction.arrival import Phase
-from encoders.reconstruction.personal import Reconstructor
+from encoders.reconstruction.reconstructor import Reconstructor
 from encoders.reconstruction.touch_reconstructor import Reconstruction
 from models.frames import FINGERS, Contact, TouchFrame
 from models.limits import RateLimit, within_limits
@@ -148,6 +148,7 @@ class _Followed:
         self._hands, self._touched = hands, touched
         self._rate = RateLimit()
         self.counts: dict[str, int] = {}
+        self.empty, self.notice = touched.empty, ""
         self.reset()
 
     @property

@@ -16,10 +16,9 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.paalm.hand_reconstructor import HandReconstructor
 from encoders.person.yaw_range import YawWatch
 from encoders.reconstruction.arrival import Phase
-from encoders.reconstruction.personal import Reconstructor
+from encoders.reconstruction.reconstructor import HandFrameReconstructor, Reconstructor
 from encoders.reconstruction.touch_reconstructor import Reconstruction
 from models.errors import DivergenceError
 from models.frames import Frame, TouchFrame
@@ -62,7 +61,7 @@ class Rig:
     """
 
     device: AnyDevice
-    reconstructor: Reconstructor | HandReconstructor
+    reconstructor: Reconstructor | HandFrameReconstructor
     hand: SceneHand
     yaw: YawWatch | None = None
     rules: SolidityRules | None = None
@@ -126,15 +125,12 @@ class Session:
         self._solidity = [Solidity(self.scene, i, r.rules or rules) for i, r in enumerate(rigs)]
         surfaces = [rig.reconstructor.surface for rig in rigs]
         self._hands = [(s.tips, on) for s, on in zip(self._solidity, surfaces, strict=True)]
-        # Hands in the air, and their devices, have something to say themselves.
-        parts = [part for rig in rigs for part in (rig.device, rig.reconstructor)]
-        self._telling = [part for part in parts if hasattr(part, "notice")]
         self._contact = ContactModes(self.scene, contact_mode(contact))
         self._asked: ContactMode | None = None
         self._respawn = Respawn(self.scene, surfaces)
         self._back: tuple[float, str] = (-np.inf, "")
         self.diverged = ""
-        self._newest = [Newest(getattr(r.reconstructor, "empty", TouchFrame(0.0))) for r in rigs]
+        self._newest = [Newest(rig.reconstructor.empty) for rig in rigs]
         self._recorder = recorder
         self.step = 0
         self._begin()
@@ -189,7 +185,8 @@ class Session:
 
     def lift(self, hand: int) -> float | None:
         """Where the lift control of a hand's device is, 0 to 1; None where it has none."""
-        return getattr(self._newest[hand].frame, "lift", None)
+        frame = self._newest[hand].frame
+        return frame.lift if isinstance(frame, TouchFrame) else None
 
     def tips(self, hand: int, data: mujoco.MjData) -> Array:
         """(5, 3) m, fingertips of a hand in a state of this session's model."""
@@ -280,7 +277,8 @@ class Session:
     def _notices(self) -> list[str]:
         found = [rig.yaw.notice for rig in self.rigs if rig.yaw and rig.yaw.notice]
         found += sorted({s.notice for s in self._solidity if s.notice})
-        found += dict.fromkeys(part.notice for part in self._telling if part.notice)
+        told = (part.notice for rig in self.rigs for part in (rig.device, rig.reconstructor))
+        found += dict.fromkeys(notice for notice in told if notice)
         since, back = self._back
         return [*found, back] if self.time - since < NOTICE_TIME else found
 

@@ -12,7 +12,6 @@ from collections.abc import Callable
 import numpy as np
 
 from models.errors import DivergenceError
-from models.frames import TouchFrame
 from models.motion.armature import Armature
 from models.motion.sampling import Poses
 from models.scene import CONTROL_PERIOD
@@ -63,7 +62,7 @@ def _with_physics(session: Session, stop: threading.Event, of: str, take: Take) 
 
 def _without_physics(session: Session, stop: threading.Event, of: str, take: Take) -> str:
     rigs = session.rigs
-    newest = [Newest(getattr(rig.reconstructor, "empty", TouchFrame(0.0))) for rig in rigs]
+    newest = [Newest(rig.reconstructor.empty) for rig in rigs]
     clock, ticks = RealTime(), 0
     while not (stop.is_set() or all(rig.device.finished for rig in rigs)):
         now = ticks * CONTROL_PERIOD

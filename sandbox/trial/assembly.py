@@ -14,7 +14,8 @@ from encoders.person.yaw_range import YawRange, YawWatch
 from encoders.reconstruction.arrival import ArrivalSettings
 from encoders.reconstruction.contact_tracker import TrackerSettings
 from encoders.reconstruction.lift import LiftSettings
-from encoders.reconstruction.personal import Reconstructor, personal
+from encoders.reconstruction.personal import personal
+from encoders.reconstruction.reconstructor import Reconstructor
 from encoders.reconstruction.touch_reconstructor import ReconstructorSettings, TouchReconstructor
 from encoders.regression.model_registry import find_model
 from encoders.regression.trained import TrainedModel

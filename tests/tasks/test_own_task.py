@@ -142,6 +142,24 @@ def test_places_are_found_by_class_too(tmp_path):
         find_task(str(tmp_path / "other.py"))
 
 
+def test_a_task_without_our_base_class_gets_the_members_that_it_lacks(tmp_path):
+    body = """
+class Minimal:
+    name, version, plane = "minimal", 1, "table"
+    time_limit, hold_time, table_friction, touch_height, lift_range = 1.0, 0.5, 0.3, 0.015, 0.0
+    seed, objects, goals = 0, (), ()
+
+    @classmethod
+    def draw(cls, seed, surface):
+        return cls()
+
+    def measure(self, sensing):
+        return None
+"""
+    task = find_task(str(write(tmp_path / "lab.py", body)))
+    assert task.hands == 1 and task.user is None
+
+
 def test_the_example_has_forty_lines_of_code_and_is_done_by_the_simulated_user(tmp_path, capsys):
     code = [line for line in MUG.read_text().split('"""', 2)[2].splitlines() if line.strip()]
     assert len(code) <= 40

@@ -73,7 +73,7 @@ def open_page(
     if options.tls_cert and options.tls_key:
         tls = tls_context(options.tls_cert, options.tls_key)
     tasks = [
-        TaskName(name, summary(task), getattr(task, "lift_range", 0.0) > 0)
+        TaskName(name, summary(task), task.lift_range > 0)
         for name, task in TASKS.items()
         if hands_of(task) == 1
     ]

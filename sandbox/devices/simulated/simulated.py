@@ -99,7 +99,7 @@ class SimulatedDevice(Device):
         if upright and make is SkilledUser:
             make = FrontStacker
         used = surface if plain else seat.surface
-        own = getattr(type(task), "user", None) if configuration.kind == "skilled" else None
+        own = type(task).user if configuration.kind == "skilled" else None
         carried = any(isinstance(thing, Tray) for thing in task.objects)
         if own is None and configuration.kind == "skilled" and hands_of(task) > 1 and not carried:
             raise InputError(

@@ -80,7 +80,7 @@ def describe_scene(
         task.seed,
         "left" if hand == "left" else "right",
         # A hand in the air lifts itself.
-        0.0 if in_air else float(getattr(task, "lift_range", 0.0)),
+        0.0 if in_air else float(task.lift_range),
         task.time_limit,
         SurfaceView(
             surface.width_in,

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from models.frames import FINGERS
+from models.frames import FINGERS, TouchFrame
 from models.pose import POSE_SIZE
 from models.rotations import matrix_to_quaternion
 from models.skeleton import ADULT
@@ -108,7 +108,7 @@ class FrameTable:
         told = {
             contact.id: contact.label
             for frame in self._heard
-            for contact in getattr(frame, "contacts", ())
+            for contact in (frame.contacts if isinstance(frame, TouchFrame) else ())
             if contact.label is not None
         }
         if told:

@@ -1,0 +1,60 @@
+"""The contract of reconstructors: from one frame after another to the pose of the whole hand."""
+
+from __future__ import annotations
+
+from typing import Protocol, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.reconstruction.touch_reconstructor import Reconstruction
+from models.frames import Frame, HandFrame, TouchFrame
+from models.surface import Surface
+
+Array = NDArray[np.float64]
+
+Taken_contra = TypeVar("Taken_contra", TouchFrame, HandFrame, contravariant=True)
+
+
+class FrameReconstructor(Protocol[Taken_contra]):
+    """Reconstructs one hand from frames of one kind; keeps what it needs of earlier frames."""
+
+    @property
+    def surface(self) -> Surface:
+        """The touch surface in the world; for a hand in the air, the task's workspace."""
+        ...
+
+    @property
+    def empty(self) -> Frame:
+        """The frame that stands for a device before its first one."""
+        ...
+
+    @property
+    def commanded(self) -> Array:
+        """(48,) the pose last commanded, in the world."""
+        ...
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How often contacts, frames or hands were ignored or repaired, by reason."""
+        ...
+
+    @property
+    def notice(self) -> str:
+        """A message for the person whose hand is not followed; empty while all is well."""
+        return ""
+
+    def reset(self) -> None:
+        """Back to a hand that waits for its first frame."""
+        ...
+
+    def step(self, frame: Taken_contra) -> Reconstruction:
+        """Takes in a frame; called once per control step, also when nothing has changed."""
+        ...
+
+
+Reconstructor = FrameReconstructor[TouchFrame]
+"""Reconstructs a hand from its touches."""
+
+HandFrameReconstructor = FrameReconstructor[HandFrame]
+"""Reconstructs a hand from what a 3-D device sees of it."""
