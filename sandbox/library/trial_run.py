@@ -16,6 +16,7 @@ from threadpoolctl import threadpool_limits
 import models
 from models.errors import InputError
 from models.surface import Surface
+from sandbox.devices.discovery import adapted
 from sandbox.library.trajectories import Trajectories, TrajectoryView
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording.recording import load_recording
@@ -154,7 +155,7 @@ def replay_recording(
 
 
 def _opens(device: OpenDevice) -> DeviceMaker:
-    return lambda task, surface: device(surface)
+    return lambda task, surface: adapted(device(surface), "device")
 
 
 class _Views:
