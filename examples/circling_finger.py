@@ -5,8 +5,8 @@ sandbox touches show --device examples/circling_finger.py:CirclingFinger:3
 
 import math
 
-from models.frames import Contact, TouchFrame
-from sandbox.devices.touch_device import TouchDevice
+from models import Contact, TouchFrame
+from sandbox import TouchDevice
 
 
 class CirclingFinger(TouchDevice):

@@ -7,9 +7,8 @@ sandbox regress --tasks examples/push_the_mug.py --seeds 0:20
 
 import numpy as np
 
-from models.mjcf_thing import MjcfThing
-from tasks.own_task import OwnTask, judge, two_places
-from tasks.task import Goal
+from models import MjcfThing
+from tasks import Goal, OwnTask, judge, two_places
 
 MUG = """<mujoco><worldbody><body>
   <geom type="cylinder" size=".021 .025" rgba=".25 .45 .60 1" friction="1"/>

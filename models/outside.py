@@ -5,11 +5,13 @@ Outside code runs only when its task or device is asked for. Its errors are shor
 
 from __future__ import annotations
 
+import importlib
 import importlib.util
 import inspect
 import sys
 import traceback
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from functools import cache
 from hashlib import blake2b
 from importlib.metadata import EntryPoint, entry_points
@@ -48,10 +50,42 @@ def failure(error: BaseException) -> str:
 _FILES: dict[str, Path] = {}
 """Name of a module that `load_file` has made -> its file."""
 
+_neighbours: dict[str, Path] = {}
+"""Modules that loaded files have imported from their own folders, and that folder."""
+
+
+@contextmanager
+def _importing_from(folder: Path) -> Iterator[None]:
+    """Lets `import NAME` find NAME.py in a folder, after everything else on Python's path.
+
+    Files of two folders may each have a neighbour of the same name: each gets its own.
+    """
+    for name, owner in list(_neighbours.items()):
+        if owner != folder and _is_beside(folder, name):
+            sys.modules.pop(name, None)
+            del _neighbours[name]
+    before = set(sys.modules)
+    sys.path.append(str(folder))
+    importlib.invalidate_caches()
+    try:
+        yield
+    finally:
+        sys.path.remove(str(folder))
+        new = set(sys.modules) - before
+        _neighbours.update({name: folder for name in new if _is_beside(folder, name)})
+
+
+def _is_beside(folder: Path, name: str) -> bool:
+    """True if a folder holds the module or package of a dotted name."""
+    top = folder / name.partition(".")[0]
+    return top.with_suffix(".py").is_file() or (top / "__init__.py").is_file()
+
 
 @cache
 def load_file(path: Path) -> ModuleType:
     """Loads a Python file as a module; its errors pass through unchanged.
+
+    While the file runs, it can import modules that lie beside it.
 
     Args:
         path: Absolute, of a Python file.
@@ -64,7 +98,8 @@ def load_file(path: Path) -> ModuleType:
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
     try:
-        spec.loader.exec_module(module)
+        with _importing_from(path.parent):
+            spec.loader.exec_module(module)
     except BaseException:
         del sys.modules[name]
         raise

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from models.errors import HandSandboxError, InputError
 from models.outside import failure, package
 from models.surface import Surface
 from tasks.box_to_goal import BoxToGoal
 from tasks.carry_together import CarryTogether
+from tasks.checks import check_chance, check_names, check_places
 from tasks.discovery import is_place, load_offered, load_place, offered, place_file
 from tasks.stack import Stack, StackThree
 from tasks.stack_vertical import StackVertical
@@ -80,31 +79,35 @@ def hands_of(task: type[Task] | Task) -> int:
 def draw_task(kind: type[Task], seed: int, surface: Surface) -> Task:
     """The trial of a seed, checked.
 
+    A trial of a task from outside is drawn twice, and placed, before it is played.
+
     Raises:
-        InputError: The task's own code fails, or what it draws cannot be a trial.
+        InputError: The task's own code fails, two draws of the seed differ, a goal names an unknown
+            object, or objects overlap or are off the surface.
     """
     where = f"{kind.name}, seed {seed}"
     if seed < 0:
         raise InputError("no such seed", where="seed", got=seed, expected="0 or more")
+    task = _drawn(kind, seed, surface, where)
+    check_names(task, where)
+    if not is_built_in(kind):
+        check_chance(task, _drawn(kind, seed, surface, where), where)
+        check_places(task, surface, where)
+    return task
+
+
+def _drawn(kind: type[Task], seed: int, surface: Surface, where: str) -> Task:
     try:
-        task = kind.draw(seed, surface)
+        return kind.draw(seed, surface)
     except HandSandboxError:
         raise
     except Exception as error:
         raise InputError("the task cannot be drawn", where=where, got=failure(error)) from error
-    names = [thing.name for thing in task.objects]
-    if not names or len(set(names)) < len(names):
-        raise InputError("a task needs things with different names", where=where, got=str(names))
-    strangers = {g.object for g in task.goals} | {g.on for g in task.goals if g.on}
-    strangers -= set(names)
-    if strangers:
-        raise InputError("a goal is of no thing of the task", where=where,
-                         got=", ".join(sorted(strangers)), expected=", ".join(names))  # fmt: skip
-    numbers = [*(x for t in task.objects for x in (*t.position, t.yaw)),
-               *(x for g in task.goals for x in (*g.position, g.yaw))]  # fmt: skip
-    if not np.all(np.isfinite(numbers)):
-        raise InputError("a start or a goal is not finite", where=where)
-    return task
+
+
+def is_built_in(kind: type[Task]) -> bool:
+    """True for a task of this package, False for one from a file or another package."""
+    return kind.__module__.partition(".")[0] == __name__.partition(".")[0]
 
 
 def origin(name: str) -> dict[str, Any]:
@@ -115,7 +118,7 @@ def origin(name: str) -> dict[str, Any]:
         `file`, absolute, and `member`. Either way with the task's version as `task_version`.
     """
     kind = find_task(name)
-    if kind.__module__.partition(".")[0] == __name__.partition(".")[0]:
+    if is_built_in(kind):
         return {}
     file = place_file(name)
     if file is not None:

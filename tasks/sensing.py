@@ -6,6 +6,7 @@ defined.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from math import acos, atan2, hypot, sqrt
 
@@ -13,6 +14,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from models.errors import InputError
 from models.scene import TABLE, Scene, touching_sensor
 
 Array = NDArray[np.float64]
@@ -102,7 +104,13 @@ class Sensing:
         }
 
     def object(self, name: str) -> ObjectState:
-        """The state of an object."""
+        """The state of an object.
+
+        Raises:
+            InputError: The task has no object of this name.
+        """
+        if name not in self._speeds:
+            raise _unknown(name, self._speeds)
         position, rotation = self._scene.object_pose(self._data, name)
         return ObjectState(
             position,
@@ -114,17 +122,33 @@ class Sensing:
 
     def touching(self, name: str, other: str) -> bool:
         """Whether a force passes between an object and the table, a hand or another object."""
-        touches, *force = self._read[name, other].tolist()
+        touches, *force = self._sensor(name, other).tolist()
         return touches > 0 and any(force)
 
     def force(self, name: str, other: str) -> Array:
         """(3,) N in the world, with which the table, a hand or another object pushes an object."""
-        return self._sign[name, other] * self._read[name, other][1:]
+        return self._sensor(name, other)[1:] * self._sign[name, other]
 
     def rests_on(self, name: str, other: str) -> bool:
         """Whether the table or another object bears an object: pushes up most of its weight.
 
         A brush from the side, or a corner that only leans, is no support.
         """
-        up = self._sign[name, other] * float(self._read[name, other][3])
+        up = float(self._sensor(name, other)[3]) * self._sign[name, other]
         return up > SUPPORT * self._weights[name]
+
+    def _sensor(self, name: str, other: str) -> Array:
+        """(4,) number of contacts, and force in N between two parts of the scene."""
+        if (name, other) not in self._read:
+            parts = {part for pair in self._read for part in pair}
+            raise _unknown(name if name not in parts else other, parts)
+        return self._read[name, other]
+
+
+def _unknown(name: str, names: Iterable[str]) -> InputError:
+    return InputError(
+        "this scene has no part of this name",
+        where="sensing",
+        got=name,
+        expected=", ".join(sorted(names)),
+    )

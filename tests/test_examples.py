@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -26,7 +27,8 @@ def run(name: str, folder: Path, *arguments: str) -> str:
         [sys.executable, "-c",
          f"import sys, runpy; sys.path.insert(0, {str(ROOT)!r}); sys.argv[1:] = {arguments!r}\n"
          f"runpy.run_path({str(EXAMPLES / name)!r}, run_name='__main__')"],
-        cwd=folder, capture_output=True, text=True, check=False,
+        cwd=folder, env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
+        capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert answer.returncode == 0, answer.stderr
     assert "Warning" not in answer.stderr

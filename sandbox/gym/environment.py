@@ -20,6 +20,7 @@ from sandbox.trial.assembly import build, place_surface
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import RunSettings, SecondHand
 from sandbox.trial.two_hands import DeviceMaker, PerHand, place_all
+from tasks.checks import measure
 from tasks.registry import draw_task, find_task, hands_of
 from tasks.score import Status
 from tasks.sensing import Sensing
@@ -154,7 +155,7 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
         )
         self._snapshot = self.session.snapshot()
         sensing = Sensing(self.session.scene, self.session.data)
-        self._progress = self.session.task.measure(sensing).progress
+        self._progress = measure(self.session.task, sensing).progress
         self._seen = self._observed(self.session)
         return self._copied(), self._info()
 

@@ -33,6 +33,7 @@ from sandbox.session.newest import Newest
 from sandbox.session.respawn import Respawn
 from sandbox.session.solidity import Solidity, SolidityRules
 from sandbox.session.track import bits
+from tasks.checks import measure
 from tasks.goals import place
 from tasks.score import Scorer, Status
 from tasks.sensing import Sensing
@@ -135,6 +136,8 @@ class Session:
         self.step = 0
         self._begin()
         self._sensing = Sensing(self.scene, self.data)
+        # A measure that is none is told before the trial begins.
+        measure(task, self._sensing)
         self.scorer = Scorer(task)
         self._state = np.empty(mujoco.mj_stateSize(self.scene.model, STATE))
         self._hash = b""
@@ -225,7 +228,7 @@ class Session:
         self._chain()
         if wrong:
             self._diverge(wrong)
-        self.scorer.update(self.time, self.task.measure(self._sensing))
+        self.scorer.update(self.time, measure(self.task, self._sensing))
         if all(rig.device.finished for rig in self.rigs):
             self.scorer.abort(Status.INPUT_ENDED, "the input ended before the task was done")
         snapshot = self.snapshot()

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import subprocess
 import sys
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,17 +19,24 @@ from models.errors import InputError, RecordingError
 from models.objects import Box
 from models.surface import Surface
 from sandbox.cli.main import main
+from sandbox.library.trial_run import run_trial
 from sandbox.recording.recording import load_recording
+from sandbox.trial.assembly import build
 from sandbox.trial.replay import settings_of
 from sandbox.trial.settings import RunSettings
 from tasks.own_task import OwnTask, judge, two_places
 from tasks.registry import TASKS, draw_task, find_task, origin
 from tasks.task import Goal
 from tests.support.processes import ROOT
+from tests.support.scripted import Script
 
 pytest_plugins = ["sandbox.regression"]
 
 MUG = ROOT / "examples" / "push_the_mug.py"
+PUCK = str(ROOT / "examples" / "push_the_puck.py")
+PUCK_USER = (
+    Path(PUCK).read_text().split("class OneFinger")[1].split("class PushThePuck")[0].splitlines()
+)
 SURFACE = Surface().centred_at((0.0, 0.0, 0.015))
 
 
@@ -83,6 +92,7 @@ def fails(cls, rng, surface):
     raise ZeroDivisionError("a lab's own bug")
 
 
+COUNTER = itertools.count()
 BOX = Box("it", (0.02, 0.02, 0.02), 0.1, (0.0, 0.0, 0.02))
 
 
@@ -92,7 +102,30 @@ BOX = Box("it", (0.02, 0.02, 0.02), 0.1, (0.0, 0.0, 0.02))
         (fails, "ZeroDivisionError: a lab's own bug .*test_own_task.py:"),
         (lambda cls, rng, surface: ([], []), "different names"),
         (lambda cls, rng, surface: ([BOX, BOX], []), "different names"),
-        (lambda cls, rng, surface: ([BOX], [Goal("that", (0, 0, 0), 0)]), "no thing of the task"),
+        (
+            lambda cls, rng, surface: ([BOX], [Goal("that", (0, 0, 0), 0)]),
+            "names an object that the task does not have .*got 'that', expected it",
+        ),
+        (
+            lambda cls, rng, surface: ([BOX, replace(BOX, name="other")], []),
+            "it and other overlap at the start .*mm deep",
+        ),
+        (
+            lambda cls, rng, surface: ([replace(BOX, position=(0.0, 0.0, 0.01))], []),
+            "table and it overlap .*10.0 mm deep",
+        ),
+        (
+            lambda cls, rng, surface: ([replace(BOX, position=(0.3, 0.0, 0.02))], []),
+            "the object it is off the touch surface .*399 mm right.*197 x 148 mm",
+        ),
+        (
+            lambda cls, rng, surface: ([BOX], [Goal("it", (0, 0.2, 0.02), 0)]),
+            "the goal of it is off the touch surface",
+        ),
+        (
+            lambda cls, rng, surface: ([replace(BOX, mass=0.1 + 0.01 * next(COUNTER))], []),
+            "two draws of one seed differ .*another it.*`rng`",
+        ),
         (lambda cls, rng, surface: ([BOX], [Goal("it", (0, 0, np.nan), 0)]), "not finite"),
         (lambda cls, rng, surface: 5, "TypeError"),
         (lambda cls, rng, surface: two_places(rng, surface, (9.0, 9.5)), "too small"),
@@ -102,6 +135,42 @@ def test_a_trial_that_cannot_be_drawn_is_refused_in_a_line(place, says):
     with pytest.raises(InputError, match=says) as error:
         draw_task(broken(place=classmethod(place)), 0, SURFACE)
     assert "\n" not in str(error.value)
+
+
+def test_objects_that_just_touch_are_no_overlap():
+    def place(cls, rng, surface):
+        return [BOX, replace(BOX, name="other", position=(0.0, 0.0, 0.06))], []
+
+    assert len(draw_task(broken(place=classmethod(place)), 0, SURFACE).objects) == 2
+
+
+@pytest.mark.parametrize(
+    ("measure", "says"),
+    [
+        (lambda self, sensing: None, "test-broken: `measure` returned no Measure .*got 'None'"),
+        (lambda self, sensing: sensing.object("mug"), "got 'mug', expected it"),
+        (lambda self, sensing: sensing.touching("it", "mug"), "got 'mug', expected it, .*table"),
+    ],
+)
+def test_a_measure_that_gives_none_is_refused_before_the_trial_begins(measure, says, monkeypatch):
+    monkeypatch.setitem(TASKS, "test-broken", broken(measure=measure))
+    with pytest.raises(InputError, match=says) as error:
+        build(RunSettings(task="test-broken"), lambda task, surface: Script())
+    assert "\n" not in str(error.value)
+
+
+def test_a_measure_that_gives_none_later_ends_the_trial_in_a_line(monkeypatch):
+    seen = []
+
+    def measure(self, sensing):
+        seen.append(1)
+        return judge(0.5, (True, "never")) if len(seen) < 4 else None
+
+    monkeypatch.setitem(TASKS, "test-broken", broken(measure=measure))
+    session = build(RunSettings(task="test-broken"), lambda task, surface: Script())
+    with pytest.raises(InputError, match="returned no Measure"):
+        for _ in range(9):
+            session.advance()
 
 
 def write(path: Path, body: str) -> Path:
@@ -128,6 +197,31 @@ def test_a_file_without_a_sound_task_is_refused_in_a_line(tmp_path, body, says):
     with pytest.raises(InputError, match=says) as error:
         find_task(str(write(tmp_path / "lab.py", body)))
     assert "\n" not in str(error.value)
+
+
+def test_a_file_imports_modules_that_lie_beside_it(tmp_path):
+    for folder, size in (("one", 0.01), ("two", 0.02)):
+        (tmp_path / folder / "parts").mkdir(parents=True)
+        (tmp_path / folder / "shapes_of_a_lab.py").write_text(f"SIZE = {size}\n")
+        (tmp_path / folder / "parts" / "__init__.py").write_text("from parts.names import NAME\n")
+        (tmp_path / folder / "parts" / "names.py").write_text(f"NAME = 'lab-{folder}'\n")
+        write(
+            tmp_path / folder / "lab.py",
+            "import shapes_of_a_lab\nfrom parts import NAME\n"
+            "class A(Slide):\n    name = NAME\n    time_limit = shapes_of_a_lab.SIZE\n",
+        )
+    path = list(sys.path)
+    for folder, size in (("one", 0.01), ("two", 0.02)):
+        kind = find_task(str(tmp_path / folder / "lab.py"))
+        assert (kind.name, kind.time_limit) == (f"lab-{folder}", size)
+    assert sys.path == path
+
+
+def test_an_error_in_a_file_beside_a_task_names_its_line(tmp_path):
+    (tmp_path / "broken_of_a_lab.py").write_text("x = 1\ny = x / 0\n")
+    path = write(tmp_path / "lab.py", "import broken_of_a_lab\n")
+    with pytest.raises(InputError, match=r"ZeroDivisionError.*broken_of_a_lab.py:2"):
+        find_task(str(path))
 
 
 def test_places_are_found_by_class_too(tmp_path):
@@ -170,6 +264,14 @@ def test_the_example_has_forty_lines_of_code_and_is_done_by_the_simulated_user(t
     assert result["success"] and result["task"] == "my-lab-push-the-mug"
     assert main(["replay", str(record)]) == 0
     assert "exact" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_the_example_with_a_user_of_its_own_is_done_by_that_user(seed):
+    run = run_trial(PUCK, seed)
+    assert run.success
+    user = Path(PUCK).read_text().split("class OneFinger")[1].split("class PushThePuck")[0]
+    assert len(user.strip().splitlines()) <= 30
 
 
 def test_without_a_touch_the_example_is_not_done(regression):
