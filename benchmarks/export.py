@@ -43,7 +43,7 @@ def write_recording(path: Path, minutes: float, hands: int) -> None:
     """A recording without touches."""
     settings = RunSettings("box-to-goal").as_json()
     if hands == 2:
-        settings["second"] = {"hand": "left", "hand_size": 1.0, "turn": 0, "shared": False}
+        settings["hands"].append({"side": "left", "size": 1.0, "turn": 0})
     rng = np.random.default_rng(0)
     pace, phase = rng.uniform(0.2, 1.5, (hands, 48)), rng.uniform(0, 6, (hands, 48))
     middle, half = (ADULT.upper + ADULT.lower) / 2, (ADULT.upper - ADULT.lower) / 2

@@ -23,11 +23,11 @@ from sandbox.devices.simulated.leap_user import SimulatedLeap
 from sandbox.options.leap_devices import over_one
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
+from sandbox.trial.device_makers import DeviceMaker
 from sandbox.trial.hand_input import UNDER, HandInput
 from sandbox.trial.headless import View, run_trial
 from sandbox.trial.result import TrialResult
-from sandbox.trial.settings import RunSettings, SecondHand
-from sandbox.trial.two_hands import DeviceMaker
+from sandbox.trial.settings import HandSettings, RunSettings
 from tasks.registry import find_task, hands_of
 from tasks.task import Task
 from tasks.user import UserConfiguration
@@ -81,14 +81,15 @@ def play(
 ) -> tuple[TrialResult, int]:
     """One trial's result, and how often something was grasped."""
     two = hands_of(find_task(task)) > 1
-    second = SecondHand(in_air=HandInput(), hand_size=size) if two else None
-    settings = RunSettings(task=task, seed=seed, in_air=HandInput(), second=second, hand_size=size)
+    sides = ("right", "left") if two else ("right",)
+    hands = tuple(HandSettings(side, size, in_air=HandInput()) for side in sides)
+    settings = RunSettings(task=task, seed=seed, hands=hands)
     made: list[SimulatedLeap] = []
 
     def maker(hand: int) -> DeviceMaker:
         def make(drawn: Task, surface: Surface) -> Any:
             user = UserConfiguration(kind=kind)
-            person = settings.persons[hand]
+            person = settings.hands[hand].person
             made.append(
                 SimulatedLeap(drawn, user, seed, UNDER, dialect, person, hand, trouble=trouble)
             )
@@ -96,7 +97,9 @@ def play(
 
         return make
 
-    makers = over_one((maker(0), maker(1)), None, settings) if two else maker(0)
+    makers = tuple(map(maker, range(len(hands))))
+    if two:
+        makers = over_one(makers, makers[0], settings)
     result = run_trial(settings, makers, depth.watch)
     return result, sum(device.user.grasps for device in made)
 

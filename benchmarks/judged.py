@@ -27,12 +27,24 @@ def configuration() -> dict[str, Any]:
     """Everything that decides how a run of `best` goes, as it is in the code now."""
     settings = RunSettings()
     return {
-        "settings": settings.as_json(),
+        "settings": frozen_settings(settings),
         "reconstructor": asdict(reconstructor_settings(settings)),
         "user": UserConfiguration().as_json(),
         "digests": digests(settings),
         "tasks": {name: task.version for name, task in TASKS.items()},
     }
+
+
+def frozen_settings(settings: RunSettings) -> dict[str, Any]:
+    """The settings of a run with one hand, in the form of the frozen files.
+
+    The seeds are outputs of a hash over these files, which are older than the tuple of hands.
+    """
+    values = settings.as_json()
+    del values["one_surface"]
+    (hand,) = values.pop("hands")
+    values |= {"hand": hand["side"], "hand_size": hand["size"], "turn": hand["turn"]}
+    return values | ({"in_air": hand["in_air"]} if "in_air" in hand else {})
 
 
 def judged_seeds(n: int, task: str = "box-to-goal") -> list[int]:

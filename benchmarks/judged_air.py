@@ -13,7 +13,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from benchmarks.judged import freeze, frozen_seeds
+from benchmarks.judged import freeze, frozen_seeds, frozen_settings
 from encoders.paalm.hand_reconstructor import HandReconstructorSettings
 from encoders.paalm.options import PaalmOptions
 from encoders.paalm.simulated.air import FROZEN_AIR
@@ -21,7 +21,7 @@ from encoders.paalm.simulated.forward import FROZEN_LEAP
 from sandbox.devices.simulated.air_user.person import AirHabits
 from sandbox.trial.assembly import IN_AIR
 from sandbox.trial.hand_input import HandInput
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import HandSettings, RunSettings
 from tasks.registry import TASKS
 from tasks.user import UserConfiguration
 
@@ -31,7 +31,7 @@ FROZEN = Path(__file__).with_name("frozen_air.json")
 def configuration() -> dict[str, Any]:
     """Everything that decides how a run in the air goes, as it is in the code now."""
     return {
-        "settings": RunSettings(in_air=HandInput()).as_json(),
+        "settings": frozen_settings(RunSettings(hands=(HandSettings(in_air=HandInput()),))),
         "reconstructor": asdict(HandReconstructorSettings()),
         "paalm": asdict(PaalmOptions()),
         "device": asdict(FROZEN_LEAP),

@@ -51,7 +51,7 @@ def served(server: PageServer) -> LiveSession:
         device.append(WebDevice(surface))
         return TimedDevice(device[0], timing)
 
-    session = build(settings, opened)
+    session = build(settings, (opened,))
     # The trial must outlast the measurement, whatever the time limit of its task.
     session.scorer.update = lambda *_: session.scorer.score  # type: ignore[method-assign]
     surface = session.rigs[0].reconstructor.surface

@@ -249,7 +249,7 @@ def _trial(
         devices.append(Violent(surface, seed))
         return devices[-1]
 
-    session = build(RunSettings(task=task, seed=seed, **settings), device)  # type: ignore[arg-type]
+    session = build(RunSettings(task=task, seed=seed, **settings), (device,))  # type: ignore[arg-type]
     names = list(session.scene.object_bodies)
     bodies = list(session.scene.object_bodies.values())
     away = np.zeros(len(names))

@@ -35,6 +35,7 @@ from sandbox.study.run.simulate import simulated_person
 from sandbox.study.tables.frames import FrameTable
 from sandbox.study.tables.tables import rebuild_session, rebuild_study
 from sandbox.trial.assembly import build
+from sandbox.trial.device_makers import DeviceMaker
 from sandbox.trial.headless import no_search_for_garbage, trial_header
 from sandbox.trial.keeping import Keeping
 from sandbox.trial.pacing import RealTime
@@ -102,8 +103,7 @@ def logging(folder: Path, seconds: float) -> None:
         record = folder / f"trial{seed}.jsonl"
         keeping = Keeping(trial_header(settings, {}), record)
         timed, table = Timed(keeping.recorder, clock), FrameTable()
-        session = build(settings, lambda task, surface, s=seed: SimulatedDevice(
-            task, user, surface, s), timed)  # type: ignore[misc]  # fmt: skip
+        session = build(settings, (_user_of(user, seed),), timed)
         table.watch(session)
         device: Any = session.rigs[0].device
         syncing = Syncing(lambda path=record: sync_file(path))  # type: ignore[misc]
@@ -141,6 +141,11 @@ def logging(folder: Path, seconds: float) -> None:
           "between trials")  # fmt: skip
 
 
+def _user_of(user: UserConfiguration, seed: int) -> DeviceMaker:
+    """Opens the simulated user's device."""
+    return lambda task, surface: SimulatedDevice(task, user, surface, seed)
+
+
 def difference(folder: Path, rounds: int = 5) -> None:
     """Processor time of the loop with and without logging, on the very same touches."""
     record = max(folder.glob("trial*.jsonl"), key=lambda path: path.stat().st_size)
@@ -151,7 +156,7 @@ def difference(folder: Path, rounds: int = 5) -> None:
         logged = n % 2 == 1
         keeping = Keeping(trial_header(settings, {}), folder / f"again{n}.jsonl")
         table = FrameTable()
-        session = build(settings, lambda task, surface: RecordedDevice(recording),
+        session = build(settings, (lambda task, surface: RecordedDevice(recording),),
                         keeping.recorder if logged else None)  # fmt: skip
         table.watch(session)
         began, steps = time.thread_time(), 0
@@ -176,8 +181,7 @@ def replaying(folder: Path) -> None:
         record = folder / f"{task}.jsonl"
         settings = RunSettings(task=task, seed=3)
         keeping = Keeping(trial_header(settings, {}), record)
-        session = build(settings, lambda task, surface: SimulatedDevice(task, user, surface, 3),
-                        keeping.recorder)  # fmt: skip
+        session = build(settings, (_user_of(user, 3),), keeping.recorder)
         while not session.over:
             look(session)
         keeping.end(session)

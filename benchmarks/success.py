@@ -82,7 +82,7 @@ def trial(job: Job) -> dict[str, Any]:
 
     task, row, fingers, seed = job
     chosen = plan(SceneOptions(task=task, seed=seed, fingers=fingers, **ROWS[row]))
-    result = run_trial(chosen.settings, chosen.make_device, about=chosen.about).as_json()
+    result = run_trial(chosen.settings, chosen.makers, about=chosen.about).as_json()
     kept = ("success", "instant", "final", "status", "progress", "time_s", "reason", "state_hash")
     return {"task": task, "row": row, "fingers": fingers, "seed": seed,
             **{k: result[k] for k in kept}}  # fmt: skip

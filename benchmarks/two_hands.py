@@ -13,9 +13,9 @@ from benchmarks.success import wilson
 from models.surface import Surface
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.session.device import Device
+from sandbox.trial.device_makers import DeviceMaker, with_first
 from sandbox.trial.headless import run_trial
 from sandbox.trial.result import TrialResult
-from sandbox.trial.two_hands import DeviceMaker, with_first
 from tasks.task import Task
 
 TASK = "carry-together"
@@ -46,10 +46,10 @@ def impatient(make_device: DeviceMaker) -> DeviceMaker:
 def trial(arm: str, seed: int) -> TrialResult:
     """The result of a trial."""
     chosen = plan(SceneOptions(task=TASK, seed=seed, **ARMS[arm]))
-    make = chosen.make_device
+    makers = chosen.makers
     if arm == "one alone":
-        make = with_first(make, impatient)
-    return run_trial(chosen.settings, make, about=chosen.about)
+        makers = with_first(makers, impatient)
+    return run_trial(chosen.settings, makers, about=chosen.about)
 
 
 def main() -> None:

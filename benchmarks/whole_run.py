@@ -115,7 +115,7 @@ def whole_trial(seed: int, fingers: int) -> tuple[float, float, float]:
     chosen = plan(SceneOptions(seed=seed, fingers=fingers))
     run_trial(
         chosen.settings,
-        chosen.make_device,
+        chosen.makers,
         remember,
         about=chosen.about,
         dump=Path(gettempdir()),
@@ -132,7 +132,7 @@ def parts_of_trial(seed: int, fingers: int) -> dict[str, float]:
 
     chosen = plan(SceneOptions(seed=seed, fingers=fingers))
     box = BlackBox({})
-    session: Any = build(chosen.settings, chosen.make_device, box)
+    session: Any = build(chosen.settings, chosen.makers, box)
     rig: Any = session.rigs[0]
     hand = getattr(rig.reconstructor, "trained", rig.reconstructor)
     clock = Clock()

@@ -8,9 +8,8 @@ compared with one that is not.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass, fields, is_dataclass, replace
+from dataclasses import asdict, dataclass, is_dataclass, replace
 from itertools import combinations
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,19 +72,6 @@ class Variation:
     def as_json(self) -> dict[str, float]:
         """All values, by name."""
         return asdict(self)
-
-    @classmethod
-    def from_json(cls, values: Any) -> Variation:
-        """Read back; what is not told is neutral.
-
-        Raises:
-            InputError: A name is unknown, or a value is out of range.
-        """
-        names = {f.name for f in fields(cls)}
-        if not isinstance(values, dict) or set(values) - names:
-            raise InputError("no such variation", where="settings", got=str(values)[:80],
-                             expected=", ".join(sorted(names)))  # fmt: skip
-        return cls(**{name: float(value) for name, value in values.items()})
 
 
 RANGES = {

@@ -105,7 +105,7 @@ def main(argv: list[str]) -> int:
     settings = chosen.settings
     _check_surface(options, settings)
     surface = settings.surface
-    asked = replace(settings.person, hand_size=1.0)
+    asked = replace(settings.hands[0].person, hand_size=1.0)
     if simulated:
         person = replace(asked, hand_size=options.hand_size)
         device: Device = SimulatedSpreads(person, surface, options.seed)
@@ -130,7 +130,8 @@ def main(argv: list[str]) -> int:
 def _opened(chosen: Plan, surface: Surface) -> Device:
     # A device is opened for a task, since simulated users need one; others only take the surface.
     task = find_task(chosen.settings.task).draw(chosen.settings.seed, surface)
-    return chosen.make_device(task, surface)
+    (make_device,) = chosen.makers
+    return make_device(task, surface)
 
 
 def _check_surface(options: CalibrateOptions, settings: RunSettings) -> None:

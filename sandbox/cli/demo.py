@@ -67,7 +67,7 @@ def main(argv: list[str]) -> int:
     )
     session = build(
         RunSettings.from_json(recording.header["settings"]),
-        lambda task, surface: RecordedDevice(recording),
+        (lambda task, surface: RecordedDevice(recording),),
     )
     kept: list[Snapshot] = []
     length = recording.end["step"] * session.scene.spec.timestep if recording.end else None
@@ -97,7 +97,7 @@ def _live(session: Session, kept: list[Snapshot], console: Console) -> bool:
     """Plays in a window at real time; False when there can be none, and nothing has been played."""
     from sandbox.views.window.window import Window
 
-    surface = session.rigs[0].reconstructor.surface
+    surface = session.whole_surface
     try:
         window = Window(session.scene, surface, title="Hand Sandbox: demo", caption=CAPTION)
     except GraphicsError as error:
@@ -138,7 +138,7 @@ def _pictures(session: Session, kept: list[Snapshot], out: Path, console: Consol
     """The film, and a picture of the moment at which the box is being dragged."""
     from sandbox.views.film import FilmView
 
-    surface = session.rigs[0].reconstructor.surface
+    surface = session.whole_surface
     started = time.monotonic()
     try:
         out.mkdir(parents=True, exist_ok=True)

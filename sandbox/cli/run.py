@@ -23,12 +23,12 @@ from sandbox.options.scene_options import Plan, SceneOptions, plan
 from sandbox.session.device import Device
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
+from sandbox.trial.device_makers import DeviceMaker
 from sandbox.trial.events import EventLog, NoticeEvents
 from sandbox.trial.headless import View, run_trial
 from sandbox.trial.lift import with_lift
 from sandbox.trial.pacing import RealTime
 from sandbox.trial.result import TrialResult
-from sandbox.trial.two_hands import DeviceMaker, with_each
 from tasks.score import ending
 from tasks.task import Task
 
@@ -125,7 +125,7 @@ def _run(options: RunOptions, chosen: Plan, events: EventLog, console: Console) 
             return views
 
         caption = "simulated user" if chosen.about.get("user") is not None else ""
-        makers = with_each(with_lift(chosen.make_device, keys=False), announced)
+        makers = tuple(map(announced, with_lift(chosen.makers, keys=False)))
         result = run_trial(
             chosen.settings, makers, make_views, options.record, chosen.about, options.dump
         )

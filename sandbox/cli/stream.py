@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import signal
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
 from rich.console import Console
@@ -27,6 +27,10 @@ from sandbox.stream.player import Pace, Player
 from sandbox.stream.script import script
 from sandbox.stream.sender import Moment, Sender, parse_address
 from sandbox.study.record.trial_files import find_recordings
+
+if TYPE_CHECKING:
+    from sandbox.trial.device_makers import DeviceMakers
+    from sandbox.trial.settings import RunSettings
 
 LIVE = ("leap", "leap-simulated", "simulated", "tuio", "web", "evdev")
 PAGE_PATIENCE = 600.0
@@ -215,16 +219,14 @@ def _open(
     from sandbox.stream.motion import source_of_session
     from sandbox.trial.assembly import build
 
-    make: Callable[..., Any]
-    settings, make = _session(options, console)
-    session = build(settings, make)
+    session = build(*_session(options, console))
     try:
         yield source_of_session(session, stop, options.of or "commanded"), True
     finally:
         session.close()
 
 
-def _session(options: StreamOptions, console: Console) -> tuple[Any, Any]:
+def _session(options: StreamOptions, console: Console) -> tuple[RunSettings, DeviceMakers]:
     scene = SceneOptions(
         task=options.task, device=str(options.device), encoder=options.encoder, hand=options.hand,
         surface=options.surface, seed=options.seed, port=options.port, bind=options.bind,
@@ -236,7 +238,7 @@ def _session(options: StreamOptions, console: Console) -> tuple[Any, Any]:
         )
     chosen = plan(scene)
     if options.device != "web":
-        return chosen.settings, chosen.make_device
+        return chosen.settings, chosen.makers
     from sandbox.cli.common.touch_page import open_page_touches
     from sandbox.options.touch_devices import TouchOptions
 
@@ -248,7 +250,7 @@ def _session(options: StreamOptions, console: Console) -> tuple[Any, Any]:
     if page is None:
         raise InputError("nobody opened the page", where="--device web")
     size = (page.surface.width_in, page.surface.height_in)
-    return replace(chosen.settings, surface_in=size), lambda task, surface: page
+    return replace(chosen.settings, surface_in=size), (lambda task, surface: page,)
 
 
 def _print(player: Player, console: Console) -> int:

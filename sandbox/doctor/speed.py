@@ -12,7 +12,7 @@ import time
 from sandbox.trial.assembly import build
 from sandbox.devices.mouse import MouseDevice
 from sandbox.trial.settings import RunSettings
-session = build(RunSettings(), lambda task, surface: MouseDevice(surface))
+session = build(RunSettings(), (lambda task, surface: MouseDevice(surface),))
 surface = session.rigs[0].reconstructor.surface
 session.rigs[0].device.hand(3, surface.to_surface(session.task.objects[0].position))
 while session.time < 1.5:

@@ -24,7 +24,7 @@ from models.motion.sampling import Poses
 from models.pose import ROOT_POSITION, ROOT_ROTATION, joint_vectors
 from models.rotations import quaternion_exp
 from models.skeleton import ADULT
-from sandbox.recording.recording import check_schema, is_recording, load_recording
+from sandbox.recording.recording import is_recording, load_recording, read_header
 from sandbox.recording.recording_file import GZIP, first_line, stored
 from sandbox.session.track import Track, read_line
 from sandbox.trial.settings import RunSettings
@@ -106,13 +106,14 @@ def poses_of_qpos(time: Array, qpos: Array, hands: int) -> Poses:
 
 def hands_of(settings: RunSettings) -> tuple[tuple[Armature, ...], tuple[str, ...]]:
     """Armatures and names of a session's hands."""
-    return tuple(Armature(p.skeleton(ADULT)) for p in settings.persons), settings.hand_names
+    return (
+        tuple(Armature(hand.person.skeleton(ADULT)) for hand in settings.hands),
+        settings.hand_names,
+    )
 
 
 def _simulated(path: Path) -> Source:
-    header = json.loads(first_line(path))
-    check_schema(header, path)
-    settings = RunSettings.from_json(header["settings"])
+    settings = RunSettings.from_json(read_header(first_line(path), path)["settings"])
     armatures, names = hands_of(settings)
     timestep = settings.timestep
 

@@ -17,9 +17,10 @@ from sandbox.gym.actions import Hands, PoseHands, TouchHands
 from sandbox.gym.observation import observation_space, observe
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build, place_surface
+from sandbox.trial.device_makers import DeviceMaker
 from sandbox.trial.result import TrialResult
-from sandbox.trial.settings import RunSettings, SecondHand
-from sandbox.trial.two_hands import DeviceMaker, PerHand, place_all
+from sandbox.trial.settings import HandSettings, RunSettings
+from sandbox.trial.surfaces import place_all
 from tasks.checks import measure
 from tasks.registry import draw_task, find_task, hands_of
 from tasks.score import Status
@@ -78,6 +79,9 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
         reward: `progress` or `sparse`.
         render_mode: None, or `rgb_array`, for which this machine needs OpenGL.
         size: px, width and height of pictures.
+        hand: `right` or `left`; in a task for two hands, that of the first half of an action.
+        hand_size: Length of the hands against the trained one.
+        turn: degrees, where the person sits (see `models.person.Person`).
         settings: More of `sandbox.trial.settings.RunSettings`, such as `encoder="cubic"`.
 
     Raises:
@@ -96,6 +100,9 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
         reward: Literal["progress", "sparse"] = "progress",
         render_mode: str | None = None,
         size: tuple[int, int] = (640, 360),
+        hand: str = "right",
+        hand_size: float = 1.0,
+        turn: int = 0,
         **settings: Any,
     ) -> None:
         for where, got, options in (
@@ -106,8 +113,9 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
             if got not in options:
                 raise InputError("no such choice", where=where, got=got,
                                  expected=", ".join(map(str, options)))  # fmt: skip
+        first = HandSettings(hand, hand_size, turn)
         try:
-            chosen = RunSettings(task=task, **settings)
+            chosen = RunSettings(task=task, hands=(first,), **settings)
         except TypeError as error:
             raise InputError(
                 "this is no setting of a run", where="settings", got=str(error)
@@ -115,9 +123,8 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
         self.action, self.reward = action, reward
         self.render_mode, self.size = render_mode, size
         self._kind = find_task(task)
-        if hands_of(self._kind) > 1 and chosen.second is None:
-            other = "right" if chosen.hand == "left" else "left"
-            chosen = replace(chosen, second=SecondHand(other, chosen.hand_size))
+        if hands_of(self._kind) > 1:
+            chosen = replace(chosen, hands=(first, first.other))
         self.settings = chosen
         placed = place_surface(chosen.surface, self._kind)
         self._surface, self._surfaces = place_all(placed, chosen, self._kind)
@@ -150,7 +157,7 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
         wearing = iter(self._hands)
         self.session = build(
             settings,
-            PerHand(tuple(_given(hand) for hand in self._hands)),
+            tuple(_given(hand) for hand in self._hands),
             wear=lambda touched: next(wearing).worn(touched),
         )
         self._snapshot = self.session.snapshot()
@@ -215,7 +222,7 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
 
     def _make_hands(self) -> tuple[Hands, ...]:
         if self.action == "pose":
-            return tuple(PoseHands(p.skeleton(ADULT)) for p in self.settings.persons)
+            return tuple(PoseHands(hand.person.skeleton(ADULT)) for hand in self.settings.hands)
         return tuple(TouchHands(surface, self._kind) for surface in self._surfaces)
 
     def _checked(self, action: ArrayLike) -> Array:

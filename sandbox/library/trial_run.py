@@ -23,7 +23,7 @@ from sandbox.recording.recording import load_recording
 from sandbox.session.device import Device
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
-from sandbox.trial.assembly import DeviceMaker
+from sandbox.trial.device_makers import DeviceMaker
 from sandbox.trial.headless import View
 from sandbox.trial.headless import run_trial as play_trial
 from sandbox.trial.lift import with_lift
@@ -106,18 +106,18 @@ def run_trial(
     _warn_if_states_depend_on_the_processor()
     named = device if isinstance(device, str) else "simulated"
     chosen = plan(_scene_options(task=_place(task), seed=seed, device=named, **options))
-    make_device, about, live = chosen.make_device, chosen.about, chosen.live
+    makers, about, live = chosen.makers, chosen.about, chosen.live
     if named == "mouse":
         raise InputError("the mouse needs a window", where="device", remedy="Use `sandbox play`")
     if not isinstance(device, str):
-        make_device, about, live = _opens(device), {"device": "from Python"}, False
+        makers, about, live = (_opens(device),), {"device": "from Python"}, False
     caption = "simulated user" if about.get("user") is not None else ""
     with _Views(film, pictures, trajectories, caption) as views:
         if live if real_time is None else real_time:
             views.pace = RealTime()
         result = play_trial(
             chosen.settings,
-            with_lift(make_device, keys=False),
+            with_lift(makers, keys=False),
             views.make,
             Path(record) if record else None,
             about,

@@ -23,9 +23,9 @@ from sandbox.devices.leap.shared_leap import BothOver, SharedLeap
 from sandbox.options.own_hand import chosen_file
 from sandbox.recording.recording import Recording
 from sandbox.session.device import Device
+from sandbox.trial.device_makers import DeviceMaker, DeviceMakers
 from sandbox.trial.hand_input import UNDER, HandInput
 from sandbox.trial.settings import RunSettings
-from sandbox.trial.two_hands import DeviceMaker, PerHand
 from tasks.task import Task
 from tasks.user import UserConfiguration
 
@@ -82,27 +82,29 @@ def with_leaps(
     Raises:
         InputError: A place or a calibration cannot be used, or both hands are of one side.
     """
+    first, *others = settings.hands
     if is_leap(options.device):
         if settings.variation.spoils:
             raise InputError("touches can be spoiled, hands in the air cannot", where="--vary")
-        settings = replace(settings, in_air=hand_input(options, options.device, settings.hand))
-    second = settings.second
-    if second is None:
+        first = replace(first, in_air=hand_input(options, options.device, first.side))
+        settings = replace(settings, hands=(first, *others))
+    if not others:
         return settings
+    second = others[0]
     other = options.second_device or options.device
     if second_recording is not None:
         played = RunSettings.from_json(second_recording.header["settings"])
-        in_air = played.in_airs[1 if 1 in second_recording.inputs else 0]
+        in_air = played.hands[1 if 1 in second_recording.inputs else 0].in_air
     elif is_leap(other):
-        in_air = hand_input(options, other, second.hand)
+        in_air = hand_input(options, other, second.side)
     else:
         return settings
-    if from_one(options) and settings.hand == second.hand:
+    if from_one(options) and first.side == second.side:
         raise InputError(
-            "one Leap tells two hands by their sides", where="--hand", got=f"two {second.hand} ones"
+            "one Leap tells two hands by their sides", where="--hand", got=f"two {second.side} ones"
         )
-    shared = second.shared and in_air is None
-    return replace(settings, second=replace(second, in_air=in_air, shared=shared))
+    one_surface = settings.one_surface and in_air is None
+    return replace(settings, hands=(first, replace(second, in_air=in_air)), one_surface=one_surface)
 
 
 def hand_input(options: LeapOptions, device: str, side: str) -> HandInput:
@@ -152,15 +154,15 @@ def leap_maker(options: Any, settings: RunSettings, user: UserConfiguration, han
     from sandbox.devices.simulated.leap_user import SimulatedLeap
 
     dialect, trouble = parse_simulated(device.partition(":")[2])
-    in_air = settings.in_airs[hand]
-    assert in_air is not None
-    person, at = settings.persons[hand], in_air.at
+    whose = settings.hands[hand]
+    assert whose.in_air is not None
+    person, at = whose.person, whose.in_air.at
     return lambda task, surface: SimulatedLeap(
         task, user, settings.seed, at, dialect, person, hand, trouble=trouble
     )
 
 
-def over_one(makers: tuple[Any, Any] | None, make: Any, settings: RunSettings) -> PerHand:
+def over_one(makers: DeviceMakers | None, make: DeviceMaker, settings: RunSettings) -> DeviceMakers:
     """Opens one device for both hands, split by side.
 
     Args:
@@ -169,10 +171,12 @@ def over_one(makers: tuple[Any, Any] | None, make: Any, settings: RunSettings) -
         settings: Of the run.
     """
     parts: list[Device] = []
-    first_side, second_side = (person.hand for person in settings.persons)
+    first_side, second_side = (hand.side for hand in settings.hands)
 
     def first(task: Task, surface: Surface) -> Device:
-        device = BothOver([m(task, surface) for m in makers]) if makers else make(task, surface)
+        device: Any = make(task, surface) if makers is None else None
+        if makers is not None:
+            device = BothOver([cast(Any, maker(task, surface)) for maker in makers])
         shared = SharedLeap(device, (first_side, second_side))
         parts[:] = [cast(Device, part) for part in shared.parts]
         return parts[0]
@@ -180,8 +184,7 @@ def over_one(makers: tuple[Any, Any] | None, make: Any, settings: RunSettings) -
     def second(task: Task, surface: Surface) -> Device:
         return parts[1]
 
-    found: tuple[DeviceMaker, ...] = (first, second)
-    return PerHand(found)
+    return first, second
 
 
 class TellingLeap(LeapDevice):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -31,9 +31,9 @@ from sandbox.recording.recorded_task import recorded_task
 from sandbox.recording.recording import Recording, is_recording, load_recording
 from sandbox.server.web import WebDevice
 from sandbox.session.device import Device
-from sandbox.trial.assembly import DeviceMaker
-from sandbox.trial.settings import RunSettings, bare
-from sandbox.trial.two_hands import PerHand, home, merging, sharing
+from sandbox.trial.device_makers import DeviceMaker, DeviceMakers, merging, sharing
+from sandbox.trial.settings import HandSettings, RunSettings, bare
+from sandbox.trial.surfaces import home
 from tasks.task import Task
 from tasks.user import UserConfiguration
 
@@ -63,13 +63,13 @@ class Plan:
         settings: Of the run.
         about: For header and result: device and simulated user.
         live: A person or another program drives it, so that it runs at real time.
-        make_device: Opens the device.
+        makers: Open the devices, one for every hand.
     """
 
     settings: RunSettings
     about: dict[str, Any]
     live: bool
-    make_device: DeviceMaker
+    makers: DeviceMakers
 
 
 def plan(options: SceneOptions) -> Plan:
@@ -84,26 +84,26 @@ def plan(options: SceneOptions) -> Plan:
         played = _recording(options.second_device) if options.second_device else None
         settings = with_leaps(settings, options, played)
     first = _plan(options, recording, settings, 0)
-    second = settings.second
-    if second is None:
+    if len(settings.hands) == 1:
         return first
+    (make_first,) = first.makers
     other = options.second_device or ("simulated" if recording is None else options.device)
     more = replace(options, device=other, port=options.port and options.port + 1)
     if options.second_user:
         more = replace(more, user=options.second_user)
     if from_one(options):
         next_ = _plan(replace(more, device=options.device), None, settings, 1)
-        two = (first.make_device, next_.make_device) if "user" in next_.about else None
-        return replace(first, make_device=over_one(two, first.make_device, settings))
-    alone = second.shared and recording is None and options.device != "simulated"
-    if alone:
-        return replace(first, make_device=sharing(first.make_device, settings))
+        two = (*first.makers, *next_.makers) if "user" in next_.about else None
+        return replace(first, makers=over_one(two, make_first, settings))
+    shared = settings.one_surface and recording is None
+    if shared and options.device != "simulated":
+        return replace(first, makers=sharing(make_first, settings))
     next_ = _plan(more, _recording(other), settings, 1)
-    makers = PerHand((first.make_device, next_.make_device))
+    makers = (*first.makers, *next_.makers)
     about = first.about | {"second": next_.about}
-    if second.shared and recording is None:
-        return replace(first, about=about, make_device=sharing(merging(makers), settings))
-    return replace(first, about=about, live=first.live or next_.live, make_device=makers)
+    if shared:
+        return replace(first, about=about, makers=sharing(merging(makers), settings))
+    return replace(first, about=about, live=first.live or next_.live, makers=makers)
 
 
 def _plan(
@@ -124,7 +124,7 @@ def _plan(
                 settings.seed,
                 options.tell_labels,
                 options.drop_outs,
-                settings.persons[hand],
+                settings.hands[hand].person,
                 hand,
                 home(hand, settings, surface),
             )
@@ -149,7 +149,7 @@ def _plan(
             settings,
             about,
             True,
-            lambda task, surface: MouseDevice(surface, settings.persons[hand]),
+            lambda task, surface: MouseDevice(surface, settings.hands[hand].person),
         )
     if recording is not None:
         played = recording
@@ -175,7 +175,7 @@ def _keeping(
             return SpoiledDevice(device, variation, surface, settings.seed + hand * NEXT_PERSON)
         return device
 
-    return Plan(settings, about, live, open_device)
+    return Plan(settings, about, live, (open_device,))
 
 
 def _recording(device: str) -> Recording | None:
@@ -200,7 +200,7 @@ def _live(device: str) -> bool:
 
 
 def _settings(options: SceneOptions, recording: Recording | None) -> RunSettings:
-    variation, hand = parse_variation(options.vary)
+    variation, size = parse_variation(options.vary)
     if recording is not None and options.vary:
         raise InputError(
             "what is recorded cannot be varied", where="--vary", got=str(recording.path)
@@ -227,13 +227,18 @@ def _settings(options: SceneOptions, recording: Recording | None) -> RunSettings
         values |= _PARTS[part]
     if options.tell_labels:
         values["labels"] = "device"
+    first, *others = base.hands
     if of_touches(options, is_leap(options.device)):
-        values |= asdict(find_profile(str(options.profile)).person)
-    asked = {"hand": options.hand, "hand_size": options.hand_size, "turn": options.turn}
-    values |= {name: value for name, value in asked.items() if value is not None}
+        own = HandSettings.of(find_profile(str(options.profile)).person)
+        first = replace(own, in_air=first.in_air)
+    asked: dict[str, Any] = {
+        "side": options.hand, "size": options.hand_size, "turn": options.turn,
+    }  # fmt: skip
+    first = replace(first, **{name: value for name, value in asked.items() if value is not None})
     if recording is None:
-        values["hand_size"] = hand * values.get("hand_size", base.hand_size)
+        first = replace(first, size=size * first.size)
         values["variation"] = variation
+    values["hands"] = (first, *others)
     if options.surface:
         surface = parse_surface(options.surface)
         values["surface_in"] = (surface.width_in, surface.height_in)

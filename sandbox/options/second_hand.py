@@ -10,7 +10,7 @@ import tyro
 
 from models.errors import InputError
 from sandbox.recording.recording import Recording
-from sandbox.trial.settings import RunSettings, SecondHand
+from sandbox.trial.settings import RunSettings
 from tasks.registry import find_task, hands_of
 
 TWICE = ("--device", "--hand", "--hand-size", "--turn", "--user")
@@ -82,12 +82,12 @@ def with_second(
         InputError: What is asked for is not one hand more.
     """
     asked = {
-        "hand": options.second_hand,
-        "hand_size": options.second_hand_size,
+        "side": options.second_hand,
+        "size": options.second_hand_size,
         "turn": options.second_turn,
     }
     given: dict[str, Any] = {name: v for name, v in asked.items() if v is not None}
-    if recording is not None and settings.second is not None:
+    if recording is not None and len(settings.hands) > 1:
         return settings
     for_two = _for_two(settings.task)
     wanted = options.second_device is not None or options.one_surface
@@ -104,13 +104,12 @@ def with_second(
     if options.one_surface and device == "mouse":
         raise InputError("this device is one hand's", where="--one-surface", got=device)
     alone = options.second_device is None and device not in ONE_HAND_EACH
-    shared = options.one_surface or alone
-    other = SecondHand(
-        hand="right" if settings.hand == "left" else "left",
-        hand_size=settings.hand_size,
-        shared=shared,
+    first = settings.hands[0]
+    return replace(
+        settings,
+        hands=(first, replace(first.other, **given)),
+        one_surface=options.one_surface or alone,
     )
-    return replace(settings, second=replace(other, **given))
 
 
 def _for_two(task: str) -> bool:

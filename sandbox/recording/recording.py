@@ -28,6 +28,7 @@ from models.frames import Frame, TouchFrame
 from models.scene import CONTROL_PERIOD
 from sandbox.recording.recorded_frames import frame_from_json, frame_to_json
 from sandbox.recording.recording_file import first_line, read_stored
+from sandbox.recording.upgrade import upgraded
 from sandbox.session.track import Track, TrackWriter, read_line
 
 SCHEMA = 1
@@ -248,7 +249,7 @@ class Recording:
 
     Attributes:
         path: Where it came from.
-        header: As it was written.
+        header: As this version writes it (see `sandbox.recording.upgrade`).
         inputs: By hand, in order.
         keyframes: Integration state by physics step.
         events: In order.
@@ -293,12 +294,16 @@ def is_recording(path: Path) -> bool:
     return isinstance(head, dict) and head.get("kind") == "header" and "settings" in head
 
 
-def check_schema(header: dict[str, Any], path: Path) -> None:
-    """Refuses the header of a recording of another version.
+def read_header(line: bytes, path: Path) -> dict[str, Any]:
+    """The header in a recording's first line, upgraded where an earlier version wrote it.
 
     Raises:
-        RecordingError: It is one.
+        RecordingError: It is damaged, or of a version whose layout is another one.
     """
+    try:
+        header = json.loads(line)
+    except ValueError:
+        raise RecordingError("its first line is damaged", where=str(path)) from None
     if header.get("schema") != SCHEMA:
         raise RecordingError(
             "another version's recording",
@@ -306,6 +311,7 @@ def check_schema(header: dict[str, Any], path: Path) -> None:
             got=header.get("schema"),
             expected=f"schema {SCHEMA}",
         )
+    return upgraded(header)
 
 
 def load_recording(path: Path) -> Recording:
@@ -321,12 +327,7 @@ def load_recording(path: Path) -> Recording:
     if not is_recording(path):
         raise RecordingError("this is not a recording", where=str(path))
     lines = data.split(b"\n")
-    try:
-        header = json.loads(lines[0])
-    except ValueError:
-        raise RecordingError("its first line is damaged", where=str(path)) from None
-    check_schema(header, path)
-    found = Recording(path, header)
+    found = Recording(path, read_header(lines[0], path))
     end: Line | None = None
     damage = ""
     for number, text in enumerate(lines[1:], start=2):

@@ -66,7 +66,7 @@ def run_job(job: TrialJob) -> Trial:
         planned = job.planned()
         result = run_trial(
             planned.settings,
-            planned.make_device,
+            planned.makers,
             record=recording,
             about=planned.about,
             dump=Path(gettempdir()),

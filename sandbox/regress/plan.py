@@ -13,6 +13,7 @@ from models.errors import InputError
 from sandbox.options.scene_options import Plan, SceneOptions, plan
 from sandbox.options.second_hand import SecondOptions
 from sandbox.trial.assembly import digests
+from sandbox.trial.settings import result_settings
 from tasks.registry import TASKS, find_task, task_names
 from tasks.task import Task
 
@@ -109,7 +110,7 @@ class RegressionPlan:
         job = self.jobs()[0]
         with registered(job.own_task):
             planned = job.planned()
-        settings = planned.settings.as_json()
+        settings = result_settings(planned.settings.as_json())
         for each in ("task", "seed"):
             del settings[each]
         configuration = {

@@ -10,6 +10,7 @@ from typing import Any
 from encoders.correction import CorrectionSettings
 from encoders.labels.belief import builtin_belief
 from encoders.labels.labelling import Labeller, PaperLabels
+from encoders.paalm.hand_reconstructor import HandReconstructor
 from encoders.person.yaw_range import YawRange, YawWatch
 from encoders.reconstruction.arrival import ArrivalSettings
 from encoders.reconstruction.contact_tracker import TrackerSettings
@@ -27,14 +28,14 @@ from models.surface import Surface
 from sandbox.lsl.lsl_listening import Told
 from sandbox.session.session import Recorder, Rig, Session
 from sandbox.session.solidity import SolidityRules
+from sandbox.trial.device_makers import DeviceMakers, check_count
 from sandbox.trial.settings import RunSettings
-from sandbox.trial.two_hands import DeviceMaker, checked, makers_of, place_all
+from sandbox.trial.surfaces import place_all
 from tasks.registry import draw_task, find_task
 from tasks.task import Task
 from tasks.variation import vary
 
 __all__ = [
-    "DeviceMaker",
     "build",
     "digests",
     "load_encoder",
@@ -95,8 +96,9 @@ def reconstructor_settings(settings: RunSettings, lift_range: float = 0.0) -> Re
     chosen = ReconstructorSettings(
         tracker=tracker,
         arrival=arrival,
-        # The trained hand rises less than the person's, as it is smaller in all directions.
-        lift=LiftSettings(reach=lift_range / settings.hand_size),
+        # The trained hand rises less than the person's, as it is smaller in all directions. All
+        # hands rise by what the first one's size says: earlier recordings depend on it.
+        lift=LiftSettings(reach=lift_range / settings.hands[0].size),
         correction=CorrectionSettings() if settings.correction else None,
         encode=settings.encode,
         rate=GENTLE if is_calm(settings.impulse) else RateLimit(),
@@ -122,7 +124,7 @@ def place_surface(surface: Surface, task: type[Task]) -> Surface:
 
 def build(
     settings: RunSettings,
-    make_device: DeviceMaker,
+    makers: DeviceMakers,
     recorder: Recorder | None = None,
     wear: Callable[[Reconstructor], Reconstructor] | None = None,
 ) -> Session:
@@ -130,7 +132,7 @@ def build(
 
     Args:
         settings: How it goes.
-        make_device: Where the touches come from; a `PerHand` where there are two hands.
+        makers: Open the devices, one for each of the settings' hands.
         recorder: Writes down inputs and states.
         wear: Puts another reconstructor in the place of the one that reconstructs from touches.
     """
@@ -138,22 +140,21 @@ def build(
     placed = place_surface(settings.surface, task_type)
     whole, surfaces = place_all(placed, settings, task_type)
     task = vary(draw_task(task_type, settings.seed, whole), settings.variation, whole)
-    persons = settings.persons
-    if placed.upright and any(person.turn for person in persons):
+    turns = [hand.turn for hand in settings.hands]
+    if placed.upright and any(turns):
         raise InputError(
             "before an upright surface one sits at its lower edge",
             where="--turn",
-            got=max(person.turn for person in persons),
+            got=max(turns),
             expected=f"0 for {settings.task}",
         )
-    makers = checked(makers_of(make_device), len(persons), settings.task)
+    check_count(makers, settings)
     model = load_encoder(settings.encoder)
-    hands = _hands(settings, task_type)
-    made: list[Any] = []
-    for person, surface, in_air in zip(persons, surfaces, settings.in_airs, strict=True):
-        if in_air is not None:
+    reconstructors: list[Reconstructor | HandReconstructor] = []
+    for hand, surface in zip(settings.hands, surfaces, strict=True):
+        if hand.in_air is not None:
             rate = reconstructor_settings(settings).rate
-            made.append(in_air.reconstructor(person, surface, rate))
+            reconstructors.append(hand.in_air.reconstructor(hand.person, surface, rate))
             continue
 
         def trained_hand(surface: Surface) -> TouchReconstructor:
@@ -165,18 +166,19 @@ def build(
                 reconstructor_settings(settings, task.lift_range),
             )
 
-        reconstructor = personal(person, surface, trained_hand)
-        made.append(wear(reconstructor) if wear else reconstructor)
+        touched = personal(hand.person, surface, trained_hand)
+        reconstructors.append(wear(touched) if wear else touched)
     rules = SolidityRules(settings.ghost_until_clear, settings.distal_only)
     air_rules = replace(rules, **IN_AIR)
     rigs = [
-        Rig(make(task, surface), reconstructor, hand, None, air_rules)
-        if in_air
-        else Rig(make(task, surface), reconstructor, hand, _yaw_watch(model))
-        for make, surface, reconstructor, hand, in_air in zip(
-            makers, surfaces, made, hands, settings.in_airs, strict=True
+        Rig(make(task, surface), reconstructor, model_hand, None, air_rules)
+        if hand.in_air
+        else Rig(make(task, surface), reconstructor, model_hand, _yaw_watch(model))
+        for hand, make, surface, reconstructor, model_hand in zip(
+            settings.hands, makers, surfaces, reconstructors, _hands(settings, task_type),
+            strict=True,
         )
-    ]
+    ]  # fmt: skip
     friction = settings.variation.friction
     session = Session(task, rigs, rules, settings.timestep, recorder, settings.contact, friction)
     if isinstance(recorder, Told):
@@ -189,13 +191,13 @@ def _hands(settings: RunSettings, task_type: type[Task]) -> list[Hand]:
     return [
         Hand(
             name,
-            person.skeleton(ADULT),
+            hand.person.skeleton(ADULT),
             servo=settings.servo,
             impulse=settings.impulse,
             finger_armature=finger_armature(settings.impulse),
             solid_end=UPRIGHT_END if task_type.plane == "front" else None,
         )
-        for name, person in zip(settings.hand_names, settings.persons, strict=True)
+        for name, hand in zip(settings.hand_names, settings.hands, strict=True)
     ]
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass
 from math import isfinite
 from typing import Any
 
@@ -47,27 +47,6 @@ class HandInput:
     def of(cls, at: tuple[float, float, float], calibration: HandCalibration | None) -> HandInput:
         """With a calibration, or none."""
         return cls(at, None if calibration is None else calibration_to_json(calibration))
-
-    def as_json(self) -> dict[str, Any]:
-        """For headers and results."""
-        return asdict(self)
-
-    @classmethod
-    def from_json(cls, values: Any) -> HandInput:
-        """Read back.
-
-        Raises:
-            InputError: It is another version's, or damaged.
-        """
-        names = {f.name for f in fields(cls)}
-        if not isinstance(values, dict) or set(values) != names:
-            raise InputError("no such hand input", where="settings", got=str(values)[:80],
-                             expected=", ".join(sorted(names)))  # fmt: skip
-        try:
-            x, y, z = map(float, values["at"])
-        except (TypeError, ValueError):
-            raise InputError("no such place", where="settings", got=str(values["at"])) from None
-        return cls((x, y, z), values["calibration"])
 
     def reconstructor(self, person: Person, surface: Surface, rate: RateLimit) -> HandReconstructor:
         """Makes poses of hand frames.

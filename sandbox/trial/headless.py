@@ -14,7 +14,8 @@ from models.errors import DivergenceError
 from sandbox.recording.versions import versions
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
-from sandbox.trial.assembly import DeviceMaker, build, digests
+from sandbox.trial.assembly import build, digests
+from sandbox.trial.device_makers import DeviceMakers
 from sandbox.trial.keeping import Keeping
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import RunSettings
@@ -34,7 +35,7 @@ def no_views(session: Session) -> Sequence[View]:
 
 def run_trial(
     settings: RunSettings,
-    make_device: DeviceMaker,
+    makers: DeviceMakers,
     make_views: ViewMaker = no_views,
     record: Path | None = None,
     about: dict[str, Any] | None = None,
@@ -44,7 +45,7 @@ def run_trial(
 
     Args:
         settings: How it goes.
-        make_device: Where the touches come from.
+        makers: Open the devices, one for every hand.
         make_views: Who looks on. A device that also looks (the simulated user) need not be named.
         record: Where to write a recording.
         about: More for the header and the result, such as who the simulated user is.
@@ -59,7 +60,7 @@ def run_trial(
     try:
         # More threads gain nothing on such small matrices, and would wait for each other.
         with threadpool_limits(1), no_search_for_garbage():
-            session = build(settings, make_device, keeping.recorder)
+            session = build(settings, makers, keeping.recorder)
             try:
                 play(session, make_views(session))
                 return keeping.end(session)

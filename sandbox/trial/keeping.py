@@ -13,6 +13,7 @@ from sandbox.recording.dump import BlackBox, dump_path
 from sandbox.recording.recording import RecordingWriter
 from sandbox.session.session import Recorder, Session
 from sandbox.trial.result import SCHEMA, TrialResult
+from sandbox.trial.settings import result_settings
 
 
 class Keeping:
@@ -49,7 +50,9 @@ class Keeping:
             session: As it ended.
             more: Further fields of the result by name, JSON values.
         """
-        result = TrialResult.of(session, {**self._header, **more, "schema": SCHEMA})
+        settings = result_settings(self._header["settings"])
+        told = {**self._header, "settings": settings, **more, "schema": SCHEMA}
+        result = TrialResult.of(session, told)
         path = dump_path(self._dump, self._record, session.task.name, session.task.seed)
         if session.diverged and path is not None:
             try:

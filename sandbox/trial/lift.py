@@ -8,15 +8,15 @@ from models.errors import InputError
 from models.surface import Surface
 from sandbox.devices.wrappers.lift_keys import LiftKeys
 from sandbox.session.device import Device
-from sandbox.trial.two_hands import DeviceMaker, PerHand, makers_of
+from sandbox.trial.device_makers import DeviceMaker, DeviceMakers
 from tasks.task import Task
 
 
-def with_lift(make_device: DeviceMaker, keys: bool) -> DeviceMaker:
+def with_lift(makers: DeviceMakers, keys: bool) -> DeviceMakers:
     """Sees to it that a task which needs a lift control gets one.
 
     Args:
-        make_device: Opens the device itself.
+        makers: Open the devices themselves.
         keys: There is a window whose keys can lift.
 
     Raises:
@@ -45,8 +45,4 @@ def with_lift(make_device: DeviceMaker, keys: bool) -> DeviceMaker:
         led.clear()
         return lifted(makers[0], task, surface)
 
-    makers = makers_of(make_device)
-    if len(makers) == 1:
-        return first
-    others = [partial(lifted, maker) for maker in makers[1:]]
-    return PerHand((first, *others))
+    return (first, *(partial(lifted, maker) for maker in makers[1:]))

@@ -11,10 +11,10 @@ from sandbox.recording.recording import Recording
 from sandbox.recording.versions import versions
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build, digests
+from sandbox.trial.device_makers import DeviceMaker, DeviceMakers
 from sandbox.trial.headless import ViewMaker, no_views
 from sandbox.trial.recorded_poses import RecordedPoses
 from sandbox.trial.settings import RunSettings
-from sandbox.trial.two_hands import DeviceMaker, PerHand
 
 
 @dataclass(frozen=True)
@@ -63,13 +63,13 @@ def settings_of(recording: Recording) -> RunSettings:
     return settings
 
 
-def recorded_hands(recording: Recording, hands: int) -> PerHand:
+def recorded_hands(recording: Recording, hands: int) -> DeviceMakers:
     """Plays every hand of a recording."""
 
     def plays(hand: int) -> DeviceMaker:
         return lambda task, surface: RecordedDevice(recording, hand)
 
-    return PerHand(tuple(plays(hand) for hand in range(hands)))
+    return tuple(plays(hand) for hand in range(hands))
 
 
 def replay(recording: Recording, make_views: ViewMaker = no_views) -> tuple[Session, Verification]:
@@ -79,7 +79,7 @@ def replay(recording: Recording, make_views: ViewMaker = no_views) -> tuple[Sess
     states: it is simulated and compared all the same, and views are shown the recorded poses.
     """
     settings = settings_of(recording)
-    session = build(settings, recorded_hands(recording, len(settings.persons)))
+    session = build(settings, recorded_hands(recording, len(settings.hands)))
     same = recording.header["versions"].get("fingerprint") == versions()["fingerprint"]
     poses = RecordedPoses(session, recording) if recording.track.qpos and not same else None
     views = make_views(session)

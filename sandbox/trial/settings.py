@@ -1,11 +1,14 @@
-"""Everything that decides how a run goes, as plain values: what is written, can be run again."""
+"""Settings of a run: plain values that a recording's header keeps, so that it can be run again."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
 from typing import Any
 
-from models.errors import InputError
+import msgspec
+
+from models.errors import InputError, RecordingError
 from models.hand import IMPULSE_PROFILES, SERVOS
 from models.person import HANDS, Person
 from models.surface import PRESETS, Surface
@@ -17,47 +20,46 @@ LABELS = ("history", "paper", "device")
 """`history`: a belief carried from contact to contact; `paper`: nearest training pose; `device`:
 what the device says, for devices that know, and as an upper bound with the simulated user."""
 
+MOST_HANDS = 2
+"""In one scene."""
+
+_IN_RESULTS = {"side": "hand", "size": "hand_size", "turn": "turn", "in_air": "in_air"}
+"""Names in results of what a hand's settings are called in headers."""
+
 
 @dataclass(frozen=True)
-class SecondHand:
-    """Another hand in the same scene, of the same person or of another; JSON values only.
+class HandSettings:
+    """One hand in the scene, and the person whose hand it is; JSON values only.
 
     Attributes:
-        hand: `right` or `left`.
-        hand_size: Length of the hand against the trained one.
-        turn: degrees, where its owner sits (see `models.person.Person`).
-        shared: Both hands are on one surface; otherwise each has its own, of the same size.
-        in_air: How a 3-D device drives it; None where touches do.
+        side: `right` or `left`.
+        size: Length of the person's hand against the trained one.
+        turn: degrees, where the person sits (see `models.person.Person`).
+        in_air: How a 3-D device drives the hand; None where touches do.
     """
 
-    hand: str = HANDS[1]
-    hand_size: float = 1.0
+    side: str = HANDS[0]
+    size: float = 1.0
     turn: int = 0
-    shared: bool = False
     in_air: HandInput | None = None
 
     def __post_init__(self) -> None:
         _ = self.person
 
+    @classmethod
+    def of(cls, person: Person) -> HandSettings:
+        """A hand that touches."""
+        return cls(person.hand, person.hand_size, person.turn)
+
     @property
     def person(self) -> Person:
-        """Whose hand it is, checked."""
-        return Person(self.hand, self.hand_size, self.turn)
+        """The person whose hand it is, checked."""
+        return Person(self.side, self.size, self.turn)
 
-    @classmethod
-    def from_json(cls, values: Any) -> SecondHand:
-        """Read back.
-
-        Raises:
-            InputError: A name is missing or unknown.
-        """
-        names = {f.name for f in fields(cls)}
-        values = {"in_air": None, **values} if isinstance(values, dict) else values
-        if not isinstance(values, dict) or set(values) != names:
-            raise InputError("no such second hand", where="settings", got=str(values)[:80],
-                             expected=", ".join(sorted(names)))  # fmt: skip
-        in_air = values["in_air"] and HandInput.from_json(values["in_air"])
-        return cls(**{**values, "in_air": in_air})
+    @property
+    def other(self) -> HandSettings:
+        """The other hand of a person of this size; it touches, at the screen's lower edge."""
+        return HandSettings(HANDS[1] if self.side == HANDS[0] else HANDS[0], self.size)
 
 
 @dataclass(frozen=True)
@@ -79,15 +81,12 @@ class RunSettings:
         servo: One of `models.hand.SERVOS`.
         impulse: N s (N m s) per 1/60 s, limit of every servo.
         contact: How hands and objects touch at the start: one of `sandbox.session.contact_modes`.
-        surface_in: Width and height of the touch surface, inches.
+        surface_in: Width and height of a hand's touch surface, inches.
         surface_calibrated: False where its size is a guess.
         timestep: s of physics.
-        hand: `right` or `left`.
-        hand_size: Length of the person's hand against the trained one.
-        turn: degrees, where the person sits (see `models.person.Person`).
+        hands: One entry a hand, in the order of devices, rigs and recorded inputs.
+        one_surface: All hands touch one surface; otherwise each has its own, of the same size.
         variation: How the trial differs from the one that is drawn, and touches from those made.
-        second: Another hand in the scene; None where there is one hand only.
-        in_air: How a 3-D device drives the hand; None where touches do.
     """
 
     task: str = "box-to-goal"
@@ -107,90 +106,112 @@ class RunSettings:
     surface_in: tuple[float, float] = PRESETS["ipad2"]
     surface_calibrated: bool = True
     timestep: float = 0.002
-    hand: str = HANDS[0]
-    hand_size: float = 1.0
-    turn: int = 0
+    hands: tuple[HandSettings, ...] = (HandSettings(),)
+    one_surface: bool = False
     variation: Variation = field(default_factory=Variation)
-    second: SecondHand | None = None
-    in_air: HandInput | None = None
 
     def __post_init__(self) -> None:
         if self.labels not in LABELS:
             raise InputError(
                 "no such labels", where="labels", got=self.labels, expected=", ".join(LABELS)
             )
-        _ = self.person
+        if not 1 <= len(self.hands) <= MOST_HANDS:
+            raise InputError(
+                "a run has one hand or two", where="hands", got=len(self.hands),
+                expected=f"1 to {MOST_HANDS}",
+            )  # fmt: skip
         contact_mode(self.contact)
-
-    @property
-    def person(self) -> Person:
-        """Whose hand it is, checked."""
-        return Person(self.hand, self.hand_size, self.turn)
-
-    @property
-    def persons(self) -> tuple[Person, ...]:
-        """Whose hands they are, one or two."""
-        return (self.person, self.second.person) if self.second else (self.person,)
 
     @property
     def hand_names(self) -> tuple[str, ...]:
         """A name of its own for every hand: its side, and `right_too` for a second right one."""
-        sides = [person.hand for person in self.persons]
+        sides = [hand.side for hand in self.hands]
         return tuple(s if s not in sides[:i] else f"{s}_too" for i, s in enumerate(sides))
 
     @property
-    def in_airs(self) -> tuple[HandInput | None, ...]:
-        """How 3-D devices drive the hands, hand by hand."""
-        return (self.in_air, self.second.in_air) if self.second else (self.in_air,)
+    def in_air(self) -> bool:
+        """All hands are driven by 3-D devices, so that nobody touches anything."""
+        return all(hand.in_air is not None for hand in self.hands)
 
     @property
     def surface(self) -> Surface:
-        """The touch rectangle, not yet placed in the world."""
+        """The touch rectangle of one hand, not yet placed in the world."""
         return Surface(*self.surface_in, calibrated=self.surface_calibrated)
 
     def as_json(self) -> dict[str, Any]:
-        """For headers and results; a variation, a second hand and what is said of 3-D devices
-        only where there are any."""
+        """For a recording's header; a variation, and `in_air`, only where there is one."""
         values = asdict(self)
         if self.variation.neutral:
             del values["variation"]
-        if self.second is None:
-            del values["second"]
-        elif self.second.in_air is None:
-            del values["second"]["in_air"]
-        if self.in_air is None:
-            del values["in_air"]
+        values["hands"] = [_without_none(hand) for hand in values["hands"]]
         return values
 
     @classmethod
-    def from_json(cls, values: dict[str, Any]) -> RunSettings:
-        """Settings read back.
+    def from_json(cls, values: Any) -> RunSettings:
+        """Settings as `as_json` wrote them.
 
         Raises:
-            InputError: A setting is missing or unknown: another version wrote it.
+            RecordingError: A setting is missing, unknown or of another kind.
+            InputError: A value is none of those it can have.
         """
-        # What older recordings do not tell was so before it could be chosen.
-        older: dict[str, Any] = {"contact": ContactMode.HARD.value, "variation": {}, "second": None}
-        older["in_air"] = None
-        values = {**asdict(Person()), **older, **values}
-        names = {f.name for f in fields(cls)}
-        if set(values) != names:
-            raise InputError(
-                "these settings are another version's",
-                where="settings",
-                got=", ".join(sorted(set(values) ^ names)) + " missing or unknown",
-                remedy="Use the version that the header names",
-            )
-        width, height = values["surface_in"]
-        definite = {
-            "surface_in": (float(width), float(height)),
-            "variation": Variation.from_json(values["variation"]),
-            "second": values["second"] and SecondHand.from_json(values["second"]),
-            "in_air": values["in_air"] and HandInput.from_json(values["in_air"]),
-        }
-        return cls(**{**values, **definite})
+        _check_names(values, cls, optional={"variation"})
+        for hand in values["hands"] if isinstance(values["hands"], list) else ():
+            _check_names(hand, HandSettings, optional={"in_air"})
+            if hand.get("in_air") is not None:
+                _check_names(hand["in_air"], HandInput)
+        if "variation" in values:
+            _check_names(values["variation"], Variation, optional=_names(Variation))
+        try:
+            return msgspec.convert(values, cls)
+        except msgspec.ValidationError as error:
+            raise RecordingError(
+                "these settings cannot be read", where="settings", got=str(error),
+                remedy="The file is damaged, or another program wrote it",
+            ) from None  # fmt: skip
+
+
+def result_settings(values: Mapping[str, Any]) -> dict[str, Any]:
+    """The settings of a header in the form of results, baselines and `run --json`: the first hand's
+    at the top, and those of a second hand under `second`.
+
+    Args:
+        values: As `RunSettings.as_json` returns them.
+    """
+    told = {name: value for name, value in values.items() if name not in ("hands", "one_surface")}
+    first, *others = [
+        {_IN_RESULTS[name]: value for name, value in hand.items()} for hand in values["hands"]
+    ]
+    told |= first
+    if others:
+        told["second"] = {**others[0], "shared": values["one_surface"]}
+    return told
 
 
 def bare(settings: dict[str, Any]) -> dict[str, Any]:
     """The paper's own pipeline: its labels, no correction, no smoothing."""
     return {**settings, "labels": "paper", "correction": False, "smoothing": False}
+
+
+def _without_none(hand: dict[str, Any]) -> dict[str, Any]:
+    return {name: value for name, value in hand.items() if value is not None}
+
+
+def _names(kind: type[Any]) -> set[str]:
+    return {f.name for f in fields(kind)}
+
+
+def _check_names(values: Any, kind: type[Any], optional: set[str] | None = None) -> None:
+    """Refuses values that do not have the names of a kind's fields."""
+    if not isinstance(values, dict):
+        raise RecordingError(
+            "these settings cannot be read", where="settings", got=str(values)[:80],
+            expected="an object with " + ", ".join(sorted(_names(kind))),
+        )  # fmt: skip
+    wrong = (set(values) ^ _names(kind)) - ((optional or set()) - set(values))
+    if wrong:
+        raise RecordingError(
+            "these settings are another version's",
+            where="settings",
+            got=", ".join(sorted(wrong)) + " missing or unknown",
+            remedy="Use the version that the header names",
+        )

@@ -16,8 +16,7 @@ from sandbox.devices.wrappers.device_wrapper import DeviceWrapper
 from sandbox.session.device import Device
 from sandbox.session.latency import LatencyLog
 from sandbox.session.messages import Snapshot
-from sandbox.trial.assembly import DeviceMaker
-from sandbox.trial.two_hands import with_each
+from sandbox.trial.device_makers import DeviceMaker
 
 WAITING = 4096
 """Touches that may wait for a picture that shows them; of more, the oldest go."""
@@ -87,9 +86,5 @@ class TimedDevice(DeviceWrapper):
 
 
 def timed(make_device: DeviceMaker, timing: Timing) -> DeviceMaker:
-    """Opens the same device, or that of every hand, with its touches followed."""
-
-    def around(maker: DeviceMaker) -> DeviceMaker:
-        return lambda task, surface: TimedDevice(maker(task, surface), timing)
-
-    return with_each(make_device, around)
+    """Opens the same device with its touches followed."""
+    return lambda task, surface: TimedDevice(make_device(task, surface), timing)

@@ -54,7 +54,7 @@ def test_a_field_that_is_not_worked_out_either_is_an_attribute_error():
 
 def test_a_snapshot_shows_its_own_moment_whenever_it_is_looked_at():
     chosen = plan(SceneOptions(seed=1))
-    session = build(chosen.settings, chosen.make_device)
+    session = build(chosen.settings, chosen.makers)
     show = session.rigs[0].device.show
     while not session.solid(0):
         show(session.advance())

@@ -19,7 +19,7 @@ from models.skeleton import ADULT
 from models.surface import Surface
 from sandbox.session.device import Device
 from sandbox.trial.assembly import BELOW_TABLE, UPRIGHT_END, build, place_surface
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import HandSettings, RunSettings
 from tasks.box_to_goal import BoxToGoal
 from tasks.simulated_user.front_stacker import in_picture, roll
 from tasks.simulated_user.front_view import FrontView
@@ -67,7 +67,7 @@ def touching(up: float) -> TouchFrame:
 @pytest.mark.parametrize("up", [0.01, 0.04])
 def test_touches_dragged_up_the_screen_lift_the_fingertips_as_far(up):
     settings = RunSettings(task="stack-vertical", smoothing=False)
-    session = build(settings, lambda task, surface: _Still())
+    session = build(settings, (lambda task, surface: _Still(),))
     reconstructor, kinematics = session.rigs[0].reconstructor, Kinematics(ADULT)
 
     def settled(rise: float, begin: float) -> np.ndarray:
@@ -86,7 +86,7 @@ def test_touches_dragged_up_the_screen_lift_the_fingertips_as_far(up):
 
 
 def test_the_hand_waits_in_front_of_its_place_and_not_above_it():
-    session = build(RunSettings(task="stack-vertical"), lambda task, surface: _Still())
+    session = build(RunSettings(task="stack-vertical"), (lambda task, surface: _Still(),))
     tips = Kinematics(ADULT).tips(session.rigs[0].reconstructor.commanded)
     middle = UPRIGHT.to_world(UPRIGHT.size / 2)
     assert np.all(tips[:, 1] < -0.05)
@@ -94,9 +94,9 @@ def test_the_hand_waits_in_front_of_its_place_and_not_above_it():
 
 
 def test_nobody_sits_at_the_side_of_an_upright_surface():
-    settings = RunSettings(task="stack-vertical", turn=90)
+    settings = RunSettings(task="stack-vertical", hands=(HandSettings(turn=90),))
     with pytest.raises(InputError, match="one sits at its lower edge"):
-        build(settings, lambda task, surface: _Still())
+        build(settings, (lambda task, surface: _Still(),))
 
 
 @given(points, points)

@@ -54,7 +54,7 @@ class Played(Device):
 
 
 def scripted(touch: Touch, recorder: Recorder | None = None, **settings: Any) -> Session:
-    return build(RunSettings(**settings), lambda task, surface: Script(touch), recorder)
+    return build(RunSettings(**settings), (lambda task, surface: Script(touch),), recorder)
 
 
 def box_xy(session: Session) -> np.ndarray:

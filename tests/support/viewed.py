@@ -41,7 +41,7 @@ def mouse_session(seed: int = 3) -> tuple[Session, MouseDevice, Surface]:
         devices.append(MouseDevice(surface))
         return devices[0]
 
-    session = build(RunSettings(seed=seed), open_mouse)
+    session = build(RunSettings(seed=seed), (open_mouse,))
     return session, devices[0], session.rigs[0].reconstructor.surface
 
 

@@ -21,9 +21,10 @@ from sandbox.options.second_hand import named
 from sandbox.recording.recording import load_recording
 from sandbox.regress.plan import RegressionPlan
 from sandbox.trial.assembly import build
+from sandbox.trial.hand_input import HandInput
 from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
-from sandbox.trial.settings import RunSettings, SecondHand
+from sandbox.trial.settings import HandSettings, RunSettings
 from tasks.carry_together import BORDER, SEAM, SLOPE_TOLERANCE, CarryTogether
 from tasks.registry import draw_task
 from tasks.sensing import Sensing
@@ -32,12 +33,13 @@ from tasks.simulated_user.control_arms import IdleUser
 from tasks.user import UserConfiguration
 
 TASK = "carry-together"
+RIGHT_AND_LEFT = (HandSettings("right"), HandSettings("left"))
 BOTH = Surface(15.52, 5.82).centred_at((0.0, 0.0, 0.0))
 
 
 def carry(seed: int, **options):
     chosen = plan(SceneOptions(task=TASK, seed=seed, **options))
-    return run_trial(chosen.settings, chosen.make_device, about=chosen.about)
+    return run_trial(chosen.settings, chosen.makers, about=chosen.about)
 
 
 @pytest.fixture(scope="module")
@@ -58,24 +60,32 @@ def test_the_recording_of_two_hands_replays_to_the_bit_and_plays_as_two_devices(
     assert found.exact and found.complete and session.scorer.score.held
     assert len(session.rigs) == 2
     again = plan(SceneOptions(device=str(recording.path)))
-    result = run_trial(again.settings, again.make_device)
+    result = run_trial(again.settings, again.makers)
     assert result.state_hash == recording.end["result"]["state_hash"]
 
 
-def test_a_recording_of_one_hand_says_nothing_of_a_second_one_and_an_older_one_is_read():
-    values = RunSettings(seed=3).as_json()
-    assert "second" not in values
-    assert RunSettings.from_json(values) == RunSettings(seed=3)
-    two = RunSettings(second=SecondHand("right", 0.9, 180, True))
-    assert RunSettings.from_json(json.loads(json.dumps(two.as_json()))) == two
-    with pytest.raises(InputError, match="second hand"):
-        RunSettings.from_json({**two.as_json(), "second": {"hand": "left"}})
+def test_settings_of_two_hands_are_read_back_as_they_were_and_damaged_ones_are_refused():
+    hands = (HandSettings(), HandSettings("right", 0.9, 180, HandInput()))
+    two = RunSettings(hands=hands, one_surface=True)
+    values = json.loads(json.dumps(two.as_json()))
+    assert RunSettings.from_json(values) == two
+    for wrong, what in (
+        ({"second": {"hand": "left"}}, "second missing or unknown"),
+        ({"hands": [{"side": "left"}]}, "size, turn missing or unknown"),
+        ({"hands": [{**values["hands"][0], "colour": "blue"}]}, "colour missing or unknown"),
+        ({"hands": [*values["hands"], values["hands"][0]]}, "one hand or two"),
+        ({"hands": []}, "one hand or two"),
+        ({"hands": 2}, "Expected `array`"),
+        ({"seed": "one"}, "Expected `int`"),
+    ):
+        with pytest.raises(InputError, match=what):
+            RunSettings.from_json({**values, **wrong})
 
 
 def test_one_skilled_hand_alone_only_tips_the_tray():
     """One skilled user who waits for nobody, and one who does nothing."""
     chosen = plan(SceneOptions(task=TASK, seed=0, second_user="idle"))
-    session = build(chosen.settings, chosen.make_device)
+    session = build(chosen.settings, chosen.makers)
     user, idle = (rig.device.user for rig in session.rigs)
     assert isinstance(user, Carrier) and isinstance(idle, IdleUser)
     user.patient = False
@@ -93,11 +103,11 @@ def test_one_skilled_hand_alone_only_tips_the_tray():
 
 
 def test_in_a_mirror_the_same_trial_is_drawn_for_the_hands_sides():
-    settings = RunSettings(task=TASK, second=SecondHand())
-    swapped = replace(settings, hand="left", second=SecondHand("right"))
+    settings = RunSettings(task=TASK, hands=RIGHT_AND_LEFT)
+    swapped = replace(settings, hands=RIGHT_AND_LEFT[::-1])
 
     def places(chosen):
-        session = build(chosen, plan(SceneOptions(task=TASK)).make_device)
+        session = build(chosen, plan(SceneOptions(task=TASK)).makers)
         return [r.reconstructor.surface.to_world(r.reconstructor.surface.size / 2)[0]
                 for r in session.rigs], session  # fmt: skip
 
@@ -124,7 +134,7 @@ def test_two_hands_on_one_large_surface_carry_the_tray():
 def still():
     """A session that nobody plays."""
     chosen = plan(SceneOptions(task=TASK, seed=3, user="idle", second_user="idle"))
-    return build(chosen.settings, chosen.make_device)
+    return build(chosen.settings, chosen.makers)
 
 
 DEGREE = np.deg2rad(1.0)
@@ -202,7 +212,7 @@ def test_a_tray_s_clearance_is_that_of_its_boxes():
 @pytest.mark.parametrize("vary", ["size=0.9,mass=0.7,start=10", "latency=60,noise=1"])
 def test_varied_trials_run(vary):
     chosen = plan(SceneOptions(task=TASK, seed=1, vary=vary))
-    session = build(chosen.settings, chosen.make_device)
+    session = build(chosen.settings, chosen.makers)
     for _ in range(80):
         snapshot = session.advance()
         for rig in session.rigs:
@@ -236,17 +246,17 @@ def test_what_makes_no_second_hand_is_refused():
     ):
         with pytest.raises(InputError, match=what):
             chosen = plan(SceneOptions(**options))
-            build(chosen.settings, chosen.make_device)
+            build(chosen.settings, chosen.makers)
     with pytest.raises(InputError, match="for two hands"):
-        build(RunSettings(task=TASK), plan(SceneOptions()).make_device)
-    two = RunSettings(second=SecondHand())
+        build(RunSettings(task=TASK), plan(SceneOptions()).makers)
+    two = RunSettings(hands=RIGHT_AND_LEFT)
     with pytest.raises(InputError, match="device of its own"):
-        build(two, plan(SceneOptions()).make_device)
+        build(two, plan(SceneOptions()).makers)
 
 
 def test_two_people_with_a_screen_each_share_a_task_for_one_hand():
     chosen = plan(SceneOptions(seed=4, second_device="simulated", second_turn=180))
-    session = build(chosen.settings, chosen.make_device)
+    session = build(chosen.settings, chosen.makers)
     first, second = (rig.reconstructor.surface for rig in session.rigs)
     assert first is second and session.scene.spec.hands[0].name != session.scene.spec.hands[1].name
     assert session.task == draw_task(type(session.task), 4, first)

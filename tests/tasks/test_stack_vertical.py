@@ -172,7 +172,7 @@ def test_the_simulated_user_stacks_with_one_hand_and_replay_shows_it_to_the_bit(
     options = SceneOptions(task="stack-vertical", seed=seed, hand=hand, fingers=fingers)
     planned = plan(options)
     file = tmp_path / "trial.jsonl"
-    result = run_trial(planned.settings, planned.make_device, record=file)
+    result = run_trial(planned.settings, planned.makers, record=file)
     assert result.success, result.reason
     session, verification = replay(load_recording(file))
     assert verification.exact and verification.complete
@@ -182,7 +182,7 @@ def test_the_simulated_user_stacks_with_one_hand_and_replay_shows_it_to_the_bit(
 @pytest.mark.parametrize("user", ["idle", "random"])
 def test_who_does_not_try_does_not_stack(user):
     planned = plan(SceneOptions(task="stack-vertical", seed=1, user=user))
-    session = build(planned.settings, planned.make_device)
+    session = build(planned.settings, planned.makers)
     device = session.rigs[0].device
     for _ in range(400):
         device.show(session.advance())

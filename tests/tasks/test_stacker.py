@@ -22,7 +22,7 @@ USER = UserConfiguration()
 
 def trial(**options) -> dict:
     chosen = plan(SceneOptions(**options))
-    return run_trial(chosen.settings, chosen.make_device, about=chosen.about)
+    return run_trial(chosen.settings, chosen.makers, about=chosen.about)
 
 
 @pytest.mark.parametrize("fingers", [2, 3, 5])

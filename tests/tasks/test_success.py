@@ -89,7 +89,7 @@ class Nonsense(Device):
 @pytest.mark.full
 @pytest.mark.parametrize("impulse", [100.0, 0.5])
 def test_ten_minutes_of_nonsense_neither_diverge_nor_command_an_illegal_pose(impulse):
-    session = build(RunSettings(impulse=impulse), lambda task, surface: Nonsense(surface.size))
+    session = build(RunSettings(impulse=impulse), (lambda task, surface: Nonsense(surface.size),))
     skeleton = session.rigs[0].hand.skeleton
     for _ in range(10 * 60 * 62):
         session.advance()

@@ -91,7 +91,7 @@ def test_a_neutral_variation_gives_the_very_same_trial(seed):
 def test_a_run_with_a_neutral_variation_has_the_hash_of_one_without():
     def run(text):
         chosen = plan(SceneOptions(seed=2, vary=text))
-        session = build(chosen.settings, chosen.make_device)
+        session = build(chosen.settings, chosen.makers)
         for _ in range(40):
             session.advance()
         return session.state_hash, chosen.settings.as_json(), chosen.about
@@ -181,7 +181,7 @@ def test_what_has_one_size_only_is_refused():
 def test_friction_times_k_is_every_sliding_friction_times_k_and_no_other():
     def model(text):
         chosen = plan(SceneOptions(vary=text))
-        return build(chosen.settings, chosen.make_device).scene.model
+        return build(chosen.settings, chosen.makers).scene.model
 
     plain, slippery = model(""), model("friction=0.25")
     assert np.array_equal(slippery.geom_friction[:, 0], 0.25 * plain.geom_friction[:, 0])
@@ -192,7 +192,7 @@ def test_friction_times_k_is_every_sliding_friction_times_k_and_no_other():
 def test_a_box_on_a_slippery_table_slides_at_a_slope_at_which_it_else_stays():
     def slid(friction):
         chosen = plan(SceneOptions(user="idle", seed=1, vary=f"friction={friction}"))
-        session = build(chosen.settings, chosen.make_device)
+        session = build(chosen.settings, chosen.makers)
         # Friction is 0.5 against the table: it holds at a slope of 0.3 and not at 0.3 if halved.
         session.scene.model.opt.gravity[:] = [0.3 * 9.81, 0.0, -9.81]
         start = session.scene.object_pose(session.data, "box")[0]
@@ -291,13 +291,13 @@ def test_a_varied_run_replays_to_the_bit_and_is_marked_in_recording_and_result(t
     text = "size=0.9,mass=2,friction=0.8,start=10,noise=0.5,dropped=1,ghosts=1,latency=30"
     chosen = plan(SceneOptions(seed=6, vary=text + ",hand-size=1.05"))
     path = tmp_path / "varied.jsonl"
-    result = run_trial(chosen.settings, chosen.make_device, record=path, about=chosen.about)
+    result = run_trial(chosen.settings, chosen.makers, record=path, about=chosen.about)
     recording = load_recording(path)
     session, found = replay(recording)
     assert found.exact and found.complete and session.state_hash == result.state_hash
     assert session.task.objects[0].half_size[0] == pytest.approx(0.9 * 0.025)
     again = RunSettings.from_json(recording.header["settings"])
-    assert again == chosen.settings and again.hand_size == 1.05
+    assert again == chosen.settings and again.hands[0].size == 1.05
     assert (
         result.variation
         == again.variation.as_json()

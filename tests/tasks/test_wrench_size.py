@@ -199,7 +199,7 @@ def test_the_simulated_user_does_it_with_another_wrench_and_it_replays_to_the_bi
 ):
     chosen = plan(SceneOptions(task=task, seed=1, vary=f"size={size}", **more))
     path = tmp_path / "varied.jsonl"
-    result = run_trial(chosen.settings, chosen.make_device, record=path, about=chosen.about)
+    result = run_trial(chosen.settings, chosen.makers, record=path, about=chosen.about)
     assert result.success, result.reason
     assert result.variation["size"] == size
     session, found = replay(load_recording(path))

@@ -139,7 +139,7 @@ def test_from_every_seat_the_jaws_are_where_they_are_drawn(yaw, x, y, hand, turn
 
 def play(task: str, seed: int, **options) -> dict:
     chosen = plan(SceneOptions(task=task, seed=seed, **options))
-    return run_trial(chosen.settings, chosen.make_device, about=chosen.about)
+    return run_trial(chosen.settings, chosen.makers, about=chosen.about)
 
 
 @pytest.mark.parametrize("task", TASKS)

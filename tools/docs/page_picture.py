@@ -61,7 +61,7 @@ def play(server: PageServer, tab: Tab) -> bytes:
     """The picture, as PNG."""
     session = build(
         RunSettings(seed=SEED, surface_in=(WIDTH / PPI, HEIGHT / PPI)),
-        lambda task, surface: WebDevice(surface, server.latency),
+        (lambda task, surface: WebDevice(surface, server.latency),),
     )
     device, surface = session.rigs[0].device, session.rigs[0].reconstructor.surface
     assert isinstance(device, WebDevice)

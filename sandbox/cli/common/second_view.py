@@ -62,8 +62,8 @@ def touched_pages(session: Session) -> list[tuple[int | None, WebDevice]]:
 
 
 def in_air(session: Session) -> bool:
-    """Whether its first hand is in the air over a 3-D device, and nobody touches anything."""
-    return isinstance(session.rigs[0].reconstructor, HandReconstructor)
+    """Whether all hands are in the air over 3-D devices, and nobody touches anything."""
+    return all(isinstance(rig.reconstructor, HandReconstructor) for rig in session.rigs)
 
 
 def invite(server: PageServer, page: PageOptions, events: EventLog, console: Console) -> None:

@@ -48,14 +48,20 @@ class PageTouches(Device):
         settings = replace(chosen.settings, **rectangle(screen))
         if surface is not None:
             settings = replace(settings, surface_in=(surface.width_in, surface.height_in))
-        self._session = build(settings, chosen.make_device)
-        device = self._session.rigs[0].device
+        self._session = build(settings, chosen.makers)
+        (rig,) = self._session.rigs
+        device = rig.device
         assert isinstance(device, WebDevice)
         self._session_device = device
-        self.surface = self._session.rigs[0].reconstructor.surface
+        self.surface = rig.reconstructor.surface
         scene = self._session.scene
         message = describe_scene(
-            server.next_scene(), scene, self._session.task, self.surface, settings.hand, "touches"
+            server.next_scene(),
+            scene,
+            self._session.task,
+            self.surface,
+            settings.hands[0].side,
+            "touches",
         )
         server.show_scene(message, scene, self._session_device)
         self._due = 0.0

@@ -10,6 +10,7 @@ from typing import Any
 from rich.console import Console
 
 from models.errors import InputError
+from models.person import HANDS
 from sandbox.cli.common.latency import judge_latency, say_latency
 from sandbox.cli.common.page_options import PageOptions, open_page
 from sandbox.cli.common.second_view import invite, show_session, touched_pages
@@ -23,13 +24,13 @@ from sandbox.server.publishing import publish
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build
+from sandbox.trial.device_makers import with_first
 from sandbox.trial.events import EventLog, NoticeEvents
 from sandbox.trial.headless import looking_devices, trial_header
 from sandbox.trial.keeping import Keeping
 from sandbox.trial.live import LiveSession
 from sandbox.trial.settings import RunSettings
 from sandbox.trial.timing import Timing, timed
-from sandbox.trial.two_hands import with_first
 from tasks.registry import TASKS
 
 TICK = 0.02
@@ -45,37 +46,50 @@ class Wishes:
 
     Attributes:
         task: Name.
-        hand: `right` or `left`.
+        sides: `right` or `left`, of every hand.
         trial: How many trials there were.
         again: A new trial is wanted.
         paused: Time is to stand still.
         seated: How often another page had become the player's when this trial was laid out.
-        second: `right` or `left`, where a second hand has a page of its own; else None.
     """
 
     task: str
-    hand: str
-    second: str | None = None
+    sides: tuple[str, ...]
     trial: int = 0
     again: bool = False
     paused: bool = False
     seated: int = 0
 
-    def hear(self, asks: list[Ask], second: bool = False) -> None:
-        """Takes in what was asked, perhaps on the second hand's page; what makes no sense is passed
-        over."""
+    @classmethod
+    def of(cls, settings: RunSettings) -> Wishes:
+        """The task and the hands of settings."""
+        return cls(settings.task, tuple(hand.side for hand in settings.hands))
+
+    def hear(self, asks: list[Ask], hand: int = 0) -> None:
+        """Takes in what was asked on a hand's page; what makes no sense is passed over."""
         for ask in asks:
             match ask.what:
                 case "retry":
                     self.again = True
                 case "task" if ask.value in TASKS:
                     self.task, self.again = ask.value, True
-                case "hand" if ask.value in ("right", "left") and second:
-                    self.second, self.again = ask.value, True
-                case "hand" if ask.value in ("right", "left"):
-                    self.hand, self.again = ask.value, True
+                case "hand" if ask.value in HANDS:
+                    self.sides = (*self.sides[:hand], ask.value, *self.sides[hand + 1 :])
+                    self.again = True
                 case "pause" | "resume":
                     self.paused = ask.what == "pause"
+
+    def wanted(self, settings: RunSettings) -> RunSettings:
+        """The settings with the wanted task and hands, and the seed of this trial."""
+        hands = tuple(
+            replace(hand, side=side) for hand, side in zip(settings.hands, self.sides, strict=False)
+        )
+        return replace(
+            settings,
+            task=self.task,
+            hands=hands + settings.hands[len(hands) :],
+            seed=settings.seed + self.trial,
+        )
 
 
 @dataclass(frozen=True)
@@ -84,28 +98,19 @@ class PagePlay:
 
     Attributes:
         options: Of the scene.
-        server: Of the page, or of the first hand's.
+        servers: Of the page, or of every hand's page where hands have pages of their own.
         events: Are told of trials.
         console: For words.
-        second: Of the second hand's page, where it has one of its own.
     """
 
     options: SceneOptions
-    server: PageServer
+    servers: tuple[PageServer, ...]
     events: EventLog
     console: Console
-    second: PageServer | None = None
-
-    @property
-    def servers(self) -> tuple[PageServer, ...]:
-        """Of all pages."""
-        return (self.server, self.second) if self.second else (self.server,)
 
     def run(self) -> None:
         """Trials until the program is interrupted."""
-        first = plan(self.options).settings
-        other = first.second.hand if first.second and self.second else None
-        wishes = Wishes(first.task, first.hand, other)
+        wishes = Wishes.of(plan(self.options).settings)
         self._wait_for_players()
         while True:
             self._trial(wishes)
@@ -129,8 +134,8 @@ class PagePlay:
 
     def _hear(self, wishes: Wishes) -> None:
         """What the page wants; on the screen of somebody else, a trial is laid out anew."""
-        for server in self.servers:
-            wishes.hear(server.asked(), server is self.second)
+        for hand, server in enumerate(self.servers):
+            wishes.hear(server.asked(), hand)
         if self._seated != wishes.seated:
             wishes.again, wishes.paused = True, False
 
@@ -147,12 +152,13 @@ class PagePlay:
             numbered(record, wishes.trial) if record else None,
             self.options.dump,
         )
-        timing = Timing(self.server.latency)
+        latency = self.servers[0].latency
+        timing = Timing(latency)
         try:
-            make = chosen.make_device
+            makers = chosen.makers
             if chosen.live:
-                make = with_first(make, lambda maker: timed(maker, timing))
-            session = build(chosen.settings, make, keeping.recorder)
+                makers = with_first(makers, lambda maker: timed(maker, timing))
+            session = build(chosen.settings, makers, keeping.recorder)
         except InputError as error:
             keeping.close()
             self._refuse(error, chosen.settings)
@@ -180,7 +186,7 @@ class PagePlay:
                 time.sleep(TICK)
         finally:
             live.stop()
-            result = keeping.end(session, latency=self.server.latency.as_json())
+            result = keeping.end(session, latency=latency.as_json())
             keeping.close()
             session.close()
             # Told here, since most sessions on the page end by being interrupted.
@@ -193,28 +199,19 @@ class PagePlay:
 
     def _chosen(self, wishes: Wishes) -> Plan:
         chosen = plan(replace(self.options, record=None))
-        settings = replace(
-            chosen.settings,
-            task=wishes.task,
-            hand=wishes.hand,
-            seed=chosen.settings.seed + wishes.trial,
-        )
-        second = settings.second
-        if second and wishes.second:
-            second = replace(second, hand=wishes.second)
-            settings = replace(settings, second=second)
+        settings = wishes.wanted(chosen.settings)
         screens = [server.screen for server in self.servers if server.screen]
         if "web" in (self.options.device, self.options.second_device) and screens:
-            hands = 2 if second and second.shared else 1
+            hands = len(settings.hands) if settings.one_surface else 1
             settings = replace(settings, **common([rectangle(s, hands) for s in screens]))
         return replace(chosen, settings=settings)
 
     def _show(self, session: Session, chosen: Plan) -> None:
         caption = "simulated user" if chosen.about.get("user") else ""
-        persons, touched = chosen.settings.persons, touched_pages(session)
+        hands, touched = chosen.settings.hands, touched_pages(session)
         for k, server in enumerate(self.servers):
             own, device = touched[k] if k < len(touched) else (None, None)
-            show_session(server, session, persons[own or 0].hand, caption, device, own)
+            show_session(server, session, hands[own or 0].side, caption, device, own)
         self.events.tell("trial_start", task=session.task.name, seed=session.task.seed)
 
     def _on_step(self, session: Session, timing: Timing) -> Any:
@@ -249,7 +246,7 @@ def play_on_page(
     Returns 1 where that was longer than `limit`, ms (see `judge_latency`); None sets none.
     """
     hands = [options.device, options.second_device].count("web")
-    sides = [person.hand for person in plan(options).settings.persons]
+    sides = [hand.side for hand in plan(options).settings.hands]
     names = sides if len(set(sides)) == len(sides) else ["first", "second"]
     events, servers = EventLog(options.events), [open_page(page, touch=hands > 0)]
     try:
@@ -261,8 +258,7 @@ def play_on_page(
             if hands == 2:
                 console.print(f"for the {whose} hand:")
             invite(server, page, events, console)
-        second = servers[1] if hands == 2 else None
-        PagePlay(options, servers[0], events, console, second).run()
+        PagePlay(options, tuple(servers), events, console).run()
     except KeyboardInterrupt:
         console.print("stopped")
     finally:

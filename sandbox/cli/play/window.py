@@ -33,14 +33,14 @@ from sandbox.session.device import Device
 from sandbox.session.latency import LatencyLog
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
-from sandbox.trial.assembly import DeviceMaker, build
+from sandbox.trial.assembly import build
+from sandbox.trial.device_makers import DeviceMaker, DeviceMakers, with_first
 from sandbox.trial.events import EventLog, NoticeEvents
 from sandbox.trial.headless import looking_devices, trial_header
 from sandbox.trial.keeping import Keeping
 from sandbox.trial.lift import with_lift
 from sandbox.trial.live import LiveSession
 from sandbox.trial.timing import Timing, timed
-from sandbox.trial.two_hands import with_first
 from sandbox.views.window.window import SIZE, Window
 from tasks.score import Status
 from tasks.task import Task
@@ -117,22 +117,22 @@ class WindowPlay:
     def run(self) -> None:
         """Trials until the window is closed."""
         first = plan(replace(self.options, record=None)).settings
-        wishes = Wishes(first.task, first.hand)
-        done = wishes.task, wishes.hand
+        wishes = Wishes.of(first)
+        done = wishes.task, wishes.sides
         try:
             while True:
                 try:
                     go_on = self._trial(wishes)
                 except InputError as error:
-                    if self.window is None or (wishes.task, wishes.hand) == done:
+                    if self.window is None or (wishes.task, wishes.sides) == done:
                         raise
                     # What the page asked for cannot be had: said there, and on with what can.
                     self._tell(str(error))
-                    wishes.task, wishes.hand = done
+                    wishes.task, wishes.sides = done
                     continue
                 if not go_on:
                     return
-                done = wishes.task, wishes.hand
+                done = wishes.task, wishes.sides
                 wishes.trial += 1
                 wishes.again = wishes.paused = False
         finally:
@@ -148,7 +148,7 @@ class WindowPlay:
         keeping = Keeping(trial_header(chosen.settings, chosen.about), kept, self.options.dump)
         timing = Timing(self.latency)
         try:
-            session = build(chosen.settings, self._device_maker(chosen, timing), keeping.recorder)
+            session = build(chosen.settings, self._device_makers(chosen, timing), keeping.recorder)
         except InputError:
             keeping.close()
             raise
@@ -222,14 +222,11 @@ class WindowPlay:
 
     def _chosen(self, wishes: Wishes) -> Plan:
         chosen = plan(replace(self.options, record=None))
-        settings = chosen.settings
-        if (wishes.task, wishes.hand) != (settings.task, settings.hand):
-            settings = replace(settings, task=wishes.task, hand=wishes.hand)
-        return replace(chosen, settings=replace(settings, seed=settings.seed + wishes.trial))
+        return replace(chosen, settings=wishes.wanted(chosen.settings))
 
-    def _device_maker(self, chosen: Plan, timing: Timing) -> DeviceMaker:
-        """Opens the device, with the page's fingers beside it and a clock around both."""
-        make_one = with_lift(chosen.make_device, keys=True)
+    def _device_makers(self, chosen: Plan, timing: Timing) -> DeviceMakers:
+        """Open the devices; the first with the page's fingers beside it and a clock around both."""
+        makers = with_lift(chosen.makers, keys=True)
 
         def beside_page(maker: DeviceMaker) -> DeviceMaker:
             def make_both(task: Task, surface: Surface) -> Device:
@@ -237,19 +234,20 @@ class WindowPlay:
 
             return make_both
 
-        make = with_first(make_one, beside_page) if self.share else make_one
+        if self.share:
+            makers = with_first(makers, beside_page)
         # Spoiled frames carry the session's time, in which nothing can be late.
         # Nobody knows what a Leap's clock has to do with this machine's.
         spoils = chosen.settings.variation.spoils
-        measured = chosen.live and not spoils and chosen.settings.in_air is None
+        measured = chosen.live and not spoils and not chosen.settings.in_air
         if measured:
-            make = with_first(make, lambda maker: timed(maker, timing))
-        return with_first(make, _from_first_touch) if self._waits(chosen) else make
+            makers = with_first(makers, lambda maker: timed(maker, timing))
+        return with_first(makers, _from_first_touch) if self._waits(chosen) else makers
 
     def _waits(self, chosen: Plan) -> bool:
         """Whether time begins with the first touch: a person plays, with their fingers."""
         of_person = self.options.device != "simulated" and not Path(self.options.device).is_file()
-        return chosen.live and of_person and chosen.settings.in_air is None
+        return chosen.live and of_person and not chosen.settings.in_air
 
     def _open_window(self, session: Session, chosen: Plan) -> Window:
         surface = session.whole_surface
@@ -273,8 +271,8 @@ class WindowPlay:
             # A page that is the second hand's, or one that plays along with the mouse.
             beside = session.rigs[0].device.find(WebDevice)
             own, web = next(iter(touched_pages(session)), (0, beside))
-            person = chosen.settings.persons[own or 0]
-            show_session(self.server, session, person.hand, caption, web, own)
+            side = chosen.settings.hands[own or 0].side
+            show_session(self.server, session, side, caption, web, own)
 
     def _on_step(self, session: Session, timing: Timing) -> Any:
         notices = NoticeEvents(

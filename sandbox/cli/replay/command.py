@@ -159,7 +159,7 @@ def _show(
     if options.view == "window":
         show_in_window(session, snapshots, options.speed, caption)
     else:
-        hand = str(recording.header["settings"].get("hand", "right"))
+        hand = str(recording.header["settings"]["hands"][0]["side"])
         show_on_page(session, snapshots, options.speed, caption, hand, options.page, console)
 
 

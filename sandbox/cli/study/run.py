@@ -126,7 +126,7 @@ def _play(
     from sandbox.study.run.forms import TerminalForms
     from sandbox.study.run.hand_calibration import hand_measurer
     from sandbox.study.run.page_forms import PageForms
-    from sandbox.study.run.run_device import fitting, person_device
+    from sandbox.study.run.run_device import fitting, person_devices
     from sandbox.study.run.runner import SessionRunner
 
     person, name = session.person, options.touches
@@ -142,7 +142,7 @@ def _play(
     simulated = options.device == "simulated"
     calibrate = _average if simulated else hand_measurer(forms, person, leap, say)
     runner = SessionRunner(
-        session, player, person_device(touch, person, page, leap), forms, controls, say,
+        session, player, person_devices(touch, person, page, leap), forms, controls, say,
         name, fitting(name, page), calibrate,
     )  # fmt: skip
     try:

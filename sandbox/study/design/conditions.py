@@ -64,7 +64,8 @@ def run_settings(
     device = "leap-simulated" if given.pop("device", "touch") == "leap" else "simulated"
     options = SceneOptions(seed=seed, hand=_hand(hand), device=device, **given)
     settings = plan(options).settings
-    return replace(settings, hand_size=settings.hand_size * hand_size)
+    hands = tuple(replace(hand, size=hand.size * hand_size) for hand in settings.hands)
+    return replace(settings, hands=hands)
 
 
 def _hand(hand: str) -> Any:

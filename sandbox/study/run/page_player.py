@@ -50,7 +50,7 @@ class PagePlayer:
         keeping = Keeping(trial_header(ask.settings, ask.about), ask.record)
         trial = Trial(ask)
         try:
-            session = build(ask.settings, ask.make_device, keeping.recorder)
+            session = build(ask.settings, ask.makers, keeping.recorder)
             device = self._page.device
             news = device.news if device else None
             live = LiveSession(session, self._on_step(session, trial), news=news)
@@ -85,9 +85,9 @@ class PagePlayer:
 
     def _show(self, session: Session, ask: Ask) -> None:
         server, scene = self._page.server, session.scene
-        surface = session.rigs[0].reconstructor.surface
-        told = describe_scene(server.next_scene(), scene, session.task, surface, ask.settings.hand,
-                              "")  # fmt: skip
+        surface = session.whole_surface
+        side = ask.settings.hands[0].side
+        told = describe_scene(server.next_scene(), scene, session.task, surface, side, "")
         showing, name = self._showing, ask.settings.task
         goal = showing.goals.get(name, {}).get(self._language, told.goal)
         title = showing.names.get(name, {}).get(self._language, _words(told.task))

@@ -14,7 +14,8 @@ from models.errors import DivergenceError
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.study.tables.frames import FrameTable
-from sandbox.trial.assembly import DeviceMaker, build
+from sandbox.trial.assembly import build
+from sandbox.trial.device_makers import DeviceMakers
 from sandbox.trial.headless import no_search_for_garbage, trial_header
 from sandbox.trial.keeping import Keeping
 from sandbox.trial.live import LiveSession
@@ -36,7 +37,7 @@ class Ask:
 
     Attributes:
         settings: How it goes.
-        make_device: Where touches come from.
+        makers: Open the devices, one for every hand.
         record: Where its recording goes.
         about: For the recording's header.
         time_limit: s, of the study.
@@ -45,7 +46,7 @@ class Ask:
     """
 
     settings: RunSettings
-    make_device: DeviceMaker
+    makers: DeviceMakers
     record: Path
     about: dict[str, Any]
     time_limit: float
@@ -92,7 +93,7 @@ class HeadlessPlayer:
         keeping = Keeping(trial_header(ask.settings, ask.about), ask.record)
         trial = Trial(ask)
         try:
-            session = build(ask.settings, ask.make_device, keeping.recorder)
+            session = build(ask.settings, ask.makers, keeping.recorder)
             try:
                 clock = RealTime()
                 with threadpool_limits(1), no_search_for_garbage():
@@ -137,12 +138,11 @@ class WindowPlayer:
         keeping = Keeping(trial_header(ask.settings, ask.about), ask.record)
         trial = Trial(ask)
         try:
-            session = build(ask.settings, ask.make_device, keeping.recorder)
+            session = build(ask.settings, ask.makers, keeping.recorder)
             self.close()
-            surface = session.rigs[0].reconstructor.surface
-            self._window = Window(session.scene, surface, title=session.task.name,
+            self._window = Window(session.scene, session.whole_surface, title=session.task.name,
                                   caption=self.caption,
-                                  in_air=ask.settings.in_air is not None)  # fmt: skip
+                                  in_air=ask.settings.in_air)  # fmt: skip
             device = session.rigs[0].device
             self._window.attach(device)
             live = LiveSession(

@@ -16,10 +16,10 @@ from sandbox.session.device import Device
 from sandbox.study.design.plan import TrialStep
 from sandbox.study.record.folder import Participant
 from sandbox.study.run.page_player import page_device, page_settings
-from sandbox.study.run.runner import MakeDevice
-from sandbox.study.run.simulate import simulated_device
+from sandbox.study.run.runner import OpenDevices
+from sandbox.study.run.simulate import simulated_devices
 from sandbox.study.run.study_page import StudyPage
-from sandbox.trial.assembly import DeviceMaker
+from sandbox.trial.device_makers import DeviceMakers
 from sandbox.trial.lift import with_lift
 from sandbox.trial.settings import RunSettings
 from tasks.task import Task
@@ -28,13 +28,13 @@ SLACK = 0.02
 """Share by which a design's surface may differ from the touch screen's own."""
 
 
-def person_device(
+def person_devices(
     options: TouchOptions,
     person: Participant,
     page: StudyPage | None = None,
     leap: str = DEFAULT_ADDRESS,
-) -> MakeDevice:
-    """How the device of every trial is opened.
+) -> OpenDevices:
+    """How the devices of every trial are opened.
 
     Args:
         options: Device `mouse`, `web`, `tuio`, `evdev`, `evdev:NODE` or `simulated`.
@@ -44,12 +44,12 @@ def person_device(
     """
     name = options.device
     if name == "simulated":
-        return simulated_device(person)
+        return simulated_devices(person)
 
-    def of_trial(trial: TrialStep, settings: RunSettings) -> DeviceMaker:
+    def of_trial(trial: TrialStep, settings: RunSettings) -> DeviceMakers:
         def make(task: Task, surface: Surface) -> Device:
             device: Device
-            if settings.in_air is not None:
+            if settings.in_air:
                 # What the design says counts: this trial is played over a Leap, and begins with the
                 # scene, not with a touch of the page.
                 if page is not None:
@@ -60,7 +60,7 @@ def person_device(
             elif name == "mouse":
                 from sandbox.devices.mouse import MouseDevice
 
-                device = MouseDevice(surface, settings.person)
+                device = MouseDevice(surface, settings.hands[0].person)
             else:
                 maker = live_maker(options)
                 assert maker is not None, name
@@ -69,7 +69,7 @@ def person_device(
                 return SpoiledDevice(device, settings.variation, surface, trial.seed)
             return device
 
-        return with_lift(make, keys=name == "mouse")
+        return with_lift((make,), keys=name == "mouse")
 
     return of_trial
 
@@ -85,7 +85,7 @@ def fitting(
 
     def fit(trial: TrialStep, settings: RunSettings, ready: Callable[[], None]) -> RunSettings:
         designed = "surface" in trial.values
-        if settings.in_air is not None:
+        if settings.in_air:
             return settings
         if page is not None and name == "web":
             page.await_somebody(ready)

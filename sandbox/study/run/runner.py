@@ -28,12 +28,12 @@ from sandbox.study.run.forms import Forms, Ready
 from sandbox.study.run.players import TICK, Ask, Played, Player
 from sandbox.study.tables.frames import missing, rebuild
 from sandbox.study.tables.tables import rebuild_session, rebuild_study
-from sandbox.trial.assembly import DeviceMaker
+from sandbox.trial.device_makers import DeviceMakers
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import RunSettings
 
-MakeDevice = Callable[[TrialStep, RunSettings], DeviceMaker]
-"""How the device of a trial is opened."""
+OpenDevices = Callable[[TrialStep, RunSettings], DeviceMakers]
+"""How the devices of a trial are opened, one for every hand."""
 Fit = Callable[[TrialStep, RunSettings, Ready], RunSettings]
 """How a trial's settings are fitted to what the participant touches; may wait for it."""
 Calibrate = Callable[[Ready], dict[str, Any] | None]
@@ -59,7 +59,7 @@ class SessionRunner:
     Attributes:
         session: Opened.
         player: Plays the trials.
-        make_device: See `MakeDevice`.
+        open_devices: See `OpenDevices`.
         forms: Asks the participant.
         controls: Of the experimenter.
         say: Tells the experimenter something.
@@ -70,7 +70,7 @@ class SessionRunner:
 
     session: SessionFolder
     player: Player
-    make_device: MakeDevice
+    open_devices: OpenDevices
     forms: Forms
     controls: Controls
     say: Callable[[str], object]
@@ -154,9 +154,7 @@ class SessionRunner:
     def _trial(self, trial: TrialStep) -> None:
         session, person = self.session, self.session.person
         settings = run_settings(trial.values, trial.seed, person.hand, person.hand_size)
-        if settings.in_air is not None and session.state.calibration is not None:
-            measured = replace(settings.in_air, calibration=session.state.calibration)
-            settings = replace(settings, in_air=measured)
+        settings = _calibrated(settings, person.hand, session.state.calibration)
         try:
             settings = self.fit(trial, settings, self._ready)
         except _StepOver:
@@ -178,7 +176,7 @@ class SessionRunner:
         }  # fmt: skip
         try:
             played = self.player.play(
-                Ask(settings, self.make_device(trial, settings), record, about,
+                Ask(settings, self.open_devices(trial, settings), record, about,
                     session.study.design.time_limit, self._watch, lambda: self.controls.paused)
             )  # fmt: skip
         except InputError as error:
@@ -303,6 +301,21 @@ class SessionRunner:
     def _under_way(self, trial: TrialStep) -> bool:
         attempt = self.session.state.attempts[trial.number][-1]
         return attempt.end is None and self.session.journal.records[-1]["kind"] != "trial_broken"
+
+
+def _calibrated(
+    settings: RunSettings, side: str, calibration: dict[str, Any] | None
+) -> RunSettings:
+    """The settings with what was measured of the participant's hand, where it is in the air."""
+    if calibration is None:
+        return settings
+    hands = tuple(
+        replace(hand, in_air=replace(hand.in_air, calibration=calibration))
+        if hand.in_air is not None and hand.side == side
+        else hand
+        for hand in settings.hands
+    )
+    return replace(settings, hands=hands)
 
 
 def _told(result: TrialResult) -> str:

@@ -11,8 +11,9 @@ import numpy as np
 from models.errors import StudyError
 from models.surface import Surface
 from sandbox.devices.simulated.leap_user import SimulatedLeap
-from sandbox.devices.simulated.simulated import SimulatedDevice
+from sandbox.devices.simulated.simulated import NEXT_PERSON, SimulatedDevice
 from sandbox.devices.wrappers.spoiled import SpoiledDevice
+from sandbox.options.leap_devices import over_one
 from sandbox.session.device import Device
 from sandbox.study.design.design import Design
 from sandbox.study.design.plan import TrialStep
@@ -21,10 +22,11 @@ from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.run.controls import Controls
 from sandbox.study.run.forms import SimulatedForms
 from sandbox.study.run.players import HeadlessPlayer
-from sandbox.study.run.runner import Outcome, SessionRunner
+from sandbox.study.run.runner import OpenDevices, Outcome, SessionRunner
 from sandbox.study.tables.tables import rebuild_study
-from sandbox.trial.assembly import DeviceMaker
+from sandbox.trial.device_makers import DeviceMaker, DeviceMakers
 from sandbox.trial.settings import RunSettings
+from sandbox.trial.surfaces import home
 from tasks.task import Task
 from tasks.user import UserConfiguration
 
@@ -72,28 +74,50 @@ def simulated_person(design: Design, number: int) -> dict[str, Any]:
     }
 
 
-def simulated_device(person: Participant) -> Callable[[TrialStep, RunSettings], DeviceMaker]:
-    """Opens the device that a simulated participant touches."""
+def simulated_devices(person: Participant) -> OpenDevices:
+    """Opens the devices of a simulated participant, whose hands are of equal skill."""
     values = {k: v for k, v in (person.user or {}).items() if k != "skill"}
     user = UserConfiguration(**{**values, "reaction": tuple(values["reaction"])})
 
-    def of_trial(trial: TrialStep, settings: RunSettings) -> DeviceMaker:
-        def make(task: Task, surface: Surface) -> Device:
-            # Another stream than the task's own: equal starts are met with other luck.
-            # A later session is another day.
-            seed = trial.seed ^ (person.number + 1) ^ ((trial.session - 1) << DAYS)
-            tell = settings.labels == "device"
-            if settings.in_air is not None:
-                place, whose = settings.in_air.at, settings.person
-                return cast(Device, SimulatedLeap(task, user, seed, place, person=whose))
-            device = SimulatedDevice(task, user, surface, seed, tell, person=settings.person)
-            if settings.variation.spoils:
-                return SpoiledDevice(device, settings.variation, surface, seed)
-            return device
-
-        return make
+    def of_trial(trial: TrialStep, settings: RunSettings) -> DeviceMakers:
+        # Another stream than the task's own: equal starts are met with other luck.
+        # A later session is another day.
+        seed = trial.seed ^ (person.number + 1) ^ ((trial.session - 1) << DAYS)
+        makers = tuple(
+            simulated_hand(user, settings, hand, seed) for hand in range(len(settings.hands))
+        )
+        both_in_air = len(makers) > 1 and settings.in_air
+        return over_one(makers, makers[0], settings) if both_in_air else makers
 
     return of_trial
+
+
+def simulated_hand(
+    user: UserConfiguration, settings: RunSettings, hand: int, seed: int
+) -> DeviceMaker:
+    """Opens the device of one simulated hand.
+
+    Args:
+        user: Moves it.
+        settings: Of the trial.
+        hand: Index of the hand.
+        seed: Of the user's chance, the same for all hands of a trial.
+    """
+    whose = settings.hands[hand]
+
+    def make(task: Task, surface: Surface) -> Device:
+        if whose.in_air is not None:
+            leap = SimulatedLeap(task, user, seed, whose.in_air.at, person=whose.person, hand=hand)
+            return cast(Device, leap)
+        device = SimulatedDevice(
+            task, user, surface, seed, settings.labels == "device",
+            person=whose.person, hand=hand, home=home(hand, settings, surface),
+        )  # fmt: skip
+        if settings.variation.spoils:
+            return SpoiledDevice(device, settings.variation, surface, seed + hand * NEXT_PERSON)
+        return device
+
+    return make
 
 
 def run_simulated(
@@ -105,7 +129,7 @@ def run_simulated(
     for n in range(1, study.design.sessions + 1):
         with SessionFolder(study, person, n) as session:
             forms = SimulatedForms((study.design.seed % 2**31 + number) ^ ((n - 1) << DAYS))
-            outcome = SessionRunner(session, HeadlessPlayer(), simulated_device(person), forms,
+            outcome = SessionRunner(session, HeadlessPlayer(), simulated_devices(person), forms,
                                     controls or Controls(say), say).run()  # fmt: skip
         if outcome is not Outcome.COMPLETE:
             break

@@ -27,7 +27,7 @@ from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT
 from models.surface import Surface
 from sandbox.trial.assembly import build
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import HandSettings, RunSettings
 from tasks.simulated_user.spreads import _SPREADS, spread_layout
 from tests.support.simulation import legal_poses, put
 
@@ -50,8 +50,8 @@ def turned(xy: np.ndarray, angle: float) -> np.ndarray:
 def reconstructed(size: float, touched: float):
     """What the default settings make of touches `touched` times as far apart, on such a screen."""
     screen = (7.76 * touched, 5.82 * touched)
-    settings = RunSettings(hand_size=size, surface_in=screen)
-    reconstructor = build(settings, lambda task, surface: None).rigs[0].reconstructor
+    settings = RunSettings(hands=(HandSettings(size=size),), surface_in=screen)
+    reconstructor = build(settings, (lambda task, surface: None,)).rigs[0].reconstructor
     found = []
     for now in np.arange(110) * 0.016:
         xy = touched * (GRASP + np.array([0.09 + 0.01 * np.sin(2 * now), 0.075]))
@@ -85,7 +85,7 @@ def test_fingertips_of_a_hand_of_any_size_are_on_the_real_touches(size):
 def test_a_hand_of_size_one_is_the_trained_one_itself():
     assert Person().skeleton(ADULT) is ADULT
     plain = RunSettings()
-    made = build(plain, lambda task, surface: None)
+    made = build(plain, (lambda task, surface: None,))
     assert made.scene.spec.hands[0].skeleton is ADULT
 
 
@@ -273,8 +273,8 @@ def test_touches_scaled_to_the_trained_hand_bring_the_wrist_nearer(size):
 
 def test_a_surface_of_another_size_changes_nothing_but_its_middle():
     # The wrapper's surface is in the trained hand's metres; what leaves it is in real ones.
-    settings = replace(RunSettings(hand_size=0.9), surface_in=(9.0, 7.0))
-    session = build(settings, lambda task, surface: None)
+    settings = replace(RunSettings(hands=(HandSettings(size=0.9),)), surface_in=(9.0, 7.0))
+    session = build(settings, (lambda task, surface: None,))
     reconstructor = session.rigs[0].reconstructor
     assert reconstructor.surface.size == pytest.approx(Surface(9.0, 7.0).size)
     tips = Kinematics(session.rigs[0].hand.skeleton).tips(reconstructor.commanded)

@@ -24,7 +24,7 @@ from sandbox.session.device import Device
 from sandbox.session.messages import Snapshot
 from sandbox.trial.assembly import build
 from sandbox.trial.headless import run_trial
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import HandSettings, RunSettings
 from tasks.simulated_user.spreads import spread_layout
 
 
@@ -183,7 +183,7 @@ class Resting(Device):
 
 
 def notices_of(settings: RunSettings, turn: float) -> list[str]:
-    session = build(settings, lambda task, surface: Resting(surface, turn))
+    session = build(settings, (lambda task, surface: Resting(surface, turn),))
     return [about_turning(session.advance()) for _ in range(150)]
 
 
@@ -195,7 +195,7 @@ def about_turning(snapshot: Snapshot) -> str:
 def test_a_person_at_the_far_side_of_the_screen_is_told_of_it_unless_the_seat_is_set():
     far = notices_of(RunSettings(), np.pi)
     assert far[-1] and len(set(far) - {""}) == 1
-    assert not any(notices_of(RunSettings(turn=180), np.pi))
+    assert not any(notices_of(RunSettings(hands=(HandSettings(turn=180),)), np.pi))
     assert not any(notices_of(RunSettings(), 0.0))
 
 
@@ -214,7 +214,9 @@ def test_a_left_hand_is_judged_in_its_mirror():
             )
 
     def last(turn: float) -> str:
-        session = build(RunSettings(hand="left"), lambda task, surface: Left(surface, turn))
+        session = build(
+            RunSettings(hands=(HandSettings("left"),)), (lambda task, surface: Left(surface, turn),)
+        )
         return [about_turning(session.advance()) for _ in range(150)][-1]
 
     assert last(np.pi) and not last(0.0)
@@ -223,7 +225,7 @@ def test_a_left_hand_is_judged_in_its_mirror():
 def test_the_warning_changes_no_state_of_the_simulation():
     hashes = []
     for watched_too in (True, False):
-        session = build(RunSettings(), lambda task, surface: Resting(surface, np.pi))
+        session = build(RunSettings(), (lambda task, surface: Resting(surface, np.pi),))
         if not watched_too:
             session.rigs[0].yaw = None
         for _ in range(100):
@@ -234,7 +236,7 @@ def test_the_warning_changes_no_state_of_the_simulation():
 
 def test_the_events_of_a_run_hold_one_warning(tmp_path):
     recorded, events = tmp_path / "far.jsonl", tmp_path / "events.jsonl"
-    run_trial(RunSettings(), lambda task, surface: Resting(surface, np.pi), record=recorded)
+    run_trial(RunSettings(), (lambda task, surface: Resting(surface, np.pi),), record=recorded)
     assert run.main(["--device", str(recorded), "--events", str(events)]) == 0
     told = [json.loads(line) for line in events.read_text().splitlines()]
     warnings = [e for e in told if e["event"] == "warning"]

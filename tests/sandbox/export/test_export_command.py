@@ -55,7 +55,7 @@ def session(tmp_path_factory):
         return [*(view.show for view in open_views), collect]
 
     run_trial(
-        chosen.settings, chosen.make_device, views, record=folder / "run.jsonl", about=chosen.about
+        chosen.settings, chosen.makers, views, record=folder / "run.jsonl", about=chosen.about
     )
     for view in open_views:
         view.__exit__(None, None, None)
@@ -67,7 +67,7 @@ def two_hands(tmp_path_factory):
     """A recording of two hands whose poses are known, and the poses."""
     path = tmp_path_factory.mktemp("two") / "two.jsonl"
     settings = plan(SceneOptions(task="carry-together", seed=1)).settings.as_json()
-    settings["second"] = {"hand": "left", "hand_size": 1.0, "turn": 0, "shared": False}
+    assert [hand["side"] for hand in settings["hands"]] == ["right", "left"]
     q = [moving(ADULT, 200, seed, rate=62.5) for seed in (1, 2)]
     writer = RecordingWriter(path, {"settings": settings})
     for i in range(200):
@@ -144,7 +144,7 @@ def test_two_hands_go_into_two_files_or_one(two_hands, tmp_path):
 
 def test_hands_come_before_objects_in_a_scene():
     chosen = plan(SceneOptions(seed=0))
-    scene = build(chosen.settings, chosen.make_device).scene
+    scene = build(chosen.settings, chosen.makers).scene
     assert scene.qpos_slice(0) == slice(0, HAND_JOINTS)
 
 
@@ -257,7 +257,7 @@ def test_a_session_that_is_stopped_keeps_its_motion_and_a_broken_one_leaves_none
     chosen = plan(SceneOptions(seed=3))
     for error, kept in ((KeyboardInterrupt, True), (ValueError, False)):
         path = tmp_path / f"{error.__name__}.bvh"
-        session = build(chosen.settings, chosen.make_device)
+        session = build(chosen.settings, chosen.makers)
         with pytest.raises(error), MotionView(path, session) as view:
             for _ in range(20):
                 view.show(session.advance())

@@ -67,7 +67,7 @@ def heard(
         chosen = plan(SCENE)
         with listened_to(outlets):
             tell("break", {"least_s": 3})
-            run_trial(chosen.settings, chosen.make_device, record=folder / "trial.jsonl")
+            run_trial(chosen.settings, chosen.makers, record=folder / "trial.jsonl")
         assert reader.wait(60.0) == 0
     finally:
         reader.kill()
@@ -137,7 +137,7 @@ def test_a_stream_says_what_its_channels_are(heard: Heard) -> None:
 
 def test_listening_changes_no_state_of_a_trial(heard: Heard, tmp_path: Path) -> None:
     chosen = plan(SCENE)
-    result = run_trial(chosen.settings, chosen.make_device)
+    result = run_trial(chosen.settings, chosen.makers)
     assert heard[1].end is not None and heard[1].end["hash"] == result.state_hash
 
 

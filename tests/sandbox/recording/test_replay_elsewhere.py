@@ -28,7 +28,7 @@ def recorded(tmp_path_factory):
     seen = {}
     result = run_trial(
         chosen.settings,
-        chosen.make_device,
+        chosen.makers,
         lambda session: [lambda snapshot: seen.__setitem__(snapshot.step, snapshot)],
         record=path,
         about=chosen.about,

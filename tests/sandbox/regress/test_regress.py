@@ -78,7 +78,7 @@ def test_trials_in_processes_are_those_in_series_to_the_bit():
 
 def test_a_trial_is_that_of_the_run_command_to_the_bit():
     chosen = plan(SceneOptions(task="box-to-goal", seed=4, fingers=5))
-    alone = run_trial(chosen.settings, chosen.make_device, about=chosen.about)
+    alone = run_trial(chosen.settings, chosen.makers, about=chosen.about)
     trial = run_job(TrialJob("box-to-goal", 4, {"fingers": 5}))
     fingerprint = trial.pop("fingerprint")
     assert trial == {name: alone.as_json()[name] for name in trial}

@@ -52,7 +52,7 @@ def staged(server: PageServer, **settings: object) -> Stage:
     values = {"surface_in": (WIDTH / PPI, HEIGHT / PPI), **settings}
     session = build(
         RunSettings(**values),  # type: ignore[arg-type]
-        lambda task, surface: WebDevice(surface, server.latency),
+        (lambda task, surface: WebDevice(surface, server.latency),),
     )
     device = session.rigs[0].device
     assert isinstance(device, WebDevice)

@@ -29,7 +29,7 @@ def words(task: str, width: float, height: float) -> str:
     """What is told about a task that has no room on a surface."""
     settings = RunSettings(task=task, surface_in=(width, height))
     with pytest.raises(InputError) as refused:
-        build(settings, lambda task, surface: WebDevice(surface))
+        build(settings, (lambda task, surface: WebDevice(surface),))
     return in_plain_words(refused.value, settings)
 
 
@@ -57,7 +57,7 @@ def test_a_screen_that_stands_is_told_to_be_turned_where_that_helps() -> None:
 @pytest.fixture
 def server() -> Iterator[PageServer]:
     server = open_page(PageOptions())
-    play = PagePlay(SceneOptions(device="web"), server, EventLog(None), Console(quiet=True))
+    play = PagePlay(SceneOptions(device="web"), (server,), EventLog(None), Console(quiet=True))
     with played(play, server):
         yield server
     server.close()

@@ -67,7 +67,7 @@ def server() -> Iterator[PageServer]:
 
 def opened(server: PageServer) -> Stage:
     """A stage with its first scene."""
-    session = build(RunSettings(), lambda task, surface: WebDevice(surface, server.latency))
+    session = build(RunSettings(), (lambda task, surface: WebDevice(surface, server.latency),))
     device = session.rigs[0].device
     assert isinstance(device, WebDevice)
     stage = Stage(server, session, device)

@@ -64,7 +64,7 @@ def carried(
     """
     chosen = plan(SceneOptions(task=TASK, seed=SEED, device="web", one_surface=True))
     settings = replace(chosen.settings, **rectangle(SCREEN, 2))
-    session = build(settings, chosen.make_device)
+    session = build(settings, chosen.makers)
     ((whose, device),) = touched_pages(session)
     assert whose is None
     show_session(server, session, "right", "", device)
@@ -98,7 +98,7 @@ def carried(
 def _users(task: Any, surface: Any) -> Any:
     """Both users, as one device that touches the whole surface."""
     options = SceneOptions(task=TASK, seed=SEED, one_surface=True, surface=f"{SIZE[0]}x{SIZE[1]}in")
-    first = plan(options).make_device.makers[0](task, surface)  # type: ignore[attr-defined]
+    first = plan(options).makers[0](task, surface)
     return first._surface.device
 
 

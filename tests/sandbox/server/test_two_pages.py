@@ -19,8 +19,8 @@ from sandbox.server.protocol.protocol import Screen, Touches
 from sandbox.server.protocol.rectangle import common, rectangle
 from sandbox.server.publishing import publish
 from sandbox.trial.assembly import build
+from sandbox.trial.device_makers import with_first
 from sandbox.trial.events import EventLog
-from sandbox.trial.two_hands import with_first
 from tests.sandbox.server.played_page import played
 from tests.sandbox.server.test_page_server import wait_for
 from tests.support.page_client import SCREEN, Page
@@ -41,7 +41,7 @@ def servers() -> Iterator[tuple[PageServer, PageServer]]:
 @pytest.fixture
 def playing(servers: tuple[PageServer, PageServer]) -> Iterator[tuple[PageServer, PageServer]]:
     """`sandbox play carry-together --device web --device web`, without its words."""
-    play = PagePlay(OPTIONS, servers[0], EventLog(None), Console(quiet=True), servers[1])
+    play = PagePlay(OPTIONS, tuple(servers), EventLog(None), Console(quiet=True))
     with played(play, servers[0]):
         yield servers
 
@@ -104,7 +104,7 @@ def test_who_is_there_first_is_told_what_is_missing(
 def test_two_tablets_carry_a_tray_together(servers: tuple[PageServer, PageServer]) -> None:
     size = common([rectangle(Screen(**SCREEN))] * 2)
     chosen = plan(OPTIONS)
-    session = build(replace(chosen.settings, **size), chosen.make_device)
+    session = build(replace(chosen.settings, **size), chosen.makers)
     pages, touched = [], touched_pages(session)
     assert [hand for hand, _ in touched] == [0, 1]
     for server, (hand, device) in zip(servers, touched, strict=True):
@@ -113,7 +113,7 @@ def test_two_tablets_carry_a_tray_together(servers: tuple[PageServer, PageServer
     simulated = plan(SceneOptions(task=TASK, seed=SEED, device="simulated"))
     users = [
         maker(session.task, rig.reconstructor.surface)
-        for maker, rig in zip(simulated.make_device.makers, session.rigs, strict=True)  # type: ignore[attr-defined]
+        for maker, rig in zip(simulated.makers, session.rigs, strict=True)
     ]
     for page in pages:
         page.until("scene")
@@ -140,7 +140,7 @@ def test_time_begins_with_whichever_hand_touches_first() -> None:
     from sandbox.cli.play.window import _from_first_touch, _waiting
 
     chosen = plan(replace(OPTIONS, device="mouse"))
-    session = build(chosen.settings, with_first(chosen.make_device, _from_first_touch))
+    session = build(chosen.settings, with_first(chosen.makers, _from_first_touch))
     ((hand, page),) = touched_pages(session)
     assert hand == 1
     assert _waiting(session)

@@ -8,11 +8,12 @@ import pytest
 from models.errors import InputError
 from models.frames import Contact
 from sandbox.recording.recording import load_recording
+from sandbox.recording.upgrade import upgraded
 from sandbox.session.contact_modes import SOFT_IMPULSE, SOFT_SOLREF
 from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import RunSettings, result_settings
 from tests.support.scripted import Script, box_xy, pinch, run, scripted
 
 MODES = ("hard", "soft", "none")
@@ -159,7 +160,7 @@ def test_a_session_with_switches_replays_to_the_bit_with_them(tmp_path):
 
         return [stop]
 
-    result = run_trial(RunSettings(seed=4), device, views, record=path)
+    result = run_trial(RunSettings(seed=4), (device,), views, record=path)
     recording = load_recording(path)
     assert [e.details["mode"] for e in recording.events] == list(times.values())
     session, found = replay(recording)
@@ -177,6 +178,6 @@ def test_a_mode_that_does_not_exist_is_refused():
 
 
 def test_recordings_from_before_there_were_modes_are_hard():
-    values = RunSettings(seed=3).as_json()
+    values = result_settings(RunSettings(seed=3).as_json())
     del values["contact"]
-    assert RunSettings.from_json(values).contact == "hard"
+    assert RunSettings.from_json(upgraded({"settings": values})["settings"]).contact == "hard"

@@ -26,7 +26,7 @@ ABSURD = f"{Path(__file__).parent / 'absurd_task.py'}:Absurd"
 
 def diverge(record: Path | None = None, dump: Path | None = None) -> dict:
     chosen = plan(SceneOptions(task=ABSURD, seed=2))
-    return run_trial(chosen.settings, chosen.make_device, record=record, dump=dump)
+    return run_trial(chosen.settings, chosen.makers, record=record, dump=dump)
 
 
 @pytest.fixture(scope="module")

@@ -33,7 +33,7 @@ def left_over(options: SceneOptions, record: Path | None = None) -> list[str]:
     gc.collect()
     gc.disable()
     try:
-        run_trial(chosen.settings, chosen.make_device, watch, record, chosen.about)
+        run_trial(chosen.settings, chosen.makers, watch, record, chosen.about)
         del chosen
         found = [part for part in (ref() for ref in seen) if part is not None]
     finally:

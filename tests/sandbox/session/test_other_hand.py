@@ -21,7 +21,7 @@ from tests.support.simulation import no_warning, random_pose
 def other_session(seed: int) -> Session:
     """A session of box-to-goal by the simulated user, played by the hand of pins."""
     chosen = plan(SceneOptions(task="box-to-goal", seed=seed))
-    ours = build(chosen.settings, chosen.make_device)
+    ours = build(chosen.settings, chosen.makers)
     return Session(ours.task, [replace(rig, hand=PinHand()) for rig in ours.rigs])
 
 

@@ -152,7 +152,7 @@ def test_a_trial_in_which_things_come_back_replays_to_the_bit(tmp_path):
 
         return [stop]
 
-    result = run_trial(RunSettings(seed=4), device, views, record=path)
+    result = run_trial(RunSettings(seed=4), (device,), views, record=path)
     assert result.respawned == 1
     recording = load_recording(path)
     assert [e.what for e in recording.events] == ["respawn"]

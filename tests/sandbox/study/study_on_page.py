@@ -23,7 +23,7 @@ from sandbox.study.run.controls import Controls
 from sandbox.study.run.page_forms import PageForms
 from sandbox.study.run.page_player import PagePlayer
 from sandbox.study.run.players import Trial
-from sandbox.study.run.run_device import fitting, person_device
+from sandbox.study.run.run_device import fitting, person_devices
 from sandbox.study.run.runner import Outcome, SessionRunner
 from sandbox.study.run.study_page import StudyPage, study_view
 from tasks.user import UserConfiguration
@@ -171,7 +171,7 @@ class OnPage:
         try:
             with SessionFolder(self.study, self.person) as session:
                 self.outcome = SessionRunner(
-                    session, self.player, person_device(touch, self.person, self.page),
+                    session, self.player, person_devices(touch, self.person, self.page),
                     PageForms(self.page, lambda: self.controls.paused), self.controls,
                     self.said.append, "web", fitting("web", self.page),
                 ).run()  # fmt: skip

@@ -192,7 +192,7 @@ def played(task: str, seed: int, look: Callable[[Session], object]) -> tuple[Ses
     def device(drawn: Task, surface: Surface) -> SimulatedDevice:
         return SimulatedDevice(drawn, UserConfiguration(), surface, seed)
 
-    session, frames = build(RunSettings(task=task, seed=seed), device), FrameTable()
+    session, frames = build(RunSettings(task=task, seed=seed), (device,)), FrameTable()
     frames.watch(session)
     user: Any = session.rigs[0].device
     while not session.over:
@@ -249,7 +249,7 @@ def test_no_label_that_a_device_tells_is_wrong_and_those_of_a_simulated_user_are
     def device(drawn: Task, surface: Surface) -> SimulatedDevice:
         return SimulatedDevice(drawn, UserConfiguration(), surface, 3, True)
 
-    session = build(RunSettings(task="box-to-goal", seed=3, labels="device"), device)
+    session = build(RunSettings(task="box-to-goal", seed=3, labels="device"), (device,))
     user: Any = session.rigs[0].device
     labels: dict[int, int | None] = {}
     frames = FrameTable()

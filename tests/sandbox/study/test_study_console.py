@@ -27,7 +27,7 @@ from sandbox.study.run.controls import Command, Controls, Terminal, parse_comman
 from sandbox.study.run.forms import SimulatedForms, TerminalForms
 from sandbox.study.run.players import HeadlessPlayer
 from sandbox.study.run.runner import Outcome, SessionRunner
-from sandbox.study.run.simulate import run_simulated, simulated_device, simulated_person
+from sandbox.study.run.simulate import run_simulated, simulated_devices, simulated_person
 from tests.support.study_files import DESIGN, TRIALS, open_study
 
 
@@ -61,7 +61,7 @@ def run_with(out: Path, lines: dict[int, str]) -> tuple[StudyFolder, SessionStat
     person = study.add(**simulated_person(study.design, 0))
     typist = Typist(lines)
     with SessionFolder(study, person) as session:
-        outcome = SessionRunner(session, HeadlessPlayer(), simulated_device(person),
+        outcome = SessionRunner(session, HeadlessPlayer(), simulated_devices(person),
                                 SimulatedForms(1), typist.controls, typist.said.append
                                 ).run()  # fmt: skip
         return study, session.state, outcome, typist
@@ -135,7 +135,7 @@ def test_without_consent_nothing_is_played(tmp_path: Path) -> None:
     controls = Controls()
     terminal = Terminal(controls, Patient("no\n"))
     with SessionFolder(study, person) as session:
-        runner = SessionRunner(session, HeadlessPlayer(), simulated_device(person),
+        runner = SessionRunner(session, HeadlessPlayer(), simulated_devices(person),
                                TerminalForms(terminal, quiet), controls, quiet)  # fmt: skip
         assert runner.run() is Outcome.NO_CONSENT
         assert not session.state.attempts

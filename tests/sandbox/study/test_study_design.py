@@ -30,6 +30,7 @@ from sandbox.study.design.power import detectable, power
 from sandbox.study.design.reading import DesignError
 from sandbox.study.design.toml_lines import TomlLines
 from sandbox.study.record.pseudonym import ALPHABET, is_text, new_pseudonym, read_pseudonym
+from sandbox.trial.settings import HandSettings
 from tests.support.study_files import DESIGN, design
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -195,7 +196,7 @@ def test_a_level_may_set_several_things() -> None:
                  if t.levels["contact"] == "gentle")  # fmt: skip
     settings = run_settings(trial.values, trial.seed, "left", 1.1)
     assert (settings.contact, settings.impulse) == ("soft", 0.5)
-    assert (settings.hand, settings.hand_size, settings.encoder) == ("left", 1.1, "linear")
+    assert settings.hands == (HandSettings("left", 1.1),) and settings.encoder == "linear"
 
 
 MISTAKES = [

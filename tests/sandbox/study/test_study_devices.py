@@ -20,7 +20,7 @@ from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.run.controls import Controls
 from sandbox.study.run.forms import SimulatedForms
 from sandbox.study.run.players import HeadlessPlayer
-from sandbox.study.run.run_device import fitting, person_device
+from sandbox.study.run.run_device import fitting, person_devices
 from sandbox.study.run.runner import Outcome, SessionRunner
 from sandbox.trial.replay import replay
 from tests.support.study_files import DESIGN, design
@@ -69,7 +69,7 @@ def test_touches_over_tuio_are_played_and_inches_are_a_guess_unless_the_design_t
     options = TouchOptions(device="tuio", port=free_port())
     with SessionFolder(study, person) as session, somebody_touches(options.port):
         runner = SessionRunner(
-            session, HeadlessPlayer(paced=True), person_device(options, person),
+            session, HeadlessPlayer(paced=True), person_devices(options, person),
             SimulatedForms(1), Controls(), lambda text: None, "tuio", fitting("tuio"),
         )  # fmt: skip
         assert runner.run() is Outcome.COMPLETE

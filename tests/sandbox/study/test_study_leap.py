@@ -23,7 +23,7 @@ from sandbox.study.run.controls import Controls
 from sandbox.study.run.forms import SimulatedForms
 from sandbox.study.run.hand_calibration import WORDS, hand_measurer
 from sandbox.study.run.players import HeadlessPlayer
-from sandbox.study.run.run_device import fitting, person_device
+from sandbox.study.run.run_device import fitting, person_devices
 from sandbox.study.run.runner import Outcome, SessionRunner
 from sandbox.study.run.words import WORDS as PAGE_WORDS
 from sandbox.study.share.privacy import Masking, anonymise
@@ -70,7 +70,7 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
         with SessionFolder(found, person) as session:
             runner = SessionRunner(
                 session, HeadlessPlayer(),
-                person_device(TouchOptions(device="mouse"), person, leap=server.address),
+                person_devices(TouchOptions(device="mouse"), person, leap=server.address),
                 forms, Controls(), lambda text: None, "leap", fitting("mouse"),
                 hand_measurer(forms, person, server.address, lambda text: None, WANTED),
             )  # fmt: skip
@@ -95,7 +95,7 @@ def test_every_trial_is_played_with_the_hand_that_was_measured_and_replays(
     assert len(recordings) == 2 and hand["frames"] > WANTED / 2
     for path in recordings:
         recording = load_recording(path)
-        assert recording.header["settings"]["in_air"]["calibration"] == hand
+        assert recording.header["settings"]["hands"][0]["in_air"]["calibration"] == hand
         _, found = replay(recording)
         assert found.exact and found.complete
 

@@ -26,7 +26,7 @@ from sandbox.study.run.controls import Controls
 from sandbox.study.run.page_forms import PageForms
 from sandbox.study.run.players import HeadlessPlayer
 from sandbox.study.run.runner import Outcome, SessionRunner
-from sandbox.study.run.simulate import simulated_device, simulated_person
+from sandbox.study.run.simulate import simulated_devices, simulated_person
 from sandbox.study.run.study_page import Beside, StudyPage, study_view
 from sandbox.study.run.words import NAMES, WORDS, words_in
 from tests.sandbox.server.test_page_server import wait_for
@@ -378,7 +378,7 @@ def test_with_trials_elsewhere_the_page_has_the_forms_and_says_where_to_look(
     try:
         with SessionFolder(study, person) as session:
             runner = SessionRunner(
-                session, Beside(HeadlessPlayer(), page), simulated_device(person),
+                session, Beside(HeadlessPlayer(), page), simulated_devices(person),
                 PageForms(page), controls, said.append,
             )  # fmt: skip
             thread = threading.Thread(target=runner.run)

@@ -22,7 +22,7 @@ from sandbox.trial.assembly import build
 from sandbox.trial.headless import run_trial
 from sandbox.trial.lift import with_lift
 from sandbox.trial.replay import replay
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import HandSettings, RunSettings
 from tasks.box_to_goal import BoxToGoal
 from tasks.stack import Stack
 
@@ -39,7 +39,7 @@ def touches(now: float) -> tuple[Contact, ...]:
 def poses(control, seconds: float = 1.2, task: str = "stack", **settings) -> list:
     """What is reconstructed with a lift control that is time -> its position."""
     options = RunSettings(task=task, seed=1, **settings)
-    reconstructor = build(options, lambda task, surface: None).rigs[0].reconstructor
+    reconstructor = build(options, (lambda task, surface: None,)).rigs[0].reconstructor
     times = np.arange(round(seconds / PERIOD)) * PERIOD
     return [reconstructor.step(TouchFrame(t, touches(t), control(t))) for t in times]
 
@@ -57,9 +57,11 @@ def test_tasks_without_a_lift_take_no_notice_of_it():
         np.testing.assert_array_equal(a.q, b.q)
 
 
-@pytest.mark.parametrize("person", [{}, {"hand_size": 1.2}, {"hand": "left", "turn": 90}])
-def test_every_hand_rises_by_the_tasks_range_and_keeps_its_place_otherwise(person):
-    low, high = (poses(lambda t, x=x: x, seconds=3.0, **person)[-1] for x in (0.0, 0.5))
+@pytest.mark.parametrize(
+    "hand", [HandSettings(), HandSettings(size=1.2), HandSettings("left", turn=90)]
+)
+def test_every_hand_rises_by_the_tasks_range_and_keeps_its_place_otherwise(hand):
+    low, high = (poses(lambda t, x=x: x, seconds=3.0, hands=(hand,))[-1] for x in (0.0, 0.5))
     assert low.down and high.down and low.fingers == high.fingers
     rise = high.q - low.q
     assert rise[2] == pytest.approx(0.5 * Stack.lift_range, abs=1e-4)
@@ -78,7 +80,7 @@ def test_a_hand_that_comes_while_the_lift_is_up_comes_down_to_its_height():
     low, high = (poses(lambda t, x=x: x, seconds=3.0) for x in (0.0, 0.8))
     when = [next(i for i, r in enumerate(found) if r.down) for found in (low, high)]
     assert when[0] == when[1]
-    tips = Kinematics(build(RunSettings(), lambda t, s: None).rigs[0].hand.skeleton).tips
+    tips = Kinematics(build(RunSettings(), (lambda t, s: None,)).rigs[0].hand.skeleton).tips
     rise = tips(high[-1].q)[:2, 2] - tips(low[-1].q)[:2, 2]
     np.testing.assert_allclose(rise, 0.8 * Stack.lift_range, atol=1e-4)
 
@@ -183,7 +185,7 @@ def test_a_key_tapped_between_two_polls_does_something():
 @pytest.mark.parametrize("keys", [True, False])
 def test_a_task_that_needs_a_lift_control_gets_one_or_says_so(keys):
     device = Still()
-    make = with_lift(lambda task, surface: device, keys)
+    (make,) = with_lift((lambda task, surface: device,), keys)
     surface = RunSettings().surface
     assert make(BoxToGoal.draw(1, surface), surface) is device
     task = Stack.draw(1, surface)
@@ -199,7 +201,7 @@ def test_a_task_that_needs_a_lift_control_gets_one_or_says_so(keys):
 def test_a_run_with_lift_replays_to_the_bit(tmp_path: Path):
     path = tmp_path / "stack.jsonl"
     chosen = plan(SceneOptions(task="stack", seed=3))
-    result = run_trial(chosen.settings, chosen.make_device, record=path, about=chosen.about)
+    result = run_trial(chosen.settings, chosen.makers, record=path, about=chosen.about)
     recording = load_recording(path)
     assert max(i.frame.lift for i in recording.inputs[0]) > 0.3
     session, verification = replay(recording)

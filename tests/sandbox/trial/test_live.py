@@ -46,7 +46,7 @@ def test_a_device_that_breaks_ends_the_session_and_is_no_trial_that_was_played(
     def breaks(_task: object, _surface: Surface) -> Breaking:
         return Breaking(error)
 
-    session = build(RunSettings(), breaks)
+    session = build(RunSettings(), (breaks,))
     live = LiveSession(session)
     assert not live.over and live.failure is None
     live.start()

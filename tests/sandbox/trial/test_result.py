@@ -55,7 +55,7 @@ def test_json_that_is_not_a_result_is_refused_with_its_place(change, said):
 def test_the_result_of_a_run_is_the_one_that_its_recording_ends_with(tmp_path):
     chosen = plan(SceneOptions(task="tests/support/regress_tasks.py:Quick", seed=2))
     path = tmp_path / "trial.jsonl"
-    result = run_trial(chosen.settings, chosen.make_device, record=path, about=chosen.about)
+    result = run_trial(chosen.settings, chosen.makers, record=path, about=chosen.about)
     recording = load_recording(path)
     assert recording.end["result"] == json.loads(json.dumps(result.as_json()))
     assert result.fingerprint == recording.header["versions"]["fingerprint"]

@@ -203,5 +203,5 @@ def test_without_a_window_it_plays_what_needs_none(
 
 
 def test_build_opens_a_followed_device() -> None:
-    session = build(RunSettings(), timed(lambda t, s: MouseDevice(s), Timing(LatencyLog())))
+    session = build(RunSettings(), (timed(lambda t, s: MouseDevice(s), Timing(LatencyLog())),))
     assert session.rigs[0].device.name == "mouse" and session.lift(0) is None

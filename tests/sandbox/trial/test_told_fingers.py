@@ -27,7 +27,7 @@ def test_the_names_that_a_device_gives_are_those_of_the_hand(fingers: tuple[int,
         for n in range(60)
     ]
     capture = TouchCapture(tuple(CapturedPacket(n / 60, p) for n, p in enumerate(packets)))
-    session = build(RunSettings(), lambda task, surface: CaptureDevice(capture, surface))
+    session = build(RunSettings(), (lambda task, surface: CaptureDevice(capture, surface),))
     try:
         while session.time < 0.9:
             snapshot = session.advance()

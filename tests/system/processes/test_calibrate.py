@@ -22,7 +22,7 @@ from sandbox.devices.simulated.spreads import SimulatedSpreads
 from sandbox.options.profiles import Profile, default_path, find_profile, load_profile, save_profile
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.trial.headless import run_trial
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import HandSettings, RunSettings
 
 LAYOUT = np.array([(0.03, 0.09), (0.06, 0.05), (0.08, 0.04), (0.10, 0.05), (0.12, 0.07)])
 
@@ -136,23 +136,23 @@ def test_playing_with_ones_own_fingers_uses_ones_own_profile(tmp_path, monkeypat
     for other in ("mouse", "simulated", str(default_path())):
         assert PlayOptions(device=other).with_own_profile().profile is None
     assert PlayOptions(device="tuio", profile="none").with_own_profile().profile == "none"
-    assert plan(SceneOptions(profile="default")).settings.person == Person("left", 0.9)
-    assert plan(SceneOptions(profile="none")).settings.person == Person()
+    assert plan(SceneOptions(profile="default")).settings.hands[0].person == Person("left", 0.9)
+    assert plan(SceneOptions(profile="none")).settings.hands[0].person == Person()
 
 
 def test_what_is_asked_for_on_the_command_line_goes_before_the_profile(tmp_path):
     path = tmp_path / "p.json"
     save_profile(Profile(Person("left", 0.9, 180), (0.8, 1.0), "tuio", False), path)
     settings = plan(SceneOptions(profile=str(path), hand_size=1.05)).settings
-    assert settings.person == Person("left", 1.05, 180)
+    assert settings.hands[0].person == Person("left", 1.05, 180)
 
 
 def test_a_recording_of_five_fingers_in_three_spreads_gives_the_size_of_the_hand_in_it(tmp_path):
     recorded = tmp_path / "spreads.jsonl"
     person = Person("left", 1.12)
     run_trial(
-        RunSettings(hand="left"),
-        lambda task, surface: SimulatedSpreads(person, surface, 3),
+        RunSettings(hands=(HandSettings("left"),)),
+        (lambda task, surface: SimulatedSpreads(person, surface, 3),),
         record=recorded,
         about={"device": "simulated", "user": {"kind": "spreads"}},
     )

@@ -27,10 +27,11 @@ from models.surface import Surface
 from sandbox.devices.mouse import MouseDevice
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording.recording import load_recording
+from sandbox.recording.upgrade import upgraded
 from sandbox.trial.assembly import build
 from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import HandSettings, RunSettings, result_settings
 from tasks.simulated_user.seated import Seat
 from tasks.task import Goal
 from tasks.user import SeenObject, Sight
@@ -46,7 +47,7 @@ places = st.tuples(st.floats(0.0, 1.0), st.floats(0.0, 1.0))
 
 def trial(record: Path | None = None, **options) -> dict:
     chosen = plan(SceneOptions(**options))
-    return run_trial(chosen.settings, chosen.make_device, record=record, about=chosen.about)
+    return run_trial(chosen.settings, chosen.makers, record=record, about=chosen.about)
 
 
 def grasp(now: float) -> list[Contact]:
@@ -63,7 +64,7 @@ def grasp(now: float) -> list[Contact]:
 
 def reconstructed(touch, **about):
     """Reconstructions of 2 s of touches, by the default settings."""
-    session = build(RunSettings(**about), lambda task, surface: Script(lambda now: []))
+    session = build(RunSettings(**about), (lambda task, surface: Script(lambda now: []),))
     reconstructor = session.rigs[0].reconstructor
     frames = [TouchFrame(t, tuple(touch(t))) for t in np.arange(130) * 0.016]
     return reconstructor.surface, [reconstructor.step(f) for f in frames]
@@ -76,7 +77,7 @@ def test_mirrored_touches_give_the_mirrored_left_hand():
     def other_side(now):
         return [replace(c, x=width - c.x) for c in grasp(now)]
 
-    _, left = reconstructed(other_side, hand="left")
+    _, left = reconstructed(other_side, hands=(HandSettings("left"),))
     assert any(r.down and len(r.fingers) == 4 for r in right)
     for a, b in zip(right, left, strict=True):
         # The screen's middle is at x = 0 of the world, where the mirror stands.
@@ -92,7 +93,7 @@ def test_mirrored_touches_give_the_mirrored_left_hand():
 def test_a_person_at_another_side_gets_the_same_hand_turned_about_the_screens_middle(turn, hand):
     # On a square screen the same person may sit anywhere.
     square = (6.0, 6.0)
-    _, here = reconstructed(grasp, hand=hand, surface_in=square)
+    _, here = reconstructed(grasp, hands=(HandSettings(hand),), surface_in=square)
     middle = Surface(*square).size / 2
     angle = np.deg2rad(turn)
     # Counterclockwise seen from above, in a frame whose y points down.
@@ -103,7 +104,8 @@ def test_a_person_at_another_side_gets_the_same_hand_turned_about_the_screens_mi
             x, y = middle + down @ (np.array([c.x, c.y]) - middle)
             yield replace(c, x=float(x), y=float(y))
 
-    _, found = reconstructed(there, hand=hand, turn=turn, surface_in=square)
+    turned = (HandSettings(hand, turn=turn),)
+    _, found = reconstructed(there, hands=turned, surface_in=square)
     rotation = exp(np.array([0.0, 0.0, angle]))
     for a, b in zip(here, found, strict=True):
         np.testing.assert_allclose(b.q[:3], rotation @ a.q[:3], atol=1e-9)
@@ -212,7 +214,7 @@ def test_a_left_handed_recording_replays_to_the_same_hashes(left_run):
 def test_a_left_handed_recording_as_a_device_keeps_its_hand_unless_asked_otherwise(left_run):
     result, path = left_run
     assert trial(device=str(path)).state_hash == result.state_hash
-    assert plan(SceneOptions(device=str(path), hand="right")).settings.hand == "right"
+    assert plan(SceneOptions(device=str(path), hand="right")).settings.hands[0].side == "right"
 
 
 def test_the_keys_of_the_mouse_put_down_a_left_hand_and_a_turned_one():
@@ -236,10 +238,10 @@ def test_the_simulated_user_succeeds_from_every_side_of_the_screen(turn):
 
 
 def test_recordings_from_before_hands_could_be_chosen_are_right_hands():
-    values = RunSettings(seed=3).as_json()
+    values = result_settings(RunSettings(seed=3).as_json())
     for name in ("hand", "hand_size", "turn"):
         del values[name]
-    assert RunSettings.from_json(values) == RunSettings(seed=3)
+    assert RunSettings.from_json(upgraded({"settings": values})["settings"]) == RunSettings(seed=3)
 
 
 @given(x=st.floats(-0.1, 0.1), y=st.floats(-0.1, 0.1), yaw=st.floats(-3.0, 3.0), person=people)
@@ -274,13 +276,13 @@ def test_a_seated_users_sight_keeps_distances_heights_and_what_is_at_its_goal(x,
 
 
 @pytest.mark.parametrize(
-    "wrong", [{"hand": "middle"}, {"turn": 45}, {"hand_size": 0.0}, {"hand_size": float("nan")}]
+    "wrong", [("middle", 1.0, 0), ("right", 1.0, 45), ("right", 0.0, 0), ("left", float("nan"), 0)]
 )
 def test_a_person_that_cannot_be_is_one_clear_error(wrong):
     with pytest.raises(InputError, match="expected"):
-        Person(**wrong)
+        Person(*wrong)
     with pytest.raises(InputError, match="expected"):
-        RunSettings(**wrong)
+        HandSettings(*wrong)
 
 
 def test_the_command_line_knows_the_hand(tmp_path):

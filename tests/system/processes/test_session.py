@@ -27,7 +27,7 @@ from tests.support.scripted import Script
 
 def trial(record: Path | None = None, **options) -> dict:
     chosen = plan(SceneOptions(**options))
-    return run_trial(chosen.settings, chosen.make_device, record=record, about=chosen.about)
+    return run_trial(chosen.settings, chosen.makers, record=record, about=chosen.about)
 
 
 def command(*arguments: str, cwd: Path) -> subprocess.CompletedProcess:
@@ -105,7 +105,7 @@ def test_a_stored_state_is_taken_back_to_the_bit_and_steps_on_alike(recorded):
     _, path = recorded
     recording = load_recording(path)
     session = build(
-        RunSettings.from_json(recording.header["settings"]), lambda t, s: Script(lambda now: [])
+        RunSettings.from_json(recording.header["settings"]), (lambda t, s: Script(lambda now: []),)
     )
     model, data = session.scene.model, session.data
     for step, state in recording.keyframes.items():
@@ -126,7 +126,7 @@ def test_a_stored_state_is_taken_back_to_the_bit_and_steps_on_alike(recorded):
 
 
 def test_without_touches_nothing_is_touched():
-    session = build(RunSettings(), lambda task, surface: Script(lambda now: []))
+    session = build(RunSettings(), (lambda task, surface: Script(lambda now: []),))
     before = session.data.qpos.copy()
     box = session.scene.model.joint("box").qposadr[0]
     for _ in range(60):
@@ -149,7 +149,7 @@ def test_a_hand_put_down_inside_the_box_stays_a_ghost_until_its_fingers_are_out(
             Contact(2, x + apart, y - apart, label=1),
         ]
 
-    session = build(replace(settings), lambda task, surface: Script(touch))
+    session = build(replace(settings), (lambda task, surface: Script(touch),))
     surface = session.rigs[0].reconstructor.surface
     box = session.task.objects[0]
     place["box"] = surface.to_surface(np.array(box.position)).tolist()
@@ -167,7 +167,7 @@ def test_a_hand_put_down_inside_the_box_stays_a_ghost_until_its_fingers_are_out(
 def test_fingertips_are_within_a_millimetre_of_resting_touches():
     places = [(0.05, 0.10), (0.07, 0.06), (0.09, 0.05), (0.11, 0.06), (0.13, 0.07)]
     contacts = [Contact(i, x, y) for i, (x, y) in enumerate(places)]
-    session = build(RunSettings(seed=1), lambda task, surface: Script(lambda now: contacts))
+    session = build(RunSettings(seed=1), (lambda task, surface: Script(lambda now: contacts),))
     for _ in range(130):
         session.advance()
     reconstruction = session.reconstructions[0]
@@ -184,7 +184,7 @@ def test_the_labels_of_a_hand_that_is_down_never_change_and_a_new_finger_gets_a_
         contacts = [Contact(1, 0.06, 0.10), Contact(2, 0.09, 0.05)]
         return [*contacts, Contact(3, 0.11, 0.055)] if now > 1.5 else contacts
 
-    session = build(RunSettings(seed=1), lambda task, surface: Script(touch))
+    session = build(RunSettings(seed=1), (lambda task, surface: Script(touch),))
     named = {}
     for _ in range(180):
         session.advance()
@@ -202,7 +202,7 @@ def test_a_contact_lost_for_a_moment_keeps_its_finger():
             return both[:1]
         return both if now < 1.5 else [both[0], Contact(9, 0.091, 0.051)]
 
-    session = build(RunSettings(seed=1), lambda task, surface: Script(touch))
+    session = build(RunSettings(seed=1), (lambda task, surface: Script(touch),))
     seen = []
     for _ in range(140):
         session.advance()
@@ -218,7 +218,7 @@ def test_a_jump_of_all_touches_moves_the_hand_no_faster_than_allowed():
         x = 0.05 if now < 1.5 else 0.15
         return [Contact(1, x, 0.10), Contact(2, x + 0.02, 0.05)]
 
-    session = build(RunSettings(seed=1), lambda task, surface: Script(touch))
+    session = build(RunSettings(seed=1), (lambda task, surface: Script(touch),))
     poses = []
     for _ in range(150):
         session.advance()
@@ -231,7 +231,7 @@ def test_a_jump_of_all_touches_moves_the_hand_no_faster_than_allowed():
 def test_the_session_plays_a_closed_device_to_its_end():
     device = Script(lambda now: [])
     device.finished = True
-    session = build(RunSettings(), lambda task, surface: device)
+    session = build(RunSettings(), (lambda task, surface: device,))
     play(session, [])
     assert session.scorer.score.status == "input_ended" and session.scorer.score.reason
 
@@ -256,9 +256,9 @@ def test_bad_input_is_one_clear_line_and_exit_status_2(arguments, tmp_path):
 
 def test_a_scene_holds_two_rigs_that_do_not_disturb_each_other():
     settings = RunSettings(seed=1)
-    lone = build(settings, lambda task, surface: Script(lambda now: []))
-    one = build(settings, lambda task, surface: Script(lambda now: [Contact(1, 0.05, 0.10)]))
-    two = build(settings, lambda task, surface: Script(lambda now: []))
+    lone = build(settings, (lambda task, surface: Script(lambda now: []),))
+    one = build(settings, (lambda task, surface: Script(lambda now: [Contact(1, 0.05, 0.10)]),))
+    two = build(settings, (lambda task, surface: Script(lambda now: []),))
     second = replace(two.rigs[0].hand, name="second")
     both = Session(
         two.task, [one.rigs[0], Rig(two.rigs[0].device, two.rigs[0].reconstructor, second)]

@@ -16,7 +16,7 @@ from sandbox.study.run.controls import Controls
 from sandbox.study.run.forms import SimulatedForms
 from sandbox.study.run.players import HeadlessPlayer, Player, WindowPlayer
 from sandbox.study.run.runner import Outcome, SessionRunner
-from sandbox.study.run.simulate import simulated_device, simulated_person
+from sandbox.study.run.simulate import simulated_devices, simulated_person
 from sandbox.trial.replay import replay
 from tests.support.screen import screen
 from tests.support.study_files import DESIGN, open_study
@@ -33,7 +33,7 @@ def hashes(out: Path, player: Player) -> list[str]:
     study = open_study(out, SHORT)
     person = study.add(**simulated_person(study.design, 0))
     with SessionFolder(study, person) as session:
-        runner = SessionRunner(session, player, simulated_device(person), SimulatedForms(1),
+        runner = SessionRunner(session, player, simulated_devices(person), SimulatedForms(1),
                                Controls(), lambda text: None)  # fmt: skip
         assert runner.run() is Outcome.COMPLETE
     player.close()

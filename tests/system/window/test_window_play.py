@@ -94,7 +94,8 @@ def test_the_footer_is_at_the_bottom_right_and_tells_rate_lift_and_address(desk:
     rate, address = footer.lines(desk.window, 0.0, session)
     assert "pictures/s" in rate and "ms each" in rate and "127.0.0.1:1" in address
     assert any("2.5 s behind" in line for line in footer.lines(desk.window, 2.5, session))
-    stack = build(RunSettings(task="stack"), lambda task, surface: LiftKeys(MouseDevice(surface)))
+    with_keys = (lambda task, surface: LiftKeys(MouseDevice(surface)),)
+    stack = build(RunSettings(task="stack"), with_keys)
     assert "lifted 0 of 120 mm" in footer.lines(desk.window, 0.0, stack)
     keys = stack.rigs[0].device
     assert isinstance(keys, LiftKeys)

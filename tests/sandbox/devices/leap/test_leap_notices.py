@@ -13,8 +13,7 @@ from sandbox.devices.leap.leap_truth import write_take
 from sandbox.devices.leap.shared_leap import SharedLeap
 from sandbox.trial.assembly import build
 from sandbox.trial.hand_input import HandInput
-from sandbox.trial.settings import RunSettings, SecondHand
-from sandbox.trial.two_hands import PerHand
+from sandbox.trial.settings import HandSettings, RunSettings
 from tests.sandbox.devices.leap.test_leap_two_hands import Played
 from tests.support.leap_hands import take
 
@@ -33,9 +32,9 @@ def stacked_for_a_while() -> list[HandFrame]:
     return found
 
 
-def said(settings: RunSettings, make: object, until: float) -> dict[float, tuple[str, ...]]:
+def said(settings: RunSettings, makers: object, until: float) -> dict[float, tuple[str, ...]]:
     """What is said at every moment of a session."""
-    session = build(settings, make)  # type: ignore[arg-type]
+    session = build(settings, makers)  # type: ignore[arg-type]
     try:
         found = {}
         while session.time < until:
@@ -49,12 +48,13 @@ def said(settings: RunSettings, make: object, until: float) -> dict[float, tuple
 @pytest.mark.parametrize("task", ["box-to-goal", "carry-together"])
 def test_hands_above_each_other_are_said_to_be_until_a_moment_after_they_are_not(task: str):
     frames, two = stacked_for_a_while(), task == "carry-together"
-    second = SecondHand(in_air=HandInput(), hand="left") if two else None
-    settings = RunSettings(task=task, in_air=HandInput(), second=second)
+    sides = ("right", "left") if two else ("right",)
+    hands = tuple(HandSettings(side, in_air=HandInput()) for side in sides)
+    settings = RunSettings(task=task, hands=hands)
     shared = SharedLeap(Played(frames), ("right", "left"))
     parts = tuple(lambda drawn, surface, i=i: shared.parts[i] for i in (0, 1))
-    make = PerHand(parts) if two else lambda drawn, surface: Played(frames)
-    told = said(settings, make, 2.5)
+    makers = parts if two else (lambda drawn, surface: Played(frames),)
+    told = said(settings, makers, 2.5)
     when = [t for t, words in told.items() if STACKED in words]
     assert when == [t for t in told if when[0] <= t <= when[-1]]
     assert when[0] == pytest.approx(0.5, abs=0.03)
@@ -65,7 +65,8 @@ def test_hands_above_each_other_are_said_to_be_until_a_moment_after_they_are_not
 def test_a_hand_that_stays_away_is_missed_and_one_that_is_lost_for_a_moment_is_not():
     frames = [replace(f, hands=f.hands if not 1.0 <= f.time < 4.0 else ()) for f in take(1).frames]
     blink = [replace(f, hands=() if 0.4 <= f.time < 0.9 else f.hands) for f in frames]
-    told = said(RunSettings(in_air=HandInput()), lambda drawn, surface: Played(blink), 4.5)
+    settings = RunSettings(hands=(HandSettings(in_air=HandInput()),))
+    told = said(settings, (lambda drawn, surface: Played(blink),), 4.5)
     missed = [t for t, words in told.items() if any("is not seen" in w for w in words)]
     assert 2.2 < missed[0] < 2.5 and 3.9 < missed[-1] < 4.1
     assert not any("left" in w for words in told.values() for w in words)

@@ -40,8 +40,7 @@ from sandbox.trial.assembly import build
 from sandbox.trial.hand_input import UNDER, HandInput
 from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
-from sandbox.trial.settings import RunSettings, SecondHand
-from sandbox.trial.two_hands import PerHand
+from sandbox.trial.settings import HandSettings, RunSettings
 from tasks.task import Task
 from tasks.user import UserConfiguration
 from tests.support.leap_hands import calibrated, take
@@ -85,14 +84,14 @@ def frames(draw: st.DrawFn) -> HandFrame:
 
 
 def settings(**changes: object) -> RunSettings:
-    return replace(RunSettings(in_air=HandInput()), **changes)
+    return replace(RunSettings(hands=(HandSettings(in_air=HandInput()),)), **changes)
 
 
 def device(of: RunSettings, kind: str = "skilled", dialect: str = "v3", hand: int = 0):
-    in_air = of.in_airs[hand]
-    assert in_air is not None
+    whose = of.hands[hand]
+    assert whose.in_air is not None
     return lambda task, surface: SimulatedLeap(
-        task, UserConfiguration(kind=kind), of.seed, in_air.at, dialect, of.persons[hand], hand
+        task, UserConfiguration(kind=kind), of.seed, whose.in_air.at, dialect, whose.person, hand
     )
 
 
@@ -101,7 +100,7 @@ def recorded(folder: Path, dialect: str = "v1") -> Path:
     """A box brought to its goal through the air."""
     path = folder / f"{dialect}.jsonl"
     of = settings()
-    result = run_trial(of, device(of, dialect=dialect), record=path)
+    result = run_trial(of, (device(of, dialect=dialect),), record=path)
     assert result.success, result.reason
     return path
 
@@ -153,12 +152,18 @@ def test_one_changed_digit_of_a_hand_frame_is_another_run(recording: Path, tmp_p
 
 def test_a_recording_is_the_device_of_another_hand_in_another_scene(recording: Path):
     read = load_recording(recording)
-    of = settings(task="stack", second=SecondHand("right", in_air=HandInput((0.3, 0.0, -0.1))))
+    of = settings(
+        task="stack",
+        hands=(
+            HandSettings(in_air=HandInput()),
+            HandSettings(in_air=HandInput((0.3, 0.0, -0.1))),
+        ),
+    )
 
     def idle(task: object, surface: Surface) -> SimulatedLeap:
         return device(of, "idle")(task, surface)
 
-    session = build(of, PerHand((idle, lambda task, surface: RecordedDevice(read, 0))))
+    session = build(of, (idle, lambda task, surface: RecordedDevice(read, 0)))
     for _ in range(100):
         session.advance()
     own, other = (session.reconstructions[i].q[ROOT_POSITION] for i in (1, 0))
@@ -174,22 +179,23 @@ def test_settings_with_a_calibration_are_read_back_as_they_were(tmp_path: Path):
     paalm = calibrated(take(3))
     write_calibration(paalm.calibration, tmp_path / "me.json")
     mine = read_calibration(tmp_path / "me.json")["right"]
-    of = settings(in_air=HandInput.of((0.01, 0.2, -0.3), mine))
+    of = settings(hands=(HandSettings(in_air=HandInput.of((0.01, 0.2, -0.3), mine)),))
     again = RunSettings.from_json(json.loads(json.dumps(of.as_json())))
     assert again == of
-    rebuilt = again.in_air.reconstructor(Person(), Surface(), RateLimit())
+    rebuilt = again.hands[0].in_air.reconstructor(Person(), Surface(), RateLimit())
     direct = HandReconstructor(
         paalm, settings=HandReconstructorSettings(device=(0.01, 0.2, -0.3)), surface=Surface()
     )
     for frame in take(3).frames[:40]:
         np.testing.assert_array_equal(rebuilt.step(frame).q, direct.step(frame).q)
-    assert "in_air" not in RunSettings().as_json()
+    assert "in_air" not in RunSettings().as_json()["hands"][0]
 
 
 @pytest.mark.parametrize("values", [{}, {"at": [0, 0], "calibration": None}, {"at": "here"}, 3])
 def test_settings_that_are_none_are_refused(values: object):
     with pytest.raises(InputError):
-        HandInput.from_json(values)
+        values = {**RunSettings().as_json()["hands"][0], "in_air": values}
+        RunSettings.from_json({**RunSettings().as_json(), "hands": [values]})
 
 
 def test_where_the_device_is_moves_the_hand_and_changes_nothing_else():
@@ -272,7 +278,7 @@ def test_who_was_not_measured_is_assumed_and_assumed_anew_after_a_reset():
 def test_a_hand_in_the_air_stays_at_the_lower_edge_of_a_flat_table():
     of = settings(task="stack-vertical")
     with pytest.raises(InputError, match="flat table"):
-        run_trial(of, device(of))
+        run_trial(of, (device(of),))
     with pytest.raises(InputError, match="lower edge"):
         HandInput().reconstructor(Person(turn=90), Surface(), RateLimit())
 
@@ -328,7 +334,7 @@ def test_a_finger_whose_middle_link_is_in_a_thing_is_solid_only_where_that_link_
 
 @pytest.mark.parametrize("seed", [16, 33])
 def test_a_wrench_is_held_so_low_that_no_fingertip_rides_over_its_handle(seed: int):
-    settings = RunSettings(task="wrench-turn", seed=seed, in_air=HandInput())
+    of = settings(task="wrench-turn", seed=seed)
     made: list[SimulatedLeap] = []
     over: list[bool] = []
 
@@ -343,6 +349,6 @@ def test_a_wrench_is_held_so_low_that_no_fingertip_rides_over_its_handle(seed: i
             beside = (np.abs(along) < 0.1) & (np.abs(across) < HANDLE_WIDTH / 2.0)
             over.append(bool((beside & (up > 0.0)).any()))
 
-    result = run_trial(settings, device, lambda session: [look])
+    result = run_trial(of, (device,), lambda session: [look])
     assert over and not any(over)
     assert result.success and made[0].user.grasps == 1

@@ -26,7 +26,7 @@ from sandbox.server.page_server import PageServer
 from sandbox.study.design.conditions import run_settings
 from sandbox.study.design.plan import TrialStep
 from sandbox.study.record.folder import Participant
-from sandbox.study.run.simulate import simulated_device
+from sandbox.study.run.simulate import simulated_devices
 from sandbox.trial.assembly import build
 from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
@@ -68,9 +68,9 @@ def chosen(task: str, **options: Any):
 
 def test_two_hands_over_one_leap_carry_a_tray_and_replay_to_the_bit(tmp_path: Path):
     made = chosen("carry-together", device="leap-simulated:v1", seed=1)
-    assert [i is not None for i in made.settings.in_airs] == [True, True]
+    assert [hand.in_air is not None for hand in made.settings.hands] == [True, True]
     path = tmp_path / "two.jsonl"
-    result = run_trial(made.settings, made.make_device, record=path, about=made.about)
+    result = run_trial(made.settings, made.makers, record=path, about=made.about)
     assert result.success, result.reason
     read = load_recording(path)
     sides = [{h.side for e in read.inputs[i] for h in e.frame.hands} for i in (0, 1)]
@@ -83,7 +83,7 @@ def test_two_hands_over_one_leap_carry_a_tray_and_replay_to_the_bit(tmp_path: Pa
 
 def test_a_hand_in_the_air_and_one_on_a_screen_are_in_one_scene():
     made = chosen("carry-together", device="leap-simulated", second_device="simulated")
-    assert [i is not None for i in made.settings.in_airs] == [True, False]
+    assert [hand.in_air is not None for hand in made.settings.hands] == [True, False]
 
 
 def test_two_right_hands_over_one_leap_are_refused():
@@ -107,8 +107,9 @@ def test_a_leap_recording_drives_the_hand_with_its_own_calibration(tmp_path: Pat
     write_take(take(1), path, {})
     assert is_leap(str(path)) and not is_leap(str(tmp_path / "missing.json"))
     made = chosen("box-to-goal", device=str(path))
-    assert made.settings.in_air is not None
-    calibration = made.settings.in_air.calibration
+    (hand,) = made.settings.hands
+    assert hand.in_air is not None
+    calibration = hand.in_air.calibration
     assert calibration is not None and calibration["frames"] == 100
     assert main(["box-to-goal", "--device", str(path), "--json", str(tmp_path / "out.json")]) == 0
     result = json.loads((tmp_path / "out.json").read_text())
@@ -149,7 +150,7 @@ def test_a_simulated_leap_that_is_none_is_refused(wrong: str):
 def test_a_hand_that_is_lost_while_it_carries_a_box_takes_it_up_again(tmp_path: Path):
     made = chosen("box-to-goal", device="leap-simulated:lose=1")
     path = tmp_path / "lost.jsonl"
-    assert run_trial(made.settings, made.make_device, record=path).success
+    assert run_trial(made.settings, made.makers, record=path).success
     frames = [entry.frame for entry in load_recording(path).inputs[0]]
     gone = [f.time for f in frames if not f.hands]
     assert 0.9 < gone[-1] - gone[0] < 1.1, "once, for a second"
@@ -169,7 +170,7 @@ def test_the_hand_that_a_simulated_person_moves_is_theirs_alone():
     )
     palms = []
     for made in (first, again, other):
-        session = build(made.settings, made.make_device)
+        session = build(made.settings, made.makers)
         for _ in range(20):
             session.advance()
         palms.append(session.reconstructions[0].q)
@@ -180,7 +181,7 @@ def test_the_hand_that_a_simulated_person_moves_is_theirs_alone():
 @pytest.mark.parametrize("device", ["leap-simulated", "simulated"])
 def test_who_looks_at_a_hand_in_the_air_on_the_page_has_no_lift_control(device: str):
     made = chosen("stack", device=device)
-    session = build(made.settings, made.make_device)
+    session = build(made.settings, made.makers)
     server = PageServer()
     try:
         show_session(server, session, "right", "simulated user")
@@ -198,10 +199,10 @@ def test_a_study_compares_touch_and_air():
         run_settings({"task": "stack", "device": device}, 3, "left", 0.9)
         for device in ("touch", "leap")
     )
-    assert touch.in_air is None and air.in_air is not None
-    assert replace(air, in_air=None) == touch
+    assert air.in_air and not touch.in_air
+    assert replace(air, hands=(replace(air.hands[0], in_air=None),)) == touch
     user = {**UserConfiguration().as_json(), "reaction": [0.15, 0.25]}
-    of_trial = simulated_device(Participant("TEST", 1, "left", 0.9, user=user))
+    of_trial = simulated_devices(Participant("TEST", 1, "left", 0.9, user=user))
     trial = TrialStep("trial:1", 1, 1, 1, 1, False, {"device": "leap"}, {"device": "leap"}, 3)
     made = of_trial(trial, air)
     session = build(air, made)

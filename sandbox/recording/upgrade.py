@@ -1,0 +1,40 @@
+"""Upgrades the headers of recordings that earlier versions made to the form of this version."""
+
+from __future__ import annotations
+
+from typing import Any
+
+Values = dict[str, Any]
+
+_EARLIER: Values = {"contact": "hard", "hand": "right", "hand_size": 1.0, "turn": 0}
+"""Settings that were fixed before they could be chosen, and what they were."""
+
+_OF_A_HAND = {"hand": "side", "hand_size": "size", "turn": "turn", "in_air": "in_air"}
+"""What the settings of one hand are called now, by what they were called."""
+
+
+def upgraded(header: Values) -> Values:
+    """The header of a recording with its settings as this version writes them.
+
+    Until version 0.1 a run's settings were those of its first hand (`hand`, `hand_size`, `turn`,
+    `in_air`), with another hand under `second`, whose `shared` told that both touched one surface.
+
+    Args:
+        header: As it was read; one of this version is returned as it is.
+    """
+    settings = header["settings"]
+    if not isinstance(settings, dict) or "hands" in settings:
+        return header
+    settings = _EARLIER | settings
+    second = settings.pop("second", None)
+    hands = [_hand({name: settings.pop(name) for name in _OF_A_HAND if name in settings})]
+    one_surface = False
+    if isinstance(second, dict):
+        one_surface = bool(second.get("shared"))
+        hands.append(_hand({name: value for name, value in second.items() if name != "shared"}))
+    return {**header, "settings": {**settings, "hands": hands, "one_surface": one_surface}}
+
+
+def _hand(earlier: Values) -> Values:
+    """The entry of one hand."""
+    return {_OF_A_HAND.get(k, k): v for k, v in earlier.items() if v is not None}
