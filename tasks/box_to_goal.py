@@ -22,7 +22,8 @@ beside the box on the side of the border as well."""
 DISTANCE = (0.050, 0.100)
 """m from start to goal."""
 ROOM = 0.055
-"""m, least diagonal of the places for a box's centre; with less, no draw is ever far enough."""
+"""m, least diagonal of the area for a box's centre; in a smaller one, no goal is far enough
+away."""
 TURN = np.deg2rad(45.0)
 """rad, largest turn from start to goal."""
 MASS = (0.050, 0.250)
@@ -65,7 +66,7 @@ class BoxToGoal(TaskDefaults):
 
     @classmethod
     def draw(cls, seed: int, surface: Surface) -> BoxToGoal:
-        """The trial of a seed; same seed and surface, same trial.
+        """Draws the trial of a seed; the same seed and surface give the same trial.
 
         Raises:
             InputError: The surface has no room for a start and a goal.
@@ -94,7 +95,7 @@ class BoxToGoal(TaskDefaults):
         return cls(seed, (box,), (goal,))
 
     def measure(self, sensing: Sensing) -> Measure:
-        """Whether the box is at its goal now."""
+        """Tests whether the box is at its goal now."""
         box, goal = sensing.object("box"), self.goals[0]
         target = goal.position
         off = dist(box.position.tolist(), target)
@@ -116,6 +117,6 @@ class BoxToGoal(TaskDefaults):
             reason = "the box is still moving"
         way = max(dist(target, self.objects[0].position) - POSITION_TOLERANCE, 1e-9)
         travelled = 1.0 - max(off - POSITION_TOLERANCE, 0.0) / way
-        # Nothing but success is 1: a box on its way, tilted or still held, is short of it.
+        # Only success is 1: a box on its way, tilted or still held stays below.
         progress = 1.0 if not reason else min(max(travelled, 0.0), 0.99)
         return Measure(not reason, progress, reason)

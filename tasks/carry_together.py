@@ -1,4 +1,4 @@
-"""Carry a tray to its place in the air: a hand at either end, for one alone only tips it."""
+"""Carry a tray to its place in the air with a hand at either end; one hand alone tips it."""
 
 from __future__ import annotations
 
@@ -28,7 +28,8 @@ RISE = (0.040, 0.060)
 BORDER = 0.042
 """m from the surface's border to the nearest place of a grip, for a thumb beside the handle."""
 SEAM = 0.030
-"""m from the middle of the surface, where one hand's part ends, to the nearest place of a grip."""
+"""m from the middle of the surface, the border between the hands, to the nearest place of a
+grip."""
 
 POSITION_TOLERANCE = 0.015
 YAW_TOLERANCE = np.deg2rad(8.0)
@@ -37,7 +38,7 @@ SPEED_TOLERANCE = 0.050
 """m, rad and m/s within which the tray counts as being in its place."""
 
 _TRIES = 20_000
-"""Draws before a surface is said to be too small."""
+"""Number of draws after which a surface is reported as too small."""
 
 
 @dataclass(frozen=True)
@@ -76,17 +77,17 @@ class CarryTogether(TaskDefaults):
 
     @classmethod
     def draw(cls, seed: int, surface: Surface) -> CarryTogether:
-        """The trial of a seed; same seed and surface, same trial.
+        """Draws the trial of a seed; the same seed and surface give the same trial.
 
         Args:
-            seed: Of all that is drawn.
-            surface: Of both hands together.
+            seed: Seed of everything that is drawn.
+            surface: The surface of both hands together.
 
         Raises:
             InputError: The surface has no room for a start and a goal.
         """
         rng = np.random.default_rng([seed, cls.version, 20])
-        # Nowhere else is there a tray with both grips in their halves.
+        # Only there both grips of a tray are in their halves.
         width, height = surface.size.tolist()
         low = (max(width / 2 - TRAY_GRIP + SEAM, 0.0), 0.0)
         high = (min(width / 2 + TRAY_GRIP - SEAM, width), height)
@@ -115,7 +116,7 @@ class CarryTogether(TaskDefaults):
         return cls(seed, (tray,), (goal,))
 
     def measure(self, sensing: Sensing) -> Measure:
-        """Whether the tray is in its place now."""
+        """Tests whether the tray is in its place now."""
         tray, goal = sensing.object("tray"), self.goals[0]
         off = dist(tray.position.tolist(), goal.position)
         turn = abs((tray.yaw - goal.yaw + np.pi) % (2 * np.pi) - np.pi)
@@ -142,8 +143,8 @@ class CarryTogether(TaskDefaults):
 
 
 def _fits(middle: list[float], yaw: float, surface: Surface) -> bool:
-    """Whether both grips of a tray are where their hands can reach; all on the surface."""
-    # Yaw goes counterclockwise seen from above, where the surface's y points down.
+    """True if both grips of a tray are within reach of their hands; positions on the surface."""
+    # Yaw is counterclockwise seen from above, but the surface's y points down.
     way = TRAY_GRIP * np.array([np.cos(yaw), -np.sin(yaw)])
     right, left = middle + way, middle - way
     width, height = surface.size

@@ -1,11 +1,11 @@
-"""Tasks that are not ours: from installed packages by entry point, from a file, from a module.
+"""Loads tasks of other people: from installed packages by entry point, from a file or a module.
 
 A package offers its tasks under the name of the task:
 
     [project.entry-points."hand_sandbox.tasks"]
     my-lab-push = "my_lab.tasks:Push"
 
-What is wrong with one of them is said when it is asked for; nobody else's task suffers from it.
+Errors in a task are reported when it is loaded; they do not affect other tasks.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from models.outside import failure, load_file, package
 from tasks.task import Task, TaskDefaults
 
 GROUP = "hand_sandbox.tasks"
-"""Of entry points; each is named like its task."""
+"""Group of the entry points; each has the name of its task."""
 
 _NAME = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*")
 _FILE = re.compile(r"(?P<file>.+\.py)(:(?P<member>[A-Za-z_]\w*))?")
@@ -32,15 +32,15 @@ _NUMBERS = ("version", "time_limit", "hold_time", "table_friction", "touch_heigh
 
 
 def offered() -> dict[str, list[EntryPoint]]:
-    """What installed packages offer, by name; nothing of it is loaded."""
+    """Entry points of installed packages by name; loads none of them."""
     return outside.offered(GROUP)
 
 
 def load_offered(name: str) -> type[Task] | None:
-    """A task that a package offers; None where none does.
+    """Loads a task that a package offers; returns None if no package offers it.
 
     Raises:
-        InputError: Two packages offer it, or what is offered is no task.
+        InputError: Two packages offer it, or the offered object is not a task.
     """
     entries = offered().get(name, [])
     if not entries:
@@ -66,15 +66,15 @@ def load_offered(name: str) -> type[Task] | None:
 
 
 def is_place(text: str) -> bool:
-    """Whether a text is `FILE.py`, `FILE.py:Class` or `module:Class`."""
+    """True for a text of the form `FILE.py`, `FILE.py:Class` or `module:Class`."""
     return bool(_FILE.fullmatch(text) or _MODULE.fullmatch(text))
 
 
 def load_place(text: str) -> type[Task]:
-    """The task at a place; see `is_place`.
+    """Loads the task at a place; see `is_place`.
 
     Raises:
-        InputError: There is no such file or module, or no task in it.
+        InputError: The file or module does not exist, or contains no task.
     """
     in_file = _FILE.fullmatch(text)
     if in_file:
@@ -87,13 +87,13 @@ def load_place(text: str) -> type[Task]:
         module = _guarded(lambda: importlib.import_module(module_name), text)
     task = getattr(module, member, None)
     if task is None:
-        raise InputError("there is nothing of this name", where=text, got=member,
+        raise InputError("the module has nothing of this name", where=text, got=member,
                          expected=_names(_tasks_in(module)))  # fmt: skip
     return adapted(task, text)
 
 
 def place_file(text: str) -> Path | None:
-    """The file of a place, absolute; None where it is a module's."""
+    """Absolute path of the file of a place; None for a module."""
     in_file = _FILE.fullmatch(text)
     return Path(in_file["file"]).resolve() if in_file else None
 
@@ -113,13 +113,13 @@ def adapted(kind: Any, where: str) -> type[Task]:
 
 
 def check_task(kind: Any, where: str) -> None:
-    """Refuses what lacks a part of a task.
+    """Raises an error for an object that lacks a part of a task.
 
     Raises:
-        InputError: It does; says which.
+        InputError: A part is missing or invalid; the error names it.
     """
     if not _looks_like_task(kind):
-        raise InputError("this is no task", where=where, got=repr(kind)[:80],
+        raise InputError("not a task", where=where, got=repr(kind)[:80],
                          expected="a class with draw and measure")  # fmt: skip
     name = getattr(kind, "name", None)
     if not (isinstance(name, str) and _NAME.fullmatch(name)):
@@ -161,7 +161,7 @@ def _looks_like_task(kind: Any) -> bool:
 
 
 def _tasks_in(module: ModuleType) -> list[str]:
-    """Names of the task classes that a module makes itself."""
+    """Names of the task classes that a module defines itself."""
     return [
         name
         for name, kind in vars(module).items()
@@ -172,7 +172,7 @@ def _tasks_in(module: ModuleType) -> list[str]:
 def _only_task(module: ModuleType, path: str) -> str:
     tasks = _tasks_in(module)
     if len(tasks) != 1:
-        raise InputError("which task of this file is not clear", where=path, got=_names(tasks),
+        raise InputError("unclear which task of the file is meant", where=path, got=_names(tasks),
                          expected=f"one task, or {Path(path).name}:CLASS")  # fmt: skip
     return tasks[0]
 

@@ -1,4 +1,4 @@
-"""Where goals are now: some are places in the world, others are on top of something that moves."""
+"""Current positions of goals: some are fixed in the world, others on top of a moving object."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from tasks.sensing import length
 Array = NDArray[np.float64]
 
 _NEAR = 0.030
-"""m; a thing nearer than this to its own goal is where it belongs, and what goes on it goes there.
-Farther away, what goes on it is shown where the thing will be."""
+"""m; an object nearer than this to its own goal counts as placed, and a goal on top of it follows
+it. While the object is farther away, the goal on top is shown above the object's own goal."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Goal:
 
 
 class Posed(Protocol):
-    """Anything with a place (3,) m and a rotation (3, 3) in the world."""
+    """An object with a position (3,) m and a rotation (3, 3) in the world."""
 
     @property
     def position(self) -> Array: ...
@@ -48,11 +48,11 @@ class Posed(Protocol):
 
 
 def place(goals: Sequence[Goal], poses: Mapping[str, Posed]) -> tuple[Goal, ...]:
-    """The goals in the world, as things stand now; none of them has `on` set any more.
+    """Converts goals to their current positions in the world; none of the results has `on` set.
 
     Args:
-        goals: In an order in which what is below comes first.
-        poses: Where the objects are, by name.
+        goals: Goals in order, lower ones first.
+        poses: Current poses of the objects, by name.
     """
     placed: dict[str, Goal] = {}
     for goal in goals:
@@ -70,9 +70,9 @@ def place(goals: Sequence[Goal], poses: Mapping[str, Posed]) -> tuple[Goal, ...]
 
 
 def flat_yaw(rotation: Array) -> float:
-    """rad about the vertical of whichever of a thing's axes lies flattest; x before y before z.
+    """Yaw in rad of the object's axis that lies flattest; x before y before z.
 
-    A box on another of its faces has its x axis upright, and still edges with a direction.
+    A box that stands on its x face has an upright x axis, but its other edges still have a yaw.
     """
     steep = [round(10.0 * abs(z)) for z in rotation[2].tolist()]
     x, y, _ = rotation[:, steep.index(min(steep))].tolist()

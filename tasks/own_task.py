@@ -1,4 +1,4 @@
-"""What a task of somebody's own is made from: say what lies where, and when it is done.
+"""Base class for custom tasks: place the objects, and test when the task is done.
 
     class Push(OwnTask):
         name = "my-lab-push"
@@ -14,7 +14,7 @@
             far = float(np.linalg.norm(off))
             return judge(1 - far / 0.1, (far > 0.01, f"it is {1000 * far:.0f} mm away"))
 
-Any class that keeps to `tasks.task.Task` will do as well; this one fills in what is mostly alike.
+Any class that follows the contract `tasks.task.Task` works as well; this one fills in common parts.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ from tasks.task import Goal, Measure, TaskDefaults
 Array = NDArray[np.float64]
 
 _TRIES = 4_000
-"""Draws before a surface is said to be too small."""
+"""Number of draws after which a surface is reported as too small."""
 
 
 @dataclass(frozen=True)
@@ -45,11 +45,11 @@ class OwnTask(TaskDefaults, ABC):
     """One drawn trial of a task; its class attributes are those of `tasks.task.Task`.
 
     Attributes:
-        seed: What the trial was drawn from.
-        objects: Things in the scene at their start.
-        goals: What is to be reached; views show it, and the simulated user sees it there.
-        user: Plays it as `--device simulated`; None: the one that plays our own tasks, which brings
-            `goals[0].object` to its goal by pinching it.
+        seed: The seed of the trial.
+        objects: Objects in the scene at their start.
+        goals: The goals, which views show to people and to the simulated user.
+        user: Creates the simulated user for `--device simulated`; None uses the user of the
+            built-in tasks, who brings `goals[0].object` to its goal by pinching it.
     """
 
     name: ClassVar[str]
@@ -70,34 +70,36 @@ class OwnTask(TaskDefaults, ABC):
     def place(
         cls, rng: np.random.Generator, surface: Surface
     ) -> tuple[Sequence[Thing], Sequence[Goal]]:
-        """Things at their start, and goals.
+        """Returns the objects at their start, and the goals.
 
         Args:
-            rng: The only chance there is: the same seed places the same.
-            surface: Where fingers reach; `surface.to_world(xy)` are places in the world.
+            rng: The only source of randomness, so that the same seed gives the same trial.
+            surface: The area that fingers reach; `surface.to_world(xy)` gives positions in the
+                world.
         """
 
     @abstractmethod
     def measure(self, sensing: Sensing) -> Measure:
-        """Whether it is done now, how near it is, and what is missing; see `judge`."""
+        """Measures whether the task is done now, its progress and what is missing; see `judge`."""
 
     @classmethod
     def draw(cls, seed: int, surface: Surface) -> Self:
-        """The trial of a seed; same seed, version and surface, same trial."""
+        """Draws the trial of a seed; the same seed, version and surface give the same trial."""
         rng = np.random.default_rng([seed, cls.version, crc32(cls.name.encode())])
         objects, goals = cls.place(rng, surface)
         return cls(seed, tuple(objects), tuple(goals))
 
 
 def judge(progress: float, *lacks: tuple[bool, str]) -> Measure:
-    """How things stand.
+    """Combines the conditions of success into a measure.
 
     Args:
-        progress: 0 (as at the start) to 1, as if nothing else were to be looked at.
-        lacks: What stands against success, and whether it does; the first is told to the person.
+        progress: 0 (as at the start) to 1, before the conditions are taken into account.
+        lacks: Pairs of a boolean, true while a condition is not met, and its text. People are shown
+            the first text.
     """
     reason = next((why for lacking, why in lacks if lacking), "")
-    # Nothing but success is 1.
+    # Only success is 1.
     return Measure(not reason, float(np.clip(progress, 0.0, 0.99)) if reason else 1.0, reason)
 
 
@@ -107,16 +109,16 @@ def two_places(
     apart: tuple[float, float] = (0.05, 0.10),
     border: float = 0.035,
 ) -> tuple[Array, Array]:
-    """Start and goal on the table, (3,) and (3,) m in the world, uniform where they fit.
+    """Draws start and goal on the table, (3,) and (3,) m in the world, uniformly.
 
     Args:
-        rng: Draws them.
+        rng: Source of randomness.
         surface: The screen.
         apart: m, least and greatest distance.
-        border: m from the surface's border, so that fingers have room beside a thing.
+        border: m from the surface's border, so that fingers have room beside an object.
 
     Raises:
-        InputError: The surface has no room for them.
+        InputError: The surface is too small for them.
     """
     low, high = np.full(2, border), surface.size - border
     for _ in range(_TRIES if np.all(high > low) else 0):

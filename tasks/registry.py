@@ -1,4 +1,4 @@
-"""Tasks by name: ours, those that installed packages offer, and those at a place in a file."""
+"""Finds tasks by name: built-in ones, those of installed packages, and those in a file."""
 
 from __future__ import annotations
 
@@ -32,10 +32,10 @@ TASKS: dict[str, type[Task]] = {
 
 
 def find_task(name: str) -> type[Task]:
-    """The task of a name, ours or of an installed package; or at a place such as `FILE.py:Class`.
+    """Finds a built-in task or one of an installed package by name, or one at `FILE.py:Class`.
 
     Raises:
-        InputError: There is none, or it cannot be used.
+        InputError: No task has this name, or it cannot be used.
     """
     if name in TASKS:
         return TASKS[name]
@@ -52,12 +52,12 @@ def find_task(name: str) -> type[Task]:
 
 
 def task_names() -> tuple[str, ...]:
-    """Names of our tasks and of those that installed packages offer, loaded or not."""
+    """Names of the built-in tasks and of those that installed packages offer, loaded or not."""
     return (*TASKS, *sorted(set(offered()) - set(TASKS)))
 
 
 def unusable_tasks() -> dict[str, str]:
-    """What installed packages offer and cannot be used, by name, with the reason."""
+    """Names of tasks in installed packages that cannot be used, with the reason."""
     reasons = {}
     for name, entries in offered().items():
         if name in TASKS:
@@ -72,12 +72,12 @@ def unusable_tasks() -> dict[str, str]:
 
 
 def hands_of(task: type[Task] | Task) -> int:
-    """How many hands a task is made for: those that say nothing want one."""
+    """Number of hands that a task needs; 1 by default."""
     return task.hands
 
 
 def draw_task(kind: type[Task], seed: int, surface: Surface) -> Task:
-    """The trial of a seed, checked.
+    """Draws the trial of a seed and checks it.
 
     A trial of a task from outside is drawn twice, and placed, before it is played.
 
@@ -111,7 +111,7 @@ def is_built_in(kind: type[Task]) -> bool:
 
 
 def origin(name: str) -> dict[str, Any]:
-    """Where a task comes from that is not ours, for whoever wants to run it again; else empty.
+    """Origin of a task of other people, needed to run it again; empty for built-in tasks.
 
     Returns:
         `entry_point` as `module:Class`, with `package` and `version` where one is installed; or

@@ -1,4 +1,4 @@
-"""Scoring a trial: reached for an instant, held, and still so a second later."""
+"""Scores a trial: goal reached at one moment, held, and still reached a second later."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from enum import StrEnum
 from tasks.task import Measure, Task
 
 AFTERMATH = 1.0
-"""s for which a trial runs on after success, to see whether it lasts."""
+"""s that a trial continues after success, to test whether the goal stays reached."""
 
 
 class Status(StrEnum):
-    """How a trial ended; `running` until then. `failed`: something was done that ends it."""
+    """State or end of a trial. `failed`: the person did something that ends the trial."""
 
     RUNNING = "running"
     HELD = "held"
@@ -23,7 +23,7 @@ class Status(StrEnum):
 
 
 def ending(status: str, success: bool) -> str:
-    """How a trial ended, in a word or two for people."""
+    """Text for people of how a trial ended, in a word or two."""
     if status == "running":
         return "broken off"
     return "done" if success else status.replace("_", " ")
@@ -35,11 +35,11 @@ class Score:
 
     Attributes:
         instant: The goal was reached at some moment.
-        held: It was reached for the hold time without a break; this is success.
-        final: It was still reached when the trial ended, a second after success.
-        status: How the trial ended.
+        held: The goal was reached for the hold time without a break; this is success.
+        final: The goal was still reached when the trial ended, a second after success.
+        status: State or end of the trial.
         progress: 0 to 1, at the end.
-        reason: What is missing, for a person; empty when nothing is.
+        reason: Text for people of what is missing; empty after success.
         time: s of simulated time until it was held, or until the trial ended.
     """
 
@@ -53,12 +53,12 @@ class Score:
 
     @property
     def success(self) -> bool:
-        """The one number of a trial: the goal was held."""
+        """True if the goal was held: the main result of a trial."""
         return self.held
 
 
 class Scorer:
-    """Follows one trial from measure to measure."""
+    """Scores one trial, one measure after another."""
 
     def __init__(self, task: Task) -> None:
         self._task = task
@@ -68,11 +68,11 @@ class Scorer:
 
     @property
     def over(self) -> bool:
-        """Whether the trial has ended."""
+        """True once the trial has ended."""
         return self.score.status is not Status.RUNNING
 
     def update(self, time: float, measure: Measure) -> Score:
-        """Takes note of the state at a time in seconds since the trial's start."""
+        """Adds the measure at a time in seconds since the trial's start."""
         if self.over:
             return self.score
         if not measure.reached:
@@ -80,7 +80,7 @@ class Scorer:
         elif self._since is None:
             self._since = time
         lasted = 0.0 if self._since is None else time - self._since
-        # Times are sums of steps; half a microsecond is no break of the rule.
+        # Times are sums of steps, so the rule tolerates half a microsecond.
         if self._held_at is None and lasted >= self._task.hold_time - 5e-7:
             self._held_at = time
         held = self._held_at is not None
@@ -104,7 +104,7 @@ class Scorer:
         """Ends the trial for a reason outside the task: no more input, or a diverged simulation."""
         if not self.over:
             if self.score.held:
-                # What was won stays won; only the look a second later is missing.
+                # A success stays one; only the test a second later is missing.
                 status, reason = Status.HELD, self.score.reason
             self._end(status, reason)
         return self.score

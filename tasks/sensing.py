@@ -1,4 +1,4 @@
-"""What a task may see of the simulation: poses, speeds and who touches whom.
+"""Read access of tasks to the simulation: poses, speeds and contacts.
 
 Contacts are read from contact sensors, never from the solver's contact list, whose order is not
 defined.
@@ -21,13 +21,13 @@ Array = NDArray[np.float64]
 
 
 def length(vector: Array) -> float:
-    """Of a vector (n,): `np.linalg.norm`, to the bit, in a third of the time."""
+    """Length of a vector (n,); equal to `np.linalg.norm` to the bit, in a third of the time."""
     return sqrt(vector.dot(vector))
 
 
 SUPPORT = 0.6
-"""Share of an object's weight that what bears it carries. What stands on one thing has all of it
-there, what leans on two shares it."""
+"""Least share of an object's weight that its support carries. An object on one support rests there
+with its whole weight; one that leans on two shares it between them."""
 
 
 @dataclass(frozen=True)
@@ -36,10 +36,10 @@ class ObjectState:
 
     Attributes:
         position: (3,) m, centre.
-        rotation: (3, 3).
+        rotation: (3, 3), world from object.
         speed: m/s of the centre.
-        on_table: The table pushes it.
-        held: A hand touches it.
+        on_table: True if the table pushes it.
+        held: True if a hand touches it.
     """
 
     position: Array
@@ -50,29 +50,30 @@ class ObjectState:
 
     @property
     def yaw(self) -> float:
-        """rad about the vertical of the object's x axis, seen from above."""
+        """Yaw of the object's x axis in rad, seen from above."""
         return atan2(self.rotation[1, 0], self.rotation[0, 0])
 
     @property
     def tilt(self) -> float:
-        """rad between the object's z axis and the vertical."""
+        """Angle in rad between the object's z axis and the vertical."""
         return acos(min(max(self.rotation[2, 2], -1.0), 1.0))
 
     @property
     def lean(self) -> float:
-        """rad between the vertical and the nearest of the object's axes: 0 on any face of a box."""
+        """Angle in rad between the vertical and the nearest of the object's axes: 0 on any face of
+        a box."""
         return float(np.arccos(min(max(map(abs, self.rotation[2].tolist())), 1.0)))
 
 
 class Sensing:
-    """Reads a simulation, and changes nothing in it."""
+    """Reads a simulation without changing it."""
 
     def __init__(self, scene: Scene, data: mujoco.MjData) -> None:
         self._scene, self._data = scene, data
         model = scene.model
         self._hands = hands = [hand.name for hand in scene.spec.hands]
-        # MuJoCo's arrays stay where they are, so that parts of them need be looked for only once.
-        # There is one sensor for two things; it tells the force of its first on its second.
+        # MuJoCo's arrays stay where they are, so that views of them are made only once.
+        # Every pair of parts has one sensor, which measures the force of the first on the second.
         self._read: dict[tuple[str, str], Array] = {}
         self._sign: dict[tuple[str, str], float] = {}
         for i, thing in enumerate(scene.spec.objects):
@@ -88,13 +89,13 @@ class Sensing:
         self._velocity = {
             thing.name: int(model.joint(thing.name).dofadr[0]) for thing in scene.spec.objects
         }
-        # A free joint begins with the three speeds of the centre. What turns about a bolt has one
-        # speed, and its centre goes round at the end of a lever.
+        # A free joint begins with the three speeds of the centre. An object on a bolt has one
+        # speed, and its centre moves at the end of a lever.
         self._moves, self._levers = {}, {}
         for thing in scene.spec.objects:
             joint = model.joint(thing.name)
             hinged = joint.type[0] == mujoco.mjtJoint.mjJNT_HINGE
-            # What is kept in a plane slides along two or three axes.
+            # An object in a plane slides along two or three axes.
             types = model.jnt_type[model.jnt_bodyid == scene.object_bodies[thing.name]]
             slides = int(np.sum(types == mujoco.mjtJoint.mjJNT_SLIDE))
             self._moves[thing.name] = slides or (1 if hinged else 3)
@@ -104,7 +105,7 @@ class Sensing:
         }
 
     def object(self, name: str) -> ObjectState:
-        """The state of an object.
+        """Current state of an object.
 
         Raises:
             InputError: The task has no object of this name.
@@ -121,18 +122,19 @@ class Sensing:
         )
 
     def touching(self, name: str, other: str) -> bool:
-        """Whether a force passes between an object and the table, a hand or another object."""
+        """True if a force acts between an object and the table, a hand or another object."""
         touches, *force = self._sensor(name, other).tolist()
         return touches > 0 and any(force)
 
     def force(self, name: str, other: str) -> Array:
-        """(3,) N in the world, with which the table, a hand or another object pushes an object."""
+        """Force (3,) N in the world with which the table, a hand or another object pushes an
+        object."""
         return self._sensor(name, other)[1:] * self._sign[name, other]
 
     def rests_on(self, name: str, other: str) -> bool:
-        """Whether the table or another object bears an object: pushes up most of its weight.
+        """True if the table or another object supports an object: pushes up most of its weight.
 
-        A brush from the side, or a corner that only leans, is no support.
+        A brush from the side, or a corner that only leans, does not count as support.
         """
         up = float(self._sensor(name, other)[3]) * self._sign[name, other]
         return up > SUPPORT * self._weights[name]

@@ -14,14 +14,14 @@ from tasks.stacking import EDGE, MASS, YAW, Stacking, too_small
 Array = NDArray[np.float64]
 
 SIDE = 0.012
-"""m between a box's face and the surface's border at the start, if it were not turned: about a
-fingertip's breadth, for touches beside the box on that side as well."""
+"""m between the face of an unrotated box and the surface's border at the start: about a fingertip's
+breadth, for touches beside the box on that side as well."""
 GAP = 0.030
 """m, least distance of two boxes' centres at the start beyond half the sum of their edges, so that
 fingers have room between them."""
 
 _TRIES = 20_000
-"""Draws before a surface is said to be too small."""
+"""Number of draws after which a surface is reported as too small."""
 
 
 @dataclass(frozen=True)
@@ -48,13 +48,13 @@ class Stack(Stacking):
 
     @classmethod
     def draw(cls, seed: int, surface: Surface) -> Self:
-        """The trial of a seed; same seed and surface, same trial.
+        """Draws the trial of a seed; the same seed and surface give the same trial.
 
         Raises:
-            InputError: The surface has no room for the boxes.
+            InputError: The surface is too small for the boxes.
         """
         rng = np.random.default_rng([seed, cls.version, 10 + cls.count])
-        # With the smallest boxes at opposite corners there has to be room, or no draw is any good.
+        # The smallest boxes must fit at opposite corners, or no draw can succeed.
         widest = surface.size - EDGE[0] - 2 * SIDE
         possible = np.all(widest > 0) and np.linalg.norm(widest) > EDGE[0] + GAP
         for _ in range(_TRIES if possible else 0):
@@ -85,7 +85,7 @@ class StackThree(Stack):
 
 
 def _apart(places: Array, edges: Array) -> bool:
-    """Whether all boxes are far enough from each other."""
+    """True if all boxes are far enough from each other."""
     for i in range(len(edges)):
         for j in range(i):
             least = (edges[i] + edges[j]) / 2 + GAP

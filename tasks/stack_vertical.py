@@ -15,11 +15,11 @@ SIDE = 0.020
 GAP = 0.030
 """m between the faces of the two boxes at the start, for fingers between them."""
 HEADROOM = 0.045
-"""m by which a surface is higher than the middle of the upper box on the lower one: what of it is
-below the table, how high the box is carried, and the fingers above its middle."""
+"""m by which a surface must exceed the height of the middle of the upper box on the lower one: the
+part below the table, the height at which the box is carried, and the fingers above its middle."""
 
 _TRIES = 4_000
-"""Draws before a surface is said to be too small."""
+"""Number of draws after which a surface is reported as too small."""
 
 
 @dataclass(frozen=True)
@@ -55,16 +55,16 @@ class StackVertical(Stacking):
 
     @classmethod
     def draw(cls, seed: int, surface: Surface) -> Self:
-        """The trial of a seed; same seed and surface, same trial.
+        """Draws the trial of a seed; the same seed and surface give the same trial.
 
         Raises:
-            InputError: The surface has no room for the boxes.
+            InputError: The surface is too small for the boxes.
         """
         rng = np.random.default_rng([seed, cls.version, 20])
         width, height = surface.size
         for _ in range(_TRIES):
             edges = rng.uniform(*EDGE, cls.count)
-            # The wider box may be the one that comes to stand on the other.
+            # The wider box may be the upper one.
             low = edges.max() / 2 + SIDE
             across = low + rng.uniform(0.0, 1.0, cls.count) * (width - 2 * low)
             fits = width > 2 * low and height >= edges[0] + edges[1] / 2 + HEADROOM

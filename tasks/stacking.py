@@ -1,4 +1,4 @@
-"""What all stacking tasks share: boxes, an order, and the test of whether they are stacked."""
+"""Base class of stacking tasks: boxes, their order, and the test of whether they are stacked."""
 
 from __future__ import annotations
 
@@ -22,19 +22,19 @@ from tasks.task import Goal, Measure, TaskDefaults
 Array = NDArray[np.float64]
 
 NAMES = ("base", "second", "third")
-"""Of the boxes, from below."""
+"""Names of the boxes, from below."""
 COLOURS = ((0.86, 0.30, 0.24), (0.93, 0.68, 0.22), (0.30, 0.52, 0.78))
-"""Of the boxes, so that one can speak of them."""
+"""Colours of the boxes, by which messages name them."""
 
 EDGE = (0.040, 0.060)
 """m."""
 MASS = (0.050, 0.250)
 """kg."""
 YAW = float(np.deg2rad(45.0))
-"""rad, largest turn of a box against the surface's axes at the start, either way."""
+"""rad, largest rotation of a box relative to the surface's axes at the start, either way."""
 
 OFFSET_TOLERANCE = 0.35
-"""Of the smaller edge of two boxes: how far their centres may be apart, seen from above."""
+"""Share of the smaller edge of two boxes: largest distance of their centres, seen from above."""
 LEAN_TOLERANCE = float(np.deg2rad(3.0))
 """rad."""
 SPEED_TOLERANCE = 0.010
@@ -43,12 +43,12 @@ SPEED_TOLERANCE = 0.010
 
 @dataclass(frozen=True)
 class Stacking(TaskDefaults):
-    """Boxes that are to stand on each other, in their order.
+    """Boxes to be stacked in a given order.
 
-    Tasks differ in how many there are and in where they start.
+    Tasks differ in the number of boxes and in their starts.
 
     Attributes:
-        count: How many boxes.
+        count: Number of boxes.
     """
 
     name: ClassVar[str]
@@ -67,10 +67,10 @@ class Stacking(TaskDefaults):
 
     @classmethod
     def of(cls, seed: int, edges: Array, masses: Array, places: Array, yaws: Array) -> Self:
-        """The trial with these boxes, the lowest one first.
+        """Creates the trial with these boxes, the lowest one first.
 
         Args:
-            seed: What all this was drawn from.
+            seed: Seed from which the values were drawn.
             edges: (count,) m.
             masses: (count,) kg.
             places: (count, 2) m, centres on the table, in the world.
@@ -94,7 +94,7 @@ class Stacking(TaskDefaults):
         return cls(seed, boxes, goals)
 
     def measure(self, sensing: Sensing) -> Measure:
-        """Whether the boxes are stacked now; what is missing is told from below."""
+        """Tests whether the boxes are stacked now; names the lowest missing condition."""
         states = {box.name: sensing.object(box.name) for box in self.objects}
         done, missing = 0, ""
         for lower, upper in pairwise(self.objects):
@@ -117,7 +117,7 @@ class Stacking(TaskDefaults):
     def _missing(
         self, lower: Box, upper: Box, states: dict[str, ObjectState], sensing: Sensing
     ) -> str:
-        """What is missing of a box's standing on the one that belongs below it; empty: nothing."""
+        """Reason why a box does not stand on the right box below; empty if it does."""
         name, below = upper.name, lower.name
         if sensing.touching(name, TABLE):
             return f"the {name} box stands on the table"
@@ -130,26 +130,26 @@ class Stacking(TaskDefaults):
         return _restless(name, states[name])
 
     def _progress(self, states: dict[str, ObjectState], done: int) -> float:
-        """Share of the upper boxes that are in place, and how far the next one has come."""
+        """Share of the upper boxes that are in place, plus the progress of the next one."""
         if done == len(self.goals):
             return 1.0
         way = min(max(1.0 - self._way(done, states) / self._ways[done], 0.0), 1.0)
         return (done + 0.99 * way) / len(self.goals)
 
     def _way(self, i: int, poses: Mapping[str, Posed]) -> float:
-        """m, from a goal's box to where it belongs as things stand."""
+        """Distance in m from a goal's box to its current place."""
         goal = place(self.goals[: i + 1], poses)[i]
         return length(poses[goal.object].position - goal.position)
 
     @cached_property
     def _ways(self) -> tuple[float, ...]:
-        """m, of every goal's box at the start."""
+        """That distance in m for every goal's box at the start."""
         start = {box.name: _Start(box) for box in self.objects}
         return tuple(self._way(i, start) for i in range(len(self.goals)))
 
 
 class _Start:
-    """A box as it stood at the start."""
+    """State of a box at the start."""
 
     def __init__(self, box: Box) -> None:
         self.position = np.asarray(box.position)
@@ -168,7 +168,7 @@ def _restless(name: str, state: ObjectState) -> str:
 
 
 def too_small(name: str, surface: Surface, example: str) -> InputError:
-    """The error of a task for which a surface has no room."""
+    """The error for a surface that is too small for a task."""
     return InputError(
         "the surface is too small for this task",
         where=name,

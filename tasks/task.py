@@ -1,4 +1,5 @@
-"""What a task is: a scene with a goal, drawn from a seed, and a test of whether it is reached."""
+"""Contract of tasks: a scene with goals, drawn from a seed, and a test of whether they are
+reached."""
 
 from __future__ import annotations
 
@@ -21,13 +22,13 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Measure:
-    """How things stand at one moment.
+    """State of a task at one moment.
 
     Attributes:
         reached: All conditions of success hold right now.
         progress: 0 (as at the start, or worse) to 1 (reached).
-        reason: The first condition that does not hold, for a person; empty when all hold.
-        lost: What was done cannot be undone: the trial ends here, unless it was won before.
+        reason: Text for people of the first condition that does not hold; empty when all hold.
+        lost: True if the trial failed for good: it ends here, unless it had succeeded before.
     """
 
     reached: bool
@@ -52,18 +53,18 @@ class Task(TaskDefaults, Protocol):
     """One drawn trial of a task. It only reads the simulation and never moves anything.
 
     Attributes:
-        name: On the command line.
-        version: Ranges and conditions are part of it; results of two versions do not compare.
-        seed: What the trial was drawn from.
-        objects: Things in the scene at their start.
-        goals: What is to be reached.
+        name: Name on the command line.
+        version: Version of ranges and conditions; results of two versions cannot be compared.
+        seed: Seed of the trial.
+        objects: Objects in the scene at their start.
+        goals: Goals to be reached.
         table_friction: Coulomb coefficient of the table.
         touch_height: m, height of the touch plane above the table; a fingertip's centre is a
             little above it, near the middle of the objects' height.
         lift_range: m by which the hand rises at lift control 1; 0 where the task needs none.
-        plane: How the touch surface is placed: `table` lies flat over the table; `front` stands
+        plane: Placement of the touch surface: `table` lies flat over the table; `front` stands
             upright, its y the world's z.
-        time_limit: s.
+        time_limit: s, duration of a trial at most.
         hold_time: s for which the goal must hold without a break.
     """
 
@@ -87,9 +88,9 @@ class Task(TaskDefaults, Protocol):
 
     @classmethod
     def draw(cls, seed: int, surface: Surface) -> Task:
-        """The trial of a seed, placed within reach of fingers on the surface."""
+        """Draws the trial of a seed, placed within reach of fingers on the surface."""
         ...
 
     def measure(self, sensing: Sensing) -> Measure:
-        """Whether the goal is reached now, how near it is, and what is missing."""
+        """Measures whether the goal is reached now, the progress and what is missing."""
         ...

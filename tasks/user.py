@@ -1,4 +1,4 @@
-"""A simulated user: what kind of person it is, what it sees, and what it does."""
+"""Contract and settings of simulated users, and what they see of the screen."""
 
 from __future__ import annotations
 
@@ -19,34 +19,33 @@ from tasks.goals import Goal
 Array = NDArray[np.float64]
 
 KINDS = ("skilled", "idle", "random")
-"""`skilled` plays the task; the control arms do nothing, or touch at random."""
+"""Kinds of users: `skilled` plays the task; the control arms do nothing, or touch at random."""
 
 
 @dataclass(frozen=True)
 class UserConfiguration:
-    """A simulated person.
+    """Settings of a simulated user.
 
     Attributes:
         kind: One of `KINDS`.
-        fingers: How many fingers touch, 2 to 5: the thumb and then index, middle, ...
+        fingers: Number of touching fingers, 2 to 5: the thumb, then index, middle, ...
         reaction: s, range from which each trial's delay between seeing and acting is drawn.
         peak_speed: m/s, fastest a fingertip moves.
         movement_base, movement_slope: s; a movement of d metres takes base + slope log2(d / 2 mm),
-            and longer where the peak speed asks for it.
-        end_noise: Share of a movement's length by which it misses.
-        tremor: m, slow correlated noise of every finger (standard deviation per axis).
-        tremor_time: s, its correlation time.
+        or longer because of the peak speed. end_noise: Share of a movement's length by which it
+        misses. tremor: m, slow correlated noise of every finger (standard deviation per axis).
+        tremor_time: s, correlation time of the tremor.
         noise: m, uncorrelated noise of every finger; together with the tremor 1 mm.
         aim_error: m per axis, error of a first touch, common to all fingers of the hand: the screen
-            is not under the fingers, so where they will land is not seen.
-        finger_error: m per axis, error of a single finger's first touch against the others.
+            is not under the fingers, so the user does not see where they will land.
+        finger_error: m per axis, error of a single finger's first touch relative to the others.
         stagger: s, within which the fingers land, and lift, in random order.
-        opening: m per side, how much wider than the object the hand comes down.
-        squeeze: m per side, how far inside the object's faces the touches close.
+        opening: m per side by which the hand comes down wider than the object.
+        squeeze: m per side by which the touches close inside the object's faces.
         pitch: m between neighbouring fingers on one face.
         natural_axis: rad, direction from thumb to fingers that is most comfortable.
-        longest_span: m, farthest the thumb goes from any finger.
-        attempts: Grasps before giving up.
+        longest_span: m, largest distance of the thumb from any finger.
+        attempts: Number of grasps before giving up.
     """
 
     kind: str = "skilled"
@@ -78,7 +77,7 @@ class UserConfiguration:
             )
 
     def as_json(self) -> dict[str, Any]:
-        """For results and recordings."""
+        """Values for results and recordings."""
         return asdict(self)
 
 
@@ -92,26 +91,26 @@ class SeenObject:
 
     @property
     def yaw(self) -> float:
-        """rad about the vertical."""
+        """Yaw in rad about the vertical."""
         return float(np.arctan2(self.rotation[1, 0], self.rotation[0, 0]))
 
     @property
     def upright(self) -> bool:
-        """Whether it stands on one of its faces, as far as one sees."""
+        """True if it is seen to stand on one of its faces."""
         return bool(np.max(np.abs(self.rotation[2])) > np.cos(np.deg2rad(8.0)))
 
 
 @dataclass(frozen=True)
 class Sight(Later):
-    """One moment on the screen.
+    """Content of the screen at one moment.
 
     Attributes:
         time: s.
-        tips: Places (3,) m of the drawn fingertips that carry a finger's name, by contact id.
-        solid: The hand is drawn opaque.
-        objects: By name.
-        goals: What is to be reached.
-        done: The screen says that the task is done.
+        tips: Positions (3,) m of the drawn fingertips of labelled fingers, by contact id.
+        solid: True if the hand is drawn opaque.
+        objects: The objects by name.
+        goals: Goals to be reached.
+        done: True if the screen says that the task is done.
     """
 
     time: float
@@ -123,7 +122,7 @@ class Sight(Later):
 
 
 class User(Protocol):
-    """A simulated person: looks at the screen and touches it."""
+    """Contract of simulated users, who look at the screen and touch it."""
 
     configuration: UserConfiguration
 

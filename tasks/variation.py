@@ -1,8 +1,8 @@
 """Harder and easier trials than a task draws: other objects, other friction, a worse touch screen.
 
-A variation is no part of a task: the ranges of its version stay what they are, and a drawn trial is
-changed afterwards. What is changed is written beside the result, so that a varied trial is never
-compared with one that is not.
+A variation does not belong to a task: the ranges of the task's version stay the same, and a drawn
+trial is changed afterwards. The changes are written beside the result, so that a varied trial is
+never compared with an unvaried one.
 """
 
 from __future__ import annotations
@@ -24,18 +24,20 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Variation:
-    """How trials differ from those that a task draws; neutral by default, plain values.
+    """Changes to the trials that a task draws; none by default.
 
     Attributes:
-        size: Factor on the objects' edges; what they weigh, and what friction a bolt has, does not
-            change by it.
+        size: Factor on the objects' edges; it does not change their masses or the friction of a
+            bolt.
         mass: Factor on their masses.
-        friction: Factor on every coefficient of sliding friction: of table, objects and hands.
-        start: m by which every object starts elsewhere, in a direction that follows from the seed.
-        noise: m, standard deviation of white noise on either coordinate of every touch and frame.
+        friction: Factor on every coefficient of sliding friction: table, objects and hands.
+        start: m by which every object's start is shifted, in a direction that follows from the
+            seed.
+        noise: m, standard deviation of white noise on each coordinate of every touch in every
+            frame.
         dropped: Times per second that the screen loses a touch for a moment.
-        ghosts: Times per second that the screen reports a touch where there is none.
-        latency: s by which touches come late.
+        ghosts: False touches per second.
+        latency: s by which touches are delayed.
 
     Raises:
         InputError: A value is out of range.
@@ -61,12 +63,12 @@ class Variation:
 
     @property
     def neutral(self) -> bool:
-        """Whether nothing is changed."""
+        """True if it changes nothing."""
         return self == Variation()
 
     @property
     def spoils(self) -> bool:
-        """Whether touches are changed on their way."""
+        """True if it degrades touches."""
         return any(getattr(self, name) != 0.0 for name in TOUCHES)
 
     def as_json(self) -> dict[str, float]:
@@ -84,28 +86,27 @@ RANGES = {
     "ghosts": (0.0, 20.0),
     "latency": (0.0, 2.0),
 }
-"""What is beyond is a slip of the finger, by attribute of a variation."""
+"""Least and greatest allowed value of each attribute; values outside are typing errors."""
 
 TOUCHES = ("noise", "dropped", "ghosts", "latency")
-"""What changes touches, and not the scene."""
+"""Attributes that change touches and not the scene."""
 
 _STREAM = 7_005
 _TRIES = 2_000
 
 
 def vary(task: Task, variation: Variation, surface: Surface) -> Task:
-    """A drawn trial with other objects and another start; one that is not changed is the same.
+    """Changes objects and starts of a drawn trial; a neutral variation returns the same object.
 
-    Friction is not the trial's, but the whole scene's, and the session's to change; touches are
-    changed by a device.
+    The session changes friction, which belongs to the whole scene; a device changes touches.
 
     Args:
-        task: As drawn.
-        variation: What to change.
-        surface: As placed in the world; no object starts beside it.
+        task: The drawn trial.
+        variation: The changes.
+        surface: The surface as placed in the world; no object starts beside it.
 
     Raises:
-        InputError: The task or one of its things cannot be changed like that.
+        InputError: The task or one of its objects does not support the change.
     """
     if replace(variation, friction=1.0, **dict.fromkeys(TOUCHES, 0.0)).neutral:
         return task
@@ -121,12 +122,14 @@ def vary(task: Task, variation: Variation, surface: Surface) -> Task:
 
 
 def _changed(thing: Thing, variation: Variation, where: str) -> Thing:
-    """A thing of another size, with the same place under it, and of another mass."""
+    """An object with another size and mass in the same place."""
     if variation.size != 1.0:
         thing = _sized(thing, variation.size, where)
     if variation.mass != 1.0:
         if not is_dataclass(thing):
-            raise InputError("this thing's mass cannot be varied", where=where, got=thing.name)
+            raise InputError(
+                "the mass of this object cannot be varied", where=where, got=thing.name
+            )
         heavier: Thing = replace(thing, mass=thing.mass * variation.mass)
         return heavier
     return thing
@@ -136,12 +139,12 @@ def _sized(thing: Thing, size: float, where: str) -> Thing:
     x, y, z = thing.position
     if isinstance(thing, Box):
         a, b, c = (size * half for half in thing.half_size)
-        # What it stands on stays where it is.
+        # The point on which it stands stays where it is.
         return replace(thing, half_size=(a, b, c), position=(x, y, z + c - thing.half_size[2]))
     scaled = getattr(thing, "scaled", None)
     if scaled is None:
         raise InputError(
-            "this thing has one size only", where=where, got=thing.name,
+            "this object has one size only", where=where, got=thing.name,
             remedy="Vary something else, or give its class `scaled(size)`",
         )  # fmt: skip
     resized: Thing = scaled(size)
@@ -149,17 +152,17 @@ def _sized(thing: Thing, size: float, where: str) -> Thing:
 
 
 def _step(old: Thing, new: Thing) -> tuple[float, float, float]:
-    """(3,) m, from a thing's middle to what it is at another size, along the thing's own axes."""
+    """Shift (3,) m of an object's middle caused by another size, along the object's own axes."""
     x, y, z = (b - a for a, b in zip(old.position, new.position, strict=True))
     c, s = np.cos(old.yaw), np.sin(old.yaw)
     return float(c * x + s * y), float(c * y - s * x), z
 
 
 def _goal(goal: Goal, size: float, step: tuple[float, float, float]) -> Goal:
-    """The goal of a thing whose middle has made a step, (3,) m along its own axes."""
+    """The goal of an object whose middle was shifted by a step, (3,) m along its own axes."""
     x, y, z = goal.position
     if goal.on is not None:
-        # A place on another thing grows with both.
+        # A place on another object grows with both.
         return replace(goal, position=(size * x, size * y, size * z))
     c, s = np.cos(goal.yaw), np.sin(goal.yaw)
     u, v, w = step
@@ -169,11 +172,11 @@ def _goal(goal: Goal, size: float, step: tuple[float, float, float]) -> Goal:
 def _moved(
     things: tuple[Thing, ...], way: float, task: Task, surface: Surface
 ) -> tuple[Thing, ...]:
-    """Things that start elsewhere, none nearer to another than it was, all before the surface."""
+    """Objects with shifted starts, none nearer to another than before, all within the surface."""
     bolted = [t.name for t in things if getattr(t, "bolt", None) is not None]
     fixed = bolted or [t.name for t in things if not is_dataclass(t)]
     if fixed:
-        raise InputError("this thing cannot start elsewhere", where=task.name, got=fixed[0],
+        raise InputError("the start of this object cannot be varied", where=task.name, got=fixed[0],
                          remedy="Vary something else")  # fmt: skip
     rng = np.random.default_rng([task.seed, _STREAM])
     places = np.array([t.position for t in things])
@@ -181,7 +184,7 @@ def _moved(
     for _ in range(_TRIES):
         angles = rng.uniform(-np.pi, np.pi, len(things))
         if task.plane == "front":
-            # To the left or to the right: up there is nothing that bears them.
+            # To the left or the right only: higher up nothing would support them.
             steps = np.sign(angles)[:, None] * [1.0, 0.0, 0.0]
         else:
             steps = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(len(things))])
@@ -196,13 +199,13 @@ def _moved(
                 for t, p in zip(things, new, strict=True)
             )
     raise InputError(
-        "there is no room to start so far away",
+        "the surface has no room for starts so far away",
         where=f"{task.name}, seed {task.seed}",
         got=f"{1000 * way:g} mm",
     )
 
 
 def _distances(places: Array) -> Iterator[float]:
-    """m between every two of some places (n, 3)."""
+    """Distances in m between all pairs of positions (n, 3)."""
     for a, b in combinations(places, 2):
         yield float(np.linalg.norm(a - b))

@@ -1,4 +1,4 @@
-"""What all tasks with a wrench share: drawing a trial, a test of where it is, and progress."""
+"""Base class of wrench tasks: drawing a trial, testing the wrench's pose, and progress."""
 
 from __future__ import annotations
 
@@ -19,28 +19,28 @@ Array = NDArray[np.float64]
 Place = tuple[float, float, float]
 
 NAME = "wrench"
-"""Of the wrench in every one of these tasks."""
+"""Name of the wrench in all these tasks."""
 MASS = (0.060, 0.150)
 """kg."""
 END_BORDER = 0.004
 """m from the surface's border to the nearest place for an end of the wrench."""
 SPEED_TOLERANCE = 0.010
-"""m/s of the wrench's middle, under which it counts as lying still."""
+"""m/s of the wrench's middle, below which it counts as still."""
 
 _TRIES = 4_000
-"""Draws before a surface is said to be too small."""
+"""Number of draws after which a surface is reported as too small."""
 
 
 @dataclass(frozen=True)
 class WrenchTask(TaskDefaults, ABC):
-    """One wrench that is to come to lie on its translucent twin.
+    """Bring a wrench onto its translucent twin.
 
-    Tasks differ in what the wrench is free to do, in where it may start and in how near counts.
+    Tasks differ in the wrench's freedom of movement, its starts and its tolerances.
 
     Attributes:
-        stream: Which random numbers of a seed are this task's.
+        stream: Number of this task's random stream of a seed.
         border: m from the surface's border to the nearest place that is drawn.
-        room: What a surface must have room for, and one that has it.
+        room: Text for errors: what a surface must have room for, with a size that is large enough.
     """
 
     name: ClassVar[str]
@@ -61,10 +61,10 @@ class WrenchTask(TaskDefaults, ABC):
 
     @classmethod
     def draw(cls, seed: int, surface: Surface) -> Self:
-        """The trial of a seed; same seed and surface, same trial.
+        """Draws the trial of a seed; the same seed and surface give the same trial.
 
         Raises:
-            InputError: The surface has no room for a start and a goal.
+            InputError: The surface is too small for a start and a goal.
         """
         rng = np.random.default_rng([seed, cls.version, cls.stream])
         low, high = np.full(2, cls.border), surface.size - cls.border
@@ -89,33 +89,33 @@ class WrenchTask(TaskDefaults, ABC):
     def _way(
         cls, rng: np.random.Generator, low: Array, high: Array, surface: Surface
     ) -> tuple[Place, float, Place, float] | None:
-        """Start, yaw there, goal and turn between them, or None where the draw does not fit.
+        """Draws start, yaw at the start, goal and turn between them; None if the draw does not fit.
 
         Args:
-            rng: This trial's randomness.
-            low, high: (2,) m, where on the surface (its frame) places may be drawn.
+            rng: This trial's source of randomness.
+            low, high: (2,) m, corners of the area for places, in the surface's frame.
             surface: The tablet.
         """
 
     @classmethod
     def _bolt(cls, rng: np.random.Generator) -> float | None:
-        """N m of friction about the bolt; None where there is no bolt."""
+        """Friction about the bolt in N m; None without a bolt."""
         return None
 
     def measure(self, sensing: Sensing) -> Measure:
-        """Whether the wrench is at its goal, let go and at rest now."""
+        """Tests whether the wrench is at its goal, let go and at rest now."""
         wrench = sensing.object(NAME)
         reason = self._missing(wrench) or _restless(wrench)
-        # Nothing but success is 1.
+        # Only success is 1.
         progress = 1.0 if not reason else float(min(self._progress(wrench), 0.99))
         return Measure(not reason, progress, reason, self._lost(wrench))
 
     @abstractmethod
     def _missing(self, wrench: ObjectState) -> str:
-        """What is missing of its being at the goal, were it let go and at rest; empty: nothing."""
+        """Reason why the wrench is not at its goal, apart from touch and speed; empty if it is."""
 
     def _lost(self, wrench: ObjectState) -> bool:
-        """Whether the wrench was turned in a way that ends the trial."""
+        """True if the wrench was turned in a way that ends the trial."""
         return False
 
     @abstractmethod
@@ -123,17 +123,17 @@ class WrenchTask(TaskDefaults, ABC):
         """0 at the start or farther away, 1 at the goal."""
 
     def _turn_left(self, wrench: ObjectState) -> float:
-        """rad between the wrench as it is and its goal."""
+        """Angle in rad between the wrench and its goal."""
         return _apart(wrench.yaw, self.goals[0].yaw)
 
     def _turned(self, wrench: ObjectState, tolerance: float) -> float:
-        """Share of the turn that is made, of a turn that counts up to a tolerance, rad."""
+        """Share of the turn that is done, complete within a tolerance, rad."""
         whole = _apart(self.objects[0].yaw, self.goals[0].yaw)
         return share(self._turn_left(wrench), whole, tolerance)
 
 
 def share(left: float, whole: float, tolerance: float) -> float:
-    """0 to 1, how much of a way is made that counts as made up to a tolerance."""
+    """Share 0 to 1 of a way that is done, complete within a tolerance."""
     return min(max(1.0 - max(left - tolerance, 0.0) / (whole - tolerance), 0.0), 1.0)
 
 
@@ -149,5 +149,5 @@ def wrapped(angle: float) -> float:
 
 
 def _apart(a: float, b: float) -> float:
-    """rad between two yaws."""
+    """Difference of two yaws, rad."""
     return abs(wrapped(a - b))

@@ -39,8 +39,8 @@ class WrenchSlide(WrenchTask):
     the handle; yaw uniform over the full circle, turn uniform over both ranges; redrawn until the
     distance is in range and both ends of the wrench are 4 mm away from the border, at the start and
     at the goal.
-    Size, where it is varied (no part of the version): all edges of the wrench, about the place
-    under its middle. Mass stays. The ends of a larger one may be beyond the border.
+    Size, where it is varied (this does not change the version): all edges of the wrench, about the
+    place under its middle. Mass stays. The ends of a larger one may be beyond the border.
     History: version 1.
     """
 
@@ -74,18 +74,18 @@ class WrenchSlide(WrenchTask):
         return "" if wrench.on_table else "the wrench does not lie on the table"
 
     def _progress(self, wrench: ObjectState) -> float:
-        """Half for the slide, half for the turn."""
+        """Progress: half for the slide, half for the turn."""
         way = np.subtract(self.goals[0].position, self.objects[0].position)
         slid = share(self._off(wrench), length(way), POSITION_TOLERANCE)
         return 0.5 * (slid + self._turned(wrench, YAW_TOLERANCE))
 
     def _off(self, wrench: ObjectState) -> float:
-        """m from the wrench's middle to the goal."""
+        """Distance in m from the wrench's middle to the goal."""
         return length(wrench.position - self.goals[0].position)
 
 
 def _on_surface(middle: Array, yaw: float, size: Array) -> bool:
-    """Whether both ends of a wrench are on the surface (its frame: y down)."""
+    """True if both ends of a wrench are on the surface (in its frame, y down)."""
     way = np.array([np.cos(yaw), -np.sin(yaw)])
     ends = middle + np.outer([JAW - 0.012, HANDLE[1]], way)
     return bool(np.all(ends >= END_BORDER) and np.all(ends <= size - END_BORDER))

@@ -22,8 +22,8 @@ FRICTION = (2.0, 2.5)
 GRIP = 0.032
 """m along the wrench's x axis, a place near the handle's end that must stay within reach."""
 GRIP_BORDER = 0.034
-"""m from the surface's border to the nearest way of that place, so that fingers have room beside
-the handle."""
+"""m from the surface's border to the path of that place, so that fingers have room beside the
+handle."""
 
 YAW_TOLERANCE = float(np.deg2rad(5.0))
 """rad within which the wrench counts as turned."""
@@ -38,21 +38,20 @@ class WrenchTurn(WrenchTask):
 
     Scene: an open-ended wrench of 12 cm, 60 to 150 g, on a bolt that stands still and is being
     tightened or loosened: dry friction of 2.0 to 2.5 N m, at which it stays wherever it is let go.
-    Nothing stops it at the goal; more than 15 degrees past it the nut is spoiled, and the trial
-    with it.
-    Goal: the wrench's ghost, turned by 40 to 90 degrees, either way.
+    Nothing stops it at the goal; more than 15 degrees past it the nut is overtightened and the
+    trial fails. Goal: the wrench's ghost, turned by 40 to 90 degrees, either way.
     Success: yaw within 5 degrees of the goal, the wrench's middle slower than 1 cm/s and touched by
     no hand, all for 2 s without a break, within 20 s.
     Start: bolt uniform over the surface less a border of 18 mm, so that it can be seen; yaw uniform
     over the full circle, turn uniform over both ranges; redrawn until the place of the handle where
     fingers close stays 34 mm, and the handle's end 4 mm, away from the border all the way.
-    Size, where it is varied (no part of the version): all edges of the wrench and the width of its
-    bolt, about the bolt, which stays where it is. Mass and friction stay, so that a shorter handle
-    is harder to turn. A longer one ends beyond the border, and is gripped nearer to the bolt.
-    History: version 3. Version 2, in no registry, held for 0.5 s within 30 s and let the nut be
-    turned past the goal: random touches left the wrench at its goal in 4 of 38 trials, where fewer
-    than 5 % may. Version 1, in none either: its bolt of 0.02 to 0.10 N m turned at every brush, and
-    random touches did it in 3 of 25 trials.
+    Size, where it is varied (this does not change the version): all edges of the wrench and the
+    width of its bolt, about the bolt, which stays where it is. Mass and friction stay, so that a
+    shorter handle is harder to turn. A longer one ends beyond the border, and is gripped nearer to
+    the bolt. History: version 3. Version 2, never registered, had a hold time of 0.5 s within 30 s
+    and let the nut be turned past the goal: random touches left the wrench at its goal in 4 of 38
+    trials, more than the allowed 5 %. Version 1, never registered either, had a bolt of 0.02 to
+    0.10 N m, which turned at every brush: random touches succeeded in 3 of 25 trials.
     """
 
     name: ClassVar[str] = "wrench-turn"
@@ -67,7 +66,7 @@ class WrenchTurn(WrenchTask):
     def _way(
         cls, rng: np.random.Generator, low: Array, high: Array, surface: Surface
     ) -> tuple[Place, float, Place, float] | None:
-        """On the default surface, one draw in 43 fits."""
+        """Draws bolt and turn; on the default surface, one draw in 43 fits."""
         bolt = rng.uniform(low, high)
         yaw = float(rng.uniform(-np.pi, np.pi))
         turn = float(rng.uniform(*TURN)) * float(rng.choice([-1.0, 1.0]))
@@ -90,7 +89,7 @@ class WrenchTurn(WrenchTask):
 
     def _lost(self, wrench: ObjectState) -> bool:
         start, goal = self.objects[0].yaw, self.goals[0].yaw
-        # As far past the goal as half a turn; from there on it is too far the other way round.
+        # Up to half a turn past the goal; beyond that, the angle counts the other way round.
         past = np.sign(wrapped(goal - start)) * wrapped(wrench.yaw - goal)
         return bool(past > TOO_FAR)
 
@@ -99,7 +98,7 @@ class WrenchTurn(WrenchTask):
 
 
 def _in_reach(bolt: Array, yaws: Array, size: Array) -> bool:
-    """Whether grip and handle's end stay on the surface (its frame: y down) at these yaws."""
+    """True if grip and handle's end stay on the surface (in its frame, y down) at these yaws."""
     ways = np.stack([np.cos(yaws), -np.sin(yaws)], axis=1)
     for along, border in ((GRIP, GRIP_BORDER), (HANDLE[1], END_BORDER)):
         places = bolt + (along - JAW) * ways

@@ -1,1 +1,1 @@
-"""A simulated person who plays tasks by touching, and sees only what a person sees."""
+"""Simulated users: they play tasks by touch, and see only what a person would see."""

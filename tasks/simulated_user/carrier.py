@@ -1,7 +1,7 @@
-"""One of two who carry a tray: takes the handle on their side, and watches the other end.
+"""Simulated user for one end of a tray: takes the handle on their side and watches the other end.
 
-The two do not talk. Each sees the tray on the screen, and so how high the other end is and whether
-it comes along; nobody goes far ahead of what the other does.
+The two users do not communicate. Each sees on the screen how high the other end of the tray is and
+whether it follows, and does not move far ahead of it.
 """
 
 from __future__ import annotations
@@ -26,36 +26,36 @@ Array = NDArray[np.float64]
 _AHEAD = 0.020
 """m by which one's own end is raised above the other one."""
 _UP = 0.6
-"""Of the way up: the share at which an end is up, so that the tray may be carried along."""
+"""Share of the way up at which an end counts as lifted, so that the tray may be carried along."""
 _STEP, _STEP_TURN = 0.025, float(np.deg2rad(8.0))
-"""m and rad of one movement to the side, after which one looks what the other does."""
+"""m and rad, largest movement to the side before the user looks at the other end again."""
 _IN_PLACE, _STRAIGHT, _LEVEL = 0.005, float(np.deg2rad(3.0)), 0.004
-"""m from its place to the side, rad, and m in height at which an end is left in peace."""
+"""m to the side, rad, and m in height: errors below which an end is left as it is."""
 _FALLEN, _BEHIND = 0.014, 0.008
-"""m by which an end may lag behind the rising hand, and behind the other end, before it is taken to
-have slipped."""
+"""m by which an end may lag behind the rising hand and behind the other end before it counts as
+slipped."""
 _RESTS = 0.004
-"""m above the table, below which a handle is taken to lie on it."""
+"""m above the table, below which a handle counts as lying on it."""
 _ASIDE = 0.030
-"""m by which a handle may be beside the fingers before it is taken to have slipped."""
+"""m by which a handle may be beside the fingers before it counts as slipped."""
 _PATIENCE = 10.0
-"""s for which one holds an end and waits for the other, before letting go to look afresh."""
+"""s that the user holds an end and waits for the other, before letting go to start again."""
 _FOLLOWS = 0.30
-"""s that a hand on the screen takes to follow the slider to its end."""
+"""s that the simulated hand takes to follow the slider to its end."""
 _LOOK = 0.10
-"""s between two looks of one who waits."""
+"""s between two looks while waiting."""
 
 
 class HandleHandling(BoxHandling):
-    """A handle is grasped across, with the thumb on the side that is more comfortable."""
+    """Handling of a tray's handle: grasped across, with the thumb on the more comfortable side."""
 
-    # It has to be held, also where it lies in its place.
+    # It has to be held even when it is in its place.
     enough = (0.0, 0.0)
 
     def grasp(
         self, seen: SeenObject, turn: float, c: UserConfiguration, failed: Grasp | None = None
     ) -> Grasp:
-        """Thumb on one long side, fingers on the other."""
+        """Grasp with the thumb on one long side and the fingers on the other."""
         assert isinstance(seen.shape, Box)
         length, width, _ = seen.shape.half_size
         sides = [seen.yaw + side for side in (np.pi / 2, -np.pi / 2)]
@@ -64,16 +64,16 @@ class HandleHandling(BoxHandling):
 
 
 class Carrier(SkilledUser):
-    """Lifts and carries one end of a tray that somebody else holds at the other end.
+    """Lifts and carries one end of a tray whose other end another user holds.
 
     Args:
-        configuration: What kind of person.
-        surface: Their tablet.
-        seed: Of everything this person does by chance.
-        reach: m by which the hand rises over the slider's whole way.
-        home: (2,) m in the world as they see it, the middle of their part of the screen: the handle
-            that is nearer to it is theirs.
-        patient: They wait for the other end; otherwise they lift and carry whatever the other does.
+        configuration: Settings of the simulated user.
+        surface: The user's tablet.
+        seed: Seed of the user's randomness.
+        reach: m by which the hand rises over the slider's full travel.
+        home: (2,) m in the world as the user sees it, the middle of their part of the screen: they
+            take the handle nearer to it.
+        patient: True waits for the other end; otherwise they lift and carry without waiting.
     """
 
     def __init__(
@@ -96,7 +96,7 @@ class Carrier(SkilledUser):
         self._leaving = False
 
     def touch(self, now: float) -> TouchFrame:
-        """What the fingers do on the screen, and where the slider is, now, s."""
+        """Touches of the fingers and position of the slider at the time now, s."""
         return replace(super().touch(now), lift=self._slider.control(now))
 
     def _act(self, sight: Sight, now: float) -> None:
@@ -114,12 +114,12 @@ class Carrier(SkilledUser):
         super()._act(replace(sight, objects={goal.object: mine}, goals=(end_goal,)), now)
 
     def _missing(self, sight: Sight, box: SeenObject) -> tuple[Array, float]:
-        """Shift (2,) and turn of the own handle."""
+        """Missing shift (2,) m and turn rad of the user's handle."""
         goal = sight.goals[0]
         return np.asarray(goal.position[:2]) - box.position[:2], _wrapped(goal.yaw - box.yaw)
 
     def _reach(self, sight: Sight, box: SeenObject, now: float) -> None:
-        """Brings the slider to its end, and then the fingers down around the handle."""
+        """Moves the slider to its end, then puts the fingers down around the handle."""
         if self._slider.height(now) > _RESTS:
             self._wait(self._slider.move(0.0, now) - now + _FOLLOWS, now)
             return
@@ -127,7 +127,7 @@ class Carrier(SkilledUser):
         super()._reach(sight, box, now)
 
     def _drag(self, sight: Sight, box: SeenObject, now: float) -> None:
-        """Raises the own end and carries it along, as far as the other end allows."""
+        """Raises the user's end and carries it along, as far as the other end allows."""
         assert self._grasp is not None
         slid = self._slider.height(now)
         height, top = _height(box), sight.goals[0].position[2] - _half(box)
@@ -135,7 +135,7 @@ class Carrier(SkilledUser):
         aside = float(np.linalg.norm(held - self._middle(now)))
         lags = slid - height > _FALLEN
         # An end that lies still while the other one rises has slipped; one whose hand does not rise
-        # at all has not: two who share a lift control wait for each other.
+        # at all has not: two users who share a lift control wait for each other.
         slipped = lags and self._other - height > _BEHIND
         lost = slipped or aside > _ASIDE or not sight.solid
         if self._leaving or lost or self._tired(now):
@@ -162,11 +162,11 @@ class Carrier(SkilledUser):
             self._wait(_LOOK, now)
 
     def _tired(self, now: float) -> bool:
-        """Whether the other end has been waited for long enough."""
+        """True once the user has waited long enough for the other end."""
         return self._waiting is not None and now - self._waiting > _PATIENCE
 
     def _let_go(self, now: float) -> None:
-        """Lowers what is held, and then lets go of it."""
+        """Lowers the handle, and then lets go of it."""
         if not self._leaving and self._slider.height(now) > _RESTS:
             self._leaving = True
             self._wait(self._slider.move(0.0, now) - now + _FOLLOWS, now)
@@ -175,7 +175,8 @@ class Carrier(SkilledUser):
 
 
 def _end(tray: SeenObject, side: int) -> SeenObject:
-    """A handle of a tray by itself: that in the direction of the tray's x axis, or the other."""
+    """One handle of a tray as an object: the one in the direction of the tray's x axis, or the
+    other."""
     shape = tray.shape
     assert isinstance(shape, Tray)
     place = tray.position + side * shape.grip * tray.rotation[:, 0]
@@ -185,13 +186,13 @@ def _end(tray: SeenObject, side: int) -> SeenObject:
 
 
 def _half(end: SeenObject) -> float:
-    """m, half the height of a handle."""
+    """Half the height of a handle, m."""
     assert isinstance(end.shape, Box)
     return end.shape.half_size[2]
 
 
 def _height(end: SeenObject) -> float:
-    """m by which a handle is above where it lies on the table."""
+    """Height in m of a handle above its place on the table."""
     return float(end.position[2]) - _half(end)
 
 

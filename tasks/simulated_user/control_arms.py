@@ -1,4 +1,5 @@
-"""Users who cannot succeed: whatever rate they reach, the task gives away for nothing."""
+"""Control users who do nothing or touch at random: their success rate is the task's chance
+level."""
 
 from __future__ import annotations
 
@@ -17,7 +18,7 @@ class IdleUser:
         self.configuration = configuration
 
     def look(self, sight: Sight) -> None:
-        """Looks, and does nothing about it."""
+        """Ignores the screen."""
 
     def touch(self, now: float) -> TouchFrame:
         """No contact."""
@@ -25,7 +26,7 @@ class IdleUser:
 
 
 class RandomUser:
-    """Puts the fingers down anywhere, drags them anywhere, lifts them, and so on."""
+    """Touches at random: puts fingers down, drags and lifts them anywhere."""
 
     def __init__(self, configuration: UserConfiguration, surface: Surface, seed: int) -> None:
         self.configuration, self.surface = configuration, surface
@@ -35,7 +36,7 @@ class RandomUser:
         self._moves = 0
 
     def look(self, sight: Sight) -> None:
-        """Looks, and does not care."""
+        """Ignores the screen."""
 
     def touch(self, now: float) -> TouchFrame:
         """Random touches."""

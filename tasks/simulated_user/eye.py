@@ -1,4 +1,4 @@
-"""What is on the screen, seen some time late."""
+"""The simulated user's eye: the screen, seen with a reaction delay."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from tasks.user import Sight
 
 
 class Eye:
-    """Shows what was on the screen a while ago.
+    """Returns the screen's content of a reaction time ago.
 
     Args:
-        delay: s between a thing's being on the screen and an action because of it.
+        delay: s between the appearance on the screen and the user's reaction.
     """
 
     def __init__(self, delay: float) -> None:
@@ -19,11 +19,11 @@ class Eye:
         self._seen: deque[Sight] = deque()
 
     def look(self, sight: Sight) -> None:
-        """Takes in what is on the screen now."""
+        """Stores the current content of the screen."""
         self._seen.append(sight)
 
     def at(self, now: float) -> Sight | None:
-        """The newest thing seen that has had time to be acted upon; None before the first."""
+        """The newest sight old enough for a reaction; None before the first."""
         while len(self._seen) > 1 and self._seen[1].time <= now - self.delay + 1e-9:
             self._seen.popleft()
         if self._seen and self._seen[0].time <= now - self.delay + 1e-9:

@@ -1,4 +1,4 @@
-"""The simulated user's fingers: smooth movements, tremor, and what of it the screen feels."""
+"""The simulated user's fingers: smooth movements, tremor, and the resulting touches."""
 
 from __future__ import annotations
 
@@ -19,18 +19,19 @@ _PEAK = 1.875
 """Peak speed of a minimum-jerk movement over its mean speed."""
 
 _MARGIN = 0.001
-"""m, how near to the border of the screen a finger still touches it."""
+"""m, least distance from the border of the screen at which a finger still touches it."""
 
 
 def minimum_jerk(s: float) -> float:
-    """Share of the way after a share s of the time (Flash and Hogan 1985)."""
+    """Minimum-jerk movement: share of the way after a share s of the time (Flash and Hogan
+    1985)."""
     s = min(max(s, 0.0), 1.0)
     return s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
 
 
 @dataclass
 class _Movement:
-    """A rigid or free movement of all fingers from one set of places to another."""
+    """A movement of all fingers, rigid or each on its own, from one set of positions to another."""
 
     start: Array
     end: Array
@@ -41,7 +42,7 @@ class _Movement:
     _over: Array | None = None
 
     def at(self, now: float) -> Array:
-        """Where the fingers are; the array is not to be changed."""
+        """Positions of the fingers as a read-only array."""
         if now - self.begin < self.duration:
             return self._on_the_way(minimum_jerk((now - self.begin) / self.duration))
         if self._over is None:
@@ -51,7 +52,7 @@ class _Movement:
     def _on_the_way(self, share: float) -> Array:
         if self.pivot is None:
             return self.start + share * (self.end - self.start)
-        # Turning about a point that itself moves: what a hand does that drags and turns at once.
+        # A hand that drags and turns at once rotates about a moving point.
         angle = share * self.turn
         c, s = np.cos(angle), np.sin(angle)
         shift = share * (self.end - self.start)
@@ -59,18 +60,18 @@ class _Movement:
 
 
 class Fingers:
-    """Places of the user's fingers in the world's horizontal plane (x right, y away), m.
+    """Positions of the user's fingers in the world's horizontal plane (x right, y away), m.
 
     Args:
         configuration: Speeds and noises.
-        rng: The user's own randomness.
+        rng: The user's source of randomness.
     """
 
     def __init__(self, configuration: UserConfiguration, rng: np.random.Generator) -> None:
         self._c, self._rng = configuration, rng
         n = configuration.fingers
         self._movement = _Movement(np.zeros((n, 2)), np.zeros((n, 2)), 0.0, 1e-9)
-        # x and y of every finger in turn, plain floats: of a few they are quicker than arrays.
+        # x and y of every finger in turn, as plain floats: for a few numbers quicker than arrays.
         self._tremor: list[float] = rng.normal(0.0, configuration.tremor, 2 * n).tolist()
         self._down_at = np.full(n, np.inf)
         self._up_at = np.full(n, -np.inf)
@@ -84,7 +85,7 @@ class Fingers:
         return [int(i) for i in self._ids]
 
     def places(self, now: float) -> Array:
-        """(n, 2) m, where the fingers are meant to be."""
+        """Intended positions (n, 2) m of the fingers."""
         return self._movement.at(now)
 
     def land(self, places: Array, now: float) -> None:
@@ -94,7 +95,7 @@ class Fingers:
         self._down_at = now + self._rng.permutation(np.linspace(0.0, self._c.stagger, n))
         self._up_at = np.full(n, np.inf)
         self._ids = np.arange(self._next_id, self._next_id + n)
-        # The order of ids must not tell which finger is which.
+        # The order of ids must not reveal which finger is which.
         self._rng.shuffle(self._ids)
         self._next_id += n
         self._plan()
@@ -106,7 +107,7 @@ class Fingers:
         self._plan()
 
     def _plan(self) -> None:
-        """Contact, finger, and when it comes and goes; by contact."""
+        """Plans the landing and lifting times of every contact."""
         fingers = range(self._c.fingers)
         times = self._down_at.tolist(), self._up_at.tolist()
         self._spans = sorted(zip(self._ids.tolist(), fingers, *times, strict=True))
@@ -117,15 +118,16 @@ class Fingers:
         return self._go(_Movement(start, self._missed(start, places), now, 0.0))
 
     def carry(self, shift: Array, turn: float, pivot: Array, now: float) -> float:
-        """Moves the fingers as one body: a shift (2,) and a turn about a pivot (2,)."""
+        """Moves the fingers as one rigid body: a shift (2,) m and a turn rad about a pivot (2,)
+        m."""
         start = self.places(now)
         end = start + self._missed(np.zeros((1, 2)), shift[None])[0]
         missed = turn * (1.0 + self._c.end_noise * self._rng.normal())
         return self._go(_Movement(start, end, now, 0.0, missed, pivot))
 
     def touches(self, now: float, surface: Surface) -> tuple[Contact, ...]:
-        """What the screen feels now."""
-        # What shakes the fingers, then what is only noise, in one draw.
+        """Current touches on the screen."""
+        # Tremor of the fingers, then white noise, in one draw.
         drawn, many = self._rng.standard_normal(4 * self._c.fingers).tolist(), 2 * self._c.fingers
         self._shake(now, drawn[:many])
         touching = [
@@ -140,7 +142,7 @@ class Fingers:
         left, top, height = surface.origin
         places = zip(felt[::2], felt[1::2], strict=True)
         if surface.aligned:
-            # As `to_surface`, which is made for any direction.
+            # Same as `to_surface`, which handles any direction.
             xy = [[x - left, top - y] for x, y in places]
         else:
             xy = surface.to_surface([(x, y, height) for x, y in places]).tolist()
@@ -165,7 +167,7 @@ class Fingers:
         return movement.begin + movement.duration
 
     def _missed(self, start: Array, end: Array) -> Array:
-        """Where a movement really ends: all fingers miss alike, by a share of its length."""
+        """Actual end of a movement: all fingers miss by the same share of its length."""
         length = float(np.linalg.norm(end - start, axis=1).max())
         return end + self._rng.normal(0.0, self._c.end_noise * length, 2)
 

@@ -1,8 +1,7 @@
-"""A person who stacks boxes in a picture that they see from the front: up the screen is up.
+"""Simulated user who stacks boxes on an upright screen, seen from the front.
 
-They know what everybody knows: what is let go falls, a box has to be lifted over what is in its
-way, and on a table it can only be gripped from its sides. What is nearer or farther they do not
-see.
+The user knows common facts: a released box falls, a box has to be lifted over obstacles, and a box
+on a table can only be gripped from its sides. They do not see depth.
 """
 
 from __future__ import annotations
@@ -24,29 +23,29 @@ Array = NDArray[np.float64]
 
 _QUARTER = np.pi / 2
 _OVER = 0.012
-"""m, how high above its place a box is carried there."""
+"""m, height above its place at which a box is carried."""
 _ASIDE = 0.005
-"""m to the side of its place, from which on a box is lowered."""
+"""m to the side of its place, within which a box is lowered."""
 _DOWN = 0.002
-"""m above its place at which a box is let go: it stands, or falls no distance that matters."""
+"""m above its place at which a box is let go: it stands, or falls a negligible distance."""
 _SLIPPED = 0.015
 """m by which a box may fall behind the fingers before the user notes that it slipped."""
 _MOVES = 14
-"""Corrected movements of one grasp before the user lets go and looks afresh."""
+"""Corrected movements of one grasp before the user lets go and starts again."""
 _OPEN = 0.010
-"""m by which each finger leaves a box sideways before it leaves the screen, for a box that is left
-by one finger after another is pushed by those that stay."""
+"""m by which each finger leaves a box sideways before it leaves the screen. Without it, the fingers
+that lift last would push the box."""
 
 
 class FrontBoxHandling(BoxHandling):
-    """A box is gripped from its sides, whichever of its faces they are."""
+    """Handling of a box that is gripped from its left and right side."""
 
     enough = (0.006, float(np.deg2rad(2.0)))
 
     def grasp(
         self, seen: SeenObject, turn: float, c: UserConfiguration, failed: Grasp | None = None
     ) -> Grasp:
-        """Thumb to the left, fingers to the right."""
+        """Grasp with the thumb to the left and the fingers to the right."""
         assert isinstance(seen.shape, Box)
         edge = 2 * seen.shape.half_size[0]
         return Grasp(roll(seen), edge, edge)
@@ -56,9 +55,9 @@ class FrontStacker(SkilledUser):
     """Puts a box on another one in the upright plane of the screen.
 
     Args:
-        configuration: What kind of person.
-        surface: The screen as it is seen: lying flat (see `FrontView`).
-        seed: Of everything this person does by chance.
+        configuration: Settings of the simulated user.
+        surface: The screen as the user sees it: lying flat (see `FrontView`).
+        seed: Seed of the user's randomness.
     """
 
     def __init__(self, configuration: UserConfiguration, surface: Surface, seed: int) -> None:
@@ -75,11 +74,12 @@ class FrontStacker(SkilledUser):
         super()._act(replace(sight, objects=seen), now)
 
     def _missing(self, sight: Sight, box: SeenObject) -> tuple[Array, float]:
-        """Shift (2,) and turn from the box as seen to its place, where it stands straight."""
+        """Missing shift (2,) m and turn rad from the box as seen to its place, where it stands
+        straight."""
         return np.asarray(sight.goals[0].position[:2]) - box.position[:2], -roll(box)
 
     def _drag(self, sight: Sight, box: SeenObject, now: float) -> None:
-        """Up, across and down, as what is seen asks for it."""
+        """Moves the box up, across or down, depending on where it is seen."""
         assert self._grasp is not None
         off, turn = self._missing(sight, box)
         held = self._grasp.middle(box) + self._drawn_offset(sight, now)
@@ -92,12 +92,12 @@ class FrontStacker(SkilledUser):
         shift = off
         if abs(off[0]) > _ASIDE:
             rise = off[1] + _OVER
-            # First up, then across; what is left of the way up is made on the way across.
+            # First up, then across; the rest of the way up is made on the way across.
             shift = np.array([0.0 if rise > 0.5 * _OVER else off[0], rise])
         self._watch(self._fingers.carry(shift, turn, self._middle(now), now))
 
     def _let_go(self, now: float) -> None:
-        """Opens the fingers; once they are open they leave the screen."""
+        """Opens the fingers, and lifts them once they are open."""
         places = self._fingers.places(now)
         aside = np.sign(places[:, :1] - self._middle(now)[0]) * [1.0, 0.0]
         self._until = self._fingers.move(places + _OPEN * aside, now)
@@ -105,12 +105,12 @@ class FrontStacker(SkilledUser):
 
 
 def in_picture(seen: SeenObject) -> SeenObject:
-    """A box as it looks from the front: turned within the picture only."""
+    """A box as it looks from the front: rotated within the picture only."""
     turn = flat_yaw(seen.rotation)
     c, s = np.cos(turn), np.sin(turn)
     return replace(seen, rotation=np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]))
 
 
 def roll(seen: SeenObject) -> float:
-    """rad, a box's least turn in the picture against standing on a face, either way."""
+    """A box's least rotation in the picture, in rad, from standing on a face; signed."""
     return float((seen.yaw + _QUARTER / 2) % _QUARTER - _QUARTER / 2)

@@ -1,10 +1,9 @@
-"""A simulated user who looks at an upright surface from the front.
+"""Lets simulated users play on an upright surface, seen from the front.
 
-To such a person the screen is what a table is to one who looks down on it: right is right, up the
-screen is "away", and what comes out of the screen is "up". So the user of the table plays here as
-well, in a world that is turned for them; only gravity pulls down the screen, which users of this
-view have to know. Depth is what they do not see: they get it turned like all else, and none of
-them makes use of it.
+The world is rotated so that the upright screen lies flat like a table: right stays right, up the
+screen becomes "away", and out of the screen becomes "up". So a user made for the table plays here
+as well. Only gravity pulls down the screen, which users of this view have to know. A person does
+not see depth: users get it rotated like everything else, and none of them uses it.
 """
 
 from __future__ import annotations
@@ -22,13 +21,13 @@ Array = NDArray[np.float64]
 
 
 class FrontView:
-    """Between the world and the one in which the screen lies flat.
+    """Transforms between the world and the rotated world in which the screen lies flat.
 
     Args:
-        surface: The screen, however it stands.
+        surface: The screen in any orientation.
 
     Attributes:
-        surface: The same, lying flat: x right, y up the screen, z out of it.
+        surface: The same screen, lying flat: x right, y up the screen, z out of it.
     """
 
     def __init__(self, surface: Surface) -> None:
@@ -37,13 +36,13 @@ class FrontView:
         self.surface = replace(surface, origin=(x, y, z), rotation=np.eye(3))
 
     def point(self, world: Array) -> Array:
-        """A place (3,) m as it is seen on the screen."""
+        """Transforms a position (3,) m to the view."""
         return np.asarray(self._turn @ world)
 
     def sight(self, sight: Sight) -> Sight:
-        """All that is on the screen.
+        """Transforms everything on the screen to the view.
 
-        Goals keep the turn that they have: it is about the vertical, which nobody sees from here.
+        Goals keep their yaw, which is about the vertical and invisible from the front.
         """
         objects = {
             name: replace(o, position=self.point(o.position), rotation=self._turn @ o.rotation)
@@ -58,11 +57,11 @@ class FrontView:
 
 
 class FrontUser:
-    """Any simulated user, before an upright surface.
+    """A simulated user in front of an upright surface.
 
     Args:
-        user: Who was made for `view.surface`.
-        view: What they see.
+        user: A user made for `view.surface`.
+        view: The user's view.
     """
 
     def __init__(self, user: User, view: FrontView) -> None:
@@ -70,10 +69,12 @@ class FrontUser:
         self.configuration = user.configuration
 
     def look(self, sight: Sight) -> None:
-        """Takes in what is on the screen now."""
-        view = self._view  # Who keeps what they see would keep themselves, were they in it.
+        """Shows the user the current content of the screen."""
+        view = (
+            self._view
+        )  # Without references to this user: a user that stores its sights would keep itself alive.
         self.user.look(Sight.later(lambda: vars(view.sight(sight)), time=sight.time))
 
     def touch(self, now: float) -> TouchFrame:
-        """What the fingers do now; touches are the surface's own, however it stands."""
+        """Current touches, in the surface's own frame in any orientation."""
         return self.user.touch(now)

@@ -1,4 +1,4 @@
-"""Where a person would put thumb and fingers on a box, or on a handle."""
+"""Grasp planning of the simulated user: places for thumb and fingers on a box or a handle."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from tasks.user import SeenObject, UserConfiguration
 Array = NDArray[np.float64]
 
 _TIP_RADIUS = 0.007
-"""m, what a person takes a drawn fingertip to be."""
+"""m, radius of a fingertip as the user assumes it."""
 
 _COMFORT = float(np.deg2rad(95.0))
-"""rad from the natural axis, as far as a wrist turns to carry something on."""
+"""rad from the natural axis, limit of the wrist's rotation while carrying."""
 _FARTHEST = float(np.deg2rad(100.0))
-"""rad from the natural axis, as far as a wrist turns at all."""
+"""rad from the natural axis, limit of the wrist's rotation."""
 _OBLIQUE, _SIDESTEP = float(np.deg2rad(60.0)), 0.025
-"""rad from the natural axis beyond which the thumb goes along the handle, and m by how much, so
-that the hand is turned less than the handle asks for."""
+"""rad from the natural axis beyond which the thumb is shifted along the handle, and m of this
+shift, so that the hand is rotated less than the handle requires."""
 _COUPLE = 0.018
-"""m along a handle from the thumb to a single finger: two opposite forces turn nothing, but let it
-slip about the line between them."""
+"""m along a handle from the thumb to a single finger: two directly opposite fingers could not turn
+the handle, which would slip about the line between them."""
 
 
 @dataclass(frozen=True)
@@ -33,11 +33,11 @@ class Grasp:
 
     Attributes:
         axis: rad, direction from thumb to fingers in the world.
-        width: m, distance of the two faces.
+        width: m, distance between the two faces.
         face: m, width of the face that the fingers share.
         grip: m along the object's x axis from its middle to the middle of the pinch.
-        side: rad, the axis against the object's x axis.
-        skew: m along the face by which the thumb is not opposite to the fingers' middle.
+        side: rad, the axis relative to the object's x axis.
+        skew: m along the face, shift of the thumb from the point opposite the fingers' middle.
     """
 
     axis: float
@@ -48,22 +48,23 @@ class Grasp:
     skew: float = 0.0
 
     def axis_on(self, yaw: float) -> float:
-        """rad, the axis of this grasp once the object has turned to a yaw."""
+        """Axis of this grasp, in rad, once the object has turned to a yaw."""
         return yaw + self.side
 
     def middle(self, seen: SeenObject) -> Array:
-        """(2,) m, where the middle of the pinch belongs on an object as it is seen."""
+        """Position (2,) m of the middle of the pinch on an object as seen."""
         if not self.grip:
             return np.array(seen.position[:2])
         return np.asarray(seen.position[:2] + self.grip * seen.rotation[:2, 0])
 
     def places(self, centre: Array, gap: float, c: UserConfiguration) -> Array:
-        """(n, 2) m, fingertips, thumb first, at `gap` outside the faces (inside if negative)."""
+        """Positions (n, 2) m of the fingertips, thumb first, at `gap` outside the faces (inside if
+        negative)."""
         along = np.array([np.cos(self.axis), np.sin(self.axis)])
         across = np.array([along[1], -along[0]])
         others = c.fingers - 1
         pitch = min(c.pitch, (self.face - 0.004) / max(others - 1, 1))
-        # No wider than a real hand opens: the outermost finger is the farthest from the thumb.
+        # At most the span of a real hand: the outermost finger is the farthest from the thumb.
         widest = 0.5 * np.sqrt(c.longest_span**2 - (0.5 * (others - 1) * pitch) ** 2)
         reach = min(self.width / 2 + _TIP_RADIUS + gap, widest)
         # Index first: with the thumb to the lower left, the index is the leftmost finger.
@@ -76,12 +77,12 @@ class Grasp:
 
 
 def choose_grasp(box: SeenObject, turn: float, c: UserConfiguration) -> Grasp:
-    """The pair of faces that is most comfortable at the start and at the end of a turn.
+    """Chooses the pair of faces that is most comfortable at the start and the end of a turn.
 
     Args:
-        box: As it is seen.
+        box: The box as seen.
         turn: rad by which it is to be turned.
-        c: Whose comfort.
+        c: The user whose comfort counts.
     """
     assert isinstance(box.shape, Box)
     half = box.shape.half_size
@@ -98,19 +99,19 @@ def choose_grasp(box: SeenObject, turn: float, c: UserConfiguration) -> Grasp:
 def choose_handle_grasp(
     seen: SeenObject, turn: float, grip: float, c: UserConfiguration, failed: float | None = None
 ) -> Grasp:
-    """The side of a handle for the thumb from which most of a turn can be made in comfort.
+    """Chooses the side of a handle for the thumb that allows the largest comfortable turn.
 
     Args:
-        seen: The wrench, as it is seen.
+        seen: The wrench as seen.
         turn: rad by which it is to be turned.
-        grip: m along the handle from the object's middle, where to close.
-        c: Whose comfort.
-        failed: rad, the side of a grasp that has just come to nothing: the other one is taken if a
-            wrist goes there at all.
+        grip: m along the handle from the object's middle, where the fingers close.
+        c: The user whose comfort counts.
+        failed: rad, the side of a grasp that has just failed: the other one is chosen if the wrist
+            can reach it.
     """
     assert isinstance(seen.shape, Wrench)
     near, far = seen.shape.handle
-    # What the fingers' middles may take up: the outermost is on the handle with its whole pad.
+    # Available width for the fingers' middles: the outermost has its whole pad on the handle.
     room = max(far - near - 0.011, 0.0)
     options = []
     for number, side in enumerate((np.pi / 2, -np.pi / 2)):
@@ -118,17 +119,17 @@ def choose_handle_grasp(
         start = abs(_wrapped(axis - c.natural_axis))
         made = within_comfort(axis, turn, c)
         end = abs(_wrapped(axis + made - c.natural_axis))
-        # What is left needs another grasp, which is worth some discomfort.
+        # The rest of the turn needs another grasp, which is worth some discomfort.
         cost = max(start, end) + 2.0 * (abs(turn) - abs(made))
         if start > _FARTHEST:
             cost += 100.0
         if side == failed:
             cost += 50.0
-        # With one finger against the thumb, what they close on begins to turn the way it should.
+        # With one finger against the thumb, the handle begins to turn in the intended direction.
         skew = float(np.copysign(_COUPLE, turn)) if c.fingers == 2 else 0.0
         if c.fingers > 2 and start > _OBLIQUE:
             skew = -float(np.copysign(_SIDESTEP, _wrapped(axis - c.natural_axis)))
-        # All of them stay on the handle; on a short one the thumb comes nearer to the fingers.
+        # All fingers stay on the handle; on a short one the thumb comes nearer to the fingers.
         others = min((c.fingers - 2) * c.pitch, room)
         skew = float(np.clip(skew, others - room, room - others))
         span = 0.5 * (others + abs(skew))
@@ -139,9 +140,9 @@ def choose_handle_grasp(
 
 
 def within_comfort(axis: float, turn: float, c: UserConfiguration) -> float:
-    """rad of a turn that a hand makes whose thumb and fingers are on an axis, without regrasping.
+    """Part in rad of a turn that a hand on an axis can make without regrasping.
 
-    A hand that is already turned too far may always turn back.
+    A hand that is already rotated too far may always turn back.
     """
     now = _wrapped(axis - c.natural_axis)
     low, high = min(-_COMFORT, now), max(_COMFORT, now)

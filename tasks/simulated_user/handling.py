@@ -1,6 +1,6 @@
-"""How a person goes about a kind of thing: what is still missing, where to grasp, what it turns on.
+"""The simulated user's handling of each kind of object: missing movement, grasp and pivot.
 
-What a person sees of a thing is its shape, place and turn. A wrench on a bolt is seen to be on one.
+The user sees an object's shape, position and rotation, and whether a wrench is on a bolt.
 """
 
 from __future__ import annotations
@@ -21,22 +21,22 @@ from tasks.user import SeenObject, UserConfiguration
 Array = NDArray[np.float64]
 
 _TURN_GRIP, _SLIDE_GRIP = 0.032, 0.004
-"""m along a wrench of size 1, where fingers close: near the handle's end for the longest lever
-about a bolt, at the middle of a free one."""
+"""m along a wrench of size 1 to the grip: near the handle's end for the longest lever about a bolt,
+at the middle of a free wrench."""
 _LEVER = _TURN_GRIP - JAW
-"""m from a bolt to where fingers close; on a longer handle no farther out, where the way is longer
-and soon off the screen."""
+"""m from a bolt to the grip at most: farther out on a longer handle, the path would be longer and
+soon leave the screen."""
 _ROOM = 0.030
-"""m of a handle, at least, between its beginning and where fingers close."""
+"""m, least distance from the beginning of a handle to the grip."""
 
 
 class Handling(Protocol):
-    """What a person knows about moving one kind of thing.
+    """Contract for moving one kind of object.
 
     Attributes:
-        good: m and rad within which they are content and let go.
-        enough: m and rad within which a thing that lies still is not touched again.
-        patience: How often they look at a hand that stays a ghost before they lift it.
+        good: m and rad, errors within which the user lets go.
+        enough: m and rad, errors within which an object at rest is not touched again.
+        patience: Number of looks at a hand that stays a ghost before the user lifts it.
     """
 
     good: tuple[float, float]
@@ -44,33 +44,33 @@ class Handling(Protocol):
     patience: int
 
     def missing(self, seen: SeenObject, goal: Goal) -> tuple[Array, float]:
-        """Shift (2,) m and turn, rad, from the thing as seen to its goal."""
+        """Missing shift (2,) m and turn, rad, from the object as seen to its goal."""
         ...
 
     def grasp(
         self, seen: SeenObject, turn: float, c: UserConfiguration, failed: Grasp | None = None
     ) -> Grasp:
-        """Where thumb and fingers go; `failed` is how they came down in vain just now."""
+        """Grasp for thumb and fingers; `failed` is the grasp that has just failed."""
         ...
 
     def pivot(self, seen: SeenObject) -> Array:
-        """(2,) m, what a turn goes about."""
+        """Pivot (2,) m of a turn."""
         ...
 
     def reach(self, seen: SeenObject, grasp: Grasp, turn: float, c: UserConfiguration) -> float:
-        """rad of the turn that this grasp allows."""
+        """Part in rad of a turn that this grasp allows."""
         ...
 
 
 class BoxHandling:
-    """A box is grasped in its middle and looks the same every quarter turn."""
+    """Handling of a box: grasped in its middle, and equal after every quarter turn."""
 
     good = (0.003, float(np.deg2rad(2.5)))
     enough = (0.008, float(np.deg2rad(8.0)))
     patience = 14
 
     def missing(self, seen: SeenObject, goal: Goal) -> tuple[Array, float]:
-        """To the nearest of the four places that look alike."""
+        """Missing movement to the nearest of the four equivalent poses."""
         quarter = np.pi / 2
         turn = (goal.yaw - seen.yaw + quarter / 2) % quarter - quarter / 2
         return np.asarray(goal.position[:2]) - seen.position[:2], float(turn)
@@ -78,7 +78,7 @@ class BoxHandling:
     def grasp(
         self, seen: SeenObject, turn: float, c: UserConfiguration, failed: Grasp | None = None
     ) -> Grasp:
-        """Across the most comfortable faces."""
+        """Grasp across the most comfortable faces."""
         return choose_grasp(seen, turn, c)
 
     def pivot(self, seen: SeenObject) -> Array:
@@ -86,15 +86,15 @@ class BoxHandling:
         return np.array(seen.position[:2])
 
     def reach(self, seen: SeenObject, grasp: Grasp, turn: float, c: UserConfiguration) -> float:
-        """All: it is never more than an eighth turn."""
+        """The whole turn, which is never more than an eighth."""
         return turn
 
 
 class WrenchHandling:
-    """A wrench is grasped across its handle, and again when the hand has turned far enough.
+    """Handling of a wrench: grasped across its handle, and regrasped after a large turn.
 
     Args:
-        wrench: Its shape; on a bolt it turns about this, and nothing else can be done with it.
+        wrench: Its shape; on a bolt it can only turn about the bolt.
     """
 
     def __init__(self, wrench: Wrench) -> None:
@@ -108,7 +108,7 @@ class WrenchHandling:
         self.enough = (0.007, float(np.deg2rad(3.5 if self._bolted else 5.5)))
 
     def missing(self, seen: SeenObject, goal: Goal) -> tuple[Array, float]:
-        """The turn of the handle, and for a free wrench the shift of its middle."""
+        """Missing turn of the handle, and shift of the middle of a free wrench."""
         turn = float((goal.yaw - seen.yaw + np.pi) % (2 * np.pi) - np.pi)
         off = np.asarray(goal.position[:2]) - seen.position[:2]
         return (np.zeros(2) if self._bolted else off), turn
@@ -116,7 +116,7 @@ class WrenchHandling:
     def grasp(
         self, seen: SeenObject, turn: float, c: UserConfiguration, failed: Grasp | None = None
     ) -> Grasp:
-        """Thumb on one side of the handle, fingers on the other; round about if that failed."""
+        """Grasp with thumb and fingers on either side of the handle; swapped if that failed."""
         return choose_handle_grasp(seen, turn, self._grip, c, failed.side if failed else None)
 
     def pivot(self, seen: SeenObject) -> Array:
@@ -126,12 +126,12 @@ class WrenchHandling:
         return np.array(seen.position[:2])
 
     def reach(self, seen: SeenObject, grasp: Grasp, turn: float, c: UserConfiguration) -> float:
-        """As far as the wrist goes."""
+        """Part of the turn that the wrist allows."""
         return within_comfort(grasp.axis_on(seen.yaw), turn, c)
 
 
 def handling_of(shape: Thing) -> Handling:
-    """How a thing of this shape is handled."""
+    """Creates the handling of an object of this shape."""
     if isinstance(shape, Wrench):
         return WrenchHandling(shape)
     if isinstance(shape, MjcfThing):

@@ -1,4 +1,4 @@
-"""The other hand, at a slider that lifts: slow to start, never quite where it should be."""
+"""The simulated user's other hand, on the lift slider: slow to start and inexact."""
 
 from __future__ import annotations
 
@@ -11,22 +11,23 @@ from tasks.simulated_user.fingers import minimum_jerk
 from tasks.user import UserConfiguration
 
 NOISE = 0.03
-"""Of the slider's way: standard deviation of each reading, unless it rests at its lower end."""
+"""Share of the slider's travel: standard deviation of each reading, unless it rests at its lower
+end."""
 _MISS = 0.03
-"""Of a movement's length by which it misses (standard deviation)."""
+"""Share of a movement's length by which it misses (standard deviation)."""
 _BASE, _RATE = 0.30, 0.8
-"""s for a short movement, and shares of the slider's way per second on a long one."""
+"""s for a short movement, and shares of the slider's travel per second in a long one."""
 _STOP = 0.004
-"""Of the slider's way: nearer to its lower end it rests there."""
+"""Share of the slider's travel: nearer to its lower end it rests there."""
 
 
 class Slider:
     """A lift control in the user's other hand.
 
     Args:
-        reach: m by which the hand on the screen rises over the slider's whole way; a person has
-            moved it up and down before, and knows.
-        rng: The user's own randomness.
+        reach: m by which the simulated hand rises over the slider's full travel; the user knows it
+            from trying.
+        rng: The user's source of randomness.
     """
 
     def __init__(self, reach: float, rng: np.random.Generator) -> None:
@@ -35,7 +36,7 @@ class Slider:
         self._begin, self._duration = 0.0, 1e-9
 
     def height(self, now: float) -> float:
-        """m, how high the slider is meant to hold the hand."""
+        """Intended height of the hand, m."""
         return self._reach * self._at(now)
 
     def move(self, height: float, now: float) -> float:
@@ -49,7 +50,7 @@ class Slider:
         return now + self._duration
 
     def control(self, now: float) -> float:
-        """0 to 1, what the device reads."""
+        """Reading of the device, 0 to 1."""
         share = self._at(now)
         if share <= _STOP:
             return 0.0
@@ -61,12 +62,12 @@ class Slider:
 
 
 class IdleLiftUser(IdleUser):
-    """Touches nothing, and leaves the slider where it is.
+    """Control user that does not touch, and leaves the slider where it is.
 
     Args:
-        configuration: What kind of person.
+        configuration: Settings of the simulated user.
         surface: The tablet.
-        seed: Of what is left to chance.
+        seed: Seed of the user's randomness.
         reach: See `Slider`.
     """
 
@@ -77,12 +78,12 @@ class IdleLiftUser(IdleUser):
 
 
 class RandomLiftUser(RandomUser):
-    """Touches at random, and moves the slider at random.
+    """Control user that touches and moves the slider at random.
 
     Args:
-        configuration: What kind of person.
+        configuration: Settings of the simulated user.
         surface: The tablet.
-        seed: Of what is left to chance.
+        seed: Seed of the user's randomness.
         reach: See `Slider`.
     """
 
@@ -96,7 +97,7 @@ class RandomLiftUser(RandomUser):
         self._moved = 0.0
 
     def touch(self, now: float) -> TouchFrame:
-        """Random touches, and the slider somewhere."""
+        """Random touches and a random position of the slider."""
         if now >= self._moved:
             height = float(self._other.uniform(-0.5, 1.0)) * self._reach
             arrival = self._slider.move(max(height, 0.0), now)

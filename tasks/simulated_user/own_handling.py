@@ -1,4 +1,4 @@
-"""How a person goes about a thing they have never seen: by its outline."""
+"""The simulated user's handling of an object of unknown kind, by its outline."""
 
 from __future__ import annotations
 
@@ -18,24 +18,24 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class OutlineGrasp(Grasp):
-    """A pinch across the box about a thing.
+    """A pinch across the bounding box of an object.
 
     Attributes:
-        offset: (2,) m, the box's middle in the thing's frame, as seen from above.
+        offset: (2,) m, the box's middle in the object's frame, as seen from above.
     """
 
     offset: tuple[float, float] = (0.0, 0.0)
 
     def middle(self, seen: SeenObject) -> Array:
-        """(2,) m, the box's middle in the world."""
+        """Position (2,) m of the box's middle in the world."""
         return np.asarray(seen.position[:2] + seen.rotation[:2, :2] @ self.offset)
 
 
 class OwnHandling:
-    """A thing of any shape is grasped like the box about it.
+    """Handling of an object of any shape, grasped like its bounding box.
 
     Args:
-        thing: Its outline, and how often it looks the same in a turn.
+        thing: The object, with its outline and rotational symmetry.
     """
 
     good = (0.003, float(np.deg2rad(2.5)))
@@ -50,7 +50,7 @@ class OwnHandling:
         self._box = Box(thing.name, (half[0], half[1], half[2]), thing.mass, thing.position)
 
     def missing(self, seen: SeenObject, goal: Goal) -> tuple[Array, float]:
-        """To the nearest place that looks alike; a round thing is turned right as it is."""
+        """Missing movement to the nearest equivalent pose; a round object needs no turn."""
         off = np.asarray(goal.position[:2]) - seen.position[:2]
         if self._looks_alike == 0:
             return off, 0.0
@@ -60,7 +60,7 @@ class OwnHandling:
     def grasp(
         self, seen: SeenObject, turn: float, c: UserConfiguration, failed: Grasp | None = None
     ) -> Grasp:
-        """Across the most comfortable sides of the box about it."""
+        """Grasp across the most comfortable sides of the bounding box."""
         about = SeenObject(self._box, seen.position, seen.rotation)
         grasp = choose_grasp(about, turn, c)
         return OutlineGrasp(
@@ -69,9 +69,9 @@ class OwnHandling:
         )
 
     def pivot(self, seen: SeenObject) -> Array:
-        """Its origin, which is what goals are about."""
+        """The object's origin, to which goals refer."""
         return np.array(seen.position[:2])
 
     def reach(self, seen: SeenObject, grasp: Grasp, turn: float, c: UserConfiguration) -> float:
-        """As far as the wrist goes."""
+        """Part of the turn that the wrist allows."""
         return within_comfort(grasp.axis_on(seen.yaw), turn, c)

@@ -1,4 +1,4 @@
-"""Which way to grasp a box leaves room for the fingers, beside neighbours and at its goal."""
+"""Chooses a grasp of a box with room for the fingers, beside neighbours and at its goal."""
 
 from __future__ import annotations
 
@@ -16,26 +16,27 @@ from tasks.user import SeenObject, UserConfiguration
 Array = NDArray[np.float64]
 
 _ROOM = 0.014
-"""m that the middle of a fingertip should stay away from a neighbour's face."""
+"""m, least distance of the middle of a fingertip from a neighbour's face."""
 _EDGE = 0.003
-"""m that a finger should stay away from the border of the screen."""
+"""m, least distance of a finger from the border of the screen."""
 _CROWDED = 150.0
-"""rad/m: how much turning of the wrist a person accepts for room."""
+"""rad/m, additional rotation of the wrist that is as bad as lacking one metre of room."""
 _AGAIN = 2.0
-"""rad that they accept rather than trying once more what has just failed."""
+"""rad, additional rotation of the wrist that is as bad as repeating a grasp that has just
+failed."""
 _LINK = ((0.010, 0.010), (0.018, 0.020))
-"""m from a fingertip towards the palm, and up: where the rest of a finger is, which leans over
-whatever is on that side."""
+"""m from a fingertip towards the palm, and upwards, to the rest of the finger, which leans over
+objects on that side."""
 
 
 @dataclass(frozen=True)
 class Surroundings:
-    """What a person sees around a box that they are about to grasp.
+    """The surroundings of a box to grasp, as the user sees them.
 
     Attributes:
-        surface: Where fingers can touch.
-        neighbours: What else stands there.
-        goal: (2,) m, where the box is to go; None where that does not matter.
+        surface: The area that fingers can touch.
+        neighbours: The other objects.
+        goal: (2,) m, goal of the box; None to ignore the goal.
     """
 
     surface: Surface
@@ -50,14 +51,14 @@ def roomiest_grasp(
     around: Surroundings,
     failed: Grasp | None = None,
 ) -> Grasp:
-    """The pair of faces, and the side for the thumb, with the best of room and comfort.
+    """Chooses faces and thumb side with the best compromise between room and comfort.
 
     Args:
-        box: As it is seen, upright.
+        box: The box as seen, upright.
         turn: rad by which it is to be turned.
-        c: Whose comfort.
-        around: What may be in the way.
-        failed: A grasp that has just come to nothing.
+        c: The user whose comfort counts.
+        around: Objects that may be in the way, and the surface.
+        failed: A grasp that has just failed.
     """
     assert isinstance(box.shape, Box)
     half = box.shape.half_size
@@ -78,7 +79,7 @@ def roomiest_grasp(
 def _short_of_room(
     grasp: Grasp, turn: float, box: SeenObject, c: UserConfiguration, around: Surroundings
 ) -> float:
-    """m that are missing beside neighbours, at the border, and at the border at the goal."""
+    """Missing room in m: beside neighbours, at the border, and at the border at the goal."""
     places = grasp.places(np.asarray(box.position[:2]), c.opening, c)
     short = max(_ROOM - _nearest(places, grasp.axis, float(box.position[2]), around.neighbours), 0)
     short += _beyond(places, around.surface)
@@ -89,7 +90,7 @@ def _short_of_room(
 
 
 def _nearest(places: Array, axis: float, height: float, neighbours: Iterable[SeenObject]) -> float:
-    """m, least distance of the middles of the fingers' last links to what stands around."""
+    """Least distance in m of the middles of the fingers' last links to the other objects."""
     palm = np.array([np.sin(axis), -np.cos(axis)])
     links = [(places + along * palm, height + up) for along, up in ((0.0, 0.0), *_LINK)]
     points = np.vstack([np.column_stack([xy, np.full(len(xy), z)]) for xy, z in links])
@@ -98,7 +99,7 @@ def _nearest(places: Array, axis: float, height: float, neighbours: Iterable[See
 
 
 def _beyond(places: Array, surface: Surface) -> float:
-    """m by which fingers would have to touch beyond the border."""
+    """Distance in m by which fingers would have to touch beyond the border."""
     xy = surface.to_surface(np.column_stack([places, np.zeros(len(places))]))
     return float(max(_EDGE - min(xy.min(), (surface.size - xy).min()), 0.0))
 

@@ -1,7 +1,7 @@
-"""A simulated user who is left-handed, or sits at another side of the screen.
+"""Simulated users who are left-handed, or sit at another side of the screen.
 
-Such a person is the right-handed one at the lower edge who sees the world mirrored or turned, and
-whose touches go the same way back. What is seen is the same, and no less late.
+Such a user is a right-handed one at the lower edge, who sees the world mirrored or rotated and
+whose touches are transformed back. The delay of what they see is unchanged.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ Array = NDArray[np.float64]
 
 
 class Seat:
-    """Between the world and the one that a right-handed user at the lower edge would see.
+    """Transforms between the world and the world that a right-handed user at the lower edge sees.
 
     Args:
-        person: Hand and seat; their hand's size makes no difference to what they see.
+        person: Hand and seat; the hand's size has no effect here.
         surface: The screen.
 
     Attributes:
-        surface: The screen as that user finds it: turned about its own middle.
+        surface: The screen in that user's world: rotated about its own middle.
     """
 
     def __init__(self, person: Person, surface: Surface) -> None:
@@ -42,33 +42,35 @@ class Seat:
         matrix = np.eye(3)
         matrix[:2, :2] = flip @ self._frame.matrix @ flip
         self._matrix: Array = surface.rotation @ matrix @ surface.rotation.T
-        # Mirrored things are drawn mirrored: one of their own axes turns round; all stay solids.
+        # Objects in a mirror image have one of their own axes reversed, so that rotations stay
+        # proper.
         flip_own = -1.0 if person.left else 1.0
         self._own = np.diag([flip_own, 1.0, 1.0])
         self._own_of_long = np.diag([1.0, flip_own, 1.0])
 
     def point(self, world: Array) -> Array:
-        """A place (3,) m as that user sees it."""
+        """Transforms a position (3,) m to the user's world."""
         height = float((world - np.asarray(self._real.origin)) @ self._real.rotation[:, 2])
         return self.surface.to_world(self._frame.inwards(self._real.to_surface(world)), height)
 
     def rotation(self, world: Array, long: bool = False) -> Array:
-        """A rotation (3, 3) as that user sees it.
+        """Transforms a rotation (3, 3) to the user's world.
 
         Args:
-            world: As it is.
-            long: Of a thing whose two ends differ, such as a wrench: only its sides may change.
+            world: The rotation in the world.
+            long: True for an object whose two ends differ, such as a wrench: only its sides may be
+                swapped.
         """
         return self._matrix @ world @ (self._own_of_long if long else self._own)
 
     def yaw(self, yaw: float, long: bool = False) -> float:
-        """rad about the vertical, as that user sees it."""
+        """Transforms a yaw, rad about the vertical, to the user's world."""
         c, s = np.cos(yaw), np.sin(yaw)
         seen = self.rotation(np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]), long)
         return float(np.arctan2(seen[1, 0], seen[0, 0]))
 
     def sight(self, sight: Sight) -> Sight:
-        """All that is on the screen."""
+        """Transforms everything on the screen to the user's world."""
         long = {n: isinstance(o.shape, Wrench | MjcfThing) for n, o in sight.objects.items()}
         objects = {
             name: replace(
@@ -85,7 +87,7 @@ class Seat:
         return replace(sight, tips=tips, objects=objects, goals=tuple(goals))
 
     def frame(self, frame: TouchFrame) -> TouchFrame:
-        """That user's touches as the real screen feels them."""
+        """Transforms the user's touches to the real screen."""
         contacts = []
         for contact in frame.contacts:
             x, y = self._frame.outwards((contact.x, contact.y)).tolist()
@@ -94,11 +96,11 @@ class Seat:
 
 
 class SeatedUser:
-    """Any simulated user, on another seat or with the other hand.
+    """A simulated user on another seat or with the other hand.
 
     Args:
-        user: Who was made for `seat.surface`.
-        seat: From where they look.
+        user: A user made for `seat.surface`.
+        seat: The user's hand and seat.
     """
 
     def __init__(self, user: User, seat: Seat) -> None:
@@ -106,10 +108,12 @@ class SeatedUser:
         self.configuration = user.configuration
 
     def look(self, sight: Sight) -> None:
-        """Takes in what is on the screen now."""
-        seat = self._seat  # Who keeps what they see would keep themselves, were they in it.
+        """Shows the user the current content of the screen."""
+        seat = (
+            self._seat
+        )  # Without references to this user: a user that stores its sights would keep itself alive.
         self.user.look(Sight.later(lambda: vars(seat.sight(sight)), time=sight.time))
 
     def touch(self, now: float) -> TouchFrame:
-        """What the fingers do on the real screen now."""
+        """Current touches on the real screen."""
         return self._seat.frame(self.user.touch(now))

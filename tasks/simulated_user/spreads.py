@@ -1,8 +1,8 @@
-"""A simulated person who puts five fingers down three times: relaxed, close together, wide apart.
+"""Simulated person for the calibration: five fingers down, relaxed, close together, wide apart.
 
-Where the fingertips are follows from the skeleton alone: of all postures with five tips on the
-screen, the one nearest to a relaxed, a closed or an open hand. Nothing of it comes from captures,
-so that whoever measures the hand's size has not seen these layouts before.
+The layouts of the fingertips follow from the skeleton alone: of all postures with five tips on the
+screen, the one nearest to a relaxed, a closed or an open hand. They do not come from captures, so
+the estimator of the hand's size has not been trained on them.
 """
 
 from __future__ import annotations
@@ -20,26 +20,26 @@ from models.surface import Surface
 Array = NDArray[np.float64]
 
 _SPREADS = ((0.0, 0.0, 0.0), (-22.0, -7.0, 25.0), (20.0, 9.0, -10.0))
-"""degrees: extension of the fingers, their spreading about the middle finger, and the thumb's turn
-towards them, of a relaxed, a closed and a wide hand against the middle of all ranges."""
+"""degrees relative to the middle of all ranges: extension of the fingers, their spreading about the
+middle finger, and the thumb's rotation towards them, for a relaxed, a closed and a wide hand."""
 
 _TIP_HEIGHT = 0.006
-"""m, centre of a touching fingertip of the trained hand above the screen."""
+"""m above the screen, centre of a touching fingertip of the trained hand."""
 _LOOSE = (0.1, np.deg2rad(15.0), np.deg2rad(8.0))
-"""m, rad and rad: how far height and tilt of the hand, and the joints, give way to the screen."""
+"""m, rad and rad: compliance of the hand's height and tilt, and of the joints, to the screen."""
 _ROUNDS = 15
 
 _REST, _PAUSE, _FIRST = 1.0, 0.8, 0.3
-"""s for which the fingers rest, are off the screen, and before the first spread."""
+"""s that the fingers rest, s that they are off the screen, and s before the first spread."""
 _NOISE = 0.0004
-"""m, of each touch in every frame."""
+"""m, noise of each touch in every frame."""
 
 
 def spread_layout(skeleton: Skeleton, extension: float, spreading: float, thumb: float) -> Array:
-    """(5, 2) m, x right and y up: fingertips of a right hand on a screen, about their middle.
+    """Fingertips (5, 2) m of a right hand on a screen, x right and y up, relative to their middle.
 
     Args:
-        skeleton: Whose.
+        skeleton: The hand's skeleton.
         extension, spreading, thumb: rad (see `_SPREADS`).
     """
     wanted = np.zeros(POSE_SIZE)
@@ -66,12 +66,12 @@ def spread_layout(skeleton: Skeleton, extension: float, spreading: float, thumb:
 
 
 class SpreadingPerson:
-    """Touches of the three spreads, one after another, as a device would tell them.
+    """Touches of the three spreads, one after another, as a device would report them.
 
     Args:
-        person: Which hand, how large, and from where.
+        person: Hand, hand size and seat.
         surface: The screen.
-        seed: Of place, turn and noise.
+        seed: Seed of position, rotation and noise.
     """
 
     def __init__(self, person: Person, surface: Surface, seed: int) -> None:
@@ -90,11 +90,11 @@ class SpreadingPerson:
 
     @property
     def ends(self) -> float:
-        """s, when the last finger has left."""
+        """Time in s when the last finger has left."""
         return _FIRST + len(_SPREADS) * (_REST + _PAUSE)
 
     def touch(self, now: float) -> TouchFrame:
-        """What the screen feels at a time, s."""
+        """Touches on the screen at a time, s."""
         number, since = divmod(now - _FIRST, _REST + _PAUSE)
         if not (0 <= number < len(self._layouts) and since < _REST):
             return TouchFrame(now, (), source="simulated person")

@@ -1,7 +1,7 @@
-"""A person who stacks boxes: one hand grasps and carries, the other raises and lowers.
+"""Simulated user who stacks boxes: one hand grasps and carries, the other moves the lift slider.
 
-They take the boxes in the order in which the screen asks for them, and look at all of them again
-whenever they have let go: what has fallen is stacked anew.
+The user takes the boxes in the order of the goals on the screen, and looks at all of them again
+after every release: a fallen box is stacked anew.
 """
 
 from __future__ import annotations
@@ -27,28 +27,28 @@ from tasks.user import SeenObject, Sight, UserConfiguration
 Array = NDArray[np.float64]
 
 _OVER, _HARDLY_OVER = 0.014, 0.006
-"""m, how high a box is carried above everything that stands around, and below which it is raised
+"""m above all other objects, height at which a box is carried, and below which it is raised
 again."""
 _IN_PLACE = 0.004
-"""m, from its goal seen from above, at which a carried box is lowered."""
+"""m from its goal seen from above, within which a carried box is lowered."""
 _STRAIGHT = float(np.deg2rad(8.0))
-"""rad, turned against the box below by which it is good enough."""
+"""rad, acceptable rotation relative to the box below."""
 _RESTS = 0.004
-"""m above its place, nearer than which a box is taken to stand."""
+"""m above its place, within which a box counts as standing."""
 _PRESS = 0.002
-"""m by which it is lowered below its place, to be sure."""
+"""m below its place to which a box is lowered, for safety."""
 _FALLEN = 0.010
-"""m by which a box may lag behind the rising hand before the user takes it to have slipped."""
+"""m by which a box may lag behind the rising hand before it counts as slipped."""
 _DRAGS = 7
-"""Corrected movements over one place before the user lowers the box all the same."""
+"""Corrected movements over one place before the user lowers the box anyway."""
 _ENOUGH = 0.2
-"""Of its edge: how far from its goal a standing box may be and is left in peace."""
+"""Share of its edge: a standing box nearer to its goal is left as it is."""
 _FOLLOWS = 0.30
-"""s that a hand on the screen takes to follow the slider to its end."""
+"""s that the simulated hand takes to follow the slider to its end."""
 
 
 class _Stage(Enum):
-    """What a person does with a box between their fingers."""
+    """The user's current action with a grasped box."""
 
     GRASPED = auto()
     RAISED = auto()
@@ -56,7 +56,7 @@ class _Stage(Enum):
 
 
 class StackHandling(BoxHandling):
-    """As on the table, with neighbours."""
+    """Handling of a box on the table with neighbours."""
 
     good = (_IN_PLACE, _STRAIGHT)
     enough = (0.0, 0.0)
@@ -68,7 +68,7 @@ class StackHandling(BoxHandling):
     def grasp(
         self, seen: SeenObject, turn: float, c: UserConfiguration, failed: Grasp | None = None
     ) -> Grasp:
-        """Across the faces beside which there is most room, comfort permitting."""
+        """Grasp across the faces with the best compromise between room and comfort."""
         return roomiest_grasp(seen, turn, c, self.around, failed)
 
 
@@ -76,10 +76,10 @@ class Stacker(SkilledUser):
     """Puts boxes on each other with touches and a slider.
 
     Args:
-        configuration: What kind of person.
+        configuration: Settings of the simulated user.
         surface: The tablet.
-        seed: Of everything this person does by chance.
-        reach: m by which the hand rises over the slider's whole way.
+        seed: Seed of the user's randomness.
+        reach: m by which the hand rises over the slider's full travel.
     """
 
     def __init__(
@@ -94,12 +94,12 @@ class Stacker(SkilledUser):
         self._from = self._stood = self._lowest = 0.0
 
     def touch(self, now: float) -> TouchFrame:
-        """What the fingers do on the screen, and where the slider is, now, s."""
+        """Touches of the fingers and position of the slider at the time now, s."""
         frame = super().touch(now)
         return TouchFrame(now, frame.contacts, self._slider.control(now), source=frame.source)
 
     def _act(self, sight: Sight, now: float) -> None:
-        # A cube is a cube: whichever face is below, it is gripped and turned in the same way.
+        # A cube is gripped and turned in the same way on any of its faces.
         seen = {name: _upright(o) for name, o in sight.objects.items()}
         if not self.grasping:
             wrong = [g.object for g in sight.goals if not _stands(sight.objects[g.object], g)]
@@ -118,7 +118,7 @@ class Stacker(SkilledUser):
         super()._act(replace(sight, objects=seen, goals=(goal,)), now)
 
     def _reach(self, sight: Sight, box: SeenObject, now: float) -> None:
-        """Brings the slider to where the box stands, and then the fingers down around it."""
+        """Moves the slider to the height of the box, then puts the fingers down around it."""
         height = _bottom(box) if _bottom(box) > _RESTS else 0.0
         if abs(height - self._slider.height(now)) > _RESTS:
             self._wait(self._slider.move(height, now) - now + _FOLLOWS, now)
@@ -129,8 +129,8 @@ class Stacker(SkilledUser):
     def _drag(self, sight: Sight, box: SeenObject, now: float) -> None:
         """Raises the box over all others, carries it over its place, and lowers it until it rests.
 
-        One look, one movement; a box that does not come along, or a hand that turns into a ghost,
-        ends it.
+        Every look is followed by one movement. A box that does not follow, or a hand that turns
+        into a ghost, ends the drag.
         """
         rise = self._slider.height(now) - self._from
         lost = self._stage is not _Stage.GRASPED and _bottom(box) - self._stood < rise - _FALLEN
@@ -149,13 +149,14 @@ class Stacker(SkilledUser):
         self._slide(self._from + max(self._highest() + _OVER - self._stood, 0.0), now)
 
     def _highest(self) -> float:
-        """m, top of what stands around."""
+        """Height in m of the highest other object."""
         return max(_top(other) for other in self._boxes.around.neighbours)
 
     def _carry(self, sight: Sight, box: SeenObject, now: float) -> None:
         low = self._highest() + _HARDLY_OVER - self._lowest
         if low > 0.0 and self._tries < _DRAGS:
-            # It hangs askew, or has slipped a little: as it is, it would push the others over.
+            # The box is tilted or has slipped a little: lowered like this, it would push the others
+            # over.
             self._tries += 1
             self._slide(self._slider.height(now) + low + _OVER - _HARDLY_OVER, now)
             return
@@ -183,21 +184,21 @@ class Stacker(SkilledUser):
 
 
 def _stands(seen: SeenObject, goal: Goal) -> bool:
-    """Whether a box stands where it belongs, as far as one sees."""
+    """True if a box is seen to stand in its place."""
     off = seen.position - np.asarray(goal.position)
     near = float(np.linalg.norm(off[:2])) < _ENOUGH * 2 * _half(seen)
     return near and abs(float(off[2])) < _RESTS and seen.upright
 
 
 def _upright(seen: SeenObject) -> SeenObject:
-    """A box as if it stood on the face that is below."""
+    """The box described as standing on its current lower face."""
     yaw = flat_yaw(seen.rotation)
     c, s = np.cos(yaw), np.sin(yaw)
     return replace(seen, rotation=np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]))
 
 
 def _half(seen: SeenObject) -> float:
-    """m, half the edge of a cube."""
+    """Half the edge of a cube, m."""
     assert isinstance(seen.shape, Box)
     return seen.shape.half_size[2]
 
@@ -207,7 +208,7 @@ def _bottom(seen: SeenObject) -> float:
 
 
 def _lowest(seen: SeenObject) -> float:
-    """m, height of a box's lowest corner, however it is turned."""
+    """Height in m of a box's lowest corner, in any rotation."""
     return float(seen.position[2] - np.abs(seen.rotation[2]).sum() * _half(seen))
 
 

@@ -1,4 +1,5 @@
-"""A person who brings a thing to its goal: look, reach, adjust, grasp, drag, let go, look again."""
+"""Simulated user who brings an object to its goal: look, reach, adjust, grasp, drag, let go,
+look."""
 
 from __future__ import annotations
 
@@ -18,13 +19,13 @@ from tasks.user import SeenObject, Sight, UserConfiguration
 Array = NDArray[np.float64]
 
 _IN_PLACE = 0.004
-"""m within which the fingers are where the user wants them before closing."""
+"""m, error of the fingers' positions within which the user closes them."""
 _DRAGS = 7
-"""Corrected movements of one grasp before the user lets go and looks afresh."""
+"""Corrected movements of one grasp before the user lets go and starts again."""
 _SLIPPED = 0.015
-"""m by which the box may fall behind the fingers before the user notes that it slipped."""
+"""m by which the box may lag behind the fingers before it counts as slipped."""
 _SETTLE = 0.08
-"""s the user watches what a movement has done, beyond the reaction time."""
+"""s that the user watches the effect of a movement, in addition to the reaction time."""
 
 
 class _Doing(Enum):
@@ -37,12 +38,12 @@ class _Doing(Enum):
 
 
 class SkilledUser:
-    """Brings one thing to its goal with touches only.
+    """Brings one object to its goal with touches only.
 
     Args:
-        configuration: What kind of person.
+        configuration: Settings of the simulated user.
         surface: The tablet.
-        seed: Of everything this person does by chance.
+        seed: Seed of the user's randomness.
     """
 
     def __init__(self, configuration: UserConfiguration, surface: Surface, seed: int) -> None:
@@ -60,7 +61,7 @@ class SkilledUser:
 
     @property
     def grasping(self) -> bool:
-        """Whether the fingers are on the screen, or have only just left it."""
+        """True if the fingers are on the screen, or have only just left it."""
         return self._doing not in (_Doing.LOOKING, _Doing.CONTENT)
 
     def finger_ids(self) -> list[int]:
@@ -68,11 +69,11 @@ class SkilledUser:
         return self._fingers.ids()
 
     def look(self, sight: Sight) -> None:
-        """Takes in what is on the screen now; it is acted upon a reaction time later."""
+        """Shows the user the screen; the user reacts to it a reaction time later."""
         self._eye.look(sight)
 
     def touch(self, now: float) -> TouchFrame:
-        """What the fingers do on the screen now, s."""
+        """Touches on the screen at the time now, s."""
         sight = self._eye.at(now)
         if sight is not None and now >= self._until - 1e-9:
             self._act(sight, now)
@@ -113,11 +114,11 @@ class SkilledUser:
         each = self._rng.normal(0.0, c.finger_error, (c.fingers, 2))
         self._fingers.land(self._grasp.places(centre, c.opening, c) + error + each, now)
         self._doing, self._tries = _Doing.ADJUSTING, 0
-        # Nothing can be judged before the hand has been seen to come down.
+        # The user waits until the hand is seen to come down.
         self._wait(self._eye.delay + 0.45, now)
 
     def _adjust(self, sight: Sight, box: SeenObject, now: float) -> None:
-        """Moves the fingers to where the drawn hand is right around the box."""
+        """Moves the fingers until the drawn hand is around the box."""
         assert self._grasp is not None and self._handling is not None
         c = self.configuration
         middle = self._grasp.middle(box)
@@ -151,14 +152,14 @@ class SkilledUser:
         self._drag(sight, box, now)
 
     def _drag(self, sight: Sight, box: SeenObject, now: float) -> None:
-        """Carries the box towards the goal, as often as what is seen asks for it."""
+        """Drags the box towards the goal, in as many corrected movements as needed."""
         assert self._grasp is not None and self._handling is not None
         off, turn = self._missing(sight, box)
         held = self._grasp.middle(box) + self._drawn_offset(sight, now)
         lag = np.linalg.norm(held - self._middle(now))
         near, straight = self._handling.good
         now_turn = self._handling.reach(box, self._grasp, turn, self.configuration)
-        # What this grasp can still do; a wrist that has turned far enough needs a new one.
+        # The part that this grasp allows; a wrist at its limit needs a new grasp.
         good = np.linalg.norm(off) < near and abs(now_turn) < straight
         slipped = self._tries > 0 and lag > _SLIPPED
         if good or slipped or self._tries >= _DRAGS or not sight.solid:
@@ -173,20 +174,20 @@ class SkilledUser:
         self._wait(self._eye.delay + 0.45, now)
 
     def _missing(self, sight: Sight, box: SeenObject) -> tuple[Array, float]:
-        """Shift (2,) and turn from the thing as seen to its goal."""
+        """Missing shift (2,) m and turn rad from the object as seen to its goal."""
         assert self._handling is not None
         return self._handling.missing(box, sight.goals[0])
 
     def _middle(self, now: float) -> Array:
-        """(2,) m, between the thumb and the middle of the other fingers."""
+        """Point (2,) m halfway between the thumb and the middle of the other fingers."""
         places = self._fingers.places(now)
         return 0.5 * (places[0] + places[1:].mean(axis=0))
 
     def _drawn_offset(self, sight: Sight, now: float) -> Array:
-        """(2,) m to add to the fingers, so that the *drawn* hand is where they should be.
+        """Offset (2,) m to add to the fingers, so that the *drawn* hand is in the intended place.
 
-        A person follows the drawn hand, not the own fingers: whatever constant error the
-        reconstruction makes is made up for. Without drawn fingertips there is nothing to go by.
+        A person watches the drawn hand, not their own fingers, and so corrects any constant error
+        of the reconstruction. Without drawn fingertips no correction is possible.
         """
         ids = self._fingers.ids()
         if any(i not in sight.tips for i in ids):
@@ -196,15 +197,15 @@ class SkilledUser:
         places = self._seen_places(sight)
         seen = 0.5 * (places[0] + places[1:].mean(axis=0))
         off = seen - middle
-        # What is smaller than a fingertip's blur on the screen is no error to a person.
+        # A person does not notice errors smaller than the blur of a fingertip on the screen.
         return off if np.linalg.norm(off) > 0.004 else np.zeros(2)
 
     def _seen_places(self, sight: Sight) -> Array:
-        """Where the fingers were when the screen showed what is seen."""
+        """Positions of the fingers at the time of the sight."""
         return self._fingers.places(sight.time)
 
     def _watch(self, arrival: float) -> None:
-        """Acts again when the effect of a movement that ends then has been seen."""
+        """Waits until the effect of a movement that ends at that time is visible."""
         self._until = arrival + self._eye.delay + _SETTLE
 
     def _wait(self, seconds: float, now: float) -> None:
