@@ -16,7 +16,7 @@ SCHEMA = 1
 _ARRAYS = {"time": "f", "trial": "i", "ids": "i", "xy": "f", "q": "f"}
 
 
-def save_capture(capture: Capture, path: Path, dtype: type[np.floating] = np.float64) -> None:
+def save_capture(capture: Capture, path: Path | str, dtype: type[np.floating] = np.float64) -> None:
     """Writes a capture; `dtype` float32 halves the file and keeps 0.01 micrometre."""
     arrays = {
         "time": capture.time,
@@ -25,17 +25,21 @@ def save_capture(capture: Capture, path: Path, dtype: type[np.floating] = np.flo
         "xy": capture.xy.astype(dtype),
         "q": capture.q.astype(dtype),
     }
-    write_npz(path, {"schema": SCHEMA, **capture.meta}, arrays)
+    write_npz(Path(path), {"schema": SCHEMA, **capture.meta}, arrays)
 
 
-def load_capture(path: Path) -> Capture:
+def load_capture(path: Path | str) -> Capture:
     """Reads a capture.
 
     Raises:
         CaptureError: The file is missing, damaged, of another version, or breaks the contract.
     """
     meta, arrays = read_npz(
-        path, _ARRAYS, CaptureError, "a capture", "`sandbox subject --out FILE` makes a sound one"
+        Path(path),
+        _ARRAYS,
+        CaptureError,
+        "a capture",
+        "`sandbox subject --out FILE` makes a sound one",
     )
     where, schema = str(path), meta.pop("schema", None)
     if schema != SCHEMA:

@@ -7,7 +7,6 @@ the simulated subject is taken.
 """
 
 import sys
-from pathlib import Path
 
 import numpy as np
 
@@ -22,7 +21,7 @@ from encoders import (
 )
 from models import ADULT, Kinematics
 
-capture = load_capture(Path(sys.argv[1])) if len(sys.argv) > 1 else builtin_capture()
+capture = load_capture(sys.argv[1]) if len(sys.argv) > 1 else builtin_capture()
 print(f"{len(capture)} frames of {len(np.unique(capture.trial))} takes")
 
 # Frames of one take depend on each other, so whole takes are held out.
@@ -33,8 +32,8 @@ error = encoder.predict(unseen.u) - unseen.relative
 print(f"mean wrist error {100 * np.linalg.norm(error[:, :3], axis=1).mean():.2f} cm")
 
 # A model that sessions can use: `sandbox run box-to-goal --encoder mine.npz`.
-save_model(train(capture, "mine", degree=2, ridge=1e-3), Path("mine.npz"))
-model = load_model(Path("mine.npz"))
+save_model(train(capture, "mine", degree=2, ridge=1e-3), "mine.npz")
+model = load_model("mine.npz")
 
 # Thumb and index finger, inches; the pose is relative to the leftmost contact.
 u = contact_vector({0: (2.1, 3.9), 1: (3.0, 1.8)})

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import importlib
 import re
 from pathlib import Path
 
@@ -44,6 +45,25 @@ def test_every_link_within_the_repository_leads_somewhere(page: Path) -> None:
         if not target.exists() or (anchor and anchor not in anchors(target)):
             astray.append(link)
     assert not astray
+
+
+def test_the_index_leads_to_every_page_of_the_documentation() -> None:
+    index = ROOT / "docs" / "index.md"
+    listed = {
+        (index.parent / link.partition("#")[0]).resolve()
+        for link in LINK.findall(index.read_text(encoding="utf-8"))
+        if not link.startswith(ELSEWHERE)
+    }
+    pages = set((ROOT / "docs").rglob("*.md")) - {index}
+    missing = sorted(name(page) for page in pages - listed)
+    assert not missing, f"docs/index.md has no link to {', '.join(missing)}"
+
+
+def test_the_page_on_python_lists_the_public_names_of_each_package() -> None:
+    text = (ROOT / "docs" / "from-python.md").read_text(encoding="utf-8")
+    for package in ("models", "encoders", "tasks", "sandbox"):
+        [row] = re.findall(rf"^\| `{package}` \| (.*) \|$", text, re.M)
+        assert re.findall(r"`(\w+)`", row) == list(importlib.import_module(package).__all__)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=name)

@@ -255,7 +255,7 @@ def _skeleton(anchors: Array, lengths: Array) -> Skeleton:
     return replace(ADULT, name=f"{ADULT.name}, fitted", bones=bones)
 
 
-def save_model(model: TrainedModel, path: Path, training: bool = True) -> None:
+def save_model(model: TrainedModel, path: Path | str, training: bool = True) -> None:
     """Writes a model as npz without pickle: a JSON header, and arrays.
 
     Arrays of the model are in single precision, those of an encoder that is not ours as it gives
@@ -284,10 +284,10 @@ def save_model(model: TrainedModel, path: Path, training: bool = True) -> None:
             "tip_variance": model.correction.tip_variance,
         }
     ours = {name: array.astype(np.float32) for name, array in arrays.items()}
-    write_npz(path, header, model.encoder.arrays() | ours)
+    write_npz(Path(path), header, model.encoder.arrays() | ours)
 
 
-def load_model(path: Path, capture: Capture | None = None) -> TrainedModel:
+def load_model(path: Path | str, capture: Capture | None = None) -> TrainedModel:
     """Reads a model. One of an encoder that is not ours also loads the code of its class.
 
     Args:
@@ -299,7 +299,7 @@ def load_model(path: Path, capture: Capture | None = None) -> TrainedModel:
             the class of its encoder is not on this machine.
     """
     where = str(path)
-    header, raw = read_npz(path, None, EncoderError, "a trained model", _REMEDY)
+    header, raw = read_npz(Path(path), None, EncoderError, "a trained model", _REMEDY)
     if header.get("schema") != SCHEMA:
         raise EncoderError(
             "another version's model",

@@ -314,12 +314,13 @@ def read_header(line: bytes, path: Path) -> dict[str, Any]:
     return upgraded(header)
 
 
-def load_recording(path: Path) -> Recording:
+def load_recording(path: Path | str) -> Recording:
     """Reads a recording, compressed or not; a damaged one up to the damage, which is named.
 
     Raises:
         RecordingError: There is no such file, it is no recording, or of another version.
     """
+    path = Path(path)
     try:
         data, whole = read_stored(path)
     except OSError as error:
