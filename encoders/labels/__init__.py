@@ -1,1 +1,1 @@
-"""Which finger each contact is."""
+"""Labellers, which tell the finger of each contact."""

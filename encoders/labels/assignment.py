@@ -1,10 +1,10 @@
-"""Labels by assignment to the places where fingers are expected: the classical baseline.
+"""Labels by assignment of contacts to expected finger positions: the classical baseline.
 
-Five expected places, the mean layout of a hand with all fingers down, are laid over the contacts,
-and contacts are assigned to places so that the squared distances add up to the least (Kuhn 1955,
-the Hungarian method). Assignment and alignment are repeated in turn until nothing changes (iterated
-closest points, Besl and McKay 1992), from several starts. It knows one mean layout where the other
-labellers know many, and no history.
+Five expected positions, the mean layout of a hand with all fingers down, are aligned with the
+contacts, and contacts are assigned to them with the least sum of squared distances (Kuhn 1955, the
+Hungarian method). Assignment and alignment alternate until they converge (iterated closest points,
+Besl and McKay 1992), from several starts. This labeller uses one mean layout, where the other
+labellers use many, and no history.
 """
 
 from __future__ import annotations
@@ -25,37 +25,39 @@ Array = NDArray[np.float64]
 Layout = NDArray[np.complex128]
 
 _STARTS = np.deg2rad(np.arange(-90.0, 91.0, 30.0))
-"""rad. Turns to start from: about as far as a forearm lets a hand turn on a table, and near enough
-together that the alternation finds the best turn between them."""
+"""rad, starting rotations: about the range that a forearm allows on a table, and close enough
+together that the alternation finds the best rotation between them."""
 
 _TURN_SPREAD = np.deg2rad(45.0)
-"""rad, assumed standard deviation of the hand's turn. Two or three contacts fit several fingers
-under some turn; the less turned hand is the likelier."""
+"""rad, assumed standard deviation of the hand's rotation. Two or three contacts fit several fingers
+under some rotation; smaller rotations are more likely."""
 
 _PLACE_SPREAD = 0.6
-"""inches, assumed standard deviation of a fingertip about its aligned place."""
+"""inches, assumed standard deviation of a fingertip about its aligned position."""
 
 _ROUNDS = 10
-"""Most rounds of assignment and alignment; three or four are usual."""
+"""Maximum number of rounds of assignment and alignment; three or four are usual."""
 
 _BARRED = 1e6
-"""Cost of what a fixed label rules out; above any sum of squared distances on a tablet."""
+"""Cost of an assignment that a fixed label excludes; above any sum of squared distances on a
+tablet."""
 
 
 class AssignmentLabels:
-    """Labels contacts by their assignment to five expected places.
+    """Labels contacts by their assignment to five expected positions.
 
-    It never says how sure it is: the probability is always 1. A lone contact lies on any place and
-    is called the index finger.
+    The reported probability is always 1. A single contact fits every position and is labelled as
+    the index finger.
 
     Args:
-        model: Its training frames with five touches give the expected places.
+        model: Model whose training frames with five touches give the expected positions.
 
     Attributes:
-        places: (5,) complex, x + i y of the fingers' expected places about their middle, inches.
+        places: (5,) complex, expected positions x + i y of the fingers relative to their middle,
+            inches.
 
     Raises:
-        EncoderError: In no training frame all five fingers touch.
+        EncoderError: No training frame has five touches.
     """
 
     remembers = False
@@ -65,7 +67,7 @@ class AssignmentLabels:
         whole = U[U[:, 2 * len(FINGERS) :].all(axis=1), : 2 * len(FINGERS)]
         if not len(whole):
             raise EncoderError(
-                "expected places cannot be learned",
+                "expected finger positions cannot be learned",
                 got="no training frame with five touches",
                 expected="at least one",
             )
@@ -85,8 +87,8 @@ class AssignmentLabels:
             if contact in fixed:
                 barred[row] = _BARRED
                 barred[row, fixed[contact]] = 0.0
-        # The contacts' middle starts over each expected place in turn: with few contacts it is
-        # not known over which.
+        # The contacts' middle starts over each expected position in turn: with few contacts the
+        # right one is unknown.
         options = [
             self._settled(z, barred, turn, middle) for turn in _STARTS for middle in self.places
         ]
@@ -94,12 +96,12 @@ class AssignmentLabels:
         return Labelling(dict(zip(ids, labels, strict=True)), 1.0)
 
     def reset(self) -> None:
-        """Does nothing: there is no history."""
+        """Does nothing: this labeller has no history."""
 
     def _settled(
         self, z: Layout, barred: Array, turn: float, middle: complex
     ) -> tuple[float, list[int]]:
-        """Cost and labels at which assignment and alignment no longer change each other."""
+        """Cost and labels after assignment and alignment have converged."""
         previous: list[int] = []
         for _ in range(_ROUNDS):
             laid = (self.places - middle) * np.exp(1j * turn)
@@ -111,7 +113,7 @@ class AssignmentLabels:
             chosen = self.places[labels]
             middle = chosen.mean()
             overlap = np.vdot(chosen - middle, z)
-            # The best turn, drawn towards none as far as few and near contacts leave it open.
+            # The best rotation, shrunk towards 0 where few or close contacts leave it uncertain.
             firm = abs(overlap) / _PLACE_SPREAD**2
             turn = float(np.angle(overlap) * firm / (firm + 1.0 / _TURN_SPREAD**2))
         laid = (self.places[previous] - middle) * np.exp(1j * turn)
@@ -120,7 +122,8 @@ class AssignmentLabels:
 
 
 def _mean_layout(layouts: Layout) -> Layout:
-    """(5,) mean of layouts (T, 5) after turning each onto it, at the mean of their turns."""
+    """Mean layout (5,) of layouts (T, 5), each rotated onto it; its rotation is the mean of
+    theirs."""
     layouts = layouts - layouts.mean(axis=1, keepdims=True)
     mean: Layout = layouts.mean(axis=0)
     for _ in range(5):

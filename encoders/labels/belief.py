@@ -1,20 +1,20 @@
-"""Labels with history: a belief over the labellings of the contacts that are down.
+"""Labels with history: a probability for every labelling of the contacts that are down.
 
-A single look at two or three touches often fits several labellings. But fingers come and go one or
-two at a time, and what was learned while four were down still holds when two of them have left. So
-a probability is kept for every labelling of the living contacts.
+A single frame with two or three touches often fits several labellings. But fingers come and go one
+or two at a time, and evidence from a frame with four touches still holds when two of them have
+left. So the labeller keeps a belief: a probability for every labelling of the current contacts.
 
-- The same contacts later: frames of one grasp say the same over and over, so the belief stays until
-  their layout has changed. A hand that turns, opens or pinches shows layouts that a wrong labelling
-  explains badly; such a look counts with a share, as its layouts still depend on each other.
-- Contacts leave: the belief is summed over their labels, once they are forgotten; for a while they
-  are remembered where they were (see `encoders.labels.lifted`).
-- Contacts come: the labels of the old ones are believed as before, and the new ones are judged
-  given those, by p(all, layout) / p(old, layout). Contacts that are remembered count as old ones
-  with other fingers than the new, or else one of them has come back. Where the old ones have moved
-  since they were last looked at, they are judged again.
+- Contacts stay: frames of one grasp repeat the same evidence, so the belief stays until the layout
+  has changed. A hand that turns, opens or pinches shows layouts that a wrong labelling explains
+  badly. Such a frame counts with a weight below 1, as its layout still depends on earlier ones.
+- Contacts leave: they are remembered at their last place for a while (see
+  `encoders.labels.recent_liftoffs`); then the belief is summed over their labels.
+- Contacts come: the belief about the old ones is kept, and the new ones are judged given those, by
+  p(all, layout) / p(old, layout). A remembered contact counts as an old one with another finger
+  than the new ones, unless it has come back. Old contacts that have moved since their last
+  evaluation are judged again.
 
-Early mistakes are thus kept as doubts, not as decisions, and later looks can still undo them.
+So the belief keeps early mistakes as uncertainty, which later frames can correct.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 from encoders.labels.label_evidence import normalised
 from encoders.labels.label_sums import bounded, rows_of, summed
 from encoders.labels.labelling import Labelling, allowed, arranged, hypotheses
-from encoders.labels.lifted import AT_ONCE, LATER, Lifted, that_fit
+from encoders.labels.recent_liftoffs import AT_ONCE, LATER, LiftOff, that_fit
 from encoders.labels.trained_belief import TrainedBelief, load_belief
 from models.errors import EncoderError
 from models.frames import FINGERS
@@ -40,17 +40,17 @@ from models.surface import METRES_PER_INCH
 Array = NDArray[np.float64]
 
 _LOOK_AGAIN = 0.5
-"""How much of a layout must be new before contacts that stay are looked at again."""
+"""Share of a layout that must be new before contacts that stay are evaluated again."""
 
 
 class BeliefLabels:
-    """Labels contacts by a belief that is carried from one moment to the next.
+    """Labels contacts by a belief that is carried from frame to frame.
 
-    It may be asked at every frame, or only when contacts come and go; asked more often, it sees
-    more of what a moving hand shows.
+    It may be called at every frame, or only when contacts come and go; calls at every frame let it
+    learn from a moving hand.
 
     Args:
-        trained: What it has learned; may be shared, the belief itself is this object's own.
+        trained: The trained model; may be shared, since the belief itself is kept in this object.
     """
 
     remembers = True
@@ -63,13 +63,14 @@ class BeliefLabels:
     def reset(self) -> None:
         """Forgets all contacts."""
         self._ids: tuple[int, ...] = ()
-        self._lifted: tuple[Lifted, ...] = ()
-        # Over labellings of the ids, then of what has lifted.
+        self._lifted: tuple[LiftOff, ...] = ()
+        # Over labellings of the ids, then of the recent lift-offs.
         self._joint: Array = np.zeros(1)
         self._belief: Array = np.zeros(1)
         self._places: dict[int, Array] = {}
         self._looked: dict[int, Array] = {}
-        # Where the contacts have got to since `_places`, while there was nothing new about them.
+        # Current positions of the contacts, where `_places` was not updated for lack of new
+        # evidence.
         self._moved: dict[int, tuple[float, float]] = {}
         self._answered: tuple[dict[int, int], Labelling] | None = None
 
@@ -78,11 +79,11 @@ class BeliefLabels:
     ) -> Labelling:
         """See `Labeller.assign`.
 
-        Fixed labels narrow down the answer, not the belief: what the touches say is remembered
-        even where it may not be followed at the moment. The probability is the belief's own.
+        Fixed labels restrict the answer but not the belief: evidence from the touches is kept even
+        where fixed labels contradict it for now. The probability is the belief's own.
         """
         if self._answered and fixed == self._answered[0] and self._nothing_new(contacts):
-            # Nearly every frame: the answer is the last one's.
+            # In nearly every frame: repeat the last answer.
             self._moved = dict(contacts)
             return self._answered[1]
         ids, xy = arranged(contacts, fixed)
@@ -99,7 +100,8 @@ class BeliefLabels:
         return labelling
 
     def _nothing_new(self, contacts: Mapping[int, tuple[float, float]]) -> bool:
-        """Whether the same contacts are in the same order and a look at them would add nothing."""
+        """True if the contacts and their order are unchanged and their layout gives no new
+        evidence."""
         ids = self._ids
         if self._lifted or len(contacts) != len(ids):
             return False
@@ -117,7 +119,7 @@ class BeliefLabels:
         return self._fresh(places, [self._looked[i].tolist() for i in ids]) <= _LOOK_AGAIN
 
     def marginals(self) -> dict[int, Array]:
-        """Contact id -> (5,) probability of each finger, after the last `assign`."""
+        """Probabilities (5,) of the fingers by contact id, after the last `assign`."""
         probability = np.exp(self._belief)
         labels = hypotheses(len(self._ids)) if self._ids else np.empty((0, 0), np.int64)
         return {
@@ -133,7 +135,7 @@ class BeliefLabels:
         """
         if set(labels) != set(self._ids) or not self._ids:
             raise EncoderError(
-                "the belief is about other contacts", got=sorted(labels), expected=str(self._ids)
+                "the belief has other contacts", got=sorted(labels), expected=str(self._ids)
             )
         rows = np.flatnonzero(allowed(self._ids, labels))
         if not len(rows):
@@ -156,13 +158,13 @@ class BeliefLabels:
             self._carry_on(ids, lifted)
         self._belief = summed(self._joint, len(ids) + len(self._lifted), range(len(ids)))
 
-    def _lifted_now(self, stayed: tuple[int, ...], now: dict[int, Array]) -> dict[int, Lifted]:
-        """What has left and is remembered, by its place in the belief so far."""
+    def _lifted_now(self, stayed: tuple[int, ...], now: dict[int, Array]) -> dict[int, LiftOff]:
+        """Recent lift-offs by their index in the belief so far."""
         before = self._places
         shift = np.mean([now[i] - before[i] for i in stayed], axis=0)
         since = {i: before[i] for i in stayed}
         lifted = {
-            at: Lifted(before[i] + shift, self._looked[i], since)
+            at: LiftOff(before[i] + shift, self._looked[i], since)
             for at, i in enumerate(self._ids)
             if i not in now
         }
@@ -170,12 +172,12 @@ class BeliefLabels:
             lifted[at] = contact.carried(shift)
         return {at: contact for at, contact in lifted.items() if contact.remembered(now)}
 
-    def _believed(self, stayed: tuple[int, ...], lifted: Mapping[int, Lifted]) -> Array:
-        """The belief so far about contacts that stayed, then about some that have lifted."""
+    def _believed(self, stayed: tuple[int, ...], lifted: Mapping[int, LiftOff]) -> Array:
+        """The belief so far about contacts that stayed and some recent lift-offs, in this order."""
         places = (*(self._ids.index(i) for i in stayed), *lifted)
         return summed(self._joint, len(self._ids) + len(self._lifted), places)
 
-    def _carry_on(self, ids: tuple[int, ...], lifted: Mapping[int, Lifted]) -> None:
+    def _carry_on(self, ids: tuple[int, ...], lifted: Mapping[int, LiftOff]) -> None:
         joint = bounded(self._believed(ids, lifted)) if self._changed(ids, lifted) else self._joint
         self._ids, self._lifted = ids, tuple(lifted.values())
         if len(ids) < 2 or not self.trained.stay:
@@ -191,7 +193,7 @@ class BeliefLabels:
             self._lifted = tuple(contact.seen() for contact in self._lifted)
         self._joint = joint
 
-    def _changed(self, ids: tuple[int, ...], lifted: Mapping[int, Lifted]) -> bool:
+    def _changed(self, ids: tuple[int, ...], lifted: Mapping[int, LiftOff]) -> bool:
         return ids != self._ids or len(lifted) != len(self._lifted)
 
     def _judge_new(
@@ -199,7 +201,7 @@ class BeliefLabels:
         ids: tuple[int, ...],
         stayed: tuple[int, ...],
         came: tuple[int, ...],
-        lifted: Mapping[int, Lifted],
+        lifted: Mapping[int, LiftOff],
     ) -> None:
         others = that_fit(lifted, len(FINGERS) - len(ids))
         count = len(ids) + len(others)
@@ -215,12 +217,12 @@ class BeliefLabels:
         self._ids, self._lifted, self._looked = ids, (), self._places
 
     def _grown(
-        self, stayed: tuple[int, ...], lifted: Mapping[int, Lifted], came: tuple[int, ...]
+        self, stayed: tuple[int, ...], lifted: Mapping[int, LiftOff], came: tuple[int, ...]
     ) -> Array:
         """Log weights of labellings of contacts that stayed, that lifted, and that came.
 
-        What is believed of the old, times the density of the new ones' labels and places given the
-        old ones'.
+        The belief about the old contacts, times the density of labels and positions of the new ones
+        given the old ones.
         """
         old = [self._places[i] for i in stayed] + [contact.place for contact in lifted.values()]
         xy = np.array(old + [self._places[i] for i in came])
@@ -236,10 +238,10 @@ class BeliefLabels:
         return joint + carried[rows_of(len(xy), tuple(range(len(old))))]
 
     def _freshness(self, xy: Array, looked: Array) -> float:
-        """How much of a layout (k, 2) is new since contacts were looked at, 0 to 1.
+        """Share 0 to 1 of a layout (k, 2) that is new since the last evaluation.
 
-        What has hardly moved says nothing new: fingers that land shortly one after the other must
-        not make the first ones count twice.
+        Contacts that have hardly moved give no new evidence: when fingers land shortly one after
+        the other, the first ones must not count twice.
         """
         return self._fresh(xy.tolist(), looked.tolist())
 
@@ -262,8 +264,8 @@ def _builtin() -> TrainedBelief:
 
 
 def builtin_belief() -> BeliefLabels:
-    """The belief trained on the built-in capture, with no contact yet.
+    """The belief trained on the built-in capture, without contacts.
 
-    `python -m encoders.labels.belief_training` makes it anew.
+    `python -m encoders.labels.belief_training` trains it again.
     """
     return BeliefLabels(_builtin())

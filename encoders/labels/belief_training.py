@@ -1,11 +1,11 @@
 """Training of the belief over labels; all settings are chosen by validation blocked by trial.
 
-Held-out trials judge by the mean log probability of the true labelling, which punishes false
-certainty as accuracy does not. Random frames would leak: neighbours in time are nearly equal.
-A capture with one finger set a trial holds no fingers that come and go, so histories are made from
-held-out trials by telling the labeller only of some of the fingers for a while. Between two changes
-it is shown every frame, for a hand that moves says more. A script gives every finger set equal
-time, so validation takes them for equally likely; in use they are not.
+The criterion is the mean log probability of the true labelling in held-out trials, which, unlike
+accuracy, penalises false certainty. Holding out random frames would leak, since neighbouring frames
+are nearly equal. In a capture with one finger set per trial no fingers come and go, so histories
+are simulated from held-out trials by hiding some of the fingers from the labeller for a while. It
+gets every frame between two changes, since a moving hand gives more evidence. A scripted capture
+gives every finger set equal time, so validation treats them as equally likely; in use they are not.
 """
 
 from __future__ import annotations
@@ -35,35 +35,35 @@ Event = dict[int, tuple[float, float]]
 
 FOLDS = 5
 JUDGED_FRAMES = 400
-"""Held-out frames of each number of fingers that judge a setting, spread evenly; neighbours say
-nearly the same."""
+"""Held-out frames per number of fingers used for validation, spread evenly; neighbouring frames are
+nearly equal."""
 
 SHAPES: dict[str, tuple[float, ...]] = {
     "width": (0.05, 0.07, 0.1, 0.14),
     "turn": (0.035, 0.05, 0.07, 0.1, 0.14),
     "size": (0.035, 0.05, 0.07, 0.1),
 }
-"""Kernel shapes that validation chooses from; see `KernelShape` for the units. Wider ones would
-sometimes do for the captured hand, but what lies that far off is to be taken for a stranger's."""
+"""Candidate kernel shapes; see `KernelShape` for the units. Wider ones would sometimes fit the
+captured hand, but a layout that far off should count as another person's."""
 ETAS = (0.0, 0.25, 0.5, 1.0)
 STAYS = (0.0, 0.1, 0.2, 0.3, 0.4, 0.6, 0.8, 1.0)
 
 MOST_LAYOUTS = 500
-"""A finger set: bounds the time of one look at the touches. Twice as many gained nothing on
+"""Layouts per finger set; limits the time of one evaluation. Twice as many gained nothing on
 held-out trials."""
 
 
 @dataclass(frozen=True)
 class Report:
-    """What validation chose, and how the choice did on held-out trials.
+    """The settings chosen by validation, and their results on held-out trials.
 
     Attributes:
         shapes: Number of contacts -> shape of the kernels.
         eta: See `TrainedBelief`.
         stay: See `TrainedBelief`.
-        log_probability: Mean log probability of the true labelling at one look, by number of
-            fingers.
-        accuracy: Share of frames labelled right at one look, by number of fingers.
+        log_probability: Mean log probability of the true labelling from a single frame, by number
+            of fingers.
+        accuracy: Share of frames labelled right from a single frame, by number of fingers.
         history: Mean log probability of the true labelling as fingers come, move and go, by eta
             and stay.
     """
@@ -83,7 +83,7 @@ def train_belief(
 
     Args:
         capture: Labelled touches; every finger set of two or more must occur.
-        say: Is told of progress.
+        say: Callback for progress messages.
 
     Raises:
         EncoderError: The capture has too few trials, or lacks a finger set.
@@ -108,7 +108,7 @@ def train_belief(
 
 
 class _Folds:
-    """Trials in turn held out, and the frames of theirs that judge."""
+    """Cross-validation folds over trials, with the held-out frames used for validation."""
 
     def __init__(self, capture: Capture) -> None:
         several = capture.down.sum(axis=1) >= 2
@@ -136,13 +136,13 @@ class _Folds:
             ]
 
     def evidence(self, shapes: Mapping[int, KernelShape]) -> list[LabelEvidence]:
-        """Of each fold, from the trials of the others. The shares of order, three numbers, are
-        those of all trials."""
+        """Evidence of each fold, learned from the other folds' trials. The order shares, three
+        numbers, are those of all trials."""
         return [LabelEvidence(z, shapes, self.order, even_prior()) for z in self.layouts]
 
     def scores(self, count: int, ask: list[Callable[[Array], Array]]) -> list[Array]:
-        """Answers about judged frames of so many fingers, by the one in `ask` that has not seen
-        their trial."""
+        """Scores of the validation frames with a given number of fingers, each from the evidence in
+        `ask` that was not trained on its trial."""
         xy, down = self.capture.xy, self.capture.down
         return [ask[self.fold[t]](xy[t, down[t]]) for t in self.judged[count]]
 
@@ -152,7 +152,7 @@ class _Folds:
         return float(np.mean([normalised(s)[t] for s, t in pairs]))
 
     def accuracy(self, count: int, scores: list[Array]) -> float:
-        """Share of frames in which the truth is the likeliest."""
+        """Share of frames in which the true labelling is the most likely."""
         pairs = zip(scores, self.truth[count], strict=True)
         return float(np.mean([s.argmax() == t for s, t in pairs]))
 
@@ -162,7 +162,7 @@ def _evenly(count: int, most: int) -> NDArray[np.int64]:
 
 
 def _choose_shape(folds: _Folds, count: int, say: Callable[[str], None]) -> KernelShape:
-    """One setting after another, twice round."""
+    """Chooses a kernel shape by coordinate search: one setting after another, in two rounds."""
     tried: dict[KernelShape, float] = {}
 
     def value(shape: KernelShape) -> float:
@@ -182,7 +182,7 @@ def _choose_shape(folds: _Folds, count: int, say: Callable[[str], None]) -> Kern
 
 
 class _Play:
-    """Held-out trials in which fingers come and go."""
+    """Replays held-out trials in which fingers come and go."""
 
     def __init__(self, folds: _Folds, held_out: list[LabelEvidence]) -> None:
         capture = folds.capture
@@ -209,7 +209,7 @@ class _Play:
 
 
 class _Remembered(LabelEvidence):
-    """Evidence that is asked the same again and again, under one setting after another."""
+    """Evidence with cached results, since every setting asks for the same ones."""
 
     def __init__(self, evidence: LabelEvidence) -> None:
         self.__dict__.update(evidence.__dict__)
@@ -224,10 +224,10 @@ class _Remembered(LabelEvidence):
 
 
 def histories(trial: Capture, seed: int) -> Iterator[Event]:
-    """Contacts in every frame of one trial; an id's finger is its rest modulo 5.
+    """Contacts in every frame of one trial; an id modulo 5 is its finger.
 
-    The trial's own fingers where they come and go; else fingers of its set that do so, up to two at
-    a time, at eight moments spread over it.
+    Uses the trial's own fingers where they come and go. Otherwise up to two fingers at a time are
+    hidden, with changes at eight moments spread over the trial.
     """
     shown, ids = trial.down, trial.ids * len(FINGERS) + np.arange(len(FINGERS))
     if (shown == shown[0]).all():
@@ -246,7 +246,7 @@ def histories(trial: Capture, seed: int) -> Iterator[Event]:
 def _coming_and_going(
     down: NDArray[np.bool_], steps: int, rng: np.random.Generator
 ) -> NDArray[np.bool_]:
-    """(steps, 5) which of the fingers that are down the labeller is told of."""
+    """Booleans (steps, 5): the fingers shown to the labeller among those that are down."""
     fingers = np.flatnonzero(down)
     shown = np.zeros((steps, len(FINGERS)), bool)
     current = frozenset(rng.permutation(fingers)[:2].tolist())

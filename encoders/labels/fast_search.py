@@ -1,9 +1,10 @@
-"""`encoders.labels.nearest_neighbour` compiled: the extra `fast` (numba).
+"""Compiled nearest-neighbour search (extra `fast`: numba); equals
+`encoders.labels.nearest_neighbour`.
 
 Reduced points lie in a binary tree of boxes: every box is cut in two equal halves across its
 longest side, until some sixteen points are left. Compiled code can afford to descend such a tree
 query by query, lowering the bound with every point, which NumPy cannot. Everything is compiled when
-the module is imported, and kept on disk for the next time.
+the module is imported, and cached on disk.
 """
 
 from __future__ import annotations
@@ -29,10 +30,10 @@ Single = NDArray[np.float32]
 Indices = NDArray[np.int64]
 
 _LEAF = 16
-"""Points in the smallest boxes; 8 and 32 are no faster (measured at 7,083 and 396,648 poses)."""
+"""Points in the smallest boxes; 8 and 32 were not faster (measured at 7,083 and 396,648 poses)."""
 
 _KEPT = 1024
-"""Most pairs held to be as close as the closest."""
+"""Maximum number of pairs that are candidates for the closest."""
 
 
 @njit("float32(float32[:, ::1], float32[:, ::1], int64, float32[::1])",
@@ -68,7 +69,7 @@ def _in_full(points, point, query):  # type: ignore[no-untyped-def]
 
 @njit("float32(float64, float64)", cache=True)
 def _limit(best, slack):  # type: ignore[no-untyped-def]
-    """Squared reduced distance up to which a pair may be the closest."""
+    """Largest squared reduced distance of a pair that may be the closest."""
     reach = np.sqrt(best) + slack
     # Single precision may round it down by half of 1.2e-7.
     return np.float32(reach * reach * (1.0 + 1e-6))
@@ -81,7 +82,8 @@ def _limit(best, slack):  # type: ignore[no-untyped-def]
 def _search(  # type: ignore[no-untyped-def]
     points, order, reduced, lower, upper, depth, queries, short, slack, query_of, point_of, squares
 ):
-    """Lists pairs among which the closest is; their number, or -1 if there was no room for all."""
+    """Lists the candidates for the closest pair; returns their number, or -1 if the buffers are too
+    small."""
     n, leaves, count = len(order), 1 << depth, 0
     best = np.inf
     promise = np.empty(len(queries))
@@ -143,16 +145,16 @@ def _search(  # type: ignore[no-untyped-def]
 
 
 class FastNearestNeighbour:
-    """As `NearestNeighbour`, compiled: equal answers, ties included.
+    """Compiled `NearestNeighbour` with equal results, ties included.
 
-    Buffers are made once, so an object serves one thread at a time.
+    Buffers are reused, so an object serves one thread at a time.
 
     Args:
         points: (T, d); kept, not copied if they are C-ordered doubles.
         leaf: Points in the smallest boxes.
 
     Raises:
-        EncoderError: There is no point, or one is not finite.
+        EncoderError: No point is given, or one is not finite.
     """
 
     def __init__(self, points: Array, leaf: int = _LEAF) -> None:
@@ -176,10 +178,10 @@ class FastNearestNeighbour:
             )  # fmt: skip
             if count >= 0:
                 break
-            # So many points are equal that not even the equals had room.
+            # So many points are equal that they exceed the buffers.
             self._room(4 * len(self._squares))
         query, point = self._query_of[:count], self._point_of[:count]
-        # Again in the order of sums that the way without numba has, so that ties fall alike.
+        # Computed again in the order of sums of the version without numba, so that ties are equal.
         return first_of_closest(
             query, point, squared_distances(queries, self._points, query, point)
         )
@@ -190,9 +192,9 @@ class FastNearestNeighbour:
 
 
 def _boxes(points: Single, depth: int) -> tuple[Indices, Single, Single]:
-    """Points' order in the tree, and lower and upper corners (2 << depth, 8) of its boxes.
+    """Order of the points in the tree, and lower and upper corners (2 << depth, 8) of its boxes.
 
-    Box 1 holds all; the halves of box b are boxes 2 b and 2 b + 1. Leaf i holds points
+    Box 1 contains all points; the halves of box b are boxes 2 b and 2 b + 1. Leaf i holds points
     i n / 2^depth to (i + 1) n / 2^depth of the order, rounded down.
     """
     n = len(points)

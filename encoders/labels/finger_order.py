@@ -1,8 +1,8 @@
-"""Fingers hardly ever cross: seen from above, they touch around their middle in their order.
+"""Evidence from the circular order of the fingers, which hardly ever cross.
 
 From thumb to little finger, the touches of a right hand go clockwise about their middle (on a
-surface with y down: towards growing angles). A turned or opened hand keeps that order, and so does
-a hand that no capture has seen; it says nothing about two touches.
+surface with y down: towards growing angles). The order is the same for a turned or opened hand and
+for unseen people; two touches have no order.
 """
 
 from __future__ import annotations
@@ -21,7 +21,8 @@ ORDERED_COUNTS = range(3, len(FINGERS) + 1)
 
 
 def in_order(xy: Array) -> NDArray[np.bool_]:
-    """(P,) which labellings of `hypotheses(k)` go round contacts (k, 2) in the fingers' order."""
+    """Booleans (P,): the labellings of `hypotheses(k)` in which contacts (k, 2) are in the fingers'
+    order."""
     count = len(xy)
     centred = xy - xy.mean(axis=0)
     rank = np.argsort(np.argsort(np.arctan2(centred[:, 1], centred[:, 0]), kind="stable"))
@@ -33,15 +34,15 @@ def in_order(xy: Array) -> NDArray[np.bool_]:
 
 
 def order_shares(capture: Capture) -> dict[int, float]:
-    """Number of contacts, 3 to 5 -> share of frames whose touches are in the fingers' order.
+    """Shares of frames whose touches are in the fingers' order, by number of contacts, 3 to 5.
 
-    By Laplace's rule, so that none is ever 0 or 1.
+    Estimated by Laplace's rule of succession, so that they are never 0 or 1.
     """
     shares = {}
     touching = capture.down.sum(axis=1)
     for count in ORDERED_COUNTS:
         frames = np.flatnonzero(touching == count)
-        # The first labelling of all is 0, 1, .. k - 1: contacts in the order of their fingers.
+        # The first of all labellings is 0, 1, .. k - 1: contacts in the order of their fingers.
         ordered = [in_order(capture.xy[t, capture.down[t]])[0] for t in frames]
         shares[count] = (sum(ordered) + 1.0) / (len(frames) + 2.0)
     return shares

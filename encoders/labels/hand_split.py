@@ -1,9 +1,9 @@
-"""Which hand a contact belongs to, where two hands touch one surface; before any labelling.
+"""Assigns contacts to two hands on one surface, before any labelling.
 
-A contact gets a hand once, shortly after it came down, together with all others that came down with
-it, and keeps it until it is lifted: a label that flips during a grip loses what is held, and a hand
-that does so even more. Of all ways to share new contacts out, the one is taken that keeps each
-hand's contacts together, near to where that hand is or was.
+A contact is assigned to a hand once, shortly after it came down, together with all others that came
+down with it, and keeps it until it is lifted: a change during a grip would drop the object. Of all
+assignments of new contacts, the one is chosen that keeps each hand's contacts together, near the
+present or last place of that hand.
 """
 
 from __future__ import annotations
@@ -21,16 +21,16 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class SplitSettings:
-    """How contacts are shared out.
+    """Settings of the assignment to hands.
 
     Attributes:
-        settle: s that a new contact waits for others of its hand; it is reported after that.
-        span: m, farthest apart that two contacts of one hand are.
-        pull: Share of the squared distance to where a lifted hand is expected, per contact, which
-            counts like the same squared distance between contacts.
-        begin: m2, what it costs that a lifted hand comes down at all.
-        crossed: m2, what it costs that the hands come down crossed.
-        memory: s for which a lifted hand is expected where it was, before it is where it belongs.
+        settle: s that a new contact waits for others of its hand, before it is reported.
+        span: m, largest distance between two contacts of one hand.
+        pull: Weight of the squared distance per contact to the expected place of a lifted hand,
+            relative to squared distances between contacts.
+        begin: m2, cost of bringing down a lifted hand.
+        crossed: m2, cost of hands that come down crossed.
+        memory: s that a lifted hand is expected at its last place, and after that at its home.
     """
 
     settle: float = 0.048
@@ -42,17 +42,17 @@ class SplitSettings:
 
 
 _TOO_FAR = 1.0
-"""m2 per m beyond the span."""
+"""Cost in m2 per m beyond the span."""
 _MOST = 10
-"""Contacts that are shared out at once; of more, those that came first."""
+"""Maximum number of contacts assigned at once; of more, the first ones."""
 
 
 class HandSplitter:
-    """Shares the contacts of one surface out to two hands, frame by frame.
+    """Assigns the contacts of one surface to two hands, frame by frame.
 
     Args:
-        homes: (2, 2) m on the surface, where each hand is expected while nothing is known: that of
-            a right hand to the right of the left one's.
+        homes: (2, 2) m on the surface, default place of each hand: the right hand's to the right of
+            the left hand's.
         settings: See `SplitSettings`.
     """
 
@@ -69,10 +69,10 @@ class HandSplitter:
         self._last: list[tuple[float, Array]] = [(-np.inf, home) for home in self._homes]
 
     def step(self, frame: TouchFrame) -> tuple[TouchFrame, TouchFrame]:
-        """The frames of both hands.
+        """Splits a frame into one per hand.
 
-        A contact that waits, or belongs to no hand (both have five fingers down), is in neither.
-        What was cancelled is told to the hand that had it; both get the lift control.
+        A contact that waits, or belongs to neither hand (both have five fingers down), is left out.
+        A cancelled contact is reported to its hand; both hands get the lift control.
 
         Args:
             frame: All contacts of the surface.
@@ -89,7 +89,7 @@ class HandSplitter:
         return self._part(frame, 0), self._part(frame, 1)
 
     def hand(self, contact: int) -> int | None:
-        """The hand (0 or 1) of a contact that is down; None while it waits, or has none."""
+        """The hand (0 or 1) of a contact that is down; None while it waits or if it has none."""
         hand = self._hand.get(contact, -1)
         return None if hand < 0 else hand
 
@@ -101,7 +101,7 @@ class HandSplitter:
         return replace(frame, contacts=contacts, cancelled=gone)
 
     def _forget(self, down: dict[int, Array], now: float) -> None:
-        """Drops what was lifted, and remembers where the hands were."""
+        """Forgets lifted contacts, and stores the last places of the hands."""
         for hand in (0, 1):
             of_hand = [self._places[i] for i, h in self._hand.items() if h == hand]
             if of_hand:
@@ -111,14 +111,14 @@ class HandSplitter:
         self._since = {i: since for i, since in self._since.items() if i in down}
 
     def _decide(self, now: float) -> None:
-        """Gives every waiting contact its hand."""
+        """Assigns every waiting contact to a hand."""
         first = sorted(self._since, key=lambda i: (self._since[i], i))
         new, rest = first[:_MOST], first[_MOST:]
         places = np.array([self._places[i] for i in new])
         held = [self._held(hand) for hand in (0, 1)]
         room = [len(FINGERS) - len(h) for h in held]
         best, least = (-1,) * len(new), np.inf
-        # With more new contacts than free fingers, some are nobody's.
+        # With more new contacts than free fingers, some get no hand.
         nobody = (-1,) if len(new) > sum(room) else ()
         for shares in product((0, 1, *nobody), repeat=len(new)):
             given = [shares.count(hand) for hand in (0, 1)]
@@ -134,12 +134,12 @@ class HandSplitter:
         self._since.clear()
 
     def _held(self, hand: int) -> Array:
-        """(n, 2) m, contacts that a hand has."""
+        """Positions (n, 2) m of a hand's contacts."""
         places = [self._places[i] for i, h in self._hand.items() if h == hand]
         return np.array(places).reshape(-1, 2)
 
     def _cost(self, shares: Array, places: Array, held: list[Array], now: float) -> float:
-        """m2, how unlikely a way to share contacts out is."""
+        """Cost in m2 of an assignment of contacts; the least is the most likely."""
         s = self.settings
         total, middles, begins = 0.0, [], False
         for hand in (0, 1):

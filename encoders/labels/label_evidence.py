@@ -1,4 +1,4 @@
-"""What one look at the touches says about their labels, before any history."""
+"""Evidence of a single frame about the labels of its touches, without history."""
 
 from __future__ import annotations
 
@@ -22,41 +22,42 @@ from models.frames import FINGERS
 Array = NDArray[np.float64]
 
 LONE_FINGER = (0.15, 0.40, 0.25, 0.10, 0.10)
-"""Probability that a lone contact is this finger. An assumption, not learned: captures hold no lone
-contacts. People point with the index finger, or with the middle one."""
+"""Probability that a single contact is this finger. An assumption, not learned: captures have no
+single contacts. People point with the index finger, or with the middle one."""
 
 THUMB_AND_NEXT = 1.3
-"""How much likelier than any other set of as many fingers the thumb with the fingers next to it is
-in what was captured. An assumption, not learned: a capture by script gives every set equal time.
-Whoever grasps sets the thumb against the index, then index and middle, and so on (the precision
-grasps in the taxonomy of Feix and others, 2016); whoever plays with all sets does so less often."""
+"""Prior odds of the thumb with the fingers next to it, relative to any other set of as many
+fingers, for layouts like the captured ones. An assumption, not learned: a scripted capture gives
+every set equal time. In a grasp, people set the thumb against the index, then index and middle, and
+so on (the precision grasps in the taxonomy of Feix and others, 2016); people who try out all sets
+do so less often."""
 
 STRANGER_SHARE = 0.04
-"""Probability that a layout is none that the captured hand would show: another person's, or one on
-an object wider than any gesture of the capture. An assumption that costs the captured hand a
-little."""
+"""Probability of a layout that the captured hand would not show: another person's, or one on an
+object wider than any gesture of the capture. An assumption that costs the captured hand a little
+accuracy."""
 
 STRANGER_THUMB_AND_NEXT = 60.0
-"""As `THUMB_AND_NEXT`, for such layouts: they come from grasping things, and far from everything
-that was captured, habit is all there is to go by. An assumption."""
+"""As `THUMB_AND_NEXT`, for such layouts: they come from grasping objects, and far from all captured
+layouts the usual finger sets are the only evidence. An assumption."""
 
 STRANGER = KernelShape(width=0.4, turn=0.3, size=0.3)
-"""Kernels of such layouts: a centimetre a finger, 17 degrees, a third in size. An assumption."""
+"""Kernel shape for such layouts: 1 cm per finger, 17 degrees, a third in size. An assumption."""
 
 _THINNED = 4
-"""Every so manieth layout has a stranger's kernel; wide kernels need not stand as dense."""
+"""Every layout of this step gets a kernel for other people; wide kernels may be sparser."""
 
 ASSUMED = {
     "stranger": [STRANGER_SHARE, STRANGER_THUMB_AND_NEXT, _THINNED, *astuple(STRANGER)],
 }
-"""What decides labels beside a belief's own numbers, for digests."""
+"""The constants that affect labels in addition to a belief's own numbers, for digests."""
 
 
 def natural_prior(thumb_and_next: float = THUMB_AND_NEXT) -> dict[int, Array]:
-    """Number of contacts -> (S,) assumed probability of every set of `finger_sets`.
+    """Assumed probabilities (S,) of all `finger_sets`, by number of contacts.
 
     Args:
-        thumb_and_next: How much likelier than any other the thumb with the fingers next to it is.
+        thumb_and_next: Odds of the thumb with the fingers next to it, relative to any other set.
     """
     prior = {1: np.array(LONE_FINGER)}
     for count in range(2, len(FINGERS) + 1):
@@ -67,7 +68,8 @@ def natural_prior(thumb_and_next: float = THUMB_AND_NEXT) -> dict[int, Array]:
 
 
 def even_prior() -> dict[int, Array]:
-    """The same with all sets of one size equally likely."""
+    """Probabilities (S,) in which all sets of one size are equally likely, by number of
+    contacts."""
     return {
         count: np.full(len(finger_sets(count)), 1.0 / len(finger_sets(count)))
         for count in range(1, len(FINGERS) + 1)
@@ -77,18 +79,18 @@ def even_prior() -> dict[int, Array]:
 class LabelEvidence:
     """Probabilities of the labellings of contacts at one moment, by Bayes' rule.
 
-    Most layouts are taken for the captured hand's, some for a stranger's: far from everything that
-    was captured, the narrow kernels would be as sure as they are wrong.
+    The density mixes the captured hand's layouts with wider ones of other people: far from all
+    captured layouts, the narrow kernels alone would be certain but wrong.
 
     Args:
-        layouts: Number of contacts, 2 to 5 -> training layouts.
-        shapes: Of the captured hand's kernels, likewise.
-        order: Number of contacts, 3 to 5 -> probability that touches are in the fingers' order.
-        prior: Number of contacts, 1 to 5 -> (S,) positive probability of every finger set that the
-            captured hand sets down. A stranger's is `STRANGER_THUMB_AND_NEXT`'s.
+        layouts: Training layouts by number of contacts, 2 to 5.
+        shapes: Shapes of the captured hand's kernels by number of contacts, 2 to 5.
+        order: Probability that touches are in the fingers' order, by number of contacts, 3 to 5.
+        prior: Positive probabilities (S,) of the captured hand's finger sets, by number of
+            contacts, 1 to 5. For other people they follow from `STRANGER_THUMB_AND_NEXT`.
 
     Raises:
-        EncoderError: A probability is none.
+        EncoderError: A probability is invalid.
     """
 
     def __init__(
@@ -109,14 +111,15 @@ class LabelEvidence:
         self._stranger_prior = _of_labellings(natural_prior(STRANGER_THUMB_AND_NEXT))
 
     def log_posterior(self, xy: Array) -> Array:
-        """(P,) log probability of every labelling of `hypotheses(k)` given contacts (k, 2) in m."""
+        """Log probabilities (P,) of the labellings of `hypotheses(k)` given contacts (k, 2) in
+        m."""
         return normalised(self.log_joint(xy))
 
     def log_joint(self, xy: Array) -> Array:
-        """(P,) log of prior times density, of every labelling and contacts (k, 2) in m together.
+        """Log (P,) of prior times density of every labelling, for contacts (k, 2) in m.
 
-        The density is that of the layout, per square inch to the k - 1, so that of the joints of
-        all contacts and of some, the quotient is the density of the others.
+        The density is that of the layout, per square inch to the power k - 1. So the joint density
+        of all contacts divided by that of some is the density of the others given those.
         """
         count = len(xy)
         if count == 1:
@@ -132,7 +135,7 @@ class LabelEvidence:
 
 
 def _of_labellings(prior: Mapping[int, Array]) -> dict[int, Array]:
-    """Number of contacts -> (P,) log probability of every labelling, before any layout is seen."""
+    """Prior log probabilities (P,) of the labellings, by number of contacts."""
     return {k: normalised(np.log(p)[set_of_labelling(k)]) for k, p in prior.items()}
 
 
@@ -140,7 +143,7 @@ def _check(order: Mapping[int, float], prior: Mapping[int, Array]) -> None:
     for count in ORDERED_COUNTS:
         if not 0.0 < order[count] < 1.0:
             raise EncoderError(
-                "this is no probability of order",
+                "not a probability of order",
                 where=f"{count} contacts",
                 got=order[count],
                 expected="between 0 and 1",
@@ -149,7 +152,7 @@ def _check(order: Mapping[int, float], prior: Mapping[int, Array]) -> None:
         share, sets = prior[count], len(finger_sets(count))
         if share.shape != (sets,) or not (share > 0).all() or abs(share.sum() - 1.0) > 1e-6:
             raise EncoderError(
-                "this is no prior over finger sets",
+                "not a prior over finger sets",
                 where=f"{count} contacts",
                 got=share,
                 expected=f"{sets} positive numbers that add up to 1",
@@ -157,7 +160,7 @@ def _check(order: Mapping[int, float], prior: Mapping[int, Array]) -> None:
 
 
 def normalised(log_weights: Array) -> Array:
-    """Logarithms of probabilities that sum to 1, from logarithms of weights (P,)."""
+    """Normalises logarithms of weights (P,) to logarithms of probabilities that sum to 1."""
     shifted = log_weights - log_weights.max()
     result: Array = shifted - np.log(np.exp(shifted).sum())
     return result

@@ -1,4 +1,4 @@
-"""Tables over the labellings of some contacts, from tables over the labellings of others."""
+"""Converts tables over the labellings of one set of contacts to those of another."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from models.frames import FINGERS
 Array = NDArray[np.float64]
 
 LEAST = 1e-7
-"""Probability below which no labelling falls, so that no mistake is ever final."""
+"""Lower bound of a labelling's probability, so that every mistake can be corrected."""
 
 _NEVER = 1e-300
 """Stands for the probability 0 in logarithms."""
@@ -23,8 +23,8 @@ _NEVER = 1e-300
 
 @cache
 def rows_of(count: int, places: tuple[int, ...]) -> NDArray[np.intp]:
-    """(P,) for labellings of `count` contacts: the row in `hypotheses(len(places))` that gives the
-    contacts at these places the same labels."""
+    """For the labellings (P,) of `count` contacts: the row in `hypotheses(len(places))` that gives
+    the contacts at these places the same labels."""
     if not places:
         return np.zeros(len(hypotheses(count)), np.intp)
     weights = len(FINGERS) ** np.arange(len(places))
@@ -34,12 +34,12 @@ def rows_of(count: int, places: tuple[int, ...]) -> NDArray[np.intp]:
 
 
 def summed(log_weights: Array, count: int, places: Sequence[int]) -> Array:
-    """Log weights of the labellings of some contacts, summed over the labels of the others.
+    """Sums log weights of labellings over the labels of the contacts that are dropped.
 
     Args:
-        log_weights: (P,) of the labellings of `count` contacts.
+        log_weights: (P,) log weights of the labellings of `count` contacts.
         count: Number of contacts.
-        places: Of those to keep, in the order in which they are to stand.
+        places: Indices of the contacts to keep, in their new order.
     """
     if tuple(places) == tuple(range(count)):
         return log_weights
@@ -52,5 +52,5 @@ def summed(log_weights: Array, count: int, places: Sequence[int]) -> Array:
 
 
 def bounded(log_weights: Array) -> Array:
-    """Log probabilities of which none is below the least."""
+    """Limits log probabilities to the lower bound, and normalises them."""
     return normalised(np.maximum(normalised(log_weights), np.log(LEAST)))

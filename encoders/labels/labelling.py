@@ -1,4 +1,4 @@
-"""Which finger is which contact: the labellings of a few contacts, and the paper's choice.
+"""Contract of labellers, enumeration of labellings, and the paper's labelling rule.
 
 k contacts can be labelled in P(5, k) = 5! / (5 - k)! ways: 5, 20, 60, 120, 120 for 1 to 5 contacts.
 A labeller chooses one of them. `PaperLabels` does it as section 2 of Chung, Kim, Han and Pollard
@@ -32,21 +32,21 @@ INDEX = 1
 """The index finger's label."""
 
 METRICS = ("joints", "pose", "mahalanobis", "touches")
-"""How `PaperLabels` may measure the distance between a reconstruction and a training frame."""
+"""Metrics of `PaperLabels` for the distance between a reconstruction and a training frame."""
 
 _FLAG_SCALE = 20.0
-"""inches. What a contact flag counts for in the metric `touches`: more than a hand is long, so that
+"""inches, weight of a contact flag in the metric `touches`: more than the length of a hand, so that
 layouts of the same fingers are always closer than layouts of other fingers."""
 
 
 @dataclass(frozen=True)
 class Labelling:
-    """Fingers of contacts.
+    """The fingers of all contacts.
 
     Attributes:
-        labels: contact id -> finger (thumb 0 .. little 4); no finger occurs twice. Not to be
-            changed, as labellers may give the same answer again.
-        probability: How sure the labeller is of all labels together, 0 to 1.
+        labels: Finger (thumb 0 .. little 4) by contact id; no finger occurs twice. Read-only, as
+            labellers may return the same object again.
+        probability: Probability of all labels together, 0 to 1.
     """
 
     labels: Mapping[int, int]
@@ -54,11 +54,10 @@ class Labelling:
 
 
 class Labeller(Protocol):
-    """Names the fingers of contacts; called whenever the set of contacts has changed.
+    """Contract of labellers; called whenever the set of contacts has changed.
 
     Attributes:
-        remembers: Whether earlier answers and what was seen since count; such a labeller may be
-            asked at every frame.
+        remembers: True for a labeller with history, which may be called at every frame.
     """
 
     @property
@@ -67,15 +66,15 @@ class Labeller(Protocol):
     def assign(
         self, contacts: Mapping[int, tuple[float, float]], fixed: Mapping[int, int]
     ) -> Labelling:
-        """Labels of all contacts.
+        """Labels all contacts.
 
         Args:
-            contacts: id -> (x, y) m on the surface, x right and y down; 1 to 5 living contacts.
-            fixed: Labels that may not change (ids among the contacts): those of a hand that is
-                down. The others get fingers that are still free.
+            contacts: Position (x, y) m on the surface, x right and y down, by id; 1 to 5 contacts.
+            fixed: Labels that must be kept (by id), those of a hand that is down. The other
+                contacts get the remaining fingers.
 
         Raises:
-            EncoderError: Contacts or fixed labels are not as described.
+            EncoderError: Contacts or fixed labels do not follow this description.
         """
 
     def reset(self) -> None:
@@ -84,13 +83,15 @@ class Labeller(Protocol):
 
 @cache
 def hypotheses(count: int) -> Labels:
-    """(P, count) all labellings of `count` contacts, in lexicographic order; read-only.
+    """All labellings (P, count) of `count` contacts, in lexicographic order; read-only.
 
     Raises:
         EncoderError: The count is not one of 1 to 5.
     """
     if count not in range(1, len(FINGERS) + 1):
-        raise EncoderError("no hand has so many fingers", got=count, expected="1 to 5 contacts")
+        raise EncoderError(
+            "a hand does not have so many fingers", got=count, expected="1 to 5 contacts"
+        )
     table = np.array(list(permutations(range(len(FINGERS)), count)), np.int64)
     table.flags.writeable = False
     return table
@@ -104,10 +105,10 @@ def true_row(fingers: NDArray[np.intp]) -> int:
 def arranged(
     contacts: Mapping[int, tuple[float, float]], fixed: Mapping[int, int]
 ) -> tuple[tuple[int, ...], Array]:
-    """Ids and positions (k, 2) of contacts in an order that depends on places alone.
+    """Ids and positions (k, 2) of contacts in an order that depends on their positions alone.
 
-    From left to right, so that the answer to a question about contacts depends neither on the
-    order in which a device lists them nor on the numbers that it gave them.
+    The order is from left to right, so that results depend neither on the order in which a device
+    lists contacts nor on its ids.
 
     Raises:
         EncoderError: Contacts or fixed labels are not as `Labeller.assign` expects them.
@@ -134,7 +135,7 @@ def arranged(
 
 
 def allowed(ids: tuple[int, ...], fixed: Mapping[int, int]) -> NDArray[np.bool_]:
-    """(P,) which labellings of the contacts, in their order, keep the fixed labels."""
+    """Booleans (P,): the labellings of the contacts, in their order, that keep the fixed labels."""
     table = hypotheses(len(ids))
     keeps = np.ones(len(table), bool)
     for place, contact in enumerate(ids):
@@ -148,7 +149,7 @@ def labelled_contact_vectors(xy: Array, labels: Labels) -> Array:
 
     Args:
         xy: (k, 2) m on the surface.
-        labels: (P, k) finger of every contact.
+        labels: (P, k) finger of every contact in every labelling.
     """
     relative = (xy - xy[leftmost(xy)]) / METRES_PER_INCH
     U = np.full((len(labels), CONTACT_VECTOR_SIZE), LIFTED)
@@ -163,21 +164,21 @@ def labelled_contact_vectors(xy: Array, labels: Labels) -> Array:
 class PaperLabels:
     """The paper's rule: the labelling whose reconstruction has the closest training pose.
 
-    The search is exact and without history. It never doubts: the probability is always 1. The paper
-    has no rule for one contact, as its data have none: a lone contact has no layout. Here it is the
-    index finger.
+    The search is exact and without history. The reported probability is always 1. The paper has no
+    rule for a single contact, which has no layout and does not occur in its data. Here it is
+    labelled as the index finger.
 
     Args:
         model: Trained encoder and its training frames.
         metric: Distance between poses; the paper does not say which. `joints`: Euclidean over the
             42 ball joint components in degrees. `pose`: all 48, centimetres and degrees.
-            `mahalanobis`: all 48, by the covariance of the training poses. `touches`: no pose at
-            all, but the contact vectors themselves, in inches, compared with training frames of
-            the same fingers; the paper's rule for inverse kinematics (its section 3).
-        fast: Whether poses and search are compiled (extra `fast`: numba). Labels are the same.
+            `mahalanobis`: all 48, by the covariance of the training poses. `touches`: not poses,
+            but contact vectors in inches, compared with training frames of the same fingers; the
+            paper's rule for inverse kinematics (its section 3).
+        fast: True uses compiled poses and search (extra `fast`: numba). Labels are the same.
 
     Raises:
-        EncoderError: There is no such metric, or numba is lacking.
+        EncoderError: The metric is unknown, or numba is missing.
     """
 
     remembers = False
@@ -218,11 +219,11 @@ class PaperLabels:
 
 
 def _pose_map(metric: str, frames: Array) -> Array:
-    """(48, d) matrix after which a metric of poses is the Euclidean distance."""
+    """Matrix (48, d) that turns a metric of poses into the Euclidean distance."""
     width = frames.shape[1]
     if metric == "mahalanobis":
         covariance = np.cov(frames, rowvar=False)
-        # A whisper of the mean variance keeps components that never vary from counting without end.
+        # A tiny share of the mean variance limits the weight of components that never vary.
         covariance[np.diag_indices(width)] += 1e-9 * np.trace(covariance) / width
         lower: Array = np.linalg.cholesky(np.linalg.inv(covariance))
         return lower
@@ -233,10 +234,10 @@ def _pose_map(metric: str, frames: Array) -> Array:
 
 
 def nearest_neighbour(points: Array, fast: bool = False) -> Search:
-    """A search among points (T, d), compiled if it is to be fast (extra `fast`: numba).
+    """Creates a search among points (T, d), compiled if `fast` is true (extra `fast`: numba).
 
     Raises:
-        EncoderError: There is no point, one is not finite, or numba is lacking.
+        EncoderError: No point is given, one is not finite, or numba is missing.
     """
     if fast:
         from encoders.labels.fast_search import FastNearestNeighbour

@@ -1,11 +1,11 @@
-"""How the fingers of a hand touch: a density of touch layouts learned from a capture.
+"""Kernel density of touch layouts, learned from a capture.
 
-For every set of 2 to 5 fingers, the layout of their touches (their places relative to their middle,
-so that the density does not depend on where on the surface the hand is) has a kernel density over
-layouts of training frames. A kernel is not round: hands turn and open as wholes, and a capture
-holds only some of these turns and openings, so each kernel is stretched along the turn and along
-the size of its layout. With layouts as complex vectors x and p, both directions are read off one
-inner product <p, x>, and a kernel costs as much as a round one.
+A layout is the positions of touches relative to their middle, so that the density does not depend
+on the hand's place on the surface. Every set of 2 to 5 fingers has a kernel density over the
+layouts of training frames. Kernels are not round: hands rotate and open as wholes, and a capture
+contains only some of these rotations and openings, so each kernel is stretched along rotation and
+size of its layout. With layouts as complex vectors x and p, both directions follow from one inner
+product <p, x>, and a kernel costs as much as a round one.
 """
 
 from __future__ import annotations
@@ -30,7 +30,8 @@ Layouts = NDArray[np.complex128]
 order of the fingers, inches, with the middle at 0."""
 
 _LEAST_SIZE = 1e-3
-"""inches. Keeps contacts on one spot, which have no turn and no size, from dividing by nothing."""
+"""inches, avoids a division by zero for contacts on one spot, which have no rotation and no
+size."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +40,7 @@ class KernelShape:
 
     Attributes:
         width: Standard deviation of every coordinate, inches.
-        turn: Standard deviation of the turn of a layout about its middle, rad.
+        turn: Standard deviation of the rotation of a layout about its middle, rad.
         size: Standard deviation of the logarithm of its size.
 
     Raises:
@@ -70,18 +71,19 @@ def finger_sets(count: int) -> tuple[tuple[int, ...], ...]:
 
 @cache
 def set_of_labelling(count: int) -> NDArray[np.intp]:
-    """(P,) which of `finger_sets(count)` every labelling of `hypotheses(count)` uses."""
+    """Index (P,) in `finger_sets(count)` of the fingers of every labelling of
+    `hypotheses(count)`."""
     number = {fingers: i for i, fingers in enumerate(finger_sets(count))}
     return np.array([number[tuple(sorted(row))] for row in hypotheses(count).tolist()], np.intp)
 
 
 @cache
 def _arrangement(count: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """How hypotheses are made of finger sets and orders.
+    """Relation between hypotheses, finger sets and orders of contacts.
 
     Returns:
-        orders (k!, k): which contact stands in each place of the sorted set; and (P,) where each
-        labelling of `hypotheses(count)` is found in a table (S, k!).
+        orders (k!, k): the contact in each place of the sorted set; and (P,): the index of each
+        labelling of `hypotheses(count)` in a table (S, k!).
     """
     orders = list(permutations(range(count)))
     order_of = [orders.index(tuple(order)) for order in np.argsort(hypotheses(count)).tolist()]
@@ -92,19 +94,20 @@ class LayoutDensity:
     """Kernel density of touch layouts given their labels.
 
     Args:
-        layouts: Number of contacts, 2 to 5 -> training layouts, each with a kernel about it.
-        shapes: Number of contacts -> shape of the kernels. The more fingers, the farther apart
-            are the layouts of a capture in all their coordinates.
+        layouts: Training layouts by number of contacts, 2 to 5; each gets a kernel.
+        shapes: Shape of the kernels by number of contacts. With more fingers, the layouts of a
+            capture are farther apart in all their coordinates.
     """
 
     def __init__(self, layouts: Mapping[int, Layouts], shapes: Mapping[int, KernelShape]) -> None:
         self._forms = {k: _Form(p, shapes[k]) for k, p in layouts.items()}
 
     def log_density(self, xy: Array) -> Array:
-        """log p(layout | labelling) of every labelling of `hypotheses(k)`, (P,).
+        """log p(layout | labelling), (P,), of the labellings of `hypotheses(k)`.
 
         Args:
-            xy: (k, 2) m on the surface, k = 2 to 5. The density is per square inch to the k - 1.
+            xy: (k, 2) m on the surface, k = 2 to 5. The density is per square inch to the power k -
+                1.
         """
         form = self._forms[len(xy)]
         z = (xy[:, 0] + 1j * xy[:, 1]) / METRES_PER_INCH
@@ -115,7 +118,7 @@ class _Form:
     """The kernels of one number of contacts, prepared for evaluation.
 
     With c = <p, x> and r = |p|, a kernel's exponent is a quadratic form in Re c (along the size)
-    and Im c (along the turn) plus |x|^2, which is the same for all labellings.
+    and Im c (along the rotation) plus |x|^2, which is the same for all labellings.
     """
 
     def __init__(self, p: Layouts, shape: KernelShape) -> None:
@@ -130,12 +133,12 @@ class _Form:
             + np.log(2 * np.pi * along_size)
             + np.log(2 * np.pi * along_turn)
         )
-        # Labellings down, the many kernels across, so that rows are long; real and imaginary parts
-        # apart, since half of a complex array is not contiguous.
+        # Rows are labellings and columns the many kernels, so that rows are long; real and
+        # imaginary parts are separate, since half of a complex array is not contiguous.
         flat = p.reshape(-1, count).T
         self._along = np.vstack([flat.real, flat.imag]).astype(np.float32)
         self._across = np.vstack([-flat.imag, flat.real]).astype(np.float32)
-        # Both differences vanish with the size, faster than the divisor.
+        # Both differences vanish with the size, faster than the divisor does.
         divisor = np.maximum(r2, _LEAST_SIZE**2)
         columns = (
             0.5 * (1.0 / narrow - 1.0 / along_size) / divisor,
@@ -170,15 +173,15 @@ class _Form:
 
 
 def layouts_of(capture: Capture, most: int) -> dict[int, Layouts]:
-    """Layouts of all finger sets in a capture.
+    """Collects the layouts of all finger sets in a capture.
 
-    A set's layouts are those of all frames in which its fingers touch, alone or with others:
-    fingers that rest beside others lie much as alone, and one set alone is seen in few takes
-    (validation on the simulated subject prefers this by far).
+    A set's layouts come from all frames in which its fingers touch, alone or with others: fingers
+    rest beside others much as they do alone, and few takes contain one set alone (validation on the
+    simulated subject prefers this by far).
 
     Args:
         capture: Labelled touches.
-        most: Largest number of layouts a set; of more frames, an even selection is taken.
+        most: Maximum number of layouts per set; of more frames, an even selection is used.
 
     Raises:
         EncoderError: Some fingers never touch together.
@@ -209,5 +212,5 @@ def _evenly(count: int, number: int) -> NDArray[np.int64]:
 
 def _layouts(xy: Array) -> NDArray[np.complex128]:
     z = (xy[..., 0] + 1j * xy[..., 1]) / METRES_PER_INCH
-    # In single precision, as it is kept, so that a belief from a file decides alike.
+    # In single precision, as stored, so that a belief from a file decides equally.
     return (z - z.mean(axis=1, keepdims=True)).astype(np.complex64).astype(complex)

@@ -1,14 +1,14 @@
-"""The query that lies closest to any of many points, found exactly without looking at all pairs.
+"""Exact search for the closest pair of a query and a point, without comparing all pairs.
 
-Labelling asks a lopsided question: of 120 guesses, which one has the closest nearest neighbour? The
-other 119 nearest neighbours are of no interest, so one bound, the best distance so far, serves all
-guesses at once.
+Labelling needs only the one of 120 queries that has the closest nearest neighbour. The nearest
+neighbours of the other 119 do not matter, so one bound, the best distance so far, serves all
+queries at once.
 
-Poses differ in few directions by much and in many by little. So points are first compared by eight
-numbers: their first principal components, and the length of all the rest. That distance is never
-greater than the true one (the rest differs by no less than its lengths do), and few pairs pass it.
-Points are kept in cells with a centre and a radius; a pair of query and cell whose distance less
-the radius exceeds the bound is never opened. Pairs that pass both are compared in full.
+Poses vary much in few directions and little in many. So points are first compared by eight numbers:
+their first principal components, and the length of the remainder. This reduced distance never
+exceeds the true one (remainders differ at least as much as their lengths), and few pairs pass it.
+Points are grouped in cells with a centre and a radius; a pair of query and cell whose distance
+minus the radius exceeds the bound is skipped. Pairs that pass both tests are compared in full.
 """
 
 from __future__ import annotations
@@ -25,23 +25,24 @@ Single = NDArray[np.float32]
 Indices = NDArray[np.intp]
 
 REDUCED = 8
-"""Numbers that points are first compared by; with fewer more pairs pass, with more each costs more
-(16 took about twice as long, compiled, at 7,083 and 396,648 poses)."""
+"""Numbers in the reduced comparison; with fewer, more pairs pass; with more, each costs more (16
+took about twice as long, compiled, at 7,083 and 396,648 poses)."""
 
 _CELLS = 6.0
-"""Cells per root of the number of points, at which neither centres nor opened points dominate."""
+"""Number of cells per square root of the number of points; neither centres nor opened points
+dominate the time."""
 
 _LLOYD_STEPS = 6
-"""Rounds of k-means for the cells. Cells need not be optimal, only small."""
+"""Rounds of k-means for the cells, which need not be optimal, only small."""
 
 _SAMPLE = 20
-"""Points per cell that k-means looks at."""
+"""Points per cell that k-means uses."""
 
 _TRIED = 4
-"""Queries whose nearest cell gives the first bound."""
+"""Number of queries whose nearest cell gives the first bound."""
 
 _FIRST, _AT_ONCE = 1 << 10, 1 << 16
-"""Pairs compared before the bound is used again: the first few, and at most."""
+"""Number of pairs compared before the bound is updated: first value, and maximum."""
 
 _ONES = np.ones(REDUCED, np.float32)
 
@@ -61,17 +62,17 @@ TIES = 1e-12
 
 
 class Closest(NamedTuple):
-    """The closest pair."""
+    """The closest pair of a query and a point."""
 
     query: int
-    """Row among the queries; the first of equals."""
+    """Row of the query; the first of equals."""
     point: int
-    """Row among the points; the first of equals."""
+    """Row of the point; the first of equals."""
     distance: float
 
 
 class Reduction:
-    """Eight numbers per point whose distances never exceed those of the points.
+    """Maps points to eight numbers whose distances never exceed those of the points.
 
     Attributes:
         longest: Greatest length of a reduced point.
@@ -81,12 +82,12 @@ class Reduction:
         sample = points[:: max(1, len(points) // 20_000)]
         self._mean = sample.mean(axis=0)
         _, axes = np.linalg.eigh((sample - self._mean).T @ (sample - self._mean))
-        # Any rotation leaves distances as they are; this one puts the widest directions first.
+        # A rotation does not change distances; this one puts the widest directions first.
         self._axes = np.ascontiguousarray(axes[:, ::-1])
         self.longest = 0.0
 
     def all(self, points: Array) -> Single:
-        """(T, 8) of the points, made in pieces, so that no second array of their size is needed."""
+        """Reduced points (T, 8), computed in pieces to avoid a second array of the points' size."""
         reduced = np.empty((len(points), REDUCED), np.float32)
         for start in range(0, len(points), _AT_ONCE):
             piece, lengths = self(points[start : start + _AT_ONCE])
@@ -95,7 +96,7 @@ class Reduction:
         return reduced
 
     def __call__(self, points: Array) -> tuple[Single, Array]:
-        """(T, 8) of points (T, d), and their lengths (T,)."""
+        """Reduced points (T, 8) of points (T, d), and their lengths (T,)."""
         turned = (points - self._mean) @ self._axes
         kept = min(REDUCED - 1, turned.shape[1])
         reduced = np.zeros((len(points), REDUCED))
@@ -106,14 +107,14 @@ class Reduction:
 
 
 class NearestNeighbour:
-    """Points to which queries are compared, by Euclidean distance.
+    """Searches the closest pair of queries and stored points, by Euclidean distance.
 
     Args:
         points: (T, d); kept, not copied.
         cells: Number of cells; by default some 6 sqrt(T).
 
     Raises:
-        EncoderError: There is no point, or one is not finite.
+        EncoderError: No point is given, or one is not finite.
     """
 
     def __init__(self, points: Array, cells: int | None = None) -> None:
@@ -135,14 +136,15 @@ class NearestNeighbour:
         self._centres = np.vstack([-2.0 * centres.T, np.ones(count), squares]).astype(np.float32)
 
     def closest(self, queries: Array) -> Closest:
-        """The query (of (P, d), P >= 1) with the smallest distance to any point, and that point.
+        """Finds the query (of (P, d), P >= 1) with the smallest distance to any point, and that
+        point.
 
         Raises:
             EncoderError: A query is not finite.
         """
         reduced, lengths = self._reduction(checked_queries(queries, self._points))
         length = lengths + self._reduction.longest
-        # Squared distances to centres; what rounding may have added is taken off beforehand.
+        # Squared distances to centres, minus the largest possible rounding error.
         own = np.column_stack([lengths**2 - _FAR * length**2, np.ones(len(queries))])
         to_centre = np.hstack([reduced, own.astype(np.float32)]) @ self._centres
         nearest = to_centre.argmin(axis=1)
@@ -175,7 +177,7 @@ class NearestNeighbour:
         )
 
     def _pairs(self, query: Indices, cell: Indices) -> tuple[Indices, Indices]:
-        """Every query of pairs (query, cell) with every row of its cell."""
+        """Expands pairs (query, cell) to pairs of the query with every row of the cell."""
         size = self._size.take(cell)
         before = np.cumsum(size) - size
         row = np.arange(size.sum())
@@ -183,8 +185,9 @@ class NearestNeighbour:
         return np.repeat(query, size), row
 
     def _near(self, reduced: Single, query: Indices, row: Indices, limit: Array) -> Indices:
-        """Which pairs of query and row are not farther apart than the query's limit, reduced."""
-        # `take` copies whole rows, ten times as fast as an index in brackets does.
+        """Booleans: the pairs of query and row whose reduced distance is within the query's
+        limit."""
+        # `take` copies whole rows, ten times as fast as indexing.
         apart = self._reduced.take(row, axis=0)
         apart -= reduced.take(query, axis=0)
         apart *= apart
@@ -193,17 +196,17 @@ class NearestNeighbour:
 
 
 class Search(Protocol):
-    """What finds the closest pair."""
+    """Contract of searches for the closest pair."""
 
     def closest(self, queries: Array) -> Closest:
         """See `NearestNeighbour.closest`."""
 
 
 def checked_points(points: Array) -> Array:
-    """The points, (T, d).
+    """Checks points (T, d).
 
     Raises:
-        EncoderError: There is none, or one is not finite.
+        EncoderError: No point is given, or one is not finite.
     """
     if points.ndim != 2 or not len(points) or not _moderate(points):
         raise EncoderError(
@@ -213,10 +216,11 @@ def checked_points(points: Array) -> Array:
 
 
 def checked_queries(queries: Array, points: Array) -> Array:
-    """The queries, (P, d).
+    """Checks queries (P, d).
 
     Raises:
-        EncoderError: There is none, they have another width than the points, or one is not finite.
+        EncoderError: No query is given, they have another width than the points, or one is not
+            finite.
     """
     shape = queries.shape
     if len(shape) != 2 or not shape[0] or shape[1] != points.shape[1]:
@@ -233,7 +237,7 @@ def _moderate(array: Array) -> bool:
 
 
 def first_of_closest(query: Indices, point: Indices, squares: Array) -> Closest:
-    """The closest of some pairs; of equal ones the first query and its first point."""
+    """Selects the closest of some pairs; of equal ones the first query and its first point."""
     first = np.lexsort((point, query, squares))[0]
     return Closest(int(query[first]), int(point[first]), float(np.sqrt(squares[first])))
 
@@ -247,7 +251,7 @@ def squared_distances(queries: Array, points: Array, query: Indices, point: Indi
 
 def _cells(points: Single, count: int) -> tuple[Indices, Array]:
     """Cell of every point (T,), and the cells' centres (count, d)."""
-    # Frames spread evenly over a capture are spread well over its poses.
+    # Frames spread evenly over a capture cover its poses well.
     sample = points[np.linspace(0, len(points) - 1, min(len(points), _SAMPLE * count)).astype(int)]
     centres = sample[np.linspace(0, len(sample) - 1, count).astype(int)].astype(float)
     for _ in range(_LLOYD_STEPS):
@@ -261,7 +265,7 @@ def _cells(points: Single, count: int) -> tuple[Indices, Array]:
 
 
 def _nearest_centre(points: Single, centres: Array) -> Indices:
-    """(T,) index of a centre that is nearest, to rounding."""
+    """Index (T,) of the nearest centre, up to rounding."""
     across = (-2.0 * centres.T).astype(np.float32)
     squares = np.sum(centres**2, axis=1).astype(np.float32)
     step = max(1, (1 << 22) // len(centres))

@@ -1,4 +1,4 @@
-"""What the belief over labels has learned, and how it is kept: arrays, checked before use."""
+"""The trained model of the belief over labels, stored as arrays that are checked before use."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from encoders.labels.finger_order import ORDERED_COUNTS
 from encoders.labels.label_evidence import ASSUMED, LabelEvidence
 from encoders.labels.label_sums import LEAST
 from encoders.labels.layout_density import KernelShape, Layouts, finger_sets
-from encoders.labels.lifted import AT_ONCE, LATER, REACH
+from encoders.labels.recent_liftoffs import AT_ONCE, LATER, REACH
 from encoders.npz import read_npz, write_npz
 from models.errors import EncoderError
 from models.frames import FINGERS
@@ -31,14 +31,14 @@ _COUNTS = range(2, len(FINGERS) + 1)
 
 @dataclass(frozen=True)
 class TrainedBelief:
-    """Everything that decides which labels are believed.
+    """All trained parameters of the belief over labels.
 
     Attributes:
-        evidence: What one look at the touches says.
-        eta: Share with which a new look at contacts that were there before, and have moved since,
-            counts when others join them; 0 to 1.
-        stay: Share with which a new look at contacts that stay, and have moved, counts; 0 to 1.
-        capture_digest: Of the capture it was trained on.
+        evidence: Evidence of a single frame.
+        eta: Weight of a new evaluation of old contacts that have moved, when others join them; 0 to
+            1.
+        stay: Weight of a new evaluation of contacts that stay and have moved; 0 to 1.
+        capture_digest: Digest of the capture it was trained on.
 
     Raises:
         EncoderError: eta or stay is not a share.
@@ -56,7 +56,8 @@ class TrainedBelief:
 
     @cached_property
     def digest(self) -> str:
-        """BLAKE2b over everything that decides a label, what is assumed included, hexadecimal."""
+        """BLAKE2b, hexadecimal, of everything that decides a label, including the assumed
+        constants."""
         known = {**self.header, **ASSUMED, "lifted": [REACH, AT_ONCE, LATER], "least": LEAST}
         hash_ = blake2b(json.dumps(known, sort_keys=True).encode(), digest_size=16)
         for name, array in sorted(self.to_arrays().items()):
@@ -76,7 +77,7 @@ class TrainedBelief:
         }
 
     def to_arrays(self) -> dict[str, NDArray[Any]]:
-        """Layouts and prior; with the header, `from_arrays` makes the same belief of them."""
+        """Layouts and prior as arrays; with the header, `from_arrays` restores the same belief."""
         arrays: dict[str, NDArray[Any]] = {}
         for count, z in self.evidence.layouts.items():
             arrays[f"layout_{count}"] = np.stack([z.real, z.imag], axis=-1).astype(np.float32)
@@ -93,10 +94,10 @@ class TrainedBelief:
         Args:
             header: Settings.
             arrays: Layouts and prior by name.
-            where: They come from, for messages.
+            where: Their source, for messages.
 
         Raises:
-            EncoderError: Something is missing, of the wrong shape, or not what it must be.
+            EncoderError: A value is missing, of the wrong shape or invalid.
         """
         try:
             schema = header["schema"]
@@ -111,13 +112,16 @@ class TrainedBelief:
             prior = {k: np.asarray(arrays[f"prior_{k}"], float) for k in (1, *_COUNTS)}
         except (KeyError, TypeError, ValueError, AttributeError) as error:
             raise EncoderError(
-                "this is no trained belief, or it is damaged",
+                "not a trained belief, or it is damaged",
                 where=where,
                 got=f"{type(error).__name__}: {error}",
             ) from error
         if schema != SCHEMA:
             raise EncoderError(
-                "another version's belief", where=where, got=schema, expected=f"schema {SCHEMA}"
+                "the belief has another version",
+                where=where,
+                got=schema,
+                expected=f"schema {SCHEMA}",
             )
         if sorted(order) != list(ORDERED_COUNTS):
             raise EncoderError("shares of order are missing", where=where, got=sorted(order))
@@ -146,7 +150,7 @@ def load_belief(path: Path) -> TrainedBelief:
 
 
 def capture_digest(capture: Capture) -> str:
-    """BLAKE2b over what a belief learns from: trials, contacts and their places to a micrometre."""
+    """BLAKE2b of a belief's training data: trials, contacts and their positions to a micrometre."""
     hash_ = blake2b(digest_size=16)
     hash_.update(np.ascontiguousarray(capture.trial, np.int64).tobytes())
     hash_.update(np.ascontiguousarray(capture.down).tobytes())

@@ -1,1 +1,1 @@
-"""From one touch frame after another to the pose of the whole hand."""
+"""Reconstructors: they turn touch frames, one after another, into poses of the whole hand."""

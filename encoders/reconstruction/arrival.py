@@ -1,9 +1,9 @@
-"""How a hand arrives and leaves: hover above its place, come down, rise again.
+"""Arrival and departure of a hand: it hovers above its place, comes down, and rises again.
 
-What decides whether a task succeeds is less where the hand is than how it gets there (measured with
-the simulated user: without these rules, a box is knocked over before it is touched). The hand
-hovers as a ghost over its place, comes down from above once it is there and the touches rest, and
-rises when they leave.
+The hand hovers as a ghost over its place, comes down from above once it is there and the touches
+rest, and rises when they leave. Task success depends more on this path of the hand than on its
+final place (measured with the simulated user: without these rules, a box is knocked over before it
+is touched).
 """
 
 from __future__ import annotations
@@ -13,12 +13,12 @@ from enum import StrEnum
 
 
 class Phase(StrEnum):
-    """Where the hand is on its way."""
+    """Phase of a hand's arrival."""
 
     AWAY = "away"
     """No contact: the hand holds its pose up in the air."""
     WAITING = "waiting"
-    """Contacts have come, and it is not yet settled which fingers they are."""
+    """Contacts have come, and their fingers are not decided yet."""
     ABOVE = "above"
     """The hand moves to its place, still up."""
     COMING_DOWN = "coming down"
@@ -27,7 +27,7 @@ class Phase(StrEnum):
 
 @dataclass(frozen=True)
 class ArrivalSettings:
-    """How the hand comes and goes.
+    """Settings of arrival and departure.
 
     Attributes:
         hover: m above its place at which the hand waits; 0 switches these rules off.
@@ -36,8 +36,8 @@ class ArrivalSettings:
         rest: m/s below which touches count as resting.
         patience: s after which the hand comes down although the touches do not rest.
         place: m, how near to its place the hand must be to come down.
-        down: m/s.
-        up: m/s.
+        down: m/s of the hand on its way down.
+        up: m/s of the hand on its way up.
     """
 
     hover: float = 0.09
@@ -51,29 +51,29 @@ class ArrivalSettings:
 
 
 class Arrival:
-    """The height of a hand above its place, step by step."""
+    """Computes the height of a hand above its place, step by step."""
 
     def __init__(self, settings: ArrivalSettings) -> None:
         self.settings = settings
         self.reset()
 
     def reset(self) -> None:
-        """Back into the air, as at the start."""
+        """Returns to the initial state, in the air."""
         self.phase = Phase.AWAY if self.settings.hover > 0 else Phase.DOWN
         self.height = self.settings.hover
         self._still = 0.0
         self._waited = 0.0
 
     def step(self, dt: float, *, touched: bool, named: bool, speed: float, off: float) -> None:
-        """One step of time.
+        """Advances by one time step.
 
         Args:
-            dt: s.
-            touched: Some contact lives; for a hand that is down: one whose finger is known.
-            named: The fingers of all contacts are known. One that comes while the hand is down may
-                wait for its name without sending the others up again.
+            dt: s, length of the step.
+            touched: True if there is a contact; for a hand that is down, one whose finger is known.
+            named: True if the fingers of all contacts are known. A contact that comes while the
+                hand is down may be unlabelled for a while without lifting the hand.
             speed: m/s of the fastest contact.
-            off: m, how far the hand, seen along the surface's normal, still is from its place.
+            off: m, distance of the hand from its place, seen along the surface's normal.
         """
         s = self.settings
         if s.hover <= 0:

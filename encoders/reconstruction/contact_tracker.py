@@ -1,8 +1,8 @@
-"""Follows fingers through what a touch device says: drop-outs, new ids, palms and noise.
+"""Tracks fingers in touch frames through drop-outs, changed ids, palms and noise.
 
-A finger that vanishes lives on for a moment, carried along by the others, and a new id close by
-inherits it; touch screens lose and find resting fingers, and a grasp must survive that. A touch
-that the system *cancelled* was not lifted by the person and lives on longer.
+A lost finger is kept for a moment, shifted with the others, and a new id close by inherits it:
+touch screens lose and find resting fingers, and a grasp must survive that. The person did not lift
+a touch that the system *cancelled*, so it is kept longer.
 """
 
 from __future__ import annotations
@@ -20,15 +20,15 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class TrackerSettings:
-    """When a contact is which finger's, and when it is none.
+    """Settings of the contact tracker.
 
     Attributes:
-        grace: s for which a lost contact lives on.
-        cancelled_grace: s for which a cancelled contact lives on.
-        inherit: m, how far from a lost contact a new id may appear to inherit it.
+        grace: s that a lost contact is kept.
+        cancelled_grace: s that a cancelled contact is kept.
+        inherit: m, largest distance from a lost contact at which a new id inherits it.
         low_pass: s, time constant of the smoothing of positions.
-        blob: m, contact diameter from which on it is a palm rather than a finger.
-        span: m, farther apart than this no two fingers of one hand are.
+        blob: m, least contact diameter of a palm; smaller contacts are fingers.
+        span: m, largest distance between two fingers of one hand.
     """
 
     grace: float = 0.15
@@ -44,13 +44,13 @@ class Track:
     """One finger followed through time.
 
     Attributes:
-        id: Ours; stays the same when the device gives the finger a new id.
+        id: Our id; it stays the same when the device gives the finger a new id.
         device_id: The device's id at present.
         place: (x, y) m, smoothed position on the surface.
-        born: s, when it came down.
-        lost_at: s, when the device lost it; None while it touches.
-        grace: s for which it lives on once lost.
-        device_label: Finger according to the device, where it knows.
+        born: s, time when it came down.
+        lost_at: s, time when the device lost it; None while it touches.
+        grace: s that it is kept once lost.
+        device_label: Finger according to the device, if it knows.
     """
 
     id: int
@@ -68,7 +68,7 @@ class Track:
 
     @property
     def active(self) -> bool:
-        """Whether the device sees it now."""
+        """True if the device currently reports it."""
         return self.lost_at is None
 
 
@@ -77,9 +77,9 @@ class ContactTracker:
     """Turns touch frames into at most five tracks of one hand.
 
     Attributes:
-        tracks: Living tracks by our id, in the order in which they came down.
-        ignored: Contacts of the last frame that are no finger of this hand, for views.
-        counts: How often something was ignored or repaired, by reason.
+        tracks: Current tracks by our id, in the order in which they came down.
+        ignored: Contacts of the last frame that are not fingers of this hand, for views.
+        counts: Number of ignored or repaired contacts, by reason.
     """
 
     settings: TrackerSettings = field(default_factory=TrackerSettings)
@@ -98,7 +98,7 @@ class ContactTracker:
         self._ignored_ids = {}
 
     def step(self, frame: TouchFrame) -> None:
-        """Takes in the next frame; its time never runs backwards."""
+        """Processes the next frame; its time never runs backwards."""
         dt = 0.0 if self._time is None else max(frame.time - self._time, 0.0)
         self._time = frame.time
         seen = {c.id: c for c in frame.contacts}
@@ -116,7 +116,7 @@ class ContactTracker:
                 if track.active:
                     self._lose(track, frame)
             elif not track.active:
-                # The same id again: devices that keep ids need no inheritance.
+                # The same id returns: devices that keep ids need no inheritance.
                 self._find(track, contact, share)
             else:
                 moves.append(self._follow(track, contact, share))
@@ -134,7 +134,7 @@ class ContactTracker:
         self.ignored = tuple(seen[i] for i in sorted(self._ignored_ids))
 
     def _drop_reused_ids(self, seen: dict[int, Contact]) -> None:
-        """Forgets lost fingers whose id a device has given to a contact somewhere else."""
+        """Forgets lost fingers whose id the device has given to a contact in another place."""
         for track in list(self.tracks.values()):
             if track.lost_at is None:
                 continue
@@ -145,7 +145,7 @@ class ContactTracker:
                     del self.tracks[track.id]
 
     def _follow(self, track: Track, contact: Contact, share: float) -> tuple[float, float]:
-        """Takes a track a share of the way to its contact; returns how far that is."""
+        """Moves a track a share of the way to its contact; returns the distance moved."""
         left, top = track.place
         x, y = left + share * (contact.x - left), top + share * (contact.y - top)
         track.place = x, y
@@ -177,7 +177,7 @@ class ContactTracker:
                 self._find(nearest, contact, share)
                 return
         if len(self.tracks) >= len(FINGERS):
-            # A sixth contact while a lost finger still lives on: the living one wins.
+            # A sixth contact replaces a lost finger that is still kept.
             oldest = min(lost, key=lambda t: (t.lost_at, t.id))
             del self.tracks[oldest.id]
         self.tracks[self._next_id] = Track(
@@ -186,7 +186,7 @@ class ContactTracker:
         self._next_id += 1
 
     def _unfit(self, contact: Contact, xy: Array) -> str:
-        """Why a new contact is no finger of this hand; empty when it is one."""
+        """Reason why a new contact is not a finger of this hand; empty if it is one."""
         if contact.size is not None and contact.size > self.settings.blob:
             return "palm"
         active = [t for t in self.tracks.values() if t.active]
@@ -199,8 +199,8 @@ class ContactTracker:
     def _expire(self, time: float) -> None:
         lost = [t for t in self.tracks.values() if t.lost_at is not None]
         over = [t for t in lost if time - float(t.lost_at or 0.0) >= t.grace - 1e-9]
-        # With no finger left on the surface all are let go together: were each to go after its own
-        # grace, the last one would still squeeze, and push what it held aside.
+        # When no finger is left on the surface, all are dropped together: if each one were dropped
+        # after its own grace, the last one would still squeeze and push the object aside.
         gone = lost if over and len(lost) == len(self.tracks) else over
         for track in gone:
             del self.tracks[track.id]

@@ -1,6 +1,6 @@
-"""How high the lift control holds the hand: smoothed, so that what it holds does not shake.
+"""Height of the hand by the lift control, smoothed so that a held object does not shake.
 
-A second control, moved by the other hand, raises the hand along the surface's normal. A slider is
+The lift control, moved by the other hand, raises the hand along the surface's normal. A slider is
 never quite still: 3 % of 18 cm would shake a held box by millimetres, sixty times a second.
 """
 
@@ -13,12 +13,12 @@ import numpy as np
 
 @dataclass(frozen=True)
 class LiftSettings:
-    """What the lift control does.
+    """Settings of the lift control.
 
     Attributes:
         reach: m by which the hand rises at control 1; 0 for hands that are not lifted.
         tau: s, time constant of the low pass.
-        speed: m/s at most.
+        speed: m/s, maximum speed.
     """
 
     reach: float = 0.0
@@ -27,7 +27,7 @@ class LiftSettings:
 
 
 class Lift:
-    """The height that the lift control gives a hand, step by step.
+    """Computes the height of a hand from the lift control, step by step.
 
     Attributes:
         height: m along the surface's normal.
@@ -38,16 +38,17 @@ class Lift:
         self.reset()
 
     def reset(self) -> None:
-        """Down, as at the start."""
+        """Returns to the initial state, down."""
         self.height = 0.0
         self._smooth = 0.0
 
     def step(self, control: float | None, dt: float) -> None:
-        """One step of time.
+        """Advances by one time step.
 
         Args:
-            control: 0 to 1; None is 0: a device without a lift control holds the hand down.
-            dt: s.
+            control: 0 to 1; None counts as 0, so that devices without a lift control keep the hand
+                down.
+            dt: s, length of the step.
         """
         s = self.settings
         wanted = s.reach * (control or 0.0)

@@ -1,9 +1,9 @@
-"""The reconstructor of any person's hand: the trained right hand's, between two mirrors.
+"""Reconstructor of any person's hand, built on the one of the trained right hand.
 
-Touches go through `PersonFrame` to what the trained hand would have touched, and the pose comes
-back the same way: a left hand's mirrored, a larger hand's larger. A uniform scale changes no angle,
-and mirror and turn no distance either, so that fingertips which meet the shrunken touches of the
-trained hand meet the real ones of the person's.
+`PersonFrame` transforms touches to what the trained hand would have touched, and the pose back:
+mirrored for a left hand, scaled for a larger one. A uniform scale does not change angles, and
+mirror and rotation do not change distances either, so that fingertips which meet the scaled touches
+of the trained hand meet the real touches of the person's hand.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from models.surface import Surface
 Array = NDArray[np.float64]
 
 ReconstructorMaker = Callable[[Surface], Reconstructor]
-"""Makes a reconstructor on a surface."""
+"""Creates a reconstructor for a surface."""
 
 
 class PersonalReconstructor:
@@ -32,7 +32,7 @@ class PersonalReconstructor:
 
     Args:
         trained: Reconstructor on `frame.surface`, with the skeleton that the model was trained on.
-        frame: Between the person's screen and that surface.
+        frame: Transform between the person's screen and that surface.
         surface: The person's screen, in the world.
     """
 
@@ -57,23 +57,25 @@ class PersonalReconstructor:
 
     @property
     def commanded(self) -> Array:
-        """(48,) the pose last commanded, of the person's hand in the world."""
+        """The pose last commanded (48,), of the person's hand in the world."""
         return self._outward(self.trained.commanded)
 
     @property
     def counts(self) -> dict[str, int]:
-        """How often contacts were ignored or repaired, by reason."""
+        """Number of ignored or repaired contacts, by reason."""
         return self.trained.counts
 
     def reset(self) -> None:
-        """Back to a hand that hovers over the middle of the surface and knows no contact."""
+        """Returns to the initial state: a hand without contacts that hovers over the middle of the
+        surface."""
         self.trained.reset()
 
     def step(self, frame: TouchFrame) -> Reconstruction:
-        """Takes in a touch frame of the person's screen.
+        """Processes a touch frame of the person's screen.
 
         Returns:
-            The person's hand. `u` alone stays as the encoder saw it: the trained hand's.
+            The reconstruction of the person's hand. Only `u` stays that of the trained hand, as the
+            encoder got it.
         """
         reconstruction = self.trained.step(self._inward(frame))
         contacts = tuple(replace(c, xy=self.frame.outwards(c.xy)) for c in reconstruction.contacts)
@@ -101,13 +103,13 @@ class PersonalReconstructor:
 
 
 def personal(person: Person, surface: Surface, make: ReconstructorMaker) -> Reconstructor:
-    """A reconstructor for a person.
+    """Creates a reconstructor for a person.
 
     Args:
-        person: Whose hand.
+        person: The person whose hand it is.
         surface: Their screen, in the world.
-        make: Makes the trained right hand's reconstructor on a given surface. It is used as it is
-            where the person's hand is like the trained one.
+        make: Creates the trained right hand's reconstructor for a surface. Its result is returned
+            unchanged if the person's hand equals the trained one.
     """
     frame = PersonFrame(person, surface)
     if frame.trivial:

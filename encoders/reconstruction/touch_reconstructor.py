@@ -1,4 +1,4 @@
-"""From one touch frame after another to the pose of the whole hand.
+"""Reconstructor that turns touch frames, one after another, into poses of the whole hand.
 
 Touches -> tracks -> labels -> contact vector -> encoder -> smoothing -> fingertip correction ->
 arrival -> rate limit -> commanded pose. Session, evaluation and replay all use this one object.
@@ -33,31 +33,33 @@ from models.surface import METRES_PER_INCH, Surface
 Array = NDArray[np.float64]
 
 TURN_LENGTH = 0.08
-"""m, from wrist to knuckles: an error of the hand's turn times this is an error of place."""
+"""m, from wrist to knuckles: converts an error of the hand's rotation (rad) to an error of
+position."""
 
 _LOW = (Phase.COMING_DOWN, Phase.DOWN)
 
 _SETTLED = 0.010
-"""rad (and m). A frame whose step was shorter need not take another one: the next frame goes on
-from where this one ends, 16 ms later, and fingers that rest come to rest at the likeliest posture.
-With 0.003, a frame takes 2.4 steps rather than 1.4, and the posture differs by under a degree."""
+"""rad (and m), length of an iteration's step below which a frame stops iterating. The next frame,
+16 ms later, continues from there, and with resting fingers the posture converges to the most likely
+one. With 0.003, a frame takes 2.4 steps rather than 1.4, and the posture differs by less than a
+degree."""
 
 
 @dataclass(frozen=True)
 class ReconstructorSettings:
-    """What takes part between touches and pose.
+    """Settings of the steps between touches and pose.
 
     Attributes:
-        tracker: Drop-outs, palms, smoothing of touches.
-        arrival: How the hand comes and goes.
-        lift: How high a lift control raises the hand.
-        correction: How fingertips meet touches; None switches the correction off.
+        tracker: Handling of drop-outs and palms, smoothing of touches.
+        arrival: Arrival and departure of the hand.
+        lift: Effect of the lift control.
+        correction: Correction of fingertips to touches; None switches it off.
         posture_tau: s, time constant of the posture filter; 0 switches it off.
-        encode: False takes the mean training pose instead of the encoder's (an ablation).
-        rate: Bounds on the commanded pose's speed, of a hand that comes down or is down. One that
-            is up, where nothing is in its way, is no slower than `RateLimit()`: a person who has
-            put their fingers down waits for it, and not for long.
-        device_labels: Believe the device where it names fingers.
+        encode: False uses the mean training pose instead of the encoder's (an ablation).
+        rate: Speed limits of the commanded pose while the hand comes down or is down. A hand that
+            is up, where nothing is in its way, moves at least as fast as `RateLimit()` allows, so
+            that people do not wait for it.
+        device_labels: True uses the labels of devices that name fingers.
     """
 
     tracker: TrackerSettings = field(default_factory=TrackerSettings)
@@ -72,12 +74,12 @@ class ReconstructorSettings:
 
 @dataclass(frozen=True)
 class ReconstructedContact:
-    """A contact and what was made of it.
+    """A contact with its label and state.
 
     Attributes:
-        id: The device's.
+        id: The device's id.
         xy: (2,) m on the surface, smoothed.
-        label: Its finger; None while unnamed or ignored.
+        label: Its finger; None while unlabelled or ignored.
         state: `active`, `lost` (living on for a moment) or `ignored`.
     """
 
@@ -89,16 +91,16 @@ class ReconstructedContact:
 
 @dataclass(frozen=True)
 class Reconstruction(Later):
-    """The hand at one moment.
+    """The reconstructed hand at one moment.
 
     Attributes:
         q: (48,) commanded pose in the world.
-        phase: Where the hand is between the air and its place.
+        phase: Phase of arrival or departure.
         fingers: Labels of the fingers that touch.
-        u: (15,) contact vector, or None without a named contact.
-        probability: How sure the labels are, 0 to 1.
+        u: (15,) contact vector, or None without a labelled contact.
+        probability: Probability of the labels, 0 to 1.
         tip_error: m, largest distance between a corrected fingertip and its touch.
-        contacts: Everything on the surface.
+        contacts: All contacts on the surface.
     """
 
     q: Array
@@ -111,19 +113,19 @@ class Reconstruction(Later):
 
     @property
     def down(self) -> bool:
-        """Whether the hand is at its place, so that its fingers may touch things."""
+        """True if the hand is at its place, so that its fingers may touch objects."""
         return self.phase is Phase.DOWN
 
 
 class TouchReconstructor:
-    """Holds labeller, encoder, filter, correction and arrival of one hand.
+    """Reconstructs one hand with its labeller, encoder, filter, correction and arrival.
 
     Args:
         model: Trained encoder with the covariance of its errors.
-        labeller: Names the fingers.
-        skeleton: The hand whose fingertips are to meet the touches.
-        surface: Where the touches are in the world.
-        settings: What takes part.
+        labeller: Labels the contacts.
+        skeleton: The hand whose fingertips should meet the touches.
+        surface: Surface of the touches in the world.
+        settings: Settings of all steps.
 
     Attributes:
         empty: A frame without touches.
@@ -160,22 +162,23 @@ class TouchReconstructor:
 
     @property
     def counts(self) -> dict[str, int]:
-        """How often contacts were ignored or repaired, by reason."""
+        """Number of ignored or repaired contacts, by reason."""
         return self._tracker.counts
 
     @property
     def commanded(self) -> Array:
-        """(48,) the pose last commanded, in the world; where a simulation starts its hand."""
+        """The pose last commanded (48,), in the world; a simulation starts its hand there."""
         return surface_to_world(self._commanded, self.surface)
 
     def reset(self) -> None:
-        """Back to a hand that hovers over the middle of the surface and knows no contact."""
+        """Returns to the initial state: a hand without contacts that hovers over the middle of the
+        surface."""
         self._tracker.reset()
         self._arrival.reset()
         self._lift.reset()
         self._filter.reset()
         self.labeller.reset()
-        # Never changed, only replaced.
+        # Never modified in place, only replaced.
         self._labels: Mapping[int, int] = {}
         self._previous_labels: Mapping[int, int] = {}
         self._same_grasp = False
@@ -191,10 +194,10 @@ class TouchReconstructor:
         self._tip_error = 0.0
 
     def step(self, frame: TouchFrame) -> Reconstruction:
-        """Takes in a touch frame; called once per control step, also when nothing has changed.
+        """Processes a touch frame; called once per control step, even if nothing has changed.
 
         Args:
-            frame: Contacts now; `frame.time` is session time and never runs backwards.
+            frame: Current contacts; `frame.time` is session time and never runs backwards.
         """
         dt = 0.0 if self._time is None else max(frame.time - self._time, 0.0)
         self._time = frame.time
@@ -220,7 +223,7 @@ class TouchReconstructor:
             touched=bool(named) if self._arrival.phase is Phase.DOWN else bool(tracks),
             named=len(named) == len(tracks) > 0,
             speed=speed,
-            # A hand that is away, or on its way down, is not asked.
+            # Not needed without tracks, or once the hand is coming down.
             off=self._off(goal) if tracks and not self._low else 0.0,
         )
         if not tracks:
@@ -241,11 +244,11 @@ class TouchReconstructor:
         return self._arrival.phase in _LOW
 
     def _name(self, time: float) -> None:
-        """Names the fingers once the set of contacts has been stable for a while.
+        """Labels the contacts once their set has been stable for a while.
 
-        Until the hand comes down, second thoughts are welcome; the posture filter blends them in. A
-        hand that is down keeps its names: a changed name would wring the grasp apart. A finger that
-        joins it gets one of the free names.
+        Until the hand comes down, labels may change; the posture filter blends them in. A hand that
+        is down keeps its labels: a change would break the grasp. A finger that joins gets one of
+        the free labels.
         """
         tracks = self._tracker.tracks
         present = frozenset(tracks)
@@ -254,8 +257,8 @@ class TouchReconstructor:
         self._known = present
         settle = self.settings.arrival.settle if self.settings.arrival.hover > 0 else 0.0
         low = self._low
-        # A labeller that remembers learns from how the touches move, and from where fingers leave,
-        # even while the hand is down and what it says is not followed.
+        # A labeller with history learns from moving touches and lifted fingers even while the hand
+        # is down and its labels are not used.
         again = self.labeller.remembers and settle > 0
         named = len(self._labels) == len(tracks)
         if not tracks or (named and not again) or time - self._changed_at < settle - 1e-9:
@@ -297,7 +300,8 @@ class TouchReconstructor:
         targets = np.array([(x, -y, PAD_HEIGHT) for x, y in places])
         carried = motion.carried
         if len(ids) == 1:
-            # No layout, no information: the posture stays, and the hand goes where the finger is.
+            # Without a layout there is no information: the posture stays, and the hand follows the
+            # finger.
             guess = self._filter.step(self._held(carried), (0.0, 0.0), dt)
             guess = self._shifted(guess, labels, targets)
         else:
@@ -309,7 +313,7 @@ class TouchReconstructor:
         if self._correction is None:
             self._tip_error = float("nan")
             return within_limits(guess, self._kinematics.skeleton)
-        # Far from the last pose, its linearisation would be worse than the guess's own.
+        # Far from the last pose, its linearisation would be worse than that of the guess.
         start = self._held(carried) if self._same_grasp else None
         settled = None if start is None else _SETTLED
         corrected = self._correction.correct(guess, labels, targets, start, settled)
@@ -317,7 +321,7 @@ class TouchReconstructor:
         return corrected.q
 
     def _held(self, carried: tuple[float, float]) -> Array:
-        """The last pose, carried along with the touches."""
+        """The last pose, shifted with the touches."""
         return _carried(self._place, *carried)
 
     def _shifted(self, q: Array, labels: list[int], targets: Array) -> Array:
@@ -335,19 +339,20 @@ class TouchReconstructor:
         return q
 
     def _raised(self, q: Array) -> Array:
-        """The pose as high as arrival and lift control hold it; a lifted hand may well be down."""
+        """The pose at the height given by arrival and lift control; a lifted hand may be in the
+        phase `down`."""
         q = q.copy()
         q[2] += self._arrival.height + self._lift.height
         return q
 
     def _off(self, goal: Array) -> float:
-        """m, how far the commanded hand is from its goal seen along the surface's normal."""
+        """Distance in m of the commanded hand from its goal, seen along the surface's normal."""
         rest = np.abs(goal - self._commanded)
         x, y = rest[:2].tolist()
         return hypot(x, y) + TURN_LENGTH * float(np.maximum.reduce(rest[3:]))
 
     def _contacts(self) -> Callable[[], dict[str, Any]]:
-        """What gives everything that is on the surface now, should somebody ask."""
+        """Function that returns all contacts on the surface now; it is called only on demand."""
         tracks, ignored = self._tracker.tracks.items(), self._tracker.ignored
         seen = [(t.device_id, t.place, self._labels.get(i), t.active) for i, t in tracks]
 
@@ -365,7 +370,7 @@ class TouchReconstructor:
 
 
 def _carried(q: Array, right: float, down: float) -> Array:
-    """The pose (48,) carried along on the surface, m."""
+    """The pose (48,) shifted along the surface, m."""
     q = q.copy()
     q[0] += right
     q[1] -= down
