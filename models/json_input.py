@@ -165,7 +165,7 @@ def checked(
 
 def check_layout(
     data: bytes,
-    kind: str,
+    kind: str | None,
     schema: int,
     error: type[HandSandboxError],
     *,
@@ -177,7 +177,7 @@ def check_layout(
 
     Args:
         data: JSON, UTF-8: an object with `kind` and `schema`.
-        kind: The text that the file must have.
+        kind: The text that the file must have; None for files without one.
         schema: The version that the file must have.
         error: The class of the error.
         what: The clause for a file of another kind.
@@ -186,9 +186,9 @@ def check_layout(
     Raises:
         HandSandboxError: The file is of another kind or version. Its class is `error`.
     """
-    expected = f'"kind": "{kind}"'
+    expected = f'"kind": "{kind}"' if kind is not None else None
     head = decoded(data, _Head, error, what=what, where=where, expected=expected, remedy=remedy)
-    if head.kind != kind:
+    if kind is not None and head.kind != kind:
         raise error(what, where=where, expected=expected, remedy=remedy)
     if head.schema != schema:
         raise error(

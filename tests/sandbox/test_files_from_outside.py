@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.calibration_file import calibration_to_json, is_calibration, read_calibration
-from models.errors import EncoderError, InputError, RecordingError
+from models.errors import EncoderError, InputError, RecordingError, StudyError
 from sandbox.cli.capture.hand_files import read_mapping
 from sandbox.cli.capture.touch_files import read_touch_log
 from sandbox.devices.files.frame_file import read_frame_file
@@ -23,6 +23,10 @@ from sandbox.devices.tuio.touch_capture import read_capture
 from sandbox.options.profiles import load_profile
 from sandbox.options.touch_devices import open_file
 from sandbox.regress.baseline import Baseline, Kept, KeptTask, load_baseline
+from sandbox.study.record.folder import participants_of
+from sandbox.study.record.folder import read_about as read_study
+from sandbox.study.record.journal import read_journal
+from sandbox.study.record.state import SessionState
 from tests.support.json_values import VALUES, damaged
 
 
@@ -82,6 +86,28 @@ MAPPING = {
 ABOUT = {"side": "left", "subject": "p1", "simulated": True, "touches": "tuio"}
 
 
+JOURNAL = [
+    {"n": 0, "time": "t", "clock": 1.5, "kind": "session_start", "ppid": "AB12CD"},
+    {"n": 1, "kind": "participant", "ppid": "AB12CD", "number": 0, "hand_size": 1},
+    {"n": 2, "kind": "trial_start", "step": "t1", "trial": 1, "attempt": 1},
+    {"n": 3, "kind": "trial_end", "step": "t1", "trial": 1, "attempt": 1, "result": {}},
+    {"n": 4, "kind": "repeat", "step": "t1", "trial": 1, "reason": "again"},
+    {"n": 5, "kind": "skip", "step": "q", "reason": None},
+    {"n": 6, "kind": "exclude", "trial": None, "reason": "r"},
+    {"n": 7, "kind": "draft", "step": "q", "item": "a", "answer": [1]},
+    {"n": 8, "kind": "answers", "step": "q", "form": "f", "answers": {"a": 1}},
+    {"n": 9, "kind": "consent", "step": "c", "agreed": True},
+    {"n": 10, "kind": "session_end", "complete": True},
+]
+STUDY = {"schema": 1, "study": "id", "experiment": "e", "mode": "pilot", "build": {"numpy": "2"}}
+
+
+def played_journal(path: Path) -> object:
+    """Everything that is read out of a journal."""
+    records = read_journal(path)
+    return SessionState.of(records), participants_of(records)
+
+
 def lines(values: list[dict[str, Any]]) -> str:
     """Values as JSON lines."""
     return "".join(json.dumps(value) + "\n" for value in values)
@@ -111,6 +137,8 @@ READERS = {
     "any touches": Reader(lambda path: open_file(path, None), lines(FRAMES), InputError),
     "mapping": Reader(read_mapping, json.dumps(MAPPING), InputError),
     "session": Reader(lambda path: read_about(folder_of(path)), json.dumps(ABOUT), RecordingError),
+    "journal": Reader(played_journal, lines(JOURNAL), StudyError),
+    "study": Reader(read_study, json.dumps(STUDY), StudyError),
     "any calibration": Reader(is_calibration, "{}", EncoderError),
 }
 
@@ -132,7 +160,7 @@ def read(reader: Reader, file: Path) -> None:
         reader.read(file)
     except reader.error as error:
         text = str(error)
-        assert str(file.parent) in text
+        assert str(file.parent) in text or "record " in text
         assert len(text.splitlines()) == 1
         assert len(text) < 900
 

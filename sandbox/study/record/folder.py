@@ -18,7 +18,10 @@ from pathlib import Path
 from typing import Any
 from uuid import uuid4
 
+from msgspec import Struct
+
 from models.errors import StudyError
+from models.json_input import check_layout, checked, decoded_record
 from sandbox.study.design.design import Design
 from sandbox.study.record.build import build_of, changes
 from sandbox.study.record.files import explain, locked, make_folder, sweep, write_atomically
@@ -51,6 +54,15 @@ class Participant:
     hand_size: float = 1.0
     language: str = "en"
     user: dict[str, Any] | None = None
+
+
+class _StudyFile(Struct):
+    """The fields that `study.json` must have."""
+
+    study: str
+    experiment: str
+    mode: str
+    build: dict[str, Any]
 
 
 class StudyFolder:
@@ -213,9 +225,17 @@ def folder_of(out: Path, name: str, mode: str) -> Path:
 
 def participants_of(records: list[Record]) -> list[Participant]:
     """Those whom a study's journal tells."""
-    names = Participant.__dataclass_fields__
-    return [Participant(**{k: v for k, v in r.items() if k in names})
-            for r in records if r["kind"] == "participant"]  # fmt: skip
+    return [
+        checked(
+            record,
+            Participant,
+            StudyError,
+            what="the record of a participant is damaged",
+            where=f"study.jsonl, record {record['n']}",
+        )
+        for record in records
+        if record["kind"] == "participant"
+    ]
 
 
 def read_about(path: Path) -> dict[str, Any]:
@@ -225,15 +245,14 @@ def read_about(path: Path) -> dict[str, Any]:
         StudyError: It cannot be read, or another version wrote it.
     """
     try:
-        about = json.loads(path.read_bytes())
+        data = path.read_bytes()
     except OSError as error:
         raise explain(error, path, "the study cannot be read") from None
-    except ValueError as error:
-        raise StudyError("the study cannot be read", where=str(path), got=str(error),
-                         remedy="Take this file back from a backup") from None  # fmt: skip
-    if not isinstance(about, dict) or about.get("schema") != SCHEMA:
-        raise StudyError("another version's study", where=str(path),
-                         expected=f"schema {SCHEMA}")  # fmt: skip
+    what, where = "the study cannot be read", str(path)
+    remedy = "Take this file back from a backup"
+    check_layout(data, None, SCHEMA, StudyError, what=what, where=where, remedy=remedy)
+    about = decoded_record(data, StudyError, what=what, where=where, remedy=remedy)
+    checked(about, _StudyFile, StudyError, what=what, where=where, remedy=remedy)
     return about
 
 

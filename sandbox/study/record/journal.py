@@ -17,7 +17,9 @@ from pathlib import Path
 from typing import Any
 
 from models.errors import StudyError
+from models.json_input import checked, decoded_record
 from sandbox.study.record.files import explain, sync_folder
+from sandbox.study.record.record_forms import FORMS, Head
 
 SYNC = 0.5
 """s between two moments at which everything written so far is put on the disk."""
@@ -136,20 +138,37 @@ def parse_records(data: bytes, path: Path) -> tuple[list[Record], int]:
     lines = data.split(b"\n")
     for number, line in enumerate(lines[:-1], start=1):
         try:
-            record = json.loads(line)
-            fits = isinstance(record, dict) and record["n"] == len(records)
-        except (ValueError, KeyError, TypeError):
-            fits = False
-        if not fits:
+            record = _record(line, len(records), f"{path}, line {number}")
+        except StudyError:
             if number == len(lines) - 1:
                 # A power cut may leave a last block of zeros that ends like a line.
                 break
-            raise StudyError("the journal is damaged", where=f"{path}, line {number}",
-                             got=line[:60].decode(errors="replace"),
-                             remedy="Take it back from a backup; nothing was changed")  # fmt: skip
+            raise
         records.append(record)
         sound += len(line) + 1
     return records, sound
+
+
+def _record(line: bytes, n: int, where: str) -> Record:
+    """A record of which `n` come before it.
+
+    Raises:
+        StudyError: It is damaged, or another one should stand here.
+    """
+    what, remedy = "the journal is damaged", "Take it back from a backup; nothing was changed"
+    record = decoded_record(line, StudyError, what=what, where=where, remedy=remedy)
+    head = checked(record, Head, StudyError, what=what, where=where, remedy=remedy)
+    if head.n != n:
+        raise StudyError(
+            f"{what}: its records are not in order",
+            where=where,
+            got=f"record {head.n}",
+            expected=f"record {n}",
+            remedy=remedy,
+        )
+    form = FORMS.get(head.kind, Head)
+    checked(record, form, StudyError, what=what, where=where, remedy=remedy)
+    return record
 
 
 def read_journal(path: Path) -> list[Record]:

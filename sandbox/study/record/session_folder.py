@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-import json
 import os
 from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any
 
+from msgspec import Struct
+
 from models.errors import RecordingError, StudyError
+from models.json_input import decoded
 from sandbox.lsl.lsl_listening import tell
 from sandbox.recording.recording import load_recording
 from sandbox.recording.recording_file import stored
@@ -251,6 +253,12 @@ def finished_result(path: Path) -> TrialResult | None:
     return TrialResult.from_json(recording.end["result"], str(path))
 
 
+class _LastLine(Struct):
+    """The field that tells the end of a recording from its other lines."""
+
+    kind: str = ""
+
+
 def _ends(path: Path) -> bool:
     """Whether the last line is whole and an end, without reading all of a long recording."""
     with path.open("rb") as file:
@@ -259,7 +267,14 @@ def _ends(path: Path) -> bool:
     if not tail.endswith(b"\n"):
         return False
     try:
-        return bool(json.loads(tail.split(b"\n")[-2]).get("kind") == "end")
-    except (ValueError, IndexError, AttributeError):
-        # The last line is longer than what was looked at.
+        line = decoded(
+            tail.split(b"\n")[-2],
+            _LastLine,
+            RecordingError,
+            what="the last line is damaged",
+            where=str(path),
+        )
+    except RecordingError:
+        # It may be longer than what was looked at.
         return True
+    return line.kind == "end"

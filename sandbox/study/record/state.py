@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from models.errors import StudyError
 from sandbox.study.design.plan import Step, TrialStep
 from sandbox.trial.result import TrialResult
 
@@ -135,7 +136,16 @@ class SessionState:
         return sum(step.id in self.finished for step in trials), len(trials)
 
     def _attempt(self, record: Record) -> Attempt:
-        return self.attempts[record["trial"]][record["attempt"] - 1]
+        attempts = self.attempts.get(record["trial"], [])
+        if not 1 <= record["attempt"] <= len(attempts):
+            raise StudyError(
+                "the journal ends an attempt that it does not begin",
+                where=f"record {record['n']}",
+                got=f"trial {record['trial']}, attempt {record['attempt']}",
+                expected=f"one of {len(attempts)} attempts",
+                remedy="Take the journal back from a backup",
+            )
+        return attempts[record["attempt"] - 1]
 
     def _set_aside(self, record: Record) -> None:
         for attempt in self.attempts.get(record["trial"], []):

@@ -15,10 +15,10 @@ from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 from uuid import uuid4
 
 from models.errors import StudyError
+from models.json_input import checked, decoded_record
 from sandbox.recording.recording_file import SUFFIX, packed, read_stored
 from sandbox.study.record.build import changes
 from sandbox.study.record.files import TEMPORARY, locked, write_atomically
@@ -29,6 +29,7 @@ from sandbox.study.record.pseudonym import new_pseudonym
 from sandbox.study.record.trial_files import TRIALS
 from sandbox.study.share.export_folder import new_folder
 from sandbox.study.share.privacy import lines
+from sandbox.study.share.privacy_records import RecordingEnd
 from sandbox.study.share.withdraw import SITES, WITHDRAWN, withdrawn
 from sandbox.study.tables.export_tables import rebuild_all
 from sandbox.study.tables.tables import csv_bytes
@@ -221,18 +222,27 @@ def _rename(session: Path, new: str, study: str) -> None:
                 for k, v in r.items()} for r in read_journal(path)]  # fmt: skip
     write_atomically(path, lines(records), durable=False)
     for recording in (session / TRIALS).glob("*.jsonl*") if new else ():
-        kept = [_renamed(line, new) for line in read_stored(recording).data.split(b"\n")]
+        where = str(recording)
+        kept = [_renamed(line, new, where) for line in read_stored(recording).data.split(b"\n")]
         data = b"\n".join(kept)
         small = recording.suffix == SUFFIX
         write_atomically(recording, packed(data) if small else data, durable=False)
 
 
-def _renamed(line: bytes, new: str) -> bytes:
-    """A recording's line with another pseudonym, where it tells one."""
+def _renamed(line: bytes, new: str, where: str) -> bytes:
+    """A recording's line with another pseudonym, where it tells one.
+
+    Raises:
+        StudyError: The line is damaged.
+    """
     if not line.startswith((b'{"kind":"header"', b'{"kind":"end"')):
         return line
-    values: dict[str, Any] = json.loads(line)
-    about = values if values["kind"] == "header" else values["result"]
+    what = "the recording is damaged, and its pseudonym cannot be changed"
+    values = decoded_record(line, StudyError, what=what, where=where)
+    about = values
+    if values["kind"] == "end":
+        checked(values, RecordingEnd, StudyError, what=what, where=where)
+        about = values["result"]
     if isinstance(about.get("study"), dict):
         about["study"]["ppid"] = new
     return json.dumps(values, separators=(",", ":"), ensure_ascii=False).encode()

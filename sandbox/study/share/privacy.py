@@ -179,7 +179,7 @@ def _write_session(work: Path, session: KeptSession, disguise: Disguise, masking
         kept = masking.recordings and (masking.hands or not in_the_air(attempt.start["values"]))
         if kept and stored(recording).exists():
             copied = b"\n".join(
-                disguised_line(line, disguise) if line else b""
+                disguised_line(line, disguise, str(recording)) if line else b""
                 for line in _whole_lines(read_stored(recording).data).split(b"\n")
             )
             write_atomically(path / attempt.start["file"], copied, durable=False)

@@ -13,6 +13,10 @@ from datetime import UTC, datetime, timedelta
 from pathlib import PureWindowsPath
 from typing import Any
 
+from msgspec import Struct
+
+from models.errors import StudyError
+from models.json_input import checked, decoded_record
 from sandbox.study.record.journal import Record
 
 EPOCH = datetime(2000, 1, 1, tzinfo=UTC)
@@ -93,12 +97,29 @@ def without_places(value: Any) -> Any:
     return value
 
 
-def disguised_line(line: bytes, disguise: Disguise) -> bytes:
-    """A line of a recording; all that is played is as it was."""
-    values = json.loads(line)
+class RecordingEnd(Struct):
+    """The field that the last line of a recording must have."""
+
+    result: dict[str, Any]
+
+
+def disguised_line(line: bytes, disguise: Disguise, where: str = "recording") -> bytes:
+    """A line of a recording; all that is played is as it was.
+
+    Args:
+        line: JSON.
+        disguise: What is changed.
+        where: The file, for the error.
+
+    Raises:
+        StudyError: The line is damaged.
+    """
+    what = "the recording is damaged, and cannot be made anonymous"
+    values = decoded_record(line, StudyError, what=what, where=where)
     if values.get("kind") == "header":
         values = _told(values, disguise)
     elif values.get("kind") == "end":
+        checked(values, RecordingEnd, StudyError, what=what, where=where)
         values["result"] = _told(values["result"], disguise)
     elif values.get("kind") == "event" and values.get("event") not in ("contact", "respawn"):
         values = {key: values[key] for key in ("kind", "step", "event") if key in values}

@@ -13,7 +13,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from models.errors import StudyError
 from models.frames import FINGERS, TouchFrame
+from models.json_input import decoded_record, read_bytes
 from models.pose import POSE_SIZE
 from models.rotations import matrix_to_quaternion
 from models.skeleton import ADULT
@@ -221,11 +223,13 @@ def write_measures(
 
 def read_measures(folder: Path, stem: str) -> dict[str, Any]:
     """The measures of a trial; nothing where they are not made, or by other definitions."""
+    path, what = folder / f"measures_{stem}.json", "the measures cannot be read"
     try:
-        values = json.loads((folder / f"measures_{stem}.json").read_bytes())
-    except (OSError, ValueError):
+        data = read_bytes(path, StudyError, what=what)
+        values = decoded_record(data, StudyError, what=what, where=str(path))
+    except StudyError:
         return {}
-    if not isinstance(values, dict) or values.pop("version", None) != VERSION:
+    if values.pop("version", None) != VERSION:
         return {}
     return {name: value for name, value in values.items() if name != "truth"}
 

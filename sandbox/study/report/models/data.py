@@ -6,14 +6,16 @@ from `study.json`, where there is one, is the name and kind of a study without t
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from hashlib import sha256
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from msgspec import Struct
 
 from models.errors import StudyError
+from models.json_input import decoded, read_bytes
 
 if TYPE_CHECKING:
     from pandas import DataFrame, Series
@@ -128,8 +130,8 @@ def load_study(folder: Path) -> StudyData:
     if "ppid" not in people.columns:
         people = trials[["ppid"]].drop_duplicates().reset_index(drop=True)
     return StudyData(
-        name=_only(trials, "experiment", path) or about.get("experiment") or folder.resolve().name,
-        mode=_only(trials, "mode", path) or about.get("mode") or "unknown",
+        name=_only(trials, "experiment", path) or about.experiment or folder.resolve().name,
+        mode=_only(trials, "mode", path) or about.mode or "unknown",
         factors=factors,
         trials=trials,
         used=used,
@@ -193,12 +195,21 @@ def _only(trials: DataFrame, column: str, path: Path) -> str:
     return str(values[0]) if values else ""
 
 
-def _about(folder: Path) -> dict[str, Any]:
+class _StudyFile(Struct):
+    """The fields of `study.json` that a report shows."""
+
+    experiment: str = ""
+    mode: str = ""
+
+
+def _about(folder: Path) -> _StudyFile:
+    """The study's file; an empty one where there is none, or it is damaged."""
+    path, what = folder / "study.json", "the study cannot be read"
     try:
-        about = json.loads((folder / "study.json").read_bytes())
-    except (OSError, ValueError):
-        return {}
-    return about if isinstance(about, dict) else {}
+        data = read_bytes(path, StudyError, what=what)
+        return decoded(data, _StudyFile, StudyError, what=what, where=str(path))
+    except StudyError:
+        return _StudyFile()
 
 
 def _codebook(folder: Path) -> dict[str, tuple[str, str]]:
