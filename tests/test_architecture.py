@@ -138,7 +138,8 @@ def only_the_program_shows_and_serves(path: str, source: str) -> Iterator[str]:
 def nothing_is_swallowed(path: str, source: str) -> Iterator[str]:
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.ExceptHandler):
-            caught = {name_of(part) for part in ast.walk(node.type or ast.Name("")) if part}
+            parts = ast.walk(node.type or ast.Name(""))
+            caught = {name_of(part) for part in parts if isinstance(part, ast.expr)}
             if node.type is None:
                 yield f"{path}:{node.lineno} catches everything without a name"
             elif all(

@@ -87,7 +87,7 @@ def intruder(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
 
 
 def python(
-    *args: object, cwd: Path, path: tuple[Path, ...] = (ROOT,), **environment: str
+    *args: object, cwd: Path, path: tuple[Path, ...] = (ROOT,), **environment: Any
 ) -> subprocess.CompletedProcess[str]:
     """Runs this Python in `cwd` with `path` as PYTHONPATH; installed packages stay visible."""
     kept = {k: v for k, v in os.environ.items() if k not in UNWANTED}
@@ -179,14 +179,17 @@ def test_the_installed_command_does_not_look_in_the_current_folder(
     assert python(command, "--help", cwd=tmp_path).returncode == 0
     refused = python(command, "--help", cwd=tmp_path, path=(tmp_path, ROOT))
     assert refused.returncode == 2
-    assert_refused_with_the_ways_out(*refused.stderr.splitlines(), intruder)
+    (line,) = refused.stderr.splitlines()
+    assert_refused_with_the_ways_out(line, intruder)
 
 
 @pytest.mark.parametrize(("flags", "variables"), [(["-P"], {}), ([], {"PYTHONSAFEPATH": "1"})])
 def test_the_ways_out_lead_out(
     intruder: Path, tmp_path: Path, flags: list[str], variables: dict[str, str]
 ) -> None:
-    result = python(*flags, "-m", "sandbox.cli.main", "--help", cwd=tmp_path, **variables)
+    result = python(
+        *flags, "-m", "sandbox.cli.main", "--help", cwd=tmp_path, path=(ROOT,), **variables
+    )
     assert (result.returncode, result.stderr) == (0, "")
     assert result.stdout.startswith("usage: sandbox")
 
@@ -214,7 +217,9 @@ def outcomes(folder: Path, **environment: str) -> dict[str, str]:
     shutil.copy(ROOT / "tests" / "conftest.py", folder)
     (folder / "test_skips.py").write_text(SKIPS, encoding="utf-8")
     run = ("-m", "pytest", "-v", "-p", "no:cacheprovider", "--rootdir", folder, folder)
-    lines = re.findall(r"::(test_\w+) ([A-Z]+)", python(*run, cwd=folder, **environment).stdout)
+    lines = re.findall(
+        r"::(test_\w+) ([A-Z]+)", python(*run, cwd=folder, path=(ROOT,), **environment).stdout
+    )
     assert lines
     return dict(lines)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -60,7 +61,7 @@ def test_equal_captures_are_equal_files(tmp_path):
 def test_contact_vectors_are_those_of_every_frame():
     c = capture()
     for t in range(len(c)):
-        inches = {f: tuple(c.xy[t, f] / METRES_PER_INCH) for f in np.flatnonzero(c.down[t])}
+        inches: Any = {f: c.xy[t, f] / METRES_PER_INCH for f in np.flatnonzero(c.down[t])}
         np.testing.assert_allclose(c.u[t], contact_vector(inches), atol=1e-12)
 
 

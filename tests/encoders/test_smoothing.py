@@ -15,7 +15,7 @@ from tests.encoders.regression.turning import turned_places, turned_pose
 from tests.support.simulation import legal_poses, pose_at
 
 TAU, DT = 0.10, 0.016
-STILL = np.zeros(2)
+STILL = (0.0, 0.0)
 A, B = pose_at(np.full(48, 0.3)), pose_at(np.full(48, 0.7))
 
 shifts = st.tuples(st.floats(-0.05, 0.05), st.floats(-0.05, 0.05)).map(np.array)
@@ -50,7 +50,7 @@ def test_a_hand_that_is_dragged_has_no_lag(q, moves, dt):
 @given(a=legal_poses, b=legal_poses, moves=st.lists(shifts, min_size=1, max_size=8))
 def test_posture_settles_alike_whether_or_not_the_hand_is_dragged(a, b, moves):
     still, moving = started(a), started(a)
-    target, way = b, STILL
+    target, way = b, np.array(STILL)
     for move in moves:
         target, way = dragged(target, move), way + move
         smoothed = moving.step(target, move, DT)
@@ -129,9 +129,9 @@ def test_neither_what_goes_in_nor_what_came_out_is_touched_afterwards(q, b):
     given_first, given_then = q.copy(), b.copy()
     pose_filter = PoseFilter(TAU)
     first = pose_filter.step(given_first, STILL, DT)
-    then = pose_filter.step(given_then, np.array([0.01, 0.02]), DT)
+    then = pose_filter.step(given_then, [0.01, 0.02], DT)
     kept = then.copy()
-    pose_filter.step(given_then, np.array([0.03, 0.01]), DT)
+    pose_filter.step(given_then, [0.03, 0.01], DT)
     np.testing.assert_array_equal(given_first, q)
     np.testing.assert_array_equal(given_then, b)
     np.testing.assert_array_equal(first, q)

@@ -30,8 +30,7 @@ def hand_scene(timestep: float = 0.002, **options) -> tuple[Scene, mujoco.MjData
 
 
 def bone_places(scene: Scene, data: mujoco.MjData) -> np.ndarray:
-    hand = scene.spec.hands[0]
-    return np.array([data.body(hand.element_name(b.name)).xpos for b in hand.skeleton.bones])
+    return np.array([data.body(link.body).xpos for link in scene.spec.hands[0].links])
 
 
 def simulated_pose(scene: Scene, data: mujoco.MjData) -> np.ndarray:
@@ -146,8 +145,9 @@ def test_kinematics_and_mujoco_agree_where_every_bone_is(q):
     mujoco.mj_kinematics(scene.model, data)
     placement = Kinematics(ADULT).place(q)
     np.testing.assert_allclose(bone_places(scene, data), placement.joints, atol=1e-9, rtol=0)
-    for bone, rotation in zip(ADULT.bones, placement.rotations, strict=True):
-        body = data.body(scene.spec.hands[0].element_name(bone.name))
+    links = scene.spec.hands[0].links
+    for bone, link, rotation in zip(ADULT.bones, links, placement.rotations, strict=True):
+        body = data.body(link.body)
         np.testing.assert_allclose(body.xmat.reshape(3, 3), rotation, atol=1e-8, rtol=0)
         if bone.name.endswith(("dip", "thumb_mcp")):
             tip = body.xpos + bone.length * rotation[:, 1]

@@ -60,7 +60,8 @@ def left_hand() -> Skeleton:
 def walked(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Joints (14, 3) and tips (5, 3), bone after bone with another library's rotations."""
     turn, place = Rotation.from_rotvec(q[3:6]), q[:3]
-    joints, tips = [], np.empty((5, 3))
+    joints: list[np.ndarray] = []
+    tips = np.empty((5, 3))
     at, along = place, turn
     for bone, w in zip(ADULT.bones, joint_vectors(q), strict=True):
         if not joints or bone.finger != ADULT.bones[len(joints) - 1].finger:

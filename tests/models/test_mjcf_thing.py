@@ -61,9 +61,9 @@ TURNS = hnp.arrays(float, 4, elements=st.floats(-1, 1)).filter(lambda q: np.lina
 def test_clearance_is_the_distance_that_geometry_gives(shape, local, turn, size):
     text, distance = KNOWN[shape]
     thing = MjcfThing("thing", text, 0.1, size=size)
-    rotation = np.empty(9)
-    mujoco.mju_quat2Mat(rotation, turn / np.linalg.norm(turn))
-    rotation, position = rotation.reshape(3, 3), np.array([0.1, -0.2, 0.05])
+    flat = np.empty(9)
+    mujoco.mju_quat2Mat(flat, turn / np.linalg.norm(turn))
+    rotation, position = flat.reshape(3, 3), np.array([0.1, -0.2, 0.05])
     found = thing.clearance(size * local @ rotation.T + position, position, rotation)
     expected = size * distance(local)
     # Far inside a hull MuJoCo may name another way out than the nearest; outside it is exact.

@@ -176,7 +176,7 @@ def test_real_fingers_end_where_the_file_puts_their_end_sites(shared_data):
     motion = read_bvh(shared_data / "formats" / "fingers.bvh")
     has_end = ~np.isnan(motion.ends).any(axis=1)
     parents = set(motion.parents)
-    assert [j not in parents for j in range(len(motion.names))] == list(has_end)
+    assert [j not in parents for j in range(len(motion.names))] == has_end.tolist()
     placed = motion.place()
     reach = np.linalg.norm(placed.ends - placed.positions, axis=2)[:, has_end]
     sizes = np.linalg.norm(motion.ends[has_end], axis=1)

@@ -165,12 +165,12 @@ def test_ezc3d_and_c3d_find_every_point_of_a_c3d(tmp_path, joints):
     points = HandPoints(armatures, ["right", "left"], joints, (0, 1, 4))
     with C3dWriter(tmp_path / "h.c3d", points, 62.5) as writer:
         writer.write(*(a.keys(q) for a, q in zip(armatures, poses, strict=True)))
-    wanted = []
+    parts = []
     for skeleton, q in zip(hands, poses, strict=True):
         places, tips = points_of(skeleton, q)
         kept = [0] + [j for j, b in enumerate(skeleton.bones, 1) if b.finger in (0, 1, 4)]
-        wanted += [places[:, kept if joints else []], tips[:, [0, 1, 4]]]
-    wanted = np.concatenate(wanted, axis=1)
+        parts += [places[:, kept if joints else []], tips[:, [0, 1, 4]]]
+    wanted = np.concatenate(parts, axis=1)
     labels = points.labels
     assert len(labels) == wanted.shape[1] and labels[-1] == "left_little_tip"
     read = ezc3d.c3d(str(tmp_path / "h.c3d"))

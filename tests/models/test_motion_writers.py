@@ -289,7 +289,7 @@ def test_where_there_is_no_room_that_is_said_and_nothing_is_left(tmp_path, kind)
             pytest.raises(MotionError, match=r"cannot be written here.*File too large"),
             room_for(int(share * max(whole))),
         ):
-            written(lambda a, folder=folder: WRITERS[kind](folder, a), ADULT, q)
+            written(lambda a, folder=folder: WRITERS[kind](folder, a), ADULT, q)  # type: ignore[misc]
         assert not list(folder.iterdir())
 
 

@@ -156,9 +156,9 @@ def test_what_is_solid_changes_bits_of_the_hands_own_bones_and_nothing_else(fing
     assert different == ([] if whole and fingers else ["geom_contype"])
     hand = scene.spec.hands[1]
     outer = ("thumb_mcp", "index_dip", "middle_dip", "ring_dip", "little_dip")
-    for bone in hand.skeleton.bones:
+    for bone, link in zip(hand.skeleton.bones, hand.links, strict=True):
         solid = bool(fingers) if whole else bone.name in [outer[f] for f in fingers]
-        geom = scene.model.geom(hand.element_name(bone.name)).id
+        geom = scene.model.geom(link.geom).id
         assert after["geom_contype"][geom] == (CONTACT_HAND if solid else 0)
     others = [i for i in range(scene.model.ngeom) if not scene.model.geom(i).name.startswith("b_")]
     np.testing.assert_array_equal(before["geom_contype"][others], after["geom_contype"][others])

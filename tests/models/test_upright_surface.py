@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import mujoco
 import numpy as np
 import pytest
@@ -38,7 +40,8 @@ def test_up_the_surface_is_up_in_the_world_and_out_of_it_is_towards_the_person(
 ):
     upright = surface.stood_up(depth, low)
     assert upright.upright and not surface.upright
-    here, x, y = upright.to_world(xy), *xy
+    here = upright.to_world(xy)
+    x, y = xy
     assert np.allclose(upright.to_world((x, y - step)) - here, [0.0, 0.0, step])
     assert np.allclose(upright.to_world((x + step, y)) - here, [step, 0.0, 0.0])
     assert np.allclose(upright.to_world(xy, step) - here, [0.0, -step, 0.0])
@@ -68,7 +71,8 @@ def touching(up: float) -> TouchFrame:
 def test_touches_dragged_up_the_screen_lift_the_fingertips_as_far(up):
     settings = RunSettings(task="stack-vertical", smoothing=False)
     session = build(settings, (lambda task, surface: _Still(),))
-    reconstructor, kinematics = session.rigs[0].reconstructor, Kinematics(ADULT)
+    reconstructor: Any = session.rigs[0].reconstructor
+    kinematics = Kinematics(ADULT)
 
     def settled(rise: float, begin: float) -> np.ndarray:
         for k in range(100):
@@ -131,11 +135,12 @@ BOX = Box("box", (0.025, 0.025, 0.025), 0.1, (0.0, 0.0, 0.025))
 def test_before_an_upright_surface_only_the_balls_of_fingertips_are_solid():
     hand = Hand(solid_end=UPRIGHT_END)
     scene = Scene(SceneSpec((hand,), (BOX,)))
+    last_links = {link.finger: link for link in hand.links}
     for fingers in (frozenset(), frozenset({0, 2}), frozenset(range(len(FINGERS)))):
         scene.set_solid(0, fingers)
         solid = np.flatnonzero(scene.model.geom_contype == CONTACT_HAND)
         names = {scene.model.geom(g).name for g in solid}
-        assert names == {hand.solid_name(ADULT.last_bones[f]) for f in fingers}
+        assert names == {last_links[f].tip_geom for f in fingers}
         # A capsule's second size is half its length without the round ends.
         assert np.all(scene.model.geom_size[solid, 1] < 1e-3)
     scene.set_solid(0, frozenset({0}), whole=True)
@@ -146,7 +151,7 @@ def test_before_an_upright_surface_only_the_balls_of_fingertips_are_solid():
     for f, bone in ADULT.last_bones.items():
         body = scene.model.body(hand.element_name(bone.name)).id
         tip = data.xpos[body] + data.xmat[body].reshape(3, 3)[:, 1] * bone.length
-        place = data.geom_xpos[scene.model.geom(hand.solid_name(bone)).id]
+        place = data.geom_xpos[scene.model.geom(last_links[f].tip_geom).id]
         assert np.linalg.norm(place - tip) < 1e-3, f
 
 

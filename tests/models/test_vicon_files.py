@@ -75,7 +75,10 @@ def motion_bytes(
 
 LABELS = [f"Anna:Root <a-{c}>" for c in "XYZ"] + [f"Anna:Root <t-{c}>" for c in "XYZ"]
 LABELS += [f"Anna:Arm <a-{c}>" for c in "XYZ"]
-FRAMES = [[0.1, 0.2, 0.3, 10, 20, 30, -0.5, 0.4, 0.9], [0, 0, 0, 0, 0, 0, 0, 0, 0]]
+FRAMES: list[list[float]] = [
+    [0.1, 0.2, 0.3, 10, 20, 30, -0.5, 0.4, 0.9],
+    [0, 0, 0, 0, 0, 0, 0, 0, 0],
+]
 
 
 def test_a_skeleton_has_its_segments_where_its_parameters_put_them(tmp_path):

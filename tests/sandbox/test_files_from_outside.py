@@ -68,7 +68,7 @@ PROFILE = {
 TRIALS = {seed: Kept(True, 0.5, 3.25, "ab") for seed in (1, 2, 2**70)}
 BASELINE = Baseline({"settings": {"encoder": "best"}}, {"stack": KeptTask(1, "m", TRIALS)})
 
-FRAMES = [
+FRAMES: list[dict[str, Any]] = [
     {"surface_in": [7.76, 5.82], "device": "evdev"},
     {
         "time": 0.5,

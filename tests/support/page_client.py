@@ -16,17 +16,23 @@ from tests.support.processes import PATIENCE
 
 BEAT = 0.5
 """s, after which a page that has nothing to say says that it is there."""
-SCREEN = {"px_per_in": 132.0, "width_px": 1024.0, "height_px": 768.0, "calibrated": True}
+SCREEN: dict[str, Any] = {
+    "px_per_in": 132.0,
+    "width_px": 1024.0,
+    "height_px": 768.0,
+    "calibrated": True,
+}
 
 
 def open_socket(url: str, origin: str | None = "", **more: Any) -> Any:
     """A socket to a server, to be entered; its origin is the page unless said otherwise."""
     parts = urlsplit(url)
+    options: dict[str, Any] = {"open_timeout": PATIENCE, **more}
+    options["origin"] = f"http://{parts.netloc}" if origin == "" else origin
     return connect(
         f"ws://{parts.netloc}/?{parts.query}",
-        origin=f"http://{parts.netloc}" if origin == "" else origin,  # type: ignore[arg-type]
         compression=None,
-        **{"open_timeout": PATIENCE, **more},
+        **options,
     )
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from models.frames import Contact, TouchFrame
-from sandbox.session.device import Device
+from sandbox.session.device import Device, HandDevice
 from sandbox.session.session import Recorder, Session
 from sandbox.trial.assembly import build
 from sandbox.trial.settings import RunSettings
@@ -51,6 +51,10 @@ class Played(Device):
 
     def close(self) -> None:
         self._frames = []
+
+
+class PlayedHands(Played, HandDevice):
+    """The same for a device that sees hands."""
 
 
 def scripted(touch: Touch, recorder: Recorder | None = None, **settings: Any) -> Session:

@@ -6,6 +6,7 @@ import math
 import re
 import struct
 from collections.abc import Sequence
+from typing import Any
 
 from pythonosc.osc_message_builder import OscMessageBuilder
 
@@ -13,7 +14,7 @@ CUR = "/tuio/2Dcur"
 IMMEDIATELY = struct.pack(">Q", 1)
 
 
-def message(address: str, *arguments: object) -> bytes:
+def message(address: str, *arguments: Any) -> bytes:
     """One OSC message; Python's types choose the type tags (int32 or int64, float, text, ...)."""
     builder = OscMessageBuilder(address)
     for argument in arguments:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
 import pytest
 
 from models.errors import InputError
-from models.objects import GRIP, HANDLE, Box
+from models.objects import TRAY_GRIP, TRAY_HANDLE, Box
 from models.rotations import exp, matrix_to_quaternion
 from models.surface import Surface, enclosing
 from sandbox.cli.main import main
@@ -86,7 +87,8 @@ def test_one_skilled_hand_alone_only_tips_the_tray():
     """One skilled user who waits for nobody, and one who does nothing."""
     chosen = plan(SceneOptions(task=TASK, seed=0, second_user="idle"))
     session = build(chosen.settings, chosen.makers)
-    user, idle = (rig.device.user for rig in session.rigs)
+    devices: list[Any] = [rig.device for rig in session.rigs]
+    user, idle = (device.user for device in devices)
     assert isinstance(user, Carrier) and isinstance(idle, IdleUser)
     user.patient = False
     slopes = []
@@ -95,7 +97,7 @@ def test_one_skilled_hand_alone_only_tips_the_tray():
         for rig in session.rigs:
             rig.device.show(snapshot)
         tray = snapshot.objects["tray"]
-        end = tray.position[2] + abs(GRIP * tray.rotation[2, 0]) - HANDLE[2]
+        end = tray.position[2] + abs(TRAY_GRIP * tray.rotation[2, 0]) - TRAY_HANDLE[2]
         if end > 0.03:
             slopes.append(float(np.arcsin(abs(tray.rotation[2, 0]))))
     assert len(slopes) > 30 and min(slopes) > SLOPE_TOLERANCE
@@ -194,7 +196,9 @@ def test_every_grip_is_on_its_hands_half_and_trials_follow_from_their_seeds():
         tray, goal = task.objects[0], task.goals[0]
         for place, yaw in ((tray.position, tray.yaw), (goal.position, goal.yaw)):
             for side in (1, -1):
-                grip = np.array(place) + side * GRIP * np.array([np.cos(yaw), np.sin(yaw), 0.0])
+                grip = np.array(place) + side * TRAY_GRIP * np.array(
+                    [np.cos(yaw), np.sin(yaw), 0.0]
+                )
                 x, y = BOTH.to_surface(grip)
                 assert side * (x - BOTH.size[0] / 2) >= SEAM - 1e-9
                 assert min(x, BOTH.size[0] - x, y, BOTH.size[1] - y) >= BORDER - 1e-9
@@ -202,11 +206,11 @@ def test_every_grip_is_on_its_hands_half_and_trials_follow_from_their_seeds():
 
 def test_a_tray_s_clearance_is_that_of_its_boxes():
     tray = CarryTogether.draw(0, BOTH).objects[0]
-    points = np.array([[0.0, 0.0, 0.0], [GRIP, 0.0, 0.0], [0.0, 0.2, -0.011], [0.3, 0.0, 0.0]])
+    points = np.array([[0.0, 0.0, 0.0], [TRAY_GRIP, 0.0, 0.0], [0.0, 0.2, -0.011], [0.3, 0.0, 0.0]])
     found = tray.clearance(points, np.zeros(3), np.eye(3))
     np.testing.assert_allclose(found, [0.004, -0.015, 0.14, 0.15], atol=1e-9)
     larger = tray.scaled(1.5)
-    assert larger.position[2] - larger.handle[2] == pytest.approx(tray.position[2] - HANDLE[2])
+    assert larger.position[2] - larger.handle[2] == pytest.approx(tray.position[2] - TRAY_HANDLE[2])
 
 
 @pytest.mark.parametrize("vary", ["size=0.9,mass=0.7,start=10", "latency=60,noise=1"])
@@ -275,7 +279,7 @@ def test_a_task_for_two_hands_without_a_tray_needs_users_of_its_own():
     task = CarryTogether.draw(0, BOTH)
     box = Box("tray", (0.02, 0.02, 0.02), 0.1, task.objects[0].position)
     with pytest.raises(InputError, match="user of its own"):
-        SimulatedDevice(replace(task, objects=(box,)), UserConfiguration(), BOTH, 0)
+        SimulatedDevice(replace(task, objects=(box,)), UserConfiguration(), BOTH, 0)  # type: ignore[arg-type]
 
 
 def test_a_regression_run_of_all_tasks_has_the_configuration_of_one_of_them():

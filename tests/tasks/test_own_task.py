@@ -155,7 +155,7 @@ def test_objects_that_just_touch_are_no_overlap():
 def test_a_measure_that_gives_none_is_refused_before_the_trial_begins(measure, says, monkeypatch):
     monkeypatch.setitem(TASKS, "test-broken", broken(measure=measure))
     with pytest.raises(InputError, match=says) as error:
-        build(RunSettings(task="test-broken"), lambda task, surface: Script())
+        build(RunSettings(task="test-broken"), (lambda task, surface: Script(),))
     assert "\n" not in str(error.value)
 
 
@@ -167,7 +167,7 @@ def test_a_measure_that_gives_none_later_ends_the_trial_in_a_line(monkeypatch):
         return judge(0.5, (True, "never")) if len(seen) < 4 else None
 
     monkeypatch.setitem(TASKS, "test-broken", broken(measure=measure))
-    session = build(RunSettings(task="test-broken"), lambda task, surface: Script())
+    session = build(RunSettings(task="test-broken"), (lambda task, surface: Script(),))
     with pytest.raises(InputError, match="returned no Measure"):
         for _ in range(9):
             session.advance()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -82,9 +83,8 @@ def test_the_time_of_a_success_is_when_it_was_held():
 
 def test_the_trial_runs_one_second_more_and_tells_how_it_stood_then():
     lasting = play([True] * (HOLD_STEPS + 1 + AFTERMATH_STEPS))
-    assert lasting.score == Score(
-        True, True, True, Status.HELD, 1.0, "", pytest.approx((1 + HOLD_STEPS) * CONTROL_PERIOD)
-    )
+    held: Any = pytest.approx((1 + HOLD_STEPS) * CONTROL_PERIOD)
+    assert lasting.score == Score(True, True, True, Status.HELD, 1.0, "", held)
     short = play([True] * (HOLD_STEPS + 1) + [True] * (AFTERMATH_STEPS - 2))
     assert not short.over
     toppled = play([True] * (HOLD_STEPS + 1) + [False] * AFTERMATH_STEPS)

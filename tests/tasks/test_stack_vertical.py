@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import mujoco
 import numpy as np
 import pytest
@@ -138,7 +140,8 @@ def test_a_box_in_the_air_is_not_stacked():
 @pytest.mark.parametrize("taken", [False, True])
 def test_a_box_that_fingers_can_no_longer_meet_comes_back_into_their_plane(sign, taken):
     session = scripted(lambda now: (), task="stack-vertical", seed=3)
-    base, second = session.task.objects
+    boxes: Any = session.task.objects
+    base, second = boxes
     start = int(session.scene.model.joint("second").qposadr[0])
     depth = sign * (second.half_size[0] + base.half_size[0] + 0.005)
     session.data.qpos[start + 1] = depth

@@ -11,6 +11,7 @@ from models.objects import Box
 from models.surface import Surface
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.trial.headless import run_trial
+from sandbox.trial.result import TrialResult
 from tasks.simulated_user.lift import IdleLiftUser, RandomLiftUser, Slider
 from tasks.simulated_user.room import Surroundings, roomiest_grasp
 from tasks.stack import Stack
@@ -20,7 +21,7 @@ TABLET = Surface().centred_at((0.0, 0.0, Stack.touch_height))
 USER = UserConfiguration()
 
 
-def trial(**options) -> dict:
+def trial(**options) -> TrialResult:
     chosen = plan(SceneOptions(**options))
     return run_trial(chosen.settings, chosen.makers, about=chosen.about)
 

@@ -3,6 +3,7 @@
 import json
 from dataclasses import replace
 from itertools import pairwise
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -107,7 +108,8 @@ def test_a_run_with_a_neutral_variation_has_the_hash_of_one_without():
 def test_mass_times_k_gives_objects_k_times_as_heavy_and_nothing_else(seed, k):
     task = StackThree.draw(seed, FLAT)
     heavier = vary(task, Variation(mass=k), FLAT)
-    for box, was in zip(heavier.objects, task.objects, strict=True):
+    pairs: Any = zip(heavier.objects, task.objects, strict=True)
+    for box, was in pairs:
         assert box.mass == pytest.approx(k * was.mass)
         assert replace(box, mass=was.mass) == was
     assert heavier.goals == task.goals
@@ -128,6 +130,8 @@ def test_a_compiled_object_weighs_k_times_as_much():
 def test_a_scaled_box_stands_on_the_table_at_its_start_and_at_its_goal(seed, k):
     task = BoxToGoal.draw(seed, FLAT)
     scaled = vary(task, Variation(size=k), FLAT)
+    box: Any
+    was: Any
     (box,), (was,) = scaled.objects, task.objects
     assert np.allclose(box.half_size, k * np.array(was.half_size))
     assert box.position[2] == pytest.approx(box.half_size[2])
@@ -141,8 +145,9 @@ def test_a_scaled_box_stands_on_the_table_at_its_start_and_at_its_goal(seed, k):
 @settings(max_examples=25)
 def test_goals_of_scaled_stacks_lie_face_on_face(seed, k):
     scaled = vary(StackThree.draw(seed, FLAT), Variation(size=k), FLAT)
-    top = 2 * scaled.objects[0].half_size[2]
-    for goal, box in zip(place(scaled.goals, standing(scaled)), scaled.objects[1:], strict=True):
+    boxes: Any = scaled.objects
+    top = 2 * boxes[0].half_size[2]
+    for goal, box in zip(place(scaled.goals, standing(scaled)), boxes[1:], strict=True):
         assert goal.position[2] == pytest.approx(top + box.half_size[2])
         top += 2 * box.half_size[2]
 
@@ -254,7 +259,7 @@ def test_ghosts_share_no_id_and_real_touches_stay_as_they_are(ids, seed, rate):
 
 def test_ghosts_appear_as_often_as_asked_and_stay_their_time():
     out = played(Variation(ghosts=4.0), frames_of(12_000))
-    stays = {}
+    stays: dict[str, Any] = {}
     for frame in out:
         for ghost in frame.contacts:
             stays[ghost.id] = stays.get(ghost.id, 0) + 1
@@ -295,7 +300,8 @@ def test_a_varied_run_replays_to_the_bit_and_is_marked_in_recording_and_result(t
     recording = load_recording(path)
     session, found = replay(recording)
     assert found.exact and found.complete and session.state_hash == result.state_hash
-    assert session.task.objects[0].half_size[0] == pytest.approx(0.9 * 0.025)
+    box: Any = session.task.objects[0]
+    assert box.half_size[0] == pytest.approx(0.9 * 0.025)
     again = RunSettings.from_json(recording.header["settings"])
     assert again == chosen.settings and again.hands[0].size == 1.05
     assert (

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import mujoco
 import numpy as np
 import pytest
@@ -235,7 +237,7 @@ def test_a_wrench_that_nobody_touches_stays_where_it_is(kind):
 @pytest.mark.parametrize("way", [-1.0, 1.0])
 def test_a_bolt_yields_to_more_than_its_friction_and_then_holds_again(way):
     trial = Trial(WrenchTurn)
-    wrench = trial.task.objects[0]
+    wrench: Any = trial.task.objects[0]
     trial.joint.qfrc_applied[0] = 0.9 * way * wrench.bolt
     run(trial.scene, trial.data, 0.3)
     # The solver's friction is a little soft.

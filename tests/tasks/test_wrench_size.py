@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from typing import Any
 from xml.etree.ElementTree import tostring
 
 import mujoco
@@ -53,6 +54,8 @@ def test_a_wrench_of_factor_1_is_the_very_same_and_factors_multiply(yaw, bolt, x
 def test_a_larger_wrench_sits_on_the_same_bolt_and_weighs_and_rubs_the_same(seed, k):
     task = WrenchTurn.draw(seed, TABLET)
     varied = vary(task, Variation(size=k), TABLET)
+    was: Any
+    now: Any
     (was,), (now,) = task.objects, varied.objects
     bolt = bolt_place(was.position[:2], was.yaw)
     np.testing.assert_allclose(now.bolt_place(now.position[:2], now.yaw), bolt, atol=1e-12)
@@ -69,9 +72,10 @@ def test_a_larger_wrench_sits_on_the_same_bolt_and_weighs_and_rubs_the_same(seed
 def test_a_larger_free_wrench_lies_on_the_table_about_the_same_middle(seed, k):
     task = WrenchSlide.draw(seed, TABLET)
     varied = vary(task, Variation(size=k), TABLET)
-    for old, new in ((task.objects[0], varied.objects[0]), (task.goals[0], varied.goals[0])):
+    shape: Any = varied.objects[0]
+    for old, new in ((task.objects[0], shape), (task.goals[0], varied.goals[0])):
         np.testing.assert_allclose(new.position[:2], old.position[:2], atol=1e-12)
-        assert new.position[2] == pytest.approx(varied.objects[0].thickness / 2)
+        assert new.position[2] == pytest.approx(shape.thickness / 2)
         assert new.yaw == old.yaw
     assert varied.objects[0].mass == task.objects[0].mass
 
@@ -121,7 +125,7 @@ def test_from_above_a_larger_wrench_and_its_bolt_are_the_same_picture_so_many_ti
 def test_fingers_come_down_beside_the_handle_that_is_there_and_close_on_it(yaw, turn, n, bolt, k):
     c = UserConfiguration(fingers=n)
     wrench = seen(yaw, k, bolt)
-    shape = wrench.shape
+    shape: Any = wrench.shape
     grasp = handling_of(shape).grasp(wrench, turn, c)
     for gap in (c.opening, -c.squeeze):
         places = grasp.places(grasp.middle(wrench), gap, c)
@@ -138,8 +142,9 @@ def test_of_a_wrench_of_any_size_that_can_be_asked_for_fingers_know_where_to_go(
 ):
     wrench = seen(yaw, k, bolt)
     grasp = handling_of(wrench.shape).grasp(wrench, turn, UserConfiguration(fingers=n))
-    assert wrench.shape.handle[0] < grasp.grip < wrench.shape.handle[1]
-    assert grasp.face > 0.0 and grasp.width == wrench.shape.handle_width
+    shape: Any = wrench.shape
+    assert shape.handle[0] < grasp.grip < shape.handle[1]
+    assert grasp.face > 0.0 and grasp.width == shape.handle_width
 
 
 @given(seed=seeds, k=st.floats(1.0, 2.5), share=st.floats(0.0, 1.0))
@@ -148,6 +153,7 @@ def test_a_longer_handle_is_gripped_no_farther_from_the_bolt_than_the_screen_has
     seed, k, share
 ):
     task = vary(WrenchTurn.draw(seed, TABLET), Variation(size=k), TABLET)
+    wrench: Any
     (wrench,), (goal,) = task.objects, task.goals
     yaw = wrench.yaw + share * (goal.yaw - wrench.yaw)
     lever = np.hypot(*np.subtract(wrench.bolt_place((0.0, 0.0), yaw), (0.0, 0.0)))
@@ -170,14 +176,15 @@ def test_a_hand_in_the_air_closes_on_the_handle_that_is_there_and_turns_it_about
     wrench = seen(yaw, k, bolt)
     hold = hold_of(wrench, np.zeros(2))
     x, y, z = wrench.rotation.T @ (hold.position - wrench.position)
-    assert wrench.shape.handle[0] < x < wrench.shape.handle[1]
+    shape: Any = wrench.shape
+    assert shape.handle[0] < x < shape.handle[1]
     assert y == pytest.approx(0.0, abs=1e-12) and z == pytest.approx(0.0)
-    assert hold.width == wrench.shape.handle_width
-    assert hold.top == pytest.approx(wrench.position[2] + wrench.shape.thickness / 2)
+    assert hold.width == shape.handle_width
+    assert hold.top == pytest.approx(wrench.position[2] + shape.thickness / 2)
     if bolt is None:
         return
-    pivot = np.array(wrench.shape.bolt_place(wrench.position[:2], yaw))
-    middle = pivot - wrench.shape.jaw * np.array([np.cos(yaw + turn), np.sin(yaw + turn)])
+    pivot = np.array(shape.bolt_place(wrench.position[:2], yaw))
+    middle = pivot - shape.jaw * np.array([np.cos(yaw + turn), np.sin(yaw + turn)])
     goal = Goal("wrench", (middle[0], middle[1], 0.012), yaw + turn)
     step, by = carried(wrench, goal, hold.position[:2])
     assert by == pytest.approx(turn)
@@ -204,4 +211,5 @@ def test_the_simulated_user_does_it_with_another_wrench_and_it_replays_to_the_bi
     assert result.variation["size"] == size
     session, found = replay(load_recording(path))
     assert found.exact and found.complete and session.state_hash == result.state_hash
-    assert session.task.objects[0].size == size
+    wrench: Any = session.task.objects[0]
+    assert wrench.size == size

@@ -13,6 +13,7 @@ from models.rotations import exp
 from models.surface import Surface
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.trial.headless import run_trial
+from sandbox.trial.result import TrialResult
 from tasks import registry
 from tasks.simulated_user.grasp import within_comfort
 from tasks.simulated_user.handling import WrenchHandling, handling_of
@@ -32,6 +33,11 @@ bolts = st.sampled_from([None, 0.05])
 def seen(yaw: float, bolt: float | None = None, x: float = 0.01, y: float = -0.02) -> SeenObject:
     place = np.array([x, y, 0.012])
     return SeenObject(Wrench("wrench", 0.1, tuple(place), yaw, bolt), place, exp([0.0, 0.0, yaw]))
+
+
+def wrench_handling(wrench: SeenObject) -> WrenchHandling:
+    assert isinstance(wrench.shape, Wrench)
+    return WrenchHandling(wrench.shape)
 
 
 def wrapped(angle: float) -> float:
@@ -60,7 +66,7 @@ def test_thumb_and_fingers_come_down_beside_the_handle_and_close_on_it(yaw, turn
 @given(yaw=yaws, turn=turns, n=fingers, bolt=bolts)
 def test_every_turn_is_made_in_three_grasps_without_a_wrist_that_is_broken(yaw, turn, n, bolt):
     c = UserConfiguration(fingers=n)
-    handling = WrenchHandling(seen(0.0, bolt).shape)
+    handling = wrench_handling(seen(0.0, bolt))
     left = turn
     for _ in range(3):
         wrench = seen(yaw, bolt)
@@ -104,11 +110,11 @@ def test_two_fingers_close_so_that_the_handle_begins_to_turn_the_right_way(yaw, 
 def test_what_is_missing_brings_the_wrench_to_its_goal(yaw, goal):
     at = Goal("wrench", (0.05, 0.03, 0.012), goal)
     free = seen(yaw)
-    off, turn = WrenchHandling(free.shape).missing(free, at)
+    off, turn = wrench_handling(free).missing(free, at)
     np.testing.assert_allclose(free.position[:2] + off, at.position[:2])
     assert np.cos(yaw + turn - goal) == pytest.approx(1.0)
     bolted = seen(yaw, 0.05)
-    handling = WrenchHandling(bolted.shape)
+    handling = wrench_handling(bolted)
     off, turn = handling.missing(bolted, at)
     assert not off.any(), "a bolt cannot be moved"
     assert np.cos(yaw + turn - goal) == pytest.approx(1.0)
@@ -137,7 +143,7 @@ def test_from_every_seat_the_jaws_are_where_they_are_drawn(yaw, x, y, hand, turn
     assert np.cos(sight.goals[0].yaw - shown.yaw) == pytest.approx(1.0)
 
 
-def play(task: str, seed: int, **options) -> dict:
+def play(task: str, seed: int, **options) -> TrialResult:
     chosen = plan(SceneOptions(task=task, seed=seed, **options))
     return run_trial(chosen.settings, chosen.makers, about=chosen.about)
 

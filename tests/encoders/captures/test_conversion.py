@@ -182,8 +182,8 @@ def test_an_id_that_jumps_to_another_finger_is_cut_in_two(truth, joints):
     log = touch_log(truth, AHEAD)
     five = np.flatnonzero(truth.down[:, [1, 4]].all(axis=1))
     # The index finger's id goes on as the little finger's, whose own contact is never seen.
-    run = np.split(five, np.flatnonzero(np.diff(five) > 1) + 1)
-    run = max(run, key=len)
+    runs = np.split(five, np.flatnonzero(np.diff(five) > 1) + 1)
+    run = max(runs, key=len)
     half = run[len(run) // 2]
     tip = {f: truth.xy[:, f] for f in (1, 4)}
     keep = ~np.isin(log.frame, run)

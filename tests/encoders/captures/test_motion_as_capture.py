@@ -39,7 +39,7 @@ def folder(truth, tmp_path_factory):
     folder = tmp_path_factory.mktemp("session")
     write_shown(folder / "shown.jsonl", touch_log(truth, AHEAD))
     for kind, (make, _) in KINDS.items():
-        written(lambda a, m=make, k=kind: m(folder / f"hand.{k}", a, RATE), truth.skeleton, truth.q)
+        written(lambda a, m=make, k=kind: m(folder / f"hand.{k}", a, RATE), truth.skeleton, truth.q)  # type: ignore[misc]
     for up, corners in CORNERS.items():
         (folder / f"{up}.toml").write_text(f"[surface]\n{corners}\n")
     return folder

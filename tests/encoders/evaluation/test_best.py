@@ -263,12 +263,12 @@ def test_the_robust_covariance_is_one_and_no_frame_rules_it(seed):
 )
 def test_the_filter_is_told_how_the_touches_turned(degrees, about):
     """What it finds from touches alone is the turn about the point that they were turned about."""
-    time, step = 0.01 * np.arange(10), np.deg2rad(degrees) / 9
+    time, step = 0.01 * np.arange(10.0), np.deg2rad(degrees) / 9
     held = takes().xy[int(np.argmax(takes().down.sum(axis=1)))]
     xy = np.stack([turned_places(held, i * step, about) for i in range(10)])
     found = shipped().estimate(time, np.zeros(10, int), xy)
     unsmoothed = replace(shipped(), tau=0.0).estimate(time, np.zeros(10, int), xy)
     posture = PoseFilter(shipped().tau)
-    wanted = [posture.step(unsmoothed[0], np.zeros(2), 0.0)]
-    wanted += [posture.step(q, np.zeros(2), 0.01, step, about) for q in unsmoothed[1:]]
+    wanted = [posture.step(unsmoothed[0], [0.0, 0.0], 0.0)]
+    wanted += [posture.step(q, [0.0, 0.0], 0.01, step, about) for q in unsmoothed[1:]]
     np.testing.assert_allclose(found, wanted, atol=1e-9)

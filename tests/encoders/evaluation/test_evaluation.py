@@ -55,12 +55,14 @@ def made_capture(takes: int = 3, seed: int = 0) -> Capture:
         xy[~down] = np.nan
         q = np.cumsum(rng.normal(0, 0.004, (frames, POSE_SIZE)), axis=0)
         parts.append((100.0 * take + np.arange(frames) / RATE, np.full(frames, take), ids, xy, q))
-    columns = [np.concatenate(column) for column in zip(*parts, strict=True)]
-    return Capture(*columns, {"simulated": True, "rate_hz": RATE})
+    time, trial, ids, xy, q = (np.concatenate(column) for column in zip(*parts, strict=True))
+    return Capture(time, trial, ids, xy, q, {"simulated": True, "rate_hz": RATE})
 
 
 class Knowing:
     """A labeller that sees from a contact's place in `made_capture` which finger it is."""
+
+    remembers = False
 
     def __init__(self) -> None:
         self.resets = 0

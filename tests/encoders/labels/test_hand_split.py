@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -151,7 +153,7 @@ class Once(Device):
 
 def test_a_finger_that_rests_gets_its_hand_though_the_device_is_silent():
     shared = SharedSurface(Once([frame(0, {1: (0.3, 0.1), 2: (0.1, 0.1)})]), HOMES)
-    found = [set(), set()]
+    found: list[set[Any]] = [set(), set()]
     for step in range(6):
         for hand, part in enumerate(shared.parts):
             for each in part.poll(step * CONTROL_PERIOD):

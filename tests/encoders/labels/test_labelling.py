@@ -151,7 +151,7 @@ def test_the_paper_rule_is_the_closest_training_pose_of_all(
     contacts: dict[int, tuple[float, float]],
 ) -> None:
     degrees = np.rad2deg(builtin("paper").training_pose[:, JOINTS])
-    best = (np.inf, {})
+    best: tuple[float, dict[int, int]] = (np.inf, {})
     for fingers in permutations(range(5), len(contacts)):
         u = contact_vector(
             {

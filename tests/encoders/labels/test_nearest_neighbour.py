@@ -62,7 +62,7 @@ def test_of_equal_pairs_the_first_query_and_its_first_point_win(
     """On a grid of few places most pairs have equals, exactly."""
     rng = np.random.default_rng(seed)
     P = rng.integers(0, span + 1, (points, width)).astype(float)
-    Q = rng.integers(-span, span + 1, (30, width)) + 0.5
+    Q = rng.integers(-span, span + 1, (30, width)).astype(float) + 0.5
     assert search(P).closest(Q) == closest_of_all(Q, P)
 
 

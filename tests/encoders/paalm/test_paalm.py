@@ -30,6 +30,9 @@ def tables(paalm: Paalm, frames: list[HandFrame], side: str = "right") -> np.nda
     return np.array([paalm.step(f).hands[side].table for f in frames])
 
 
+Vector = tuple[float, float, float]
+
+
 def without(frame: HandFrame, *ids: int) -> HandFrame:
     """The frame with some of its fingers not seen."""
     (hand,) = frame.hands
@@ -40,7 +43,7 @@ def without(frame: HandFrame, *ids: int) -> HandFrame:
 def mirrored(frame: HandFrame) -> HandFrame:
     """The frame seen in a mirror across x = 0."""
 
-    def flip(v: tuple[float, ...]) -> tuple[float, ...]:
+    def flip(v: Vector) -> Vector:
         return -v[0], v[1], v[2]
 
     hands = tuple(
@@ -62,11 +65,13 @@ def turned(hand: SeenHand, rotation: np.ndarray) -> SeenHand:
     """The hand turned about its palm's centre."""
     palm = np.array(hand.palm)
 
-    def about(v: tuple[float, ...]) -> tuple[float, ...]:
-        return tuple((palm + rotation @ (np.array(v) - palm)).tolist())
+    def about(v: Vector) -> Vector:
+        x, y, z = palm + rotation @ (np.array(v) - palm)
+        return float(x), float(y), float(z)
 
-    def along(v: tuple[float, ...]) -> tuple[float, ...]:
-        return tuple((rotation @ v).tolist())
+    def along(v: Vector) -> Vector:
+        x, y, z = rotation @ v
+        return float(x), float(y), float(z)
 
     fingers = tuple(
         replace(f, tip=about(f.tip), direction=along(f.direction)) for f in hand.fingers

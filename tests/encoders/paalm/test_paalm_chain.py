@@ -16,13 +16,16 @@ LENGTHS = (0.045, 0.026, 0.021)
 TABLE = st.tuples(*(st.floats(-15, 85), st.floats(-22, 22), st.floats(-5, 105), st.floats(-9, 78)))
 
 
-def tip_of(chain: FingerChain, flexion: float, spread: float, pip: float) -> tuple[float, ...]:
+def tip_of(
+    chain: FingerChain, flexion: float, spread: float, pip: float
+) -> tuple[float, float, float]:
     """Where a finger's tip is from where its seen part begins, by the other way: forward."""
     angles = np.tile([flexion, spread, pip, chain.dip(pip)], (5, 1))
     first, *rest = chain.lengths
     joints = joints_of_angles(angles, np.zeros((5, 3)), np.tile([first, *rest], (5, 1)))[1]
     base = joints[0] + chain.hidden * (joints[1] - joints[0])
-    return tuple((joints[3] - base).tolist())
+    x, y, z = joints[3] - base
+    return float(x), float(y), float(z)
 
 
 @given(st.lists(TABLE, min_size=5, max_size=5))

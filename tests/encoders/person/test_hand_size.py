@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -29,6 +30,7 @@ from models.surface import Surface
 from sandbox.trial.assembly import build
 from sandbox.trial.settings import HandSettings, RunSettings
 from tasks.simulated_user.spreads import _SPREADS, spread_layout
+from tests.support.scripted import Script
 from tests.support.simulation import legal_poses, put
 
 GRASP = np.array([(-0.03, 0.03), (0.0, -0.03), (0.025, -0.035), (0.045, -0.025), (0.055, 0.0)])
@@ -51,7 +53,8 @@ def reconstructed(size: float, touched: float):
     """What the default settings make of touches `touched` times as far apart, on such a screen."""
     screen = (7.76 * touched, 5.82 * touched)
     settings = RunSettings(hands=(HandSettings(size=size),), surface_in=screen)
-    reconstructor = build(settings, (lambda task, surface: None,)).rigs[0].reconstructor
+    made = build(settings, (lambda task, surface: Script(),))
+    reconstructor: Any = made.rigs[0].reconstructor
     found = []
     for now in np.arange(110) * 0.016:
         xy = touched * (GRASP + np.array([0.09 + 0.01 * np.sin(2 * now), 0.075]))
@@ -101,7 +104,7 @@ def test_kinematics_and_mujoco_agree_on_a_scaled_hand(q, size):
     data = mujoco.MjData(scene.model)
     put(scene, data, q)
     mujoco.mj_kinematics(scene.model, data)
-    found = [data.body(scene.spec.hands[0].element_name(b.name)).xpos for b in skeleton.bones]
+    found = [data.body(link.body).xpos for link in scene.spec.hands[0].links]
     np.testing.assert_allclose(found, place.joints, atol=1e-8)
 
 

@@ -172,10 +172,14 @@ class Resting(Device):
 
     def __init__(self, surface: Surface, turn: float, seconds: float = 3.0) -> None:
         self.contacts = natural_touches(turn, surface)
-        self.seconds, self.finished = seconds, False
+        self.seconds, self.now = seconds, 0.0
+
+    @property
+    def finished(self) -> bool:
+        return self.now >= self.seconds
 
     def poll(self, now):
-        self.finished = now >= self.seconds
+        self.now = now
         return [TouchFrame(now, self.contacts if now > 0.2 else ())]
 
     def close(self):

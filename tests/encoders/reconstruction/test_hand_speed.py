@@ -37,9 +37,10 @@ def frames(first: np.ndarray, second: np.ndarray) -> list[TouchFrame]:
             place = first + (second - first) * min(max(i - 70, 0) / 20, 1.0)
         elif i >= 140:
             place = first
-        contacts = [] if place is None else [
-            Contact(k + 10 * (i >= 140), *map(float, place + PINCH[k])) for k in range(len(PINCH))
-        ]  # fmt: skip
+        touched = () if place is None else place + PINCH
+        contacts = [
+            Contact(k + 10 * (i >= 140), float(x), float(y)) for k, (x, y) in enumerate(touched)
+        ]
         found.append(TouchFrame(i * DT, tuple(contacts)))
     return found
 

@@ -40,7 +40,7 @@ def touched_by(skeleton: Skeleton, frames: int, fingers: tuple[int, ...], seed: 
     xy, ids = np.full((frames, 5, 2), np.nan), np.full((frames, 5), -1)
     xy[every, chosen] = Kinematics(skeleton).tips(q)[every, chosen, :2] * [1, -1]
     ids[every, chosen] = every
-    return Capture(0.01 * every, np.zeros(frames, int), ids, xy, q)
+    return Capture(0.01 * every.astype(float), np.zeros(frames, int), ids, xy, q)
 
 
 def tips_apart(a: Skeleton, b: Skeleton, q: np.ndarray) -> np.ndarray:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from typing import Any
 
 import numpy as np
 import pytest
@@ -95,7 +96,14 @@ def test_arrays_of_other_kinds_give_the_same_pose(fast: bool) -> None:
     u = np.array([0, 0, -1, -1, 3, 1, -1, -1, -1, -1, 1, 0, 1, 0, 0], float)
     expected = encoder.predict(u)
     strided = np.repeat(u, 2)[::2]
-    for same in (u.astype(int), u.astype(np.float32), u.tolist(), strided, u.astype(">f8")):
+    others: tuple[Any, ...] = (
+        u.astype(int),
+        u.astype(np.float32),
+        u.tolist(),
+        strided,
+        u.astype(">f8"),
+    )
+    for same in others:
         np.testing.assert_allclose(pose(same), expected, rtol=1e-12)
         np.testing.assert_allclose(pose.predict([same])[0], expected, rtol=1e-12)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from typing import Any
 
 import numpy as np
 import pytest
@@ -81,7 +82,7 @@ def test_components_are_those_of_the_training_poses():
 
 
 def test_a_start_projected_on_all_components_is_the_neighbour_itself():
-    options = {"iterations": 0, "components": 45}
+    options: dict[str, Any] = {"iterations": 0, "components": 45}
     neighbour = PcaIkEncoder(**options).fit(touches(), poses()).predict(new_touches())
     projected = (
         PcaIkEncoder(**options, start="projected").fit(touches(), poses()).predict(new_touches())

@@ -276,7 +276,8 @@ def test_for_people_whose_bones_nobody_knows_joints_are_hardly_worse_than_before
     seen = takes().select(~held)
     unknown = train_correction(seen, predicted_poses()[~held], error_covariance(), ADULT, fit=False)
     own = PersonCorrection(ADULT, error_covariance(), blocked_variance(seen, ADULT))
-    cautious, trusting = [], []
+    cautious: list[float] = []
+    trusting: list[float] = []
     for seed in range(100, 108):
         bones = perturbed_skeleton(ADULT, np.random.default_rng(seed), 0.06, 0.004)
         for correction, found in ((unknown, cautious), (own, trusting)):

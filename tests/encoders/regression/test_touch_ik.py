@@ -213,7 +213,7 @@ Unusable = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
     ],
 )
 def test_unusable_training_data_are_refused(
-    kind: type[TouchIkEncoder], data: Unusable, message: str
+    kind: Callable[[], TouchIkEncoder], data: Unusable, message: str
 ) -> None:
     inputs, outputs = data(touches(), poses())
     with pytest.raises(EncoderError, match=message):

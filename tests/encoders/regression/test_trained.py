@@ -28,10 +28,10 @@ from encoders.regression.trained import (
     rounded,
     save_model,
     train,
-    trial_folds,
 )
 from encoders.regression.turned import TurnedEncoder
 from encoders.store import save_capture
+from encoders.validation import trial_folds
 from models.errors import EncoderError
 from models.pose import absolute_pose
 from models.skeleton import ADULT
@@ -160,6 +160,7 @@ def test_frames_of_one_take_are_never_on_both_sides_of_a_split(capture):
 
 def test_without_a_ridge_validation_chooses_one(capture):
     chosen = train(capture, "mine", 2, None)
+    assert isinstance(chosen.encoder, PolynomialEncoder)
     assert chosen.meta["ridge"] in RIDGES and chosen.encoder.ridge == chosen.meta["ridge"]
 
 
@@ -193,6 +194,7 @@ def test_the_papers_model_is_least_squares_on_the_built_in_capture():
     capture = builtin_capture()
     fresh = QuadraticEncoder().fit(capture.u, capture.relative)
     paper = builtin("paper")
+    assert isinstance(paper.encoder, PolynomialEncoder)
     assert paper.encoder.ridge == 0 and paper.encoder.degree == 2 and fresh.rank_ == 121
     np.testing.assert_allclose(
         paper.encoder.predict(capture.u), fresh.predict(capture.u), atol=1e-4

@@ -10,6 +10,7 @@ import socket
 import tomllib
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -170,5 +171,5 @@ def test_what_it_proposes_to_try_first_can_be_tried(
         program, command, *rest = shlex.split(step)
         assert program == "sandbox" and command in COMMANDS
         if command in options:
-            chosen = parse(options[command], step, rest)
+            chosen: Any = parse(options[command], step, rest)
             assert getattr(chosen, "task", "box-to-goal") in TASKS

@@ -86,7 +86,7 @@ def test_a_recorded_hand_that_was_never_open_is_shown_as_an_average_one_and_that
 )
 def test_bad_input_is_one_clear_line_and_exit_status_2(args, capsys):
     try:
-        status = main(args)
+        status: object = main(args)
     except SystemExit as stop:
         status = stop.code
     assert status == 2

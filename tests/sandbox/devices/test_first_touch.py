@@ -9,6 +9,7 @@ from models.surface import Surface
 from sandbox.devices.conformance import DeviceConformance
 from sandbox.devices.mouse import MouseDevice
 from sandbox.devices.wrappers.first_touch import FirstTouch
+from sandbox.session.device import Device
 from tests.support.scripted import Played
 
 
@@ -57,7 +58,8 @@ class TestMouseThatIsWaitedFor(DeviceConformance):
     def open(self, surface: Surface) -> FirstTouch:
         return FirstTouch(MouseDevice(surface))
 
-    def stir(self, device: FirstTouch, step: int) -> None:
+    def stir(self, device: Device, step: int) -> None:
+        assert isinstance(device, FirstTouch)
         mouse = device.find(MouseDevice)
         assert mouse is not None
         if step == 5:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import json
 from pathlib import Path
+from typing import Any, Literal
 
 import numpy as np
 import pytest
@@ -19,16 +20,19 @@ from models.motion.write.bvh import BvhWriter
 from models.rotations import quaternion_exp
 from models.skeleton import ADULT
 from sandbox.cli.main import main
-from sandbox.export.sources import HAND_JOINTS, open_source
+from sandbox.export.sources import HAND_JOINTS, commanded_poses, open_source
 from sandbox.export.targets import FORMATS, Exporter, ExportSettings
-from sandbox.export.view import MotionView, commanded_poses, simulated_poses
+from sandbox.export.view import MotionView, simulated_poses
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording.recording import RecordingWriter
 from sandbox.trial.assembly import build
 from sandbox.trial.headless import run_trial
 from tests.support.motion_poses import moving
 
-BOTH = {"simulated": simulated_poses, "commanded": commanded_poses}
+BOTH: dict[Literal["simulated", "commanded"], Any] = {
+    "simulated": simulated_poses,
+    "commanded": commanded_poses,
+}
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +41,7 @@ def session(tmp_path_factory):
     folder = tmp_path_factory.mktemp("session")
     chosen = plan(SceneOptions(seed=3, fingers=3))
     sampler = {of: Sampler((Armature(ADULT),), 60.0) for of in BOTH}
-    keys = {of: [] for of in BOTH}
+    keys: dict[str, list[Any]] = {of: [] for of in BOTH}
     open_views, tips = [], {}
 
     def views(session):

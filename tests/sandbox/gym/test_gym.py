@@ -94,7 +94,9 @@ def test_every_task_takes_steps_and_shows_all_its_things_and_goals(action):
 
 @pytest.mark.parametrize("id", [TOUCH, POSE])
 def test_gymnasium_s_own_check_finds_nothing(id):
-    env = RescaleAction(gymnasium.make(f"sandbox.gym:{id}").unwrapped, -1.0, 1.0)
+    env = RescaleAction(
+        gymnasium.make(f"sandbox.gym:{id}").unwrapped, np.float32(-1.0), np.float32(1.0)
+    )
     with warnings.catch_warnings(record=True) as warned:
         warnings.simplefilter("always")
         check_env(env, skip_render_check=True)
@@ -126,9 +128,11 @@ def test_two_hands_touches_of_a_recorded_run_give_its_states_and_its_score(tmp_p
     recording = load_recording(path)
     assert recording.end is not None
     assert [i.step for i in recording.inputs[0]] == [i.step for i in recording.inputs[1]]
-    env, slots = gymnasium.make(TWO), [Slots(), Slots()]
+    env: Any = gymnasium.make(TWO)
+    slots = [Slots(), Slots()]
     seen, info = env.reset(seed=3)
-    for inputs in zip(recording.inputs[0], recording.inputs[1], strict=True):
+    pairs: Any = zip(recording.inputs[0], recording.inputs[1], strict=True)
+    for inputs in pairs:
         assert {i.state_hash for i in inputs} == {info["state_hash"]}
         action = [
             [*hand.action(i.frame.contacts), i.frame.lift or 0.0]
@@ -236,10 +240,10 @@ def test_an_observation_is_what_the_session_knows(env, recording):
 def test_velocities_are_what_positions_change_by(env, recording):
     slots = Slots()
     env.reset(seed=3)
-    rows = []
+    states = []
     for recorded in recording.inputs[0]:
-        rows.append(env.step(slots.action(recorded.frame.contacts))[0]["objects"][0])
-    rows = np.array(rows)
+        states.append(env.step(slots.action(recorded.frame.contacts))[0]["objects"][0])
+    rows = np.array(states)
     moved = np.diff(rows[:, :3], axis=0) / 0.016
     between = 0.5 * (rows[1:, 7:10] + rows[:-1, 7:10])
     assert np.abs(moved).max() > 0.05
@@ -287,7 +291,7 @@ def test_a_slot_that_touches_again_is_another_contact(env):
 
 @pytest.mark.parametrize("mode", ["sync", "async"])
 def test_environments_side_by_side_are_those_one_after_another(mode):
-    side = gymnasium.make_vec(f"sandbox.gym:{TOUCH}", 2, mode)
+    side: Any = gymnasium.make_vec(f"sandbox.gym:{TOUCH}", 2, mode)
     one = gymnasium.make(f"sandbox.gym:{TOUCH}")
     chosen = actions(one, 8)
     side.reset(seed=[4, 9])
@@ -317,7 +321,7 @@ def test_a_lab_s_task_in_a_file_has_ids_and_plays():
 
 @pytest.mark.needs("opengl")
 def test_a_picture_is_drawn_only_when_it_is_asked_for():
-    env = gymnasium.make(f"sandbox.gym:{TOUCH}", render_mode="rgb_array", size=(64, 48))
+    env: Any = gymnasium.make(f"sandbox.gym:{TOUCH}", render_mode="rgb_array", size=(64, 48))
     env.reset(seed=0)
     assert env.unwrapped._renderer is None
     picture = env.render()

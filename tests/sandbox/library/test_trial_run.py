@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+import platform
 import subprocess
 import sys
 from pathlib import Path
@@ -11,7 +12,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import models
 from models import Contact, InputError, Kinematics, TouchFrame
 from models.objects import Box
 from models.skeleton import ADULT
@@ -202,5 +202,5 @@ def test_numpy_before_sandbox_is_warned_of_and_after_it_is_not():
             cwd=ROOT, env=environment, capture_output=True, text=True, check=True,
         )  # fmt: skip
         counts.append(int(answer.stdout))
-    x86 = models.platform.machine().lower() in ("x86_64", "amd64")
+    x86 = platform.machine().lower() in ("x86_64", "amd64")
     assert counts == [int(x86), 0]

@@ -86,7 +86,7 @@ Heard = tuple[list[dict[str, Any]], Recording]
 def test_touches_that_were_sent_are_those_of_the_recording_to_the_bit(heard: Heard) -> None:
     lines, recording = heard
     found = np.array(samples(lines, "sandbox_touch"))
-    inputs = recording.inputs[0]
+    inputs: list[Any] = list(recording.inputs[0])
     assert len(found) == len(inputs) > 5
     for sample, line in zip(found, inputs, strict=True):
         assert np.array_equal(sample, touch_sample(line.step, line.frame.time, line.frame),

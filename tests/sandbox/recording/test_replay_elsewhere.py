@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -25,7 +26,7 @@ def recorded(tmp_path_factory):
     """A trial's snapshots by step, its result and its recording."""
     path = tmp_path_factory.mktemp("run") / "run.jsonl"
     chosen = plan(SceneOptions(seed=11, fingers=3))
-    seen = {}
+    seen: dict[str, Any] = {}
     result = run_trial(
         chosen.settings,
         chosen.makers,
@@ -49,7 +50,7 @@ def forged(path: Path, name: str, **settings: object) -> Path:
 
 
 def shown(path: Path):
-    seen = {}
+    seen: dict[str, Any] = {}
     _, found = replay(
         load_recording(path), lambda s: [lambda snapshot: seen.__setitem__(snapshot.step, snapshot)]
     )

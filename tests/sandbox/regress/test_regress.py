@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import pytest
@@ -110,7 +111,7 @@ def test_what_cannot_be_run_at_all_ends_the_run(executor):
 
 def test_whoever_stops_asking_leaves_no_process_behind():
     before = set(multiprocessing.active_children())
-    trials = Processes(2).run(RegressionPlan((Quick,), tuple(range(50))).jobs())
+    trials: Any = Processes(2).run(RegressionPlan((Quick,), tuple(range(50))).jobs())
     next(trials)
     assert len(set(multiprocessing.active_children()) - before) == 2
     trials.close()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import random
 from collections.abc import Iterator
+from typing import Any
 
 import msgspec
 import pytest
@@ -108,14 +109,14 @@ def fuzz(seed: int, count: int) -> tuple[int, int]:
     device = WebDevice(surface)
     screen = msgspec.convert(SCREEN, Screen)
     understood = refused = 0
-    frames = []
+    frames: list[Any] = []
     for n, message in enumerate(decoded(rng, count)):
         understood += message is not None
         refused += message is None
         if isinstance(message, Touches):
             device.push(message, screen)
         elif hasattr(message, "screen"):
-            screen = message.screen  # type: ignore[attr-defined]
+            screen = message.screen
         if n % 50 == 49:
             good = decode(json.dumps(MESSAGES[2]))
             assert isinstance(good, Touches)

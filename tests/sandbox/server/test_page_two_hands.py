@@ -98,7 +98,7 @@ def carried(
 def _users(task: Any, surface: Any) -> Any:
     """Both users, as one device that touches the whole surface."""
     options = SceneOptions(task=TASK, seed=SEED, one_surface=True, surface=f"{SIZE[0]}x{SIZE[1]}in")
-    first = plan(options).makers[0](task, surface)
+    first: Any = plan(options).makers[0](task, surface)
     return first._surface.device
 
 

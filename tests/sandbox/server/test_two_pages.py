@@ -128,8 +128,8 @@ def test_two_tablets_carry_a_tray_together(servers: tuple[PageServer, PageServer
             if (frame.contacts, frame.lift) == last[k]:
                 continue
             last[k] = frame.contacts, frame.lift
-            fingers = [(c.id, *(v / METRES_PER_INCH for v in (c.x, c.y))) for c in frame.contacts]
-            page.touch(*fingers, lift=frame.lift or 0.0)
+            places = [(c.id, c.x / METRES_PER_INCH, c.y / METRES_PER_INCH) for c in frame.contacts]
+            page.touch(*places, lift=frame.lift or 0.0)
             assert wait_for(device.news.is_set)
     for page in pages:
         page.close()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 from xml.etree.ElementTree import Element, SubElement
 
 from models.objects import Box
@@ -37,8 +37,9 @@ class Absurd(BoxToGoal):
 
     @classmethod
     def draw(cls, seed: int, surface: Surface) -> Self:
-        trial = super().draw(seed, surface)
+        trial: Any = super().draw(seed, surface)
         box = trial.objects[0]
         x, y, z = box.position
         above = Runaway(box.name, box.half_size, box.mass, (x, y, z + 0.1), box.yaw)
-        return replace(trial, objects=(above,))
+        changed: Self = replace(trial, objects=(above,))
+        return changed

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -21,7 +23,7 @@ MODES = ("hard", "soft", "none")
 
 def squeezing(contact: str = "hard", squeeze: float = 0.008, **settings):
     """A session in which thumb and index close on the box from 2 s on, and hold it by 3 s."""
-    place = {}
+    place: dict[str, Any] = {}
 
     def touch(now):
         return pinch(place["at"], gap, place["yaw"])(now)

@@ -19,12 +19,13 @@ from sandbox.regress.execute import run_job
 from sandbox.regress.plan import TrialJob
 from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
+from sandbox.trial.result import TrialResult
 from tests.support.scripted import run, scripted
 
 ABSURD = f"{Path(__file__).parent / 'absurd_task.py'}:Absurd"
 
 
-def diverge(record: Path | None = None, dump: Path | None = None) -> dict:
+def diverge(record: Path | None = None, dump: Path | None = None) -> TrialResult:
     chosen = plan(SceneOptions(task=ABSURD, seed=2))
     return run_trial(chosen.settings, chosen.makers, record=record, dump=dump)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import permutations
+from typing import Any
 
 import numpy as np
 import pytest
@@ -64,7 +65,7 @@ def fastest(touch, start, **settings) -> float:
 @pytest.mark.parametrize("servo", SERVOS)
 @pytest.mark.parametrize("impulse", IMPULSE_PROFILES.values(), ids=IMPULSE_PROFILES)
 def test_touches_that_go_and_come_back_inside_of_the_box_do_not_move_it(servo, impulse):
-    start = {}
+    start: dict[str, Any] = {}
 
     def touch(now):
         if now < 1.2:
@@ -83,7 +84,7 @@ def test_touches_that_go_and_come_back_inside_of_the_box_do_not_move_it(servo, i
 def test_ids_that_are_swapped_under_a_hand_wring_it_and_throw_nothing(impulse):
     """A swap asks the fingers to go through each other with the box between them. The box is
     pushed about as fast as the commanded hand may go, and not thrown as by a spring."""
-    start = {}
+    start: dict[str, Any] = {}
     orders = list(permutations((1, 2, 3)))
 
     def touch(now):

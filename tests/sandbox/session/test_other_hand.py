@@ -9,6 +9,7 @@ import numpy as np
 
 from models.hand import Hand
 from models.scene import Scene, SceneSpec
+from models.scene_hand import SceneHand
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.server.protocol.skins import pack_skin
 from sandbox.session.session import Session
@@ -40,7 +41,7 @@ def test_its_fingertips_go_where_the_pose_has_them() -> None:
 
 
 def test_two_kinds_of_hand_share_a_scene_and_each_has_its_own_controls() -> None:
-    hands = (Hand("right"), PinHand())
+    hands: tuple[SceneHand, ...] = (Hand("right"), PinHand())
     scene = Scene(SceneSpec(hands))
     data = mujoco.MjData(scene.model)
     assert scene.control_slice(0) == slice(0, 48) and scene.control_slice(1) == slice(48, 63)

@@ -87,6 +87,7 @@ def test_the_lag_of_a_hand_that_goes_elsewhere_is_infinite() -> None:
 
 
 def test_a_constant_force_uses_what_its_peak_would() -> None:
-    row = Row(*[0.0] * 6, *(use(np.full((100, 1, 1), f), 0.002) for f in (1.0, 2.0, 3.0)))
+    used = [use(np.full((100, 1, 1), f), 0.002) for f in (1.0, 2.0, 3.0)]
+    row = Row(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, *used)
     assert row.peaks == pytest.approx([1 / 60, 2 / 60, 3 / 60])
     assert [row.root.impulse, row.turn.impulse, row.joint.impulse] == pytest.approx(row.peaks)

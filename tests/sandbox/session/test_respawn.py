@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -78,8 +79,10 @@ def test_an_object_that_fingers_can_still_reach_is_left_where_it_is():
 
 
 def test_where_a_finger_is_in_the_way_the_nearest_free_place_is_taken():
-    where = {}
-    session = scripted(lambda now: [Contact(1, *where["start"], label=1)], seed=1)
+    where: dict[str, Any] = {}
+    session = scripted(
+        lambda now: [Contact(1, where["start"][0], where["start"][1], label=1)], seed=1
+    )
     surface = session.rigs[0].reconstructor.surface
     box = session.task.objects[0]
     where["start"] = surface.to_surface(box.position).tolist()

@@ -170,8 +170,8 @@ def test_the_last_moment_and_the_order_to_stop_reach_a_port_that(how):
     sender = Sender("127.0.0.1", port.port, ["greeting"])
     try:
         for i in range(40):
-            sender.show("right", lambda i=i: [f"right {i}"])
-            sender.show("left", lambda i=i: [f"left {i}", f"left {i} too"])
+            sender.show("right", lambda i=i: [f"right {i}"])  # type: ignore[misc]
+            sender.show("left", lambda i=i: [f"left {i}", f"left {i} too"])  # type: ignore[misc]
             time.sleep(0.002)
         sender.order("stop")
         assert sender.flush(PATIENT), sender.trouble
@@ -199,8 +199,8 @@ def test_a_program_that_is_started_late_and_again_is_found_and_greeted_each_time
     heard: list[str] = []
     try:
         for turn in range(2):
-            sender.show("right", lambda turn=turn: [f"moment {turn}"])
-            sender.show("right", lambda turn=turn: [f"newer {turn}"])
+            sender.show("right", lambda turn=turn: [f"moment {turn}"])  # type: ignore[misc]
+            sender.show("right", lambda turn=turn: [f"newer {turn}"])  # type: ignore[misc]
             port = CommandPort(heard.append, Manners(), number)
             assert sender.flush(PATIENT)
             port.close()
@@ -217,7 +217,7 @@ def test_whoever_hands_over_moments_never_waits_for_a_port_that_takes_nothing_in
         sender = Sender("127.0.0.1", server.getsockname()[1])
         made = []
         for i in range(2000):
-            sender.show("right", lambda i=i: [made.append(i) or "x" * 4000])
+            sender.show("right", lambda i=i: [made.append(i) or "x" * 4000])  # type: ignore[misc]
         sender.close()
     assert sender.counts["moments dropped"] > 1000
     assert len(made) < 1000  # what was dropped was never written

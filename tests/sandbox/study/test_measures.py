@@ -97,7 +97,7 @@ def test_every_halt_and_every_tremor_makes_a_movement_less_smooth() -> None:
     assert all(a is not None and b is not None and b < a for a, b in pairwise(found))
     t = np.arange(len(bell)) * PERIOD
     shaken = bell * (1.0 + 0.5 * np.sin(2 * np.pi * 7.0 * t))
-    assert sparc(shaken, PERIOD) < sparc(bell, PERIOD)  # type: ignore[operator]
+    assert sparc(shaken, PERIOD) < sparc(bell, PERIOD)
 
 
 def test_what_does_not_move_or_hardly_lasts_has_no_smoothness() -> None:

@@ -12,7 +12,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from models.errors import StudyError
-from models.frames import FINGERS
+from models.frames import FINGERS, TouchFrame
 from models.scene import CONTROL_PERIOD, SceneSpec
 from models.skeleton import ADULT
 from sandbox.recording.recording import load_recording
@@ -105,6 +105,7 @@ def test_events_are_the_trial_and_every_touch(study: StudyFolder, bids: Path) ->
     recording = load_recording(next(study.path.glob("*/S001/trials/T002.jsonl.gz")))
     down: dict[int, list[int]] = {}
     for entry in recording.inputs[0]:
+        assert isinstance(entry.frame, TouchFrame)
         for contact in entry.frame.contacts:
             down.setdefault(contact.id, []).append(entry.step)
     assert len(down) > 1

@@ -106,7 +106,7 @@ def test_a_stopped_session_goes_on_where_it_was(tmp_path: Path) -> None:
 class Patient(io.StringIO):
     """Lines that are typed once they are asked for, as people do."""
 
-    def readline(self, size: int | None = -1) -> str:
+    def readline(self, size: int | None = -1) -> str:  # type: ignore[override]
         calm = 0
         while calm < 3:
             time.sleep(0.01)
@@ -118,7 +118,8 @@ class Patient(io.StringIO):
 @pytest.fixture(autouse=True)
 def terminals(monkeypatch: pytest.MonkeyPatch) -> None:
     """Lets a patient typist see the terminals there are."""
-    begin, made = Terminal.__init__, []
+    begin = Terminal.__init__
+    made: list[Terminal] = []
     monkeypatch.setattr(Terminal, "made", made, raising=False)
 
     def seen(self: Terminal, *arguments: object) -> None:

@@ -257,7 +257,7 @@ def test_who_is_in_both_folders_is_taken_once_from_where_they_went_further(
                        later.participants()[0]) as session:  # fmt: skip
         session.write("note", text="and elsewhere, too", trial=None)
     with pytest.raises(StudyError, match="went on at both sites"):
-        merge(*folders, tmp_path / "d")
+        merge(folders[0], folders[1], tmp_path / "d")
 
 
 def test_who_withdraws_from_a_merged_study_is_gone_from_what_tells_of_the_sites(

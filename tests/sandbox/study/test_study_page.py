@@ -302,7 +302,7 @@ def test_a_tablet_that_is_gone_in_mid_trial_is_told_of_and_nothing_counts_twice(
     assert [r["counted"] for r in rows] == ["1"]
     state = SessionState.of(read_journal(running.folder / "journal.jsonl"))
     assert len(state.attempts[1]) == (2 if when == "repeat" else 1)
-    measures = state.counted(1).end["result"]["measures"]  # type: ignore[union-attr,index]
+    measures = state.counted(1).end["result"]["measures"]
     assert measures["waited_s"] >= 0.0
     assert (measures["away_s"] >= 3.0) == (measures["away"] == 1) == (when != "repeat")
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -39,7 +40,8 @@ def touches(now: float) -> tuple[Contact, ...]:
 def poses(control, seconds: float = 1.2, task: str = "stack", **settings) -> list:
     """What is reconstructed with a lift control that is time -> its position."""
     options = RunSettings(task=task, seed=1, **settings)
-    reconstructor = build(options, (lambda task, surface: None,)).rigs[0].reconstructor
+    made = build(options, (lambda task, surface: Still(),))
+    reconstructor: Any = made.rigs[0].reconstructor
     times = np.arange(round(seconds / PERIOD)) * PERIOD
     return [reconstructor.step(TouchFrame(t, touches(t), control(t))) for t in times]
 
@@ -119,7 +121,8 @@ def test_recordings_keep_the_lift(tmp_path: Path):
     for step, frame in enumerate(frames):
         writer.input(step, 0, frame, "")
     writer.close()
-    assert [i.frame.lift for i in load_recording(path).inputs[0]] == [f.lift for f in frames]
+    inputs: Any = load_recording(path).inputs[0]
+    assert [i.frame.lift for i in inputs] == [f.lift for f in frames]
 
 
 @pytest.mark.parametrize("lift", ["1.5", "-0.1", '"high"', "[]", "true0"])
@@ -190,7 +193,8 @@ def test_a_task_that_needs_a_lift_control_gets_one_or_says_so(keys):
     assert make(BoxToGoal.draw(1, surface), surface) is device
     task = Stack.draw(1, surface)
     if keys:
-        assert make(task, surface).device is device
+        lifted: Any = make(task, surface)
+        assert lifted.device is device
         return
     with pytest.raises(InputError, match="needs a lift control") as error:
         make(task, surface)
@@ -203,7 +207,8 @@ def test_a_run_with_lift_replays_to_the_bit(tmp_path: Path):
     chosen = plan(SceneOptions(task="stack", seed=3))
     result = run_trial(chosen.settings, chosen.makers, record=path, about=chosen.about)
     recording = load_recording(path)
-    assert max(i.frame.lift for i in recording.inputs[0]) > 0.3
+    inputs: Any = recording.inputs[0]
+    assert max(i.frame.lift for i in inputs) > 0.3
     session, verification = replay(recording)
     assert verification.exact and verification.complete
     assert session.state_hash == result.state_hash

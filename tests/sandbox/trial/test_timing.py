@@ -91,7 +91,7 @@ def test_a_device_that_is_followed_gives_the_same_states() -> None:
 
 def test_a_wrapper_has_the_members_of_the_wrapped_device() -> None:
     mouse = MouseDevice(viewed().surface)
-    device = timed(lambda task, surface: mouse, Timing(LatencyLog()))(None, None)  # type: ignore[arg-type]
+    device = timed(lambda task, surface: mouse, Timing(LatencyLog()))(None, None)
     assert isinstance(device, TimedDevice) and device.name == "mouse" and not device.finished
     assert device.news is LiftKeys(mouse).news is mouse.news and device.find(MouseDevice) is mouse
     assert not device.has_lift and LiftKeys(device).has_lift and copy.copy(device).name == "mouse"
@@ -171,7 +171,7 @@ def test_slower_time_changes_no_state() -> None:
         session, mouse, surface = mouse_session()
         mouse.hand(3, surface.to_surface(session.task.objects[0].position))
         snapshots: list[str] = []
-        live = LiveSession(session, lambda s, to=snapshots, of=session: to.append(of.state_hash))
+        live = LiveSession(session, lambda s, to=snapshots, of=session: to.append(of.state_hash))  # type: ignore[misc]
         live.start()
         for speed in speeds:
             live.set_speed(speed)

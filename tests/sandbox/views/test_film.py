@@ -6,6 +6,7 @@ import tempfile
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import imageio_ffmpeg
 import numpy as np
@@ -45,6 +46,7 @@ def trial(v: Viewed, seconds: float, begin: float = 0.0) -> Iterator[Snapshot]:
 
 def played(path: Path) -> tuple[int, int, tuple[int, int]]:
     """Frames, ms and size of an animation, as Pillow reads it."""
+    image: Any
     with Image.open(path) as image:
         total = 0
         for i in range(image.n_frames):

@@ -9,6 +9,7 @@ import urllib.request
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import Literal
 
 import glfw
 import numpy as np
@@ -31,7 +32,7 @@ SIZE = (800, 800)
 
 
 @cache
-def seen(side: str = "right"):
+def seen(side: Literal["right", "left"] = "right"):
     """A frame with five fingers, and what a calibrated PAALM made of it."""
     frames = take(0, side=side).frames
     paalm = Paalm()

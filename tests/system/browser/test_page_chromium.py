@@ -7,6 +7,7 @@ import socket
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -90,7 +91,8 @@ def test_fingers_on_the_page_bring_the_box_to_its_goal(
     assert wait_for(lambda: stage.server.wait_for_player(0.0))
     stage.advance()
     tab.wait("document.querySelector('.reason').textContent.includes('mm from the goal')")
-    last, most = [], 0
+    last: list[Any] = []
+    most = 0
     while not session.over:
         snapshot = session.advance()
         user.show(snapshot)

@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 from PIL import Image
@@ -32,6 +33,7 @@ def test_the_demo_succeeds_and_leaves_a_film_and_a_picture(tmp_path):
     assert done.returncode == 0, done.stderr
     assert "box-to-goal: done" in done.stdout
     assert "simulated" in done.stdout
+    film: Any
     with Image.open(tmp_path / "sandbox-demo" / "demo.webp") as film:
         # Still moments are one long frame, so that there are fewer frames than pictures.
         assert film.n_frames > 30

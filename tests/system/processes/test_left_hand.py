@@ -6,6 +6,7 @@ import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -31,6 +32,7 @@ from sandbox.recording.upgrade import upgraded
 from sandbox.trial.assembly import build
 from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
+from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import HandSettings, RunSettings, result_settings
 from tasks.simulated_user.seated import Seat
 from tasks.task import Goal
@@ -45,7 +47,7 @@ people = st.builds(Person, st.sampled_from(HANDS), st.floats(0.6, 1.6), st.sampl
 places = st.tuples(st.floats(0.0, 1.0), st.floats(0.0, 1.0))
 
 
-def trial(record: Path | None = None, **options) -> dict:
+def trial(record: Path | None = None, **options) -> TrialResult:
     chosen = plan(SceneOptions(**options))
     return run_trial(chosen.settings, chosen.makers, record=record, about=chosen.about)
 
@@ -65,7 +67,7 @@ def grasp(now: float) -> list[Contact]:
 def reconstructed(touch, **about):
     """Reconstructions of 2 s of touches, by the default settings."""
     session = build(RunSettings(**about), (lambda task, surface: Script(lambda now: []),))
-    reconstructor = session.rigs[0].reconstructor
+    reconstructor: Any = session.rigs[0].reconstructor
     frames = [TouchFrame(t, tuple(touch(t))) for t in np.arange(130) * 0.016]
     return reconstructor.surface, [reconstructor.step(f) for f in frames]
 
@@ -160,7 +162,7 @@ def test_the_left_skeleton_is_the_right_one_in_a_mirror_and_mujoco_agrees(q):
     scene, data = left_scene()
     put(scene, data, mirrored(q))
     mujoco.mj_kinematics(scene.model, data)
-    names = [scene.spec.hands[0].element_name(b.name) for b in left.bones]
+    names = [link.body for link in scene.spec.hands[0].links]
     found = np.array([data.body(n).xpos for n in names])
     np.testing.assert_allclose(found, place.joints, atol=1e-9, rtol=0)
 

@@ -7,6 +7,7 @@ import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -21,11 +22,12 @@ from sandbox.session.session import STATE, Rig, Session
 from sandbox.trial.assembly import build
 from sandbox.trial.headless import play, run_trial
 from sandbox.trial.replay import replay
+from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import RunSettings
 from tests.support.scripted import Script
 
 
-def trial(record: Path | None = None, **options) -> dict:
+def trial(record: Path | None = None, **options) -> TrialResult:
     chosen = plan(SceneOptions(**options))
     return run_trial(chosen.settings, chosen.makers, record=record, about=chosen.about)
 
@@ -138,7 +140,7 @@ def test_without_touches_nothing_is_touched():
 
 def test_a_hand_put_down_inside_the_box_stays_a_ghost_until_its_fingers_are_out():
     settings = RunSettings(seed=4)
-    place = {}
+    place: dict[str, Any] = {}
 
     def touch(now):
         # Two fingers, both in the middle of the box at first, then moved apart and out of it.
@@ -185,7 +187,7 @@ def test_the_labels_of_a_hand_that_is_down_never_change_and_a_new_finger_gets_a_
         return [*contacts, Contact(3, 0.11, 0.055)] if now > 1.5 else contacts
 
     session = build(RunSettings(seed=1), (lambda task, surface: Script(touch),))
-    named = {}
+    named: dict[int, int] = {}
     for _ in range(180):
         session.advance()
         reconstruction = session.reconstructions[0]
@@ -259,7 +261,8 @@ def test_a_scene_holds_two_rigs_that_do_not_disturb_each_other():
     lone = build(settings, (lambda task, surface: Script(lambda now: []),))
     one = build(settings, (lambda task, surface: Script(lambda now: [Contact(1, 0.05, 0.10)]),))
     two = build(settings, (lambda task, surface: Script(lambda now: []),))
-    second = replace(two.rigs[0].hand, name="second")
+    first: Any = two.rigs[0].hand
+    second = replace(first, name="second")
     both = Session(
         two.task, [one.rigs[0], Rig(two.rigs[0].device, two.rigs[0].reconstructor, second)]
     )

@@ -65,7 +65,7 @@ def streamed(python: str, folder: Path, hand: HandLines, keys: Keys, *words: str
     try:
         for i in range(len(keys.root)):
             one = Keys(keys.root[i : i + 1], keys.turns[i : i + 1])
-            assert sender.show("right", lambda i=i, one=one: hand.lines(i / 60.0, one), PATIENT)
+            assert sender.show("right", lambda i=i, one=one: hand.lines(i / 60.0, one), PATIENT)  # type: ignore[misc]
         sender.order(hand.stop)
         assert sender.flush(PATIENT)
         out, _ = side.communicate(timeout=PATIENT)

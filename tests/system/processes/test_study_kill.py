@@ -48,7 +48,7 @@ def kill_often(out: Path, kills: int, seed: int) -> int:
             # Mostly within a trial or two; every so often at once, before anything is open.
             wait = float(rng.choice([rng.uniform(0.0, 0.02), rng.uniform(0.0, 0.5)]))
             wait = wait if done < kills else WHOLE
-            child = in_child(lambda say, study=study: simulate(study, 1, True, say))
+            child = in_child(lambda say, study=study: simulate(study, 1, True, say))  # type: ignore[misc]
             killed, said = killed_after(child, wait)
             done += killed
             before = finished
@@ -117,7 +117,7 @@ def test_two_programs_that_are_killed_while_they_fill_one_study_do_not_disturb_e
     rounds = 0
     while any(alive):
         rounds += 1
-        children = [in_child(lambda say, n=n: run_simulated(study, n, say)) for n in (0, 1)]
+        children = [in_child(lambda say, n=n: run_simulated(study, n, say)) for n in (0, 1)]  # type: ignore[misc]
         for n, child in enumerate(children):
             wait = float(rng.uniform(0.1, 0.6)) if rounds <= 4 else WHOLE
             alive[n], said = killed_after(child, wait)
@@ -153,7 +153,7 @@ def test_a_full_disk_ends_a_session_with_one_clear_error_and_costs_no_finished_t
             say(f"refused: {error}")
 
     for limit in (300, 1500, 4000, 9000, 14_000, 30_000):
-        child = in_child(lambda say, limit=limit: work(limit, say))
+        child = in_child(lambda say, limit=limit: work(limit, say))  # type: ignore[misc]
         killed, said = killed_after(child, WHOLE)
         assert not killed
         assert limit > 14_000 or ("refused" in said and "File too large" in said), said
@@ -183,7 +183,7 @@ def test_a_session_whose_recording_never_reaches_the_disk_finishes_no_trial(
         recording.unlink()
         recording.write_text("as if nothing had been")
         with pytest.raises(StudyError, match="the disk did not take"):
-            session.finish(trial, {"status": "held"})
+            session.finish(trial, {"status": "held"})  # type: ignore[arg-type]
         assert trial.id not in session.state.finished
         assert session.journal.records[-1]["kind"] == "trial_start"
 

@@ -215,7 +215,7 @@ class Play:
         end = time.monotonic() + PATIENCE
         while not (found := truth()):
             alive = self.process.poll() is None
-            assert alive and time.monotonic() < end, what if alive else self.process.stdout.read()  # type: ignore[union-attr]
+            assert alive and time.monotonic() < end, what if alive else self.process.stdout.read()
             time.sleep(0.02)
         return found
 
@@ -287,7 +287,7 @@ class Game(Desk):
         self.session, mouse, surface = mouse_session(seed)
         super().__init__(
             display, Viewed(self.session.scene, surface, self.session.snapshot(), None)
-        )  # type: ignore[arg-type]
+        )
         self.mouse = mouse
         self.window.attach(mouse)
 

@@ -43,7 +43,7 @@ def free_port() -> int:
 def test_at_290_frames_a_second_every_frame_arrives_once_and_in_order():
     server = FakeLeapd(messages(), port=0, rate=290.0)
     device = LeapDevice(server.address)
-    frames = []
+    frames: list[Any] = []
     try:
         assert until(lambda: (frames.extend(device.poll(0.0)), len(frames) >= 300)[1])
     finally:
@@ -71,13 +71,13 @@ def test_frames_that_nobody_fetches_are_dropped_oldest_first_and_counted():
 def test_a_service_that_is_started_anew_is_found_again_and_time_goes_on():
     port = free_port()
     device = LeapDevice(f"ws://127.0.0.1:{port}/v6.json")
-    frames = []
+    frames: list[Any] = []
     try:
         for _ in range(2):
             server = FakeLeapd(messages(), port=port, rate=400.0, loop=True)
             before = len(frames)
             assert until(
-                lambda b=before: (frames.extend(device.poll(0.0)), len(frames) > b + 50)[1]
+                lambda b=before: (frames.extend(device.poll(0.0)), len(frames) > b + 50)[1]  # type: ignore[misc]
             )
             server.close()
             assert until(lambda: not device.connected.is_set())
@@ -88,7 +88,12 @@ def test_a_service_that_is_started_anew_is_found_again_and_time_goes_on():
 
 
 def test_damaged_messages_are_counted_and_the_connection_stays():
-    junk = [{"hands": 3, "pointables": 4}, {"weather": 1}, {"event": {}}, {"hands": [{"id": 1}]}]
+    junk: list[Any] = [
+        {"hands": 3, "pointables": 4},
+        {"weather": 1},
+        {"event": {}},
+        {"hands": [{"id": 1}]},
+    ]
     server = FakeLeapd([*junk, *messages()[:50]], port=0, rate=500.0, loop=True)
     device = LeapDevice(server.address)
     try:

@@ -168,7 +168,13 @@ def test_a_late_frame_is_left_out_and_a_new_clock_goes_on_from_the_old_one():
 
 def test_handshakes_events_and_foreign_messages_are_no_frames():
     decoder = LeapDecoder()
-    said = ({"version": 6, "serviceVersion": "2.3.1"}, {"event": {}}, {"weather": "fine"}, [1], 7)
+    said: Any = (
+        {"version": 6, "serviceVersion": "2.3.1"},
+        {"event": {}},
+        {"weather": "fine"},
+        [1],
+        7,
+    )
     assert [decoder.feed(m) for m in said] == [None] * 5
     assert decoder.version == "2.3.1"
     assert decoder.counts["messages of another program"] == 1

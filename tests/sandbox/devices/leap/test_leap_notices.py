@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -14,8 +15,8 @@ from sandbox.devices.leap.shared_leap import SharedLeap
 from sandbox.trial.assembly import build
 from sandbox.trial.hand_input import HandInput
 from sandbox.trial.settings import HandSettings, RunSettings
-from tests.sandbox.devices.leap.test_leap_two_hands import Played
 from tests.support.leap_hands import take
+from tests.support.scripted import Played, PlayedHands
 
 STACKED = "one hand is above the other: hold them apart"
 
@@ -51,9 +52,9 @@ def test_hands_above_each_other_are_said_to_be_until_a_moment_after_they_are_not
     sides = ("right", "left") if two else ("right",)
     hands = tuple(HandSettings(side, in_air=HandInput()) for side in sides)
     settings = RunSettings(task=task, hands=hands)
-    shared = SharedLeap(Played(frames), ("right", "left"))
-    parts = tuple(lambda drawn, surface, i=i: shared.parts[i] for i in (0, 1))
-    makers = parts if two else (lambda drawn, surface: Played(frames),)
+    shared = SharedLeap(PlayedHands(frames), ("right", "left"))
+    parts: Any = tuple(lambda drawn, surface, i=i: shared.parts[i] for i in (0, 1))
+    makers: Any = parts if two else (lambda drawn, surface: Played(frames),)
     told = said(settings, makers, 2.5)
     when = [t for t, words in told.items() if STACKED in words]
     assert when == [t for t in told if when[0] <= t <= when[-1]]

@@ -4,6 +4,7 @@ import json
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -33,6 +34,7 @@ from sandbox.devices.simulated.leap_user import SimulatedLeap
 from sandbox.recording.recorded_device import RecordedDevice
 from sandbox.recording.recorded_frames import frame_from_json, frame_to_json
 from sandbox.recording.recording import load_recording
+from sandbox.session.device import Device
 from sandbox.session.messages import Snapshot
 from sandbox.session.newest import SILENCE, Newest
 from sandbox.session.solidity import Solidity, SolidityRules
@@ -83,7 +85,7 @@ def frames(draw: st.DrawFn) -> HandFrame:
     return HandFrame(draw(st.floats(0.0, 1e6)), hands, draw(st.sampled_from(["", "leap"])))
 
 
-def settings(**changes: object) -> RunSettings:
+def settings(**changes: Any) -> RunSettings:
     return replace(RunSettings(hands=(HandSettings(in_air=HandInput()),)), **changes)
 
 
@@ -160,7 +162,7 @@ def test_a_recording_is_the_device_of_another_hand_in_another_scene(recording: P
         ),
     )
 
-    def idle(task: object, surface: Surface) -> SimulatedLeap:
+    def idle(task: Task, surface: Surface) -> Device:
         return device(of, "idle")(task, surface)
 
     session = build(of, (idle, lambda task, surface: RecordedDevice(read, 0)))
@@ -252,7 +254,7 @@ def _moved(hand: SeenHand, x: float) -> SeenHand:
 
 
 def test_a_device_that_falls_silent_sees_no_hand():
-    newest = Newest(HandReconstructor.empty)
+    newest: Any = Newest(HandReconstructor.empty)
     frame = take(0).frames[0]
     assert newest.take([frame], 1.0) and newest.frame.hands == frame.hands
     assert not newest.take([], 1.0 + SILENCE) and newest.frame.hands
@@ -338,7 +340,7 @@ def test_a_wrench_is_held_so_low_that_no_fingertip_rides_over_its_handle(seed: i
     made: list[SimulatedLeap] = []
     over: list[bool] = []
 
-    def device(task: Task, surface: Surface) -> SimulatedLeap:
+    def device(task: Task, surface: Surface) -> Any:
         made.append(SimulatedLeap(task, UserConfiguration(), seed, UNDER, "v1"))
         return made[-1]
 

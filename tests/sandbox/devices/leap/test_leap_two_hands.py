@@ -33,12 +33,12 @@ from sandbox.trial.replay import replay
 from tasks.user import UserConfiguration
 from tests.support.leap_hands import take
 from tests.support.page_client import Page
-from tests.support.scripted import Played
+from tests.support.scripted import PlayedHands
 
 
 def test_each_hand_gets_the_frames_of_its_own_side_and_no_other():
     both = side_by_side(take(1), take(2, side="left"))[:50]
-    right, left = SharedLeap(Played(both), ("right", "left")).parts
+    right, left = SharedLeap(PlayedHands(both), ("right", "left")).parts
     for now in (0.1, 0.2, 0.5):
         # Who asks first fetches for both, and nothing is lost for the other.
         mine, other = right.poll(now), left.poll(now)
@@ -56,7 +56,7 @@ def test_a_hand_over_the_other_hides_both():
         left, right = frame.hands
         x, y, z = right.palm
         both.append(replace(frame, hands=(replace(left, palm=(x + 0.05, y, z - 0.1)), right)))
-    shared = SharedLeap(Played(both), ("right", "left"))
+    shared = SharedLeap(PlayedHands(both), ("right", "left"))
     frames = shared.parts[0].poll(1.0)
     assert len(frames) == 5 and not any(f.hands for f in frames)
     assert shared.counts["one hand above the other"] == 5
@@ -73,7 +73,8 @@ def test_two_hands_over_one_leap_carry_a_tray_and_replay_to_the_bit(tmp_path: Pa
     result = run_trial(made.settings, made.makers, record=path, about=made.about)
     assert result.success, result.reason
     read = load_recording(path)
-    sides = [{h.side for e in read.inputs[i] for h in e.frame.hands} for i in (0, 1)]
+    inputs: Any = read.inputs
+    sides = [{h.side for e in inputs[i] for h in e.frame.hands} for i in (0, 1)]
     assert sides == [{"right"}, {"left"}]
     assert replay(read)[1].exact
     # One hand's half of it is a device like any other.
@@ -151,7 +152,7 @@ def test_a_hand_that_is_lost_while_it_carries_a_box_takes_it_up_again(tmp_path: 
     made = chosen("box-to-goal", device="leap-simulated:lose=1")
     path = tmp_path / "lost.jsonl"
     assert run_trial(made.settings, made.makers, record=path).success
-    frames = [entry.frame for entry in load_recording(path).inputs[0]]
+    frames: list[Any] = [entry.frame for entry in load_recording(path).inputs[0]]
     gone = [f.time for f in frames if not f.hands]
     assert 0.9 < gone[-1] - gone[0] < 1.1, "once, for a second"
     before, after = (

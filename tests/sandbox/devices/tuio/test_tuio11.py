@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -207,7 +208,9 @@ def test_whatever_fingers_do_is_what_comes_out(
     scenes: list[dict[int, tuple[float, float]]], data: st.DataObject
 ) -> None:
     """A sender that sends only what changed, in random order and at random splits."""
-    table, packets, before = Table(), [], {}
+    table = Table()
+    packets: list[bytes] = []
+    before: dict[int, Any] = {}
     for fseq, scene in enumerate(scenes, start=1):
         changed = [i for i in scene if scene[i] != before.get(i)]
         cut = data.draw(st.integers(0, len(changed)))

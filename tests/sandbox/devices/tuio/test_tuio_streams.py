@@ -9,6 +9,7 @@ import socket
 import struct
 import threading
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
@@ -54,9 +55,9 @@ def tcp(device: TuioDevice) -> socket.socket:
     return socket.create_connection(("127.0.0.1", device.port), PATIENCE)
 
 
-def web(device: TuioDevice, **settings: object) -> ClientConnection:
+def web(device: TuioDevice, **settings: Any) -> ClientConnection:
     url = f"ws://127.0.0.1:{device.websocket_port}"
-    return connect(url, proxy=None, **settings)  # type: ignore[arg-type]
+    return connect(url, proxy=None, **settings)
 
 
 def test_all_transports_at_once_share_the_surface(device: TuioDevice) -> None:
@@ -264,9 +265,9 @@ def test_a_port_that_is_taken_is_refused_and_gives_back_the_others() -> None:
             with pytest.raises(DeviceError, match="cannot be listened on"):
                 TuioDevice(
                     Surface(),
-                    transport=transport,
+                    transport=transport,  # type: ignore[arg-type]
                     port=ports[0],
-                    websocket_port=ports[1],  # type: ignore[arg-type]
+                    websocket_port=ports[1],
                 )
     threads = [t for t in threading.enumerate() if t.name.startswith("tuio")]
     assert not threads

@@ -84,7 +84,7 @@ rates = st.lists(st.tuples(st.integers(0, 12), st.integers(1, 12)), min_size=1, 
 def test_intervals_of_shares_hold_their_value_and_are_never_of_width_zero(
     first: list[tuple[float, int]], second: list[tuple[float, int]], correlation: float
 ) -> None:
-    a, b = (share(*map(list, zip(*x, strict=True))) for x in (first, second))
+    a, b = (share([r for r, _ in x], [n for _, n in x]) for x in (first, second))
     for one in (a, b):
         assert 0.0 <= one.low <= one.value <= one.high <= 1.0
         assert one.high - one.low > 0.0
