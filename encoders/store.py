@@ -17,7 +17,13 @@ _ARRAYS = {"time": "f", "trial": "i", "ids": "i", "xy": "f", "q": "f"}
 
 
 def save_capture(capture: Capture, path: Path | str, dtype: type[np.floating] = np.float64) -> None:
-    """Writes a capture; `dtype` float32 halves the file and keeps 0.01 micrometre."""
+    """Writes a capture as npz, without pickle.
+
+    Args:
+        capture: Frames of contacts and poses.
+        path: The file; one that exists is replaced.
+        dtype: Precision of places and poses; float32 halves the file and keeps 0.01 micrometre.
+    """
     arrays = {
         "time": capture.time,
         "trial": capture.trial,
@@ -29,7 +35,7 @@ def save_capture(capture: Capture, path: Path | str, dtype: type[np.floating] = 
 
 
 def load_capture(path: Path | str) -> Capture:
-    """Reads a capture.
+    """Reads a capture, written by `save_capture` or `sandbox capture`.
 
     Raises:
         CaptureError: The file is missing, damaged, of another version, or breaks the contract.

@@ -14,10 +14,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from encoders.regression.trained import builtin_capture, train
+from encoders import builtin_capture, train
+from tasks import Measure, Sensing
 from tasks.box_to_goal import BoxToGoal
-from tasks.sensing import Sensing
-from tasks.task import Measure
 
 pytest_plugins = ["sandbox.regression"]
 

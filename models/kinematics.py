@@ -30,7 +30,9 @@ class Placement(NamedTuple):
 
 
 class Kinematics:
-    """Forward kinematics of one skeleton.
+    """Forward kinematics of one skeleton: `place(q)` for poses (..., 48), m and rad.
+
+    Places are in the frame of the poses: the world's for a pose in the world.
 
     All five fingers are computed side by side, one bone outwards at a time: a pose costs three
     rounds of small array operations rather than fourteen.

@@ -89,7 +89,10 @@ class PaalmFrame:
 
 
 class Paalm:
-    """The paper's method: `calibrate` once, then `step` with every frame.
+    """PAALM, the method of the paper of 2013: joint angles of hands over a Leap.
+
+    `calibrate(frames)` measures hands that are held open, once. `step(frame)` then gives joint
+    angles, palm and finger names of every hand of a `HandFrame` (m, in the device's frame).
 
     Args:
         options: How the paper is read.

@@ -91,7 +91,10 @@ def step_costs(translation: float, rotation: float, reading: str) -> Array:
 
 
 class PcaIkEncoder(TouchIkEncoder):
-    """Inverse kinematics in principal components of the training poses; see above for the options.
+    """Inverse kinematics in principal components of the training poses.
+
+    `fit(U, Q)` learns from contact vectors (T, 15) and relative poses (T, 48); `predict(U)` gives
+    relative poses. The module's docstring explains the options.
 
     Args:
         skeleton: Whose fingertips are to meet the touches.

@@ -263,21 +263,42 @@ def _check(U: Array, Q: Array) -> None:
 
 
 class LinearEncoder(PolynomialEncoder):
-    """Equation 2: 16 terms for 15 inputs."""
+    """Linear regression, the paper's equation 2: 16 terms for 15 inputs.
+
+    Args:
+        ridge: Penalty on the standardised coefficients; 0 is plain least squares.
+
+    `fit(U, Q)` learns from inputs (T, width) and outputs (T, n) of any width. `predict(U)` gives
+    (T, n), or (n,) for one input (width,). For hands, U are contact vectors, Q relative poses.
+    """
 
     def __init__(self, ridge: float = 0.0) -> None:
         super().__init__(1, ridge)
 
 
 class QuadraticEncoder(PolynomialEncoder):
-    """Equation 1, the paper's encoder: 136 terms for 15 inputs."""
+    """Quadratic regression, the paper's encoder (equation 1): 136 terms for 15 inputs.
+
+    Args:
+        ridge: Penalty on the standardised coefficients; 0 is plain least squares.
+
+    `fit(U, Q)` learns from inputs (T, width) and outputs (T, n) of any width. `predict(U)` gives
+    (T, n), or (n,) for one input (width,). For hands, U are contact vectors, Q relative poses.
+    """
 
     def __init__(self, ridge: float = 0.0) -> None:
         super().__init__(2, ridge)
 
 
 class CubicEncoder(PolynomialEncoder):
-    """Equation 3: 816 terms for 15 inputs."""
+    """Cubic regression, the paper's equation 3: 816 terms for 15 inputs.
+
+    Args:
+        ridge: Penalty on the standardised coefficients; 0 is plain least squares.
+
+    `fit(U, Q)` learns from inputs (T, width) and outputs (T, n) of any width. `predict(U)` gives
+    (T, n), or (n,) for one input (width,). For hands, U are contact vectors, Q relative poses.
+    """
 
     def __init__(self, ridge: float = 0.0) -> None:
         super().__init__(3, ridge)

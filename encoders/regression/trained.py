@@ -67,7 +67,7 @@ BUILTIN = (*POLYNOMIALS, "best")
 
 @dataclass(frozen=True)
 class TrainedModel:
-    """An encoder ready for use.
+    """An encoder ready for use: `model.encoder.predict(u)` gives relative poses.
 
     Attributes:
         name: `paper`, `best`, ... or what its maker called it.
@@ -416,6 +416,9 @@ def builtin_capture() -> Capture:
 @cache
 def builtin(name: str) -> TrainedModel:
     """A built-in model by name, as it comes with the package.
+
+    Args:
+        name: `paper`, `linear`, `quadratic`, `cubic` or `best`.
 
     Raises:
         EncoderError: There is no such model.

@@ -39,7 +39,11 @@ SLACK = 1e-6
 
 
 class DeviceConformance(ABC):
-    """Inherit from it, say how the device is opened, and let pytest find it."""
+    """The rules of touch devices as tests: inherit, write `open`, and let pytest find the class.
+
+    Attributes:
+        surface: The touch surface on which the device is opened.
+    """
 
     surface = Surface(10.0, 5.0)
 
