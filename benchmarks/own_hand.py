@@ -20,8 +20,8 @@ import numpy as np
 
 from encoders.capture import Capture
 from encoders.captures.conversion import ConversionReport, ConversionRules
-from encoders.captures.together.capture_from_hands import Correct
-from encoders.captures.together.simulated import Together, simulate_together
+from encoders.captures.paired.capture_from_hands import Correct
+from encoders.captures.paired.simulated import PairedSession, simulate_paired
 from encoders.store import save_capture
 from models.pose import joint_vectors
 from models.rotations import geodesic_angle
@@ -34,7 +34,9 @@ SAME = 0.02
 """s between a frame of the capture and one of the truth that are compared."""
 
 
-def converted(session: Together, folder: Path, correct: Correct) -> tuple[Capture, dict[str, Any]]:
+def converted(
+    session: PairedSession, folder: Path, correct: Correct
+) -> tuple[Capture, dict[str, Any]]:
     """The capture of a session, and how far everything is from the truth."""
     report = ConversionReport()
     options = CaptureOptions(out=folder / "x.npz", recorded=folder, sync="tap", correct=correct)
@@ -58,7 +60,7 @@ def _angle(rotation: np.ndarray) -> float:
     return float(np.arccos(np.clip((np.trace(rotation) - 1.0) / 2.0, -1.0, 1.0)))
 
 
-def _middle_miss(session: Together, axes: np.ndarray, at: np.ndarray) -> float:
+def _middle_miss(session: PairedSession, axes: np.ndarray, at: np.ndarray) -> float:
     """m, by which a point in the middle of the touches is put elsewhere."""
     xy = np.nanmean(session.truth.xy.reshape(-1, 2), axis=0)
     middle = np.array([xy[0], -xy[1], 0.006])
@@ -66,7 +68,7 @@ def _middle_miss(session: Together, axes: np.ndarray, at: np.ndarray) -> float:
     return float(np.linalg.norm(axes @ seen + at - middle))
 
 
-def _against(capture: Capture, session: Together) -> dict[str, Any]:
+def _against(capture: Capture, session: PairedSession) -> dict[str, Any]:
     truth, time = session.truth, capture.time - session.touch_delay
     after = np.clip(np.searchsorted(truth.time, time), 1, len(truth.time) - 1)
     near = np.abs(truth.time[after - 1] - time) < np.abs(truth.time[after] - time)
@@ -102,7 +104,7 @@ def main() -> None:
         folder = Path(name)
         for day in (0, 1):
             at = folder / f"day{day}"
-            session = simulate_together(options.seed, day, options.subject, options.dialect)
+            session = simulate_paired(options.seed, day, options.subject, options.dialect)
             write_simulated(session, at, f"simulated {options.subject} {options.seed}")
             capture, out[f"day{day}"] = converted(session, at, options.correct)
             save_capture(capture, folder / f"own{day}.npz")

@@ -1,1 +1,1 @@
-"""Captures: made by simulated subjects, or out of recordings of real hands."""
+"""Captures, made by simulated subjects or from recordings of real hands."""

@@ -1,7 +1,7 @@
-"""Recordings of touches and of hands become captures.
+"""Converts recordings of touches and hands to captures.
 
-Touches come as a `TouchLog`, poses as a `JointTrack`, or as points on the hand that a skeleton is
-fitted to. Everything here is a function of arrays; `sandbox capture` reads the files.
+The inputs are touches as a `TouchLog`, and poses as a `JointTrack` or as points on the hand, to
+which a skeleton is fitted. All functions work on arrays; `sandbox capture` reads the files.
 """
 
 from encoders.captures.conversion.convert import capture_from_poses as capture_from_poses

@@ -1,4 +1,4 @@
-"""Labelled contacts and poses on one grid of time: a capture."""
+"""Assembles labelled contacts and poses on one time grid to a capture."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from models.frames import FINGERS
 Array = NDArray[np.float64]
 
 _ROUNDING = 1e-6
-"""s; clocks that are written down round."""
+"""s, tolerance for rounded times."""
 
 
 def assemble(
@@ -28,21 +28,21 @@ def assemble(
     report: ConversionReport,
     meta: dict[str, Any],
 ) -> Capture:
-    """Makes the capture.
+    """Creates the capture.
 
-    Frames with one finger are dropped, as the paper did: one touch says nothing about the hand.
-    Frames without a pose, and touches whose finger has left them, are dropped as well.
+    Frames with one finger are dropped, as in the paper: one touch does not determine the hand.
+    Frames without a pose, and touches away from their finger, are dropped as well.
 
     Args:
         tracks: Contacts with their fingers; no two of one finger at a time.
         joints: Poses, on their own clock.
-        offset: s, the poses' clock less the touches'.
+        offset: s, the poses' clock minus the touches' clock.
         rules: `rate`, `gap`, `reach`, `pause`, `longest_take`.
-        report: Takes the counts.
-        meta: Of the capture; rate and report are added.
+        report: Receives the counts.
+        meta: Metadata of the capture; rate and report are added.
 
     Raises:
-        CaptureError: Nothing is left.
+        CaptureError: No frame is left.
     """
     if not tracks:
         raise CaptureError(
@@ -76,7 +76,8 @@ def assemble(
 
 
 def _takes(time: Array, rules: ConversionRules) -> NDArray[np.int64]:
-    """(T,) take of every frame: a new one after a pause, and before one grows too long."""
+    """Take number (T,) of every frame: a new take begins after a pause, and when one gets too
+    long."""
     starts = np.flatnonzero(np.diff(time, prepend=-np.inf) > rules.pause + _ROUNDING)
     take = np.zeros(len(time), np.int64)
     number = 0

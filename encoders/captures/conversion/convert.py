@@ -1,4 +1,4 @@
-"""From a touch log and poses, or from poses alone, to a capture."""
+"""Converts a touch log and poses, or poses alone, to a capture."""
 
 from __future__ import annotations
 
@@ -28,24 +28,26 @@ def capture_from_touches(
     report: ConversionReport,
     meta: dict[str, Any],
 ) -> Capture:
-    """A capture of touches and poses that were recorded side by side.
+    """Creates a capture from touches and poses that were recorded at the same time.
 
     Args:
-        log: The touches, x of a left hand's already mirrored.
+        log: The touches; x of a left hand is already mirrored.
         joints: The poses.
-        sync: `clock`: both clocks differ by `offset`. `tap`: the offset is found from taps.
-        offset: s, the poses' clock less the touches'.
-        rules: What is dropped.
-        report: Takes what was.
-        meta: Of the capture.
+        sync: `clock`: both clocks differ by `offset`. `tap`: the offset is estimated from taps.
+        offset: s, the poses' clock minus the touches' clock.
+        rules: Rules for dropping contacts and frames.
+        report: Receives the counts of dropped ones.
+        meta: Metadata of the capture.
 
     Raises:
-        CaptureError: Nothing fits, or the taps are ambiguous.
+        CaptureError: Touches and poses do not match, or the taps are ambiguous.
     """
     tracks = sound_contacts(log, rules, report)
     if sync == "tap":
         clock_offset = offset_by_taps(tracks, joints)
-        trial = ConversionReport()  # what is refused at the first offset is not refused for good
+        trial = (
+            ConversionReport()
+        )  # contacts refused at the first offset may be accepted at the refined one
         labelled = label_contacts(tracks, joints, clock_offset.offset, rules, trial)
         clock_offset = refined_by_motion(clock_offset, labelled, joints, rules)
     else:
@@ -75,20 +77,20 @@ def capture_from_poses(
     report: ConversionReport,
     meta: dict[str, Any],
 ) -> Capture:
-    """A capture whose touches are fingertips near the surface.
+    """Creates a capture whose touches are the fingertips near the surface.
 
     Args:
         joints: Poses in the frame of the surface.
         threshold: m above a touching fingertip's height at which a touch begins.
-        rules: What is dropped.
-        report: Takes what was.
-        meta: Of the capture.
+        rules: Rules for dropping contacts and frames.
+        report: Receives the counts of dropped ones.
+        meta: Metadata of the capture.
 
-    Raises:
+        Raises:
         CaptureError: No finger comes near the surface, or never two at a time.
     """
     if not 0 < threshold < 0.05:
-        raise CaptureError("this is no height of a touch", got=threshold, expected="0 to 0.05 m")
+        raise CaptureError("not a height of a touch", got=threshold, expected="0 to 0.05 m")
     labelled = touches_from_tips(joints, threshold, rules, report)
     report.notes["touches"] = f"fingertips within {1000 * threshold:g} mm of the surface"
     return assemble(labelled, joints, 0.0, rules, report, meta)

@@ -1,4 +1,4 @@
-"""Which finger each contact is: the one whose fingertip is there."""
+"""Labels contacts by the fingertip that is nearest to them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from models.frames import FINGERS
 Array = NDArray[np.float64]
 
 RESTING = 0.012
-"""m, height of a fingertip's centre up to which it may touch: its radius and some error."""
+"""m, greatest height of the centre of a touching fingertip: its radius plus some error."""
 
 
 @dataclass(frozen=True)
@@ -36,16 +36,16 @@ def label_contacts(
 ) -> list[LabelledTrack]:
     """Labels contacts by the nearest fingertip at the same time.
 
-    A contact is refused, and counted, where no fingertip is near it, where it is nearer to another
-    finger for more than the share `doubt` of its life, and where its finger has a nearer contact at
-    the same time.
+    A contact is dropped, and counted, if no fingertip is near it, if it is nearer to another finger
+    for more than the share `doubt` of its life, or if its finger has a nearer contact at the same
+    time.
 
     Args:
         tracks: Contacts.
         joints: Poses, on their own clock.
-        offset: s, the poses' clock less the touches'.
+        offset: s, the poses' clock minus the touches' clock.
         rules: `reach`, `doubt`, `gap`, `rate`.
-        report: Takes the counts.
+        report: Receives the counts.
     """
     labelled = []
     for track in tracks:
@@ -70,7 +70,7 @@ def label_contacts(
 
 
 def sample_times(track: ContactTrack, rate: float) -> Array:
-    """(m,) s, moments of a contact's life, its first among them."""
+    """Sample times (m,) s in a contact's life, including its first."""
     return track.start + np.arange(max(1, int((track.end - track.start) * rate))) / rate
 
 
@@ -81,7 +81,7 @@ def distances(
     offset: float,
     rules: ConversionRules,
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """(m, 5) m from a contact to every fingertip, and when it is known.
+    """Distances (m, 5) m from a contact to every fingertip, and when they are known.
 
     A fingertip in the air counts as farther away than one that rests beside it.
     """
@@ -93,7 +93,7 @@ def distances(
 
 
 def _one_each(found: list[LabelledTrack], report: ConversionReport) -> list[LabelledTrack]:
-    """At most one contact a finger at a time; of two that overlap, the nearer stays."""
+    """Keeps at most one contact per finger at a time; of two that overlap, the nearer one."""
     kept: list[LabelledTrack] = []
     for one in sorted(found, key=lambda labelled: labelled.distance):
         rival = any(

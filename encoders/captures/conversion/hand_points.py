@@ -1,4 +1,4 @@
-"""From points on a hand, markers or joints, to the poses of our skeleton and to touches."""
+"""Converts points on a hand, markers or joints, to poses of our skeleton and to touches."""
 
 from __future__ import annotations
 
@@ -21,16 +21,17 @@ from models.skeleton import Skeleton
 Array = NDArray[np.float64]
 
 ON_SURFACE = 0.006
-"""m, height of a touching fingertip's centre: its radius less the flesh that gives way."""
+"""m, height of a touching fingertip's centre: its radius minus the compressed flesh."""
 
 POOR_FIT = 0.010
-"""m, root mean square distance between points seen and placed, beyond which a frame is dropped."""
+"""m, root mean square distance between observed and modelled points beyond which a frame is
+dropped."""
 
 SURPRISE = 3.0
-"""Standard deviations from its expected place on the hand, beyond which a point is none of it."""
+"""Standard deviations from its expected place beyond which a point does not belong to the hand."""
 
 LETS_GO = 1.5
-"""A touch ends at this many times the height at which it begins, so that none flickers."""
+"""Factor between the heights at which a touch ends and begins, so that touches do not flicker."""
 
 
 def joints_from_points(
@@ -45,21 +46,21 @@ def joints_from_points(
     tolerance: float = ON_PLANE,
     progress: Callable[[float], None] | None = None,
 ) -> JointTrack:
-    """Poses of a hand whose points were recorded.
+    """Computes poses of a hand from recorded points.
 
     Args:
         time: (T,) s.
-        points: Name -> (T, 3) m in the recorder's frame, NaN where not seen.
-        sites: The same names -> where that is on the hand.
-        frame: Of the surface; None finds the plane that fingertips rest on.
-        skeleton: Ours; its size is fitted.
-        report: Takes residuals and counts.
-        left: Whether it is a left hand; it is mirrored into a right one.
-        tolerance: m from the plane within which a fingertip rests on it, where it is to be found.
+        points: Positions (T, 3) m by name, in the recorder's frame, NaN where not seen.
+        sites: Places on the hand by the same names.
+        frame: Frame of the surface; None estimates the plane on which fingertips rest.
+        skeleton: Our skeleton, whose size is fitted.
+        report: Receives residuals and counts.
+        left: True for a left hand, which is mirrored into a right one.
+        tolerance: m from an estimated plane within which a fingertip rests on it.
         progress: Called with the share done, 0 to 1.
 
     Raises:
-        CaptureError: The hand is not seen, does not fit, or rests on no plane.
+        CaptureError: The hand is not seen, does not fit, or does not rest on a plane.
     """
     names = list(sites)
     recorded = np.stack([points[name] for name in names], axis=1)
@@ -110,14 +111,14 @@ def joints_from_points(
 
 
 def _tip_points(sites: list[Site], skeleton: Skeleton) -> list[int]:
-    """(5,) index of each finger's outermost point."""
+    """Index (5,) of each finger's outermost point."""
     out = []
     for finger in range(len(FINGERS)):
         last = max(i for i, bone in enumerate(skeleton.bones) if bone.finger == finger)
         on_it = [i for i, site in enumerate(sites) if site.bone == last]
         if not on_it:
             raise CaptureError(
-                "no point on a fingertip, so no surface can be found",
+                "no point on a fingertip, so no surface can be estimated",
                 got=f"none on the last bone of the {FINGERS[finger]}",
                 remedy="Give the surface's corners in the --mapping file",
             )
@@ -126,7 +127,8 @@ def _tip_points(sites: list[Site], skeleton: Skeleton) -> list[int]:
 
 
 def _on_the_surface(joints: JointTrack, resting: NDArray[np.bool_]) -> JointTrack:
-    """The poses at a height at which resting tips (J, 5) touch: the plane was that of markers."""
+    """Shifts the poses to the height at which resting tips (J, 5) touch, since the plane was that
+    of markers."""
     q = joints.q.copy()
     q[:, 2] += ON_SURFACE - np.median(joints.tips[..., 2][resting])
     return JointTrack(joints.time, q, joints.skeleton)
@@ -135,14 +137,14 @@ def _on_the_surface(joints: JointTrack, resting: NDArray[np.bool_]) -> JointTrac
 def touches_from_tips(
     joints: JointTrack, threshold: float, rules: ConversionRules, report: ConversionReport
 ) -> list[LabelledTrack]:
-    """Touches where fingertips come near the surface, on the poses' clock, labels known.
+    """Derives labelled touches, on the poses' clock, from fingertips near the surface.
 
     Args:
         joints: Poses in the frame of the surface.
         threshold: m above the height of a touching fingertip's centre at which a touch begins; it
             ends at one and a half times that.
         rules: `shortest`, `gap`.
-        report: Takes the counts.
+        report: Receives the counts.
     """
     out = []
     height = joints.tips[..., 2] - ON_SURFACE

@@ -1,4 +1,4 @@
-"""Poses of a hand over time, to be asked for the pose at any moment."""
+"""Poses of a hand over time, interpolated at any moment."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class JointTrack:
-    """J poses of a right hand (a left one is mirrored first).
+    """A track of J poses of a right hand (a left one is mirrored first).
 
     Attributes:
         time: (J,) s on the recorder's clock, increasing.
         q: (J, 48) in the 3-D surface frame.
-        skeleton: Whose poses they are.
+        skeleton: The hand's skeleton.
     """
 
     time: Array
@@ -58,11 +58,12 @@ class JointTrack:
 
     @cached_property
     def tips(self) -> Array:
-        """(J, 5, 3) m, centres of the fingertips."""
+        """Centres (J, 5, 3) m of the fingertips."""
         return self.kinematics.tips(self.q)
 
     def at(self, times: Array, gap: float) -> tuple[Array, NDArray[np.bool_]]:
-        """Poses (m, 48) at times, and where there is one: not across gaps longer than `gap`."""
+        """Interpolates poses (m, 48), with booleans of where they are known: not in gaps longer
+        than `gap`."""
         before, share, known = self._between(times, gap)
         a, b = self.q[before], self.q[before + 1].copy()
         # Neighbours in time, written as rotation vectors, may differ by a whole turn.
@@ -70,7 +71,7 @@ class JointTrack:
         return a + share[:, None] * (b - a), known
 
     def tips_at(self, times: Array, gap: float) -> tuple[Array, NDArray[np.bool_]]:
-        """Fingertips (m, 5, 3) at times, and where they are known."""
+        """Interpolates fingertips (m, 5, 3), with booleans of where they are known."""
         before, share, known = self._between(times, gap)
         a, b = self.tips[before], self.tips[before + 1]
         return a + share[:, None, None] * (b - a), known

@@ -1,4 +1,4 @@
-"""What a conversion keeps and drops, and by which rule."""
+"""Rules of a conversion, and its report of dropped contacts and frames."""
 
 from __future__ import annotations
 
@@ -8,15 +8,16 @@ from typing import Any
 
 @dataclass(frozen=True)
 class ConversionRules:
-    """When a contact or a frame is dropped, and how frames are cut into takes.
+    """Rules for dropping contacts and frames, and for cutting frames into takes.
 
     Attributes:
         rate: Hz, frames of the capture.
         shortest: s; a contact that lives less is a glitch.
-        fastest: m/s; no finger on a surface is faster, a contact that is has jumped.
-        stuck: s; a contact that never ends and has not moved for so long was not seen to lift.
-        reach: m between a touch and a fingertip, beyond which they are not the same finger.
-        doubt: Share of a contact's life that it may be nearer to another finger than its own.
+        fastest: m/s, greatest speed of a finger on a surface; a faster contact has jumped.
+        stuck: s; for a contact that never ends and has not moved for longer, the lift was missed.
+        reach: m, largest distance between a touch and its fingertip.
+        doubt: Greatest share of a contact's life that it may be nearer to another finger than to
+            its own.
         gap: s, longest gap of a recording that is bridged by a straight line.
         pause: s without a frame after which a new take begins.
         longest_take: s; longer ones are cut, because validation splits a capture by takes.
@@ -35,13 +36,13 @@ class ConversionRules:
 
 @dataclass
 class ConversionReport:
-    """Counts of what was dropped, by reason, and what was found out on the way.
+    """Counts of dropped contacts and frames, by reason, and estimated values.
 
     Attributes:
-        contacts: Reason -> contacts dropped whole.
-        frames: Reason -> frames dropped.
-        parts: Reason -> pieces of contacts or of the log that were cut off.
-        notes: Name -> value: scale, residuals, clock offset and the like; JSON values.
+        contacts: Number of contacts dropped whole, by reason.
+        frames: Number of dropped frames, by reason.
+        parts: Number of pieces cut off from contacts or the log, by reason.
+        notes: Estimated values by name, such as scale, residuals and clock offset; JSON values.
     """
 
     contacts: dict[str, int] = field(default_factory=dict)
@@ -62,7 +63,7 @@ class ConversionReport:
         _add(self.parts, reason, count)
 
     def as_json(self) -> dict[str, Any]:
-        """For a capture's `meta`."""
+        """JSON values for a capture's `meta`."""
         return {
             "dropped_contacts": self.contacts,
             "dropped_frames": self.frames,

@@ -1,4 +1,4 @@
-"""Points on the hand that recordings name: joints, fingertips, markers on the skin."""
+"""Named points on the hand in recordings: joints, fingertips, markers on the skin."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from models.skeleton import Skeleton
 Array = NDArray[np.float64]
 
 PALM = -1
-"""Number of the bone that is none of the 14: the palm with the wrist."""
+"""Index that stands for the palm with the wrist, which is not one of the 14 bones."""
 
 _JOINT, _TIP, _SKIN, _BACK = 0.006, 0.008, 0.008, 0.025
-"""m, to which we know where on the hand a point of each kind is."""
+"""m, accuracy of the known place on the hand, by kind of point."""
 
 _MARKER = 0.006
 """m, from the skin to the middle of a marker."""
@@ -31,8 +31,8 @@ _BACK_OF_HAND = {
     "back_left": (-0.015, 0.035, 0.018),
     "back_right": (0.015, 0.035, 0.018),
 }
-"""m in the hand frame: a plate of three markers on the back of a hand. Left and right are a right
-hand's, seen from its own wrist."""
+"""m in the hand frame: a plate of three markers on the back of a hand. Left and right are those of
+a right hand, seen from its wrist."""
 
 
 _Metres = Annotated[float, Meta(ge=-1e3, le=1e3)]
@@ -51,10 +51,10 @@ class Site:
     """A point that moves with one bone.
 
     Attributes:
-        name: Its own.
+        name: Its name.
         bone: Index of the bone, or `PALM`.
         at: (3,) m in the bone's frame, for a hand of the skeleton's size.
-        spread: m, standard deviation with which that is known.
+        spread: m, standard deviation of that position.
     """
 
     name: str
@@ -64,7 +64,7 @@ class Site:
 
 
 def sites_of(skeleton: Skeleton) -> dict[str, Site]:
-    """Every site that has a name.
+    """All named sites.
 
     `wrist`; every joint by its bone's name; `thumb_ip`; `FINGER_tip`; for each of these except the
     wrist `..._skin`, a marker on the skin above it; and a plate on the back of the hand.
@@ -110,14 +110,14 @@ def _mixamo(side: str) -> dict[str, str]:
 
 
 def recognised(names: Sequence[str], side: str, skeleton: Skeleton) -> dict[str, str]:
-    """Recording's name -> site, for the names that we know without being told.
+    """Finds the sites of known names, by the recording's name.
 
-    Known are our own names, those of Qualisys glove recordings (`index_middle`, `hand_top`, ..) and
+    Known names are our own, those of Qualisys glove recordings (`index_middle`, `hand_top`, ..) and
     those of Mixamo rigs (`RightHandIndex1`, ..), each with or without a prefix before a colon. The
     end of a joint's bone is named after the joint: `RightHandIndex3 end`.
 
     Raises:
-        CaptureError: None of the three fits.
+        CaptureError: None of the three sets of names fits.
     """
     own = {name: name for name in sites_of(skeleton)}
     own |= {f"{f}_dip end": f"{f}_tip" for f in FINGERS} | {"thumb_mcp end": "thumb_tip"}
@@ -139,13 +139,13 @@ def recognised(names: Sequence[str], side: str, skeleton: Skeleton) -> dict[str,
 
 
 def mapped(mapping: Mapping[str, Any], names: Sequence[str], skeleton: Skeleton) -> dict[str, Site]:
-    """Recording's name -> site, as a mapping file tells.
+    """Finds the sites of a mapping file, by the recording's name.
 
     Args:
         mapping: Name -> name of a site, or a table with `bone` (a joint's name or "palm"), `at`
             (three numbers, m in that bone's frame) and `spread` (m, optional).
-        names: What the recording has.
-        skeleton: Of the hand.
+        names: The recording's names.
+        skeleton: The hand's skeleton.
 
     Raises:
         CaptureError: A name or site is unknown, a table is wrong, or a finger has no point.
@@ -188,7 +188,7 @@ def _site(name: str, table: dict[str, Any], skeleton: Skeleton) -> Site:
 def _unseen(
     names: Mapping[str, str], skeleton: Skeleton, sites: Mapping[str, Site] | None = None
 ) -> str:
-    """What is lacking to see the whole hand; empty if nothing is."""
+    """Missing points without which the whole hand cannot be seen; empty if none."""
     known = sites_of(skeleton)
     chosen = list(sites.values()) if sites is not None else [known[n] for n in names.values()]
     lacking = [

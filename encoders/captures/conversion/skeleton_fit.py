@@ -1,10 +1,10 @@
-"""Our skeleton fitted to points on a hand: its size, where the points are on it, and every pose.
+"""Fits our skeleton to points on a hand: its size, the points' places on it, and every pose.
 
     sum over points |seen - placed|^2 / accuracy^2 + a weak pull of the joints to mid-range
 
-is least in all poses at once. Size and places on the bones are found on frames spread over the
-recording, in turn with those frames' poses; then every frame starts from the nearest of them and
-needs a few Gauss-Newton steps more.
+is minimised over all poses at once. Size and places on the bones are estimated from frames spread
+over the recording, alternating with those frames' poses; then every frame starts from the nearest
+of them and needs a few more Gauss-Newton steps.
 """
 
 from __future__ import annotations
@@ -25,41 +25,41 @@ from models.skeleton import Skeleton
 Array = NDArray[np.float64]
 
 ACCURACY = 0.0015
-"""m, to which a point is seen; what the pull to mid-range is weighed against."""
+"""m, accuracy of an observed point, which sets the weight of the pull to mid-range."""
 
 _ROUNDS, _STEPS = 25, 2
-"""Of size and places in turn with poses; Gauss-Newton steps within one."""
+"""Rounds of estimating size and places alternating with poses; Gauss-Newton steps within one."""
 
 _FINAL_STEPS = 8
 """Gauss-Newton steps from the nearest key frame."""
 
 _KEYS = 150
-"""Frames on which size and places are found."""
+"""Number of frames from which size and places are estimated."""
 
 _CHUNK = 500
-"""Frames solved at once, for memory's sake."""
+"""Number of frames solved at once, limited by memory."""
 
 _LONGEST_STEP = 0.4
-"""rad, most that a joint turns in one step."""
+"""rad, largest rotation of a joint in one step."""
 
 _TRUST = 0.005
 """m; a point's mean error on its bone counts as one observation of this accuracy."""
 
 _SIZES = (0.6, 1.5)
-"""Least and greatest size of a hand against the skeleton's."""
+"""Least and greatest size of a hand relative to the skeleton's."""
 
 
 @dataclass(frozen=True)
 class FittedHand:
-    """A skeleton's size and its poses.
+    """A skeleton of the fitted size with its poses.
 
     Attributes:
-        skeleton: Scaled to the person's hand.
-        scale: Its size against the one that was given.
-        surprise: (M,) how far the points are on their bones from where they ought to be, in
+        skeleton: Skeleton scaled to the person's hand.
+        scale: Its size relative to the given skeleton.
+        surprise: (M,) deviation of the points on their bones from their expected places, in
             standard deviations.
         q: (T, 48) poses in the frame of the points; NaN where the hand could not be seen.
-        residual: (T, M) m, distance between points seen and placed; NaN where not seen.
+        residual: (T, M) m, distance between observed and modelled points; NaN where not seen.
     """
 
     skeleton: Skeleton
@@ -79,12 +79,12 @@ def fit_skeleton(
 
     Args:
         points: (T, M, 3) m, NaN where a point was not seen.
-        sites: M, where the points are on the hand.
-        skeleton: Whose size is to be changed.
+        sites: M places of the points on the hand.
+        skeleton: Skeleton to be scaled.
         progress: Called with the share done, 0 to 1.
 
     Raises:
-        CaptureError: The hand is hardly ever seen, or its size is none.
+        CaptureError: The hand is hardly ever seen, or its size is impossible.
     """
     usable = _whole_enough(points, sites, skeleton)
     frames = np.flatnonzero(usable)
@@ -116,7 +116,7 @@ def fit_skeleton(
         chunk = frames[a : a + _CHUNK]
         nearest = np.abs(keys[None, :] - chunk[:, None]).argmin(axis=1)
         poses, seen = q[nearest], points[chunk]
-        # The hand may have gone elsewhere since; its root is found anew, its joints carry over.
+        # The hand may have moved since: its root is estimated again, its joints are kept.
         poses = model.placed_root(poses, seen)
         for _ in range(_FINAL_STEPS):
             poses = model.step(poses, seen)
@@ -128,7 +128,7 @@ def fit_skeleton(
 
 
 def _whole_enough(points: Array, sites: Sequence[Site], skeleton: Skeleton) -> NDArray[np.bool_]:
-    """(T,) frames with three points on the palm and one on every finger."""
+    """Booleans (T,): frames with three points on the palm and one on every finger."""
     seen = np.asarray(np.isfinite(points).all(axis=2))
     owner = np.array([-1 if s.bone == PALM else skeleton.bones[s.bone].finger for s in sites])
     enough = seen[:, owner < 0].sum(axis=1) >= 3
@@ -138,7 +138,7 @@ def _whole_enough(points: Array, sites: Sequence[Site], skeleton: Skeleton) -> N
 
 
 class _Model:
-    """Points on a skeleton of some size: where they are, and how poses follow from them."""
+    """Model of points on a skeleton of variable size, from which poses are estimated."""
 
     def __init__(self, sites: Sequence[Site], skeleton: Skeleton) -> None:
         self._adult = skeleton
@@ -156,30 +156,30 @@ class _Model:
                 self._moves[m, bone] = True
                 bone = parent[bone]
         self._middle = np.concatenate([np.zeros(6), (skeleton.lower + skeleton.upper) / 2])
-        # A pull on the root would be to nowhere; on joints, the range is four standard deviations.
+        # The root has no pull; the range of a joint is taken as four standard deviations.
         self._pull = np.concatenate([np.zeros(6), 16 / (skeleton.upper - skeleton.lower) ** 2])
 
     @property
     def places(self) -> Array:
-        """(M, 3) m, the points in the frames of their bones."""
+        """Points (M, 3) m in the frames of their bones."""
         return self.scale * self._guess + self._moved
 
     @property
     def surprise(self) -> Array:
-        """(M,) distance of the points from where they ought to be, in standard deviations."""
+        """Distances (M,) of the points from their expected places, in standard deviations."""
         return np.asarray(np.linalg.norm(self._moved, axis=1) / self._spread)
 
     def place(self, q: Array) -> Array:
-        """(n, M, 3) m, the points at poses (n, 48)."""
+        """Points (n, M, 3) m at poses (n, 48)."""
         origin, rotation, _, _ = self._frames(q)
         return origin + (rotation @ self.places[:, :, None])[..., 0]
 
     def start(self, points: Array) -> Array:
-        """(n, 48) poses with joints in mid-range whose points are nearest to those seen."""
+        """Poses (n, 48) with joints in mid-range whose points are nearest to the observed ones."""
         return self.placed_root(np.tile(self._middle, (len(points), 1)), points)
 
     def placed_root(self, q: Array, points: Array) -> Array:
-        """The poses with their roots moved so that the points are nearest to those seen."""
+        """The poses with their roots moved to bring the points nearest to the observed ones."""
         q = q.copy()
         q[:, :6] = 0.0
         ours = self.place(q)
@@ -199,7 +199,7 @@ class _Model:
         return q
 
     def step(self, q: Array, points: Array) -> Array:
-        """One Gauss-Newton step of the poses, within the joints' ranges."""
+        """Makes one Gauss-Newton step of the poses, within the joints' ranges."""
         off, J = self._off_and_jacobian(q, points)
         weighted = np.swapaxes(J, -1, -2) / ACCURACY**2
         H = weighted @ J + np.diag(self._pull + 1e-9)
@@ -212,7 +212,7 @@ class _Model:
         return q
 
     def adapt(self, q: Array, points: Array) -> None:
-        """Size and places on the bones that suit the poses best."""
+        """Estimates size and places on the bones for given poses."""
         origin, rotation, _, _ = self._frames(q)
         seen = np.asarray(np.isfinite(points).all(axis=2))
         root = q[:, None, ROOT_POSITION]
@@ -221,7 +221,7 @@ class _Model:
         rest = points - root - (rotation @ self._moved[:, :, None])[..., 0]
         count = np.maximum(seen.sum(axis=1), 1)[:, None, None]
         mask = seen[..., None]
-        # Without each frame's mean, so that the root's place has no say in the size.
+        # Without each frame's mean, so that the root's position does not affect the size.
         unit_off = np.where(mask, unit - np.where(mask, unit, 0).sum(1, keepdims=True) / count, 0)
         rest_off = np.where(mask, rest - np.where(mask, rest, 0).sum(1, keepdims=True) / count, 0)
         self.scale = float((unit_off * rest_off).sum() / (unit_off**2).sum())
@@ -237,7 +237,7 @@ class _Model:
         """Origins (n, M, 3) and rotations (n, M, 3, 3) of the points' bones; joints; rotations."""
         placement = self.kinematics.place(q)
         palm = exp(q[:, ROOT_ROTATION])[:, None]
-        # The palm is put behind the last bone, where index -1 finds it.
+        # The palm is stored behind the last bone, at index -1.
         origins = np.concatenate([placement.joints, q[:, None, ROOT_POSITION]], axis=1)
         rotations = np.concatenate([placement.rotations, palm], axis=1)
         return (
@@ -248,7 +248,7 @@ class _Model:
         )
 
     def _off_and_jacobian(self, q: Array, points: Array) -> tuple[Array, Array]:
-        """(n, 3 M) m by which points are off, and their derivative (n, 3 M, 48); 0 if not seen."""
+        """Errors (n, 3 M) m of the points, and their derivative (n, 3 M, 48); 0 if not seen."""
         origin, rotation, joints, bones = self._frames(q)
         placed = origin + (rotation @ self.places[:, :, None])[..., 0]
         n, m = placed.shape[:2]

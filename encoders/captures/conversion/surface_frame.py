@@ -1,7 +1,7 @@
-"""Where the touch surface lies in a recorder's frame: told by its corners, or found from tips.
+"""Frame of the touch surface in a recorder's frame, from its corners or from fingertips.
 
-A surface cannot be entered. So if fingertips kept coming to rest on one, it is a plane that many of
-their places lie on and hardly any lie beyond.
+Fingertips cannot pass through a surface. So a surface on which fingertips rested repeatedly is a
+plane with many fingertip positions on it and hardly any beyond it.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ ON_PLANE = 0.005
 """m from a plane within which a fingertip lies on it; a soft surface needs more."""
 
 BEYOND = 0.02
-"""Share of fingertips' places that may lie farther than that beyond the plane: noise."""
+"""Greatest share of fingertip positions farther beyond the plane, which are noise."""
 
 TOUCHING = 0.15
-"""Share of fingertips' places that must lie on the plane, or there is none."""
+"""Least share of fingertip positions on the plane."""
 
 EXTENT = 0.01
-"""m, standard deviation of those places along the plane's narrower side that makes it one."""
+"""m, least standard deviation of those positions along the plane's narrower side."""
 
 _TRIALS = 400
 _MOST_PLACES = 4000
@@ -44,14 +44,14 @@ class SurfaceFrame:
     rotation: Array
 
     def points(self, recorded: Array) -> Array:
-        """(..., 3) m in the surface frame, of points in the recorder's."""
+        """Transforms points (..., 3) m from the recorder's frame to the surface frame."""
         return (recorded - self.origin) @ self.rotation
 
 
 def frame_from_corners(
     top_left: ArrayLike, top_right: ArrayLike, bottom_left: ArrayLike
 ) -> SurfaceFrame:
-    """The frame of a surface whose corners (3,) m are known, seen by the person at it.
+    """Frame of a surface with known corners (3,) m, named from the person's view.
 
     Raises:
         CaptureError: The corners are not finite, or lie on one line.
@@ -59,7 +59,7 @@ def frame_from_corners(
     corners = np.array([top_left, top_right, bottom_left], float)
     if corners.shape != (3, 3) or not np.isfinite(corners).all():
         raise CaptureError(
-            "these are no corners", where="surface", expected="three times three finite numbers"
+            "invalid corners", where="surface", expected="three times three finite numbers"
         )
     right, up = corners[1] - corners[0], corners[0] - corners[2]
     out = np.cross(right, up)
@@ -70,15 +70,15 @@ def frame_from_corners(
 
 
 def frame_from_fingertips(tips: Array, palm: Array, tolerance: float = ON_PLANE) -> SurfaceFrame:
-    """The frame of the plane that fingertips rest on; up the surface is where the hand points.
+    """Frame of the plane on which fingertips rest; up the surface is the direction of the hand.
 
     Args:
         tips: (T, 5, 3) m, NaN where not seen.
-        palm: (T, 3) m, the middle of the palm; the person's side of the surface.
+        palm: (T, 3) m, middle of the palm, which is on the person's side of the surface.
         tolerance: m from the plane within which a fingertip lies on it.
 
     Raises:
-        CaptureError: There is no such plane.
+        CaptureError: No plane meets the conditions.
     """
     places = tips[~np.isnan(tips).any(axis=2)]
     if len(places) > _MOST_PLACES:
@@ -101,7 +101,7 @@ def frame_from_fingertips(tips: Array, palm: Array, tolerance: float = ON_PLANE)
     if best is None or best.mean() < TOUCHING or extent < EXTENT:
         share = 0.0 if best is None else 100 * best.mean()
         raise CaptureError(
-            "no plane is found that fingertips rest on",
+            "no plane fits the resting fingertips",
             where="surface",
             got=f"{share:.0f} % of their places on the best one",
             expected=f"{100 * TOUCHING:g} %, spread out, and hardly any beyond it",
@@ -115,12 +115,12 @@ def frame_from_fingertips(tips: Array, palm: Array, tolerance: float = ON_PLANE)
 
 
 def _plane(places: Array, above: Array) -> tuple[Array, Array]:
-    """A point of the plane nearest to places, and its normal towards a point."""
+    """Fits a plane to positions: a point on it, and its normal, which faces a given point."""
     middle = places.mean(axis=0)
     normal = np.linalg.svd(places - middle)[2][2] if len(places) < 50 else _least(places - middle)
     return middle, normal * (1.0 if (above - middle) @ normal >= 0 else -1.0)
 
 
 def _least(offsets: Array) -> Array:
-    """(3,) the direction in which offsets (n, 3) spread least."""
+    """Direction (3,) in which offsets (n, 3) have the least spread."""
     return np.asarray(np.linalg.eigh(offsets.T @ offsets)[1][:, 0])

@@ -1,8 +1,9 @@
-"""What time the touches' clock shows when the poses' clock shows another: found from taps.
+"""Estimates the offset between the clocks of touches and poses from taps.
 
-The offset is the poses' clock less the touches'. Every touch-down goes with a landing, the moment a
-fingertip comes down to the surface. The offset at which most of them agree is searched among all
-differences; then, since touches and fingertips move together, it is refined by their ways.
+The offset is the poses' clock minus the touches' clock. Every touch-down belongs to a landing, the
+moment when a fingertip comes down to the surface. The offset at which most of them agree is
+searched among all differences; then, since touches and fingertips move together, it is refined by
+their movement.
 """
 
 from __future__ import annotations
@@ -21,16 +22,16 @@ from models.errors import CaptureError
 Array = NDArray[np.float64]
 
 AGREES = 0.04
-"""s between a touch-down and a landing that may still be the same."""
+"""s, largest difference between a touch-down and its landing."""
 
 NEEDED = 0.6
-"""Share of touch-downs that must have their landing."""
+"""Least share of touch-downs that must have a landing."""
 
 RIVAL = 0.8
-"""Share of the best offset's agreements at which another offset makes the answer ambiguous."""
+"""Share of the best offset's agreements from which on another offset makes the result ambiguous."""
 
 _APART = 0.15
-"""s; two offsets nearer than this are the same answer."""
+"""s, offsets nearer than this count as the same result."""
 
 _NEAR, _FAR = 0.003, 0.008
 """m above its lowest height: below the first a tip has landed, above the second it was lifted."""
@@ -39,7 +40,7 @@ _LOW = 5.0
 """Percentile of a tip's heights that counts as its height on the surface."""
 
 _FINE = 0.1
-"""s about the first answer that the refinement searches."""
+"""s around the first result that the refinement searches."""
 
 _STEP = 0.0025
 """s, its grid."""
@@ -47,13 +48,13 @@ _STEP = 0.0025
 
 @dataclass(frozen=True)
 class ClockOffset:
-    """The poses' clock less the touches', s, and how well it is known.
+    """The poses' clock minus the touches' clock, s, with its precision.
 
     Attributes:
-        offset: s.
-        precision: s, standard error.
-        agreeing: Touch-downs that have their landing.
-        taps: Touch-downs that could have one.
+        offset: s, the clock offset.
+        precision: s, its standard error.
+        agreeing: Number of touch-downs with a landing.
+        taps: Number of touch-downs that could have one.
     """
 
     offset: float
@@ -65,15 +66,15 @@ class ClockOffset:
 def offset_by_taps(
     tracks: list[ContactTrack], joints: JointTrack, within: float | None = None
 ) -> ClockOffset:
-    """The offset at which touch-downs and landings agree.
+    """Estimates the offset at which touch-downs and landings agree.
 
     Args:
         tracks: Contacts.
         joints: Poses, z the height above the surface up to a constant.
-        within: s; greater offsets are impossible. None: any is possible.
+        within: s, greatest possible offset; None allows any.
 
     Raises:
-        CaptureError: There are none, too few agree, or two offsets explain them about equally.
+        CaptureError: There are no taps, too few agree, or two offsets explain them about equally.
     """
     downs = np.array([track.start for track in tracks])
     landings = tip_landings(joints)
@@ -82,7 +83,7 @@ def offset_by_taps(
         differences = differences[np.abs(differences) <= within]
     if not len(differences):
         raise CaptureError(
-            "there is no tap to synchronise by",
+            "the recording has no tap to synchronise by",
             where="--sync tap",
             got=f"{len(downs)} touch-downs, {len(landings)} landings of fingertips",
             remedy="Tap the surface a few times, unevenly, or give --sync clock --offset S",
@@ -90,7 +91,7 @@ def offset_by_taps(
     upper = np.searchsorted(differences, differences + AGREES, side="right")
     counts = upper - np.arange(len(differences))
     best = int(counts.argmax())
-    # The window's members are the agreeing pairs; their median ignores a stray one.
+    # The agreeing pairs are those in the window; their median ignores outliers.
     coarse = float(np.median(differences[best : best + counts[best]]))
     pairs, possible = _agreeing(downs, landings, coarse, joints)
     elsewhere = np.abs(differences + AGREES / 2 - coarse) > _APART
@@ -110,10 +111,10 @@ def offset_by_taps(
 def refined_by_motion(
     coarse: ClockOffset, tracks: list[LabelledTrack], joints: JointTrack, rules: ConversionRules
 ) -> ClockOffset:
-    """The offset at which touches move most nearly as their fingertips do.
+    """Estimates the offset at which the movement of touches matches that of their fingertips best.
 
-    Each contact's own mean distance is taken out, so that only the ways count. Where fingers hardly
-    move, the answer by taps stays.
+    Each contact's mean distance is subtracted, so that only movement counts. If fingers hardly
+    move, the offset by taps is kept.
     """
     offsets = coarse.offset + np.arange(-_FINE, _FINE + _STEP / 2, _STEP)
     error = np.zeros(len(offsets))
@@ -135,7 +136,7 @@ def refined_by_motion(
     a, b, c = error[best - 1 : best + 2]
     curvature = (a - 2 * b + c) / _STEP**2
     shift = 0.5 * (a - c) / (a - 2 * b + c) * _STEP if curvature > 0 else 0.0
-    # Samples of one contact err alike: a fifth of a second counts as one independent sample.
+    # Errors of one contact are correlated: a fifth of a second counts as one independent sample.
     independent = max(1.0, samples / rules.rate * 5)
     variance = max(b, 1e-12) / independent
     precision = float(np.sqrt(2 * variance / curvature)) if curvature > 0 else np.inf
@@ -145,7 +146,7 @@ def refined_by_motion(
 
 
 def tip_landings(joints: JointTrack) -> Array:
-    """(n,) s on the poses' clock, sorted: when a fingertip came down to the surface."""
+    """Sorted times (n,) s on the poses' clock at which a fingertip came down to the surface."""
     landings: list[float] = []
     for z in joints.tips[..., 2].T:
         low = np.percentile(z, _LOW)
@@ -163,7 +164,7 @@ def tip_landings(joints: JointTrack) -> Array:
 def _agreeing(
     downs: Array, landings: Array, offset: float, joints: JointTrack
 ) -> tuple[Array, int]:
-    """Differences of the touch-downs that have a landing, and how many could have one."""
+    """Time differences of touch-downs with a landing, and the number that could have one."""
     inside = (downs + offset > joints.time[0]) & (downs + offset < joints.time[-1])
     wanted = downs[inside] + offset
     after = np.clip(np.searchsorted(landings, wanted), 1, max(1, len(landings) - 1))

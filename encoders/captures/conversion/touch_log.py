@@ -1,6 +1,6 @@
-"""A log of touches as a device wrote it, glitches included, and the contacts that are sound.
+"""A device's log of touches, and the extraction of contacts without its glitches.
 
-The rules for glitches stand in `ConversionRules`; the paper of 2015 removed "brief glitches due to
+`ConversionRules` contains the rules for glitches; the paper of 2015 removed "brief glitches due to
 noise", and logs of real tablets are full of touches that never end and of time running backwards.
 """
 
@@ -18,17 +18,18 @@ from models.errors import CaptureError
 Array = NDArray[np.float64]
 
 _STILL = 1e-4
-"""m; a contact that moves less rests."""
+"""m, movement below which a contact rests."""
 
 
 @dataclass(frozen=True)
 class TouchLog:
-    """F frames of a touch device with R contacts in all; every frame holds all that are down.
+    """F frames of a touch device with R contacts in total; every frame contains all contacts that
+    are down.
 
     Attributes:
         time: (F,) s on the device's clock, in the order of arrival.
         frame: (R,) int, index of each row's frame, ascending.
-        ids: (R,) int.
+        ids: (R,) int, contact ids.
         xy: (R, 2) m on the surface, x right and y down.
     """
 
@@ -61,10 +62,10 @@ class ContactTrack:
     """One contact from touch-down to touch-up.
 
     Attributes:
-        id: As the device gave it.
-        time: (n,) s, when it was seen, increasing.
-        xy: (n, 2) m.
-        end: s, when it was first seen to be gone.
+        id: The device's id.
+        time: (n,) s, times of its samples, increasing.
+        xy: (n, 2) m, positions.
+        end: s, first frame without it.
     """
 
     id: int
@@ -74,14 +75,14 @@ class ContactTrack:
 
     @property
     def start(self) -> float:
-        """s, when it was first seen."""
+        """Time of the first sample, s."""
         return float(self.time[0])
 
     def at(self, times: Array, gap: float) -> Array:
-        """(m, 2) m, places at times within its life.
+        """Positions (m, 2) m at times within its life.
 
-        Between two sights a straight line; where they are more than `gap` apart the finger rested,
-        since devices report what moves.
+        Interpolated linearly between two samples. In gaps longer than `gap` the finger rested,
+        since devices report only moving fingers.
         """
         after = np.clip(np.searchsorted(self.time, times, side="right"), 1, len(self.time) - 1)
         if len(self.time) == 1:
@@ -90,7 +91,7 @@ class ContactTrack:
         span = self.time[after] - self.time[before]
         begin = np.maximum(self.time[before], self.time[after] - gap)
         share = np.clip((times - begin) / np.minimum(span, gap), 0, 1)[:, None]
-        # At or after the last sight it stays where it was.
+        # At or after the last sample it stays where it was.
         share[times >= self.time[-1]] = 1.0
         return self.xy[before] + share * (self.xy[after] - self.xy[before])
 
@@ -98,7 +99,7 @@ class ContactTrack:
 def sound_contacts(
     log: TouchLog, rules: ConversionRules, report: ConversionReport
 ) -> list[ContactTrack]:
-    """The contacts of a log without its glitches, by time; what is dropped is counted."""
+    """Extracts the contacts of a log without its glitches, by time; counts dropped ones."""
     good = log.time >= np.maximum.accumulate(log.time)
     good[1:] &= log.time[1:] > np.maximum.accumulate(log.time)[:-1]
     report.drop_parts("touch frames whose time ran backwards or stood still", int((~good).sum()))
@@ -115,10 +116,10 @@ def sound_contacts(
 
 
 def _period(time: Array, rules: ConversionRules) -> float:
-    """s between frames while there are any.
+    """Period in s between frames of an active device.
 
-    Frames of a sender that stamps nothing have the times of their arrival, and arrive bunched: what
-    moved within a period must not look as if it had moved within no time.
+    Frames without time stamps have the times of their arrival, and arrive in bunches: a movement
+    within a period must not appear instantaneous.
     """
     steps = np.diff(time)
     steps = steps[steps < rules.gap]
@@ -126,7 +127,7 @@ def _period(time: Array, rules: ConversionRules) -> float:
 
 
 def _lives(log: TouchLog, good: NDArray[np.bool_]) -> list[tuple[ContactTrack, bool]]:
-    """Contacts, cut where a frame lacks them, and whether they were seen to end."""
+    """Contacts, cut where a frame lacks them, with booleans of whether their end was seen."""
     order = np.flatnonzero(good)
     number = np.full(len(log.time), -1)
     number[order] = np.arange(len(order))
@@ -149,7 +150,7 @@ def _lives(log: TouchLog, good: NDArray[np.bool_]) -> list[tuple[ContactTrack, b
 def _without_jumps(
     track: ContactTrack, period: float, rules: ConversionRules, report: ConversionReport
 ) -> list[ContactTrack]:
-    """A contact without samples that leap out and back, cut where it leaps and stays."""
+    """Removes samples that jump away and back, and cuts a contact where it jumps and stays."""
     time, xy = track.time, track.xy
 
     def leaps(a: int, b: int) -> bool:
@@ -175,7 +176,7 @@ def _without_jumps(
 def _without_rest(
     track: ContactTrack, rules: ConversionRules, report: ConversionReport
 ) -> ContactTrack:
-    """A contact that never ended, without the rest at its end if that is long."""
+    """Removes a long rest at the end of a contact that never ended."""
     moved = np.linalg.norm(track.xy - track.xy[-1], axis=1) > _STILL
     last = int(np.flatnonzero(moved)[-1]) + 1 if moved.any() else 0
     if track.end - track.time[last] < rules.stuck:

@@ -1,4 +1,4 @@
-"""Everything about the second simulated subject that somebody chose, with units.
+"""Settings of the second simulated subject, with units.
 
 Frame counts are the paper's (Chung, Kim, Han, Pollard 2015, section 4; its split between two and
 five fingers is ours). All else is a guess at how a hand is moved and measured. Amplitudes were set
@@ -11,18 +11,18 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 SEED = 0
-"""Of the subject that examples and tests speak of."""
+"""Seed of the subject in examples and tests."""
 
 
 @dataclass(frozen=True)
 class SecondConfiguration:
-    """How second subjects move, how they are measured, and what they are asked to do.
+    """Settings of movement, measurement and tasks of second subjects.
 
     A spread is the half width of a uniform habit, or the scale of a heavy-tailed variation.
 
     Attributes:
         training_frames: Frames of day 0 with 2, 3, 4 and 5 fingers.
-        test_frames: The same of every later day.
+        test_frames: The same for every later day.
         training_rate: Hz of day 0.
         test_rate: Hz of later days.
         five_finger_repeats: Clips of each gesture with all fingers.
@@ -31,18 +31,17 @@ class SecondConfiguration:
         landing: s, in which a finger comes down before it touches, and rises afterwards.
 
         pace: s, least and greatest time from one keyframe to the next.
-        strength: Least and greatest share of a grip against the relaxed hand.
-        bold: Share of keyframes that do their grip to the utmost.
-        whim: Share of keyframes that take another grip than the take's.
-        calm: Factor on strength, turns and ways in free play.
-        way: m, half width and half height of the field in which the fingers' middle moves.
+        strength: Least and greatest share of a grip, relative to the relaxed hand.
+        bold: Share of keyframes with the full grip.
+        whim: Share of keyframes with another grip than the take's.
+        calm: Factor on strength, rotations and movements in free play.
+        way: m, half width and half height of the area in which the fingers' middle moves.
         turn: rad, least and greatest yaw of turning, 0 straight away from the person.
         bias: rad, half range of the yaw that a take with another gesture keeps to.
         forearm: Share of the direction from elbow to fingers in the yaw.
         elbow: m, from the near edge of the screen to the elbow.
 
-        habit: Spread of the manner that a take keeps to, in the order of `manners.MANNERS`
-            (rad, but for the last, m).
+        habit: Spread of a take's manner, in the order of `manners.MANNERS` (rad; the last in m).
         variety: Scale of the manner's change from keyframe to keyframe, likewise.
         drift: Greatest step of a habit from take to take, as a share of its spread.
         tail: Degrees of freedom of the Student distribution of the variety.
@@ -50,7 +49,7 @@ class SecondConfiguration:
         tip_width: m, distance that fingertips keep.
         tip_height: m, middle of a touching fingertip above the screen.
         wrist: m, least height of the wrist, where the heel of the hand rests on the table.
-        level: Share of the palm's tilt that would make touching fingertips level, which is done.
+        level: Share of the tilt that would level the touching fingertips that the palm follows.
         clearance: m, least height of a lifted fingertip's middle above a touching one's.
         raise_: rad, least and greatest angle by which a subject lifts one of its fingers.
         lift_variety: Least and greatest factor on that from take to take.
@@ -67,7 +66,7 @@ class SecondConfiguration:
 
         day_manner: Shift of all habits on another day, as a share of their spread.
         day_elbow: m, by which the subject sits elsewhere.
-        taste: Scale of a subject's preference for some sets of fingers over others.
+        taste: Scale of a subject's preferences among finger sets.
     """
 
     training_frames: tuple[int, int, int, int] = (2500, 2020, 874, 1689)
@@ -127,4 +126,4 @@ class SecondConfiguration:
 
 
 FROZEN = SecondConfiguration()
-"""The configuration of all captures that are reported on."""
+"""The configuration of all captures in reports."""

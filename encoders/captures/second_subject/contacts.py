@@ -1,4 +1,4 @@
-"""Which fingers touch when: the script of day 0, free play of later days, and contact ids."""
+"""Finger sets over time: the script of day 0, free play on later days, and contact ids."""
 
 from __future__ import annotations
 
@@ -17,12 +17,13 @@ Mask = NDArray[np.bool_]
 SETS = np.array(
     [[bool(code >> f & 1) for f in range(5)] for code in range(32) if code.bit_count() >= 2]
 )
-"""(26, 5) which fingers each set of two or more fingers has."""
+"""Booleans (26, 5): the fingers of each set of two or more fingers."""
 
 
 @dataclass(frozen=True)
 class Take:
-    """What one take asks for: (n, 5) which fingers touch, Hz, gestures, and whether it is play."""
+    """Settings of one take: touching fingers (n, 5), rate in Hz, gestures, and whether it is free
+    play."""
 
     down: Mask
     rate: float
@@ -36,7 +37,7 @@ class Take:
 
 
 def script(c: SecondConfiguration) -> list[Take]:
-    """Day 0: every set of fingers with every gesture, so that no set is unknown later."""
+    """Script of day 0: every finger set with every gesture, so that every set is known later."""
     takes = []
     for size, frames in enumerate(c.training_frames, start=2):
         chosen = SETS[SETS.sum(axis=1) == size]
@@ -50,20 +51,21 @@ def script(c: SecondConfiguration) -> list[Take]:
 
 
 def tastes(rng: np.random.Generator, scale: float) -> Array:
-    """(26,) how much a subject likes each set of fingers.
+    """Preference (26,) of a subject for each finger set.
 
-    Anybody likes the thumb, and fingers in a row from the index. Beyond that everybody has habits,
-    some of them strong: they are Laplace distributed in the logarithm.
+    All subjects prefer the thumb, and fingers in a row from the index. Individual preferences, some
+    of them strong, have a Laplace distribution in the logarithm.
     """
     others = SETS[:, 1:]
-    # Fingers passed over between the index and the outermost finger in use.
+    # Unused fingers between the index and the outermost finger in use.
     skipped = (4 - others[:, ::-1].argmax(axis=1)) - others.sum(axis=1)
     liking = np.log(2.0) * SETS[:, 0] - 0.9 * skipped
     return np.exp(liking + rng.laplace(0, scale, len(SETS)))
 
 
 def free_play(rng: np.random.Generator, taste: Array, c: SecondConfiguration) -> list[Take]:
-    """A later day: stretches with one set each, strung together where one or two fingers change."""
+    """Free play of a later day: stretches with one set each, joined where one or two fingers
+    change."""
     stretches = _stretches(rng, taste, c)
     takes = []
     while stretches:
@@ -85,7 +87,8 @@ def free_play(rng: np.random.Generator, taste: Array, c: SecondConfiguration) ->
 def _stretches(
     rng: np.random.Generator, taste: Array, c: SecondConfiguration
 ) -> list[tuple[int, int]]:
-    """(set, frames) of the stretches of a day; frames of every set size add up to the day's."""
+    """Pairs (set, frames) of a day's stretches; the frames of every set size add up to the
+    day's."""
     out = []
     low, high = (int(s * c.test_rate) for s in c.stay)
     for size, left in enumerate(c.test_frames, start=2):
@@ -93,7 +96,7 @@ def _stretches(
         odds = taste[chosen] / taste[chosen].sum()
         while left:
             frames = int(rng.integers(low, high + 1))
-            # The last one takes what would be too short for one of its own.
+            # The last stretch includes a remainder that would be too short for its own stretch.
             frames = left if left - frames < low else frames
             out.append((int(rng.choice(chosen, p=odds)), frames))
             left -= frames
@@ -101,7 +104,7 @@ def _stretches(
 
 
 def closeness(down: Mask, rate: float, landing: float) -> Array:
-    """(n, 5) 1 while a finger touches, on a smooth way from and to 0 before and afterwards."""
+    """Values (n, 5): 1 while a finger touches, with smooth transitions from and to 0."""
     n = len(down)
     frame = np.arange(n)[:, None]
     before = np.maximum.accumulate(np.where(down, frame, -n * 9), axis=0)
@@ -111,9 +114,9 @@ def closeness(down: Mask, rate: float, landing: float) -> Array:
 
 
 def contact_ids(down: Mask, first: int) -> tuple[NDArray[np.int64], int]:
-    """(n, 5) id of every contact, -1 while lifted, and the next id that is free.
+    """Contact ids (n, 5), -1 while lifted, and the next free id.
 
-    An id lives from touch-down to touch-up and is never used again.
+    An id lasts from touch-down to touch-up and is never used again.
     """
     ids = np.full(down.shape, -1, np.int64)
     living = np.full(down.shape[1], -1, np.int64)

@@ -1,8 +1,8 @@
-"""Named grips, the manner in which a person does them, and the way from one to the next.
+"""Named grips, a person's manner of doing them, and the movement between them.
 
-A take is a row of keyframes. Each is a grip, done more or less, in a manner of its own, and the
-hand glides from one to the next along a monotone cubic spline (Fritsch and Carlson 1980), which
-never overshoots a keyframe. No covariance of postures is assumed anywhere.
+A take is a sequence of keyframes. Each is a grip of some strength in its own manner, and the hand
+moves from one to the next along a monotone cubic spline (Fritsch and Carlson 1980), which never
+overshoots a keyframe. No covariance of postures is assumed anywhere.
 """
 
 from __future__ import annotations
@@ -40,23 +40,23 @@ _BETWEEN = {
     "pinch": (("open", "fan", "disk", "flat"), ("pinch", "tripod", "purse", "point")),
     "rotate": (("sphere", "disk", "tripod", "open"), ("sphere", "purse", "claw", "relaxed")),
 }
-"""Gesture -> grips of its two ends, between which it goes to and fro."""
+"""Grips at the two ends of every gesture, which moves to and fro between them."""
 
 MANNERS = (
     "knuckles", "middle joints", "knuckles by finger", "middle joints by finger", "sweep", "spread",
     "thumb first", "thumb second", "thumb swing", "thumb roll", "pitch", "roll", "palm height",
 )  # fmt: skip
-"""What varies beside the grip; all rad but the last, m. Sweep: all fingers sideways, so that the
-hand stands askew over its touches. By finger: index less, little more."""
+"""Parameters that vary in addition to the grip; all in rad, the last in m. Sweep: all fingers
+sideways, so that the hand stands askew over its touches. By finger: index less, little more."""
 
 _SIDE = np.array([-1.0, -0.3, 0.4, 1.0])
 
 TILT = {"flat": -4.0, "claw": -8.0, "hook": -10.0, "open": 4.0, "fan": 6.0, "purse": -6.0}
-"""Grip -> degrees by which the palm's front is raised for it."""
+"""Degrees by which the palm's front is raised, by grip."""
 
 
 def grip(name: str) -> Array:
-    """(5, 5) rad, `hand.ANGLES` of a named grip."""
+    """`hand.ANGLES` (5, 5) rad of a named grip."""
     thumb, swings, firsts, seconds = _GRIPS[name]
     out = np.zeros((5, 5))
     out[0, [SWING, FIRST, SECOND, ROLL]] = thumb
@@ -65,14 +65,14 @@ def grip(name: str) -> Array:
 
 
 def path(times: Array, knots: Array, values: Array) -> Array:
-    """(n, ...) values at times (n,), along a monotone spline through knots (k,), k >= 2."""
+    """Values (n, ...) at times (n,), on a monotone spline through knots (k,), k >= 2."""
     from scipy.interpolate import PchipInterpolator
 
     return np.asarray(PchipInterpolator(knots, values, axis=0)(times))
 
 
 def knots(rng: np.random.Generator, duration: float, pace: tuple[float, float]) -> Array:
-    """(k,) s, moments of keyframes that cover a take from before its start to after its end."""
+    """Times (k,) s of keyframes, from before a take's start to after its end."""
     count = int(duration / pace[0]) + 3
     moments = np.cumsum(rng.uniform(*pace, count)) - rng.uniform(0.5, 1.5) * pace[1]
     return moments[: int(np.searchsorted(moments, duration)) + 2]
@@ -83,8 +83,8 @@ def keyframes(
 ) -> tuple[Array, Array]:
     """Grips of a take.
 
-    A take has one grip for each end of its gesture, from which a keyframe departs on a whim; each
-    keyframe does its grip more or less.
+    A take has one grip for each end of its gesture, which some keyframes replace by another; the
+    strength of the grip varies between keyframes.
 
     Returns:
         (k, 5, 5) angles and (k,) tilt of the palm, rad.
@@ -104,7 +104,7 @@ def keyframes(
 
 
 def with_manner(angles: Array, manner: Array) -> Array:
-    """Angles (n, 5, 5) done in a manner (n, 13), see `MANNERS`."""
+    """Angles (n, 5, 5) modified by a manner (n, 13), see `MANNERS`."""
     out = angles.copy()
     m = manner[..., None]
     out[:, 1:, FIRST] += m[:, 0] + m[:, 2] * _SIDE
@@ -119,5 +119,5 @@ def with_manner(angles: Array, manner: Array) -> Array:
 
 
 def clamped(angles: Array, hand: Hand) -> Array:
-    """Angles within what the hand can do."""
+    """Angles limited to the hand's ranges."""
     return np.clip(angles, *hand.reach_limits)

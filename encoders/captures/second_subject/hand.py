@@ -1,8 +1,8 @@
-"""The second subject's hand: its bones, its joints, and where they put the fingertips.
+"""The second subject's hand: bones, joints and forward kinematics.
 
-Everything here is written anew and shares no code with `models.kinematics` or with the first
-subject. Only the meaning of the 48 numbers is common: frames, order of joints and the flexions at
-which a joint counts as zero are those of `models.skeleton`, so that angles can be compared.
+This module shares no code with `models.kinematics` or with the first subject. Only the meaning of
+the 48 numbers is common: frames, order of joints and the flexions at which a joint counts as zero
+are those of `models.skeleton`, so that angles can be compared.
 
 A finger is a planar chain on a saddle: the knuckle swings sideways by one angle, and all three
 joints then bend in the plane to which it swung. The thumb is the same with two bones, and rolls
@@ -30,10 +30,10 @@ from models.pose import BALL_JOINTS, JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTA
 Array = NDArray[np.float64]
 
 ANGLES = ("swing", "first", "second", "roll", "last")
-"""Of a finger, rad: sideways at the knuckle (towards the thumb positive); flexion of the knuckle,
-of the middle joint; roll about the line from knuckle to tip (the thumb's alone); flexion of the
-last joint beyond what the middle joint's brings with it. Flexions count from the straight finger,
-the thumb's first from its resting direction."""
+"""Angles of a finger, rad: sideways at the knuckle (towards the thumb positive); flexion of the
+knuckle, of the middle joint; roll about the line from knuckle to tip (the thumb's alone); flexion
+of the last joint beyond what the middle joint's brings with it. Flexions count from the straight
+finger, the thumb's first from its resting direction."""
 SWING, FIRST, SECOND, ROLL, LAST = range(5)
 
 TENDON = np.array([0.0, 0.62, 0.62, 0.60, 0.55])
@@ -49,14 +49,14 @@ class Hand:
     """A right hand. Arrays have one row per finger, the thumb first; lengths are m, angles rad.
 
     Attributes:
-        name: Written into captures.
+        name: Name in captures.
         knuckle: (5, 3) in the hand frame: origin at the wrist, y along the fingers, z out of the
             back of the hand, x towards the little finger.
         saddle: (5, 3, 3) hand from the knuckle's frame, in which a zero joint's bone lies along y.
         bones: (5, 3) lengths, the last one to the middle of the fingertip; the thumb's third is 0.
         zero: (5, 3) flexion at which each joint counts as zero.
         tip_radius: (5,) of the fingertips' flesh.
-        reach_limits: (2, 5, 5) least and greatest of `ANGLES`, as a person moves them.
+        reach_limits: (2, 5, 5) least and greatest of `ANGLES` in voluntary movement.
     """
 
     name: str
@@ -68,7 +68,7 @@ class Hand:
     reach_limits: Array
 
     def joint_limits(self) -> tuple[Array, Array]:
-        """(42,) least and (42,) greatest rotation-vector components of legal poses, rad.
+        """Least (42,) and greatest (42,) rotation-vector components of legal poses, rad.
 
         Clinical ranges (knuckle -20 to 85 degrees of flexion, middle joint 0 to 105, last joint
         -10 to 75), less their zeros, with a few degrees of play at joints that are nearly hinges.
@@ -88,11 +88,11 @@ class Hand:
 
     @property
     def last_bone(self) -> NDArray[np.int64]:
-        """(5,) index of each finger's outermost bone."""
+        """Index (5,) of each finger's outermost bone."""
         return _FIRST_BONE + np.array(_BONES) - 1
 
     def rests(self) -> Array:
-        """(14, 3, 3) parent from bone at a zero joint."""
+        """Rotations (14, 3, 3) parent from bone at a zero joint."""
         out = np.empty((BALL_JOINTS, 3, 3))
         for finger, (first, count) in enumerate(zip(_FIRST_BONE, _BONES, strict=True)):
             out[first] = self.saddle[finger]
@@ -101,12 +101,12 @@ class Hand:
         return out
 
     def bent(self, angles: Array) -> Array:
-        """(..., 5, 3) flexions of the three joints, from straight, of `ANGLES` (..., 5, 5)."""
+        """Flexions (..., 5, 3) of the three joints, from straight, for `ANGLES` (..., 5, 5)."""
         last = TENDON * angles[..., SECOND] + angles[..., LAST]
         return np.stack([angles[..., FIRST], angles[..., SECOND], last], axis=-1)
 
     def tips_in_palm(self, angles: Array) -> Array:
-        """(..., 5, 3) m, fingertips in the hand frame, of `ANGLES` (..., 5, 5)."""
+        """Fingertips (..., 5, 3) m in the hand frame, for `ANGLES` (..., 5, 5)."""
         slope = np.cumsum(self.bent(angles), axis=-1) - self.zero[:, :1]
         forward = (self.bones * np.cos(slope)).sum(axis=-1)
         down = (self.bones * np.sin(slope)).sum(axis=-1)
@@ -115,12 +115,12 @@ class Hand:
         return (self.saddle @ local[..., None])[..., 0] + self.knuckle
 
     def pose(self, root: Array, turn: Array, angles: Array) -> Array:
-        """(n, 48) pose.
+        """Poses (n, 48) of wrist and angles.
 
         Args:
-            root: (n, 3) m, place of the wrist.
-            turn: (n, 3, 3) its rotation.
-            angles: (n, 5, 5) `ANGLES`.
+            root: (n, 3) m, position of the wrist.
+            turn: (n, 3, 3) rotation of the wrist.
+            angles: (n, 5, 5) `ANGLES` of the fingers.
         """
         from scipy.spatial.transform import Rotation
 
@@ -148,7 +148,7 @@ class Hand:
         """Forward kinematics of poses (n, 48).
 
         Returns:
-            Places of the joints (n, 14, 3), rotations of the bones (n, 14, 3, 3) and fingertips
+            Positions of the joints (n, 14, 3), rotations of the bones (n, 14, 3, 3) and fingertips
             (n, 5, 3), m, in the frame of the poses' roots.
         """
         from scipy.spatial.transform import Rotation
@@ -170,7 +170,7 @@ class Hand:
         return places, rotations, tips
 
     def tips(self, q: Array) -> Array:
-        """(n, 5, 3) m, middles of the fingertips of poses (n, 48)."""
+        """Middles (n, 5, 3) m of the fingertips of poses (n, 48)."""
         return self.chain(q)[2]
 
 
@@ -194,7 +194,7 @@ def _about_z(angle: Array | float) -> Array:
 
 
 def _turn(angle: Array, i: int, j: int) -> Array:
-    """(..., 3, 3) rotation that takes axis i towards axis j."""
+    """Rotation (..., 3, 3) that turns axis i towards axis j."""
     out = np.zeros((*angle.shape, 3, 3))
     out[..., 3 - i - j, 3 - i - j] = 1.0
     out[..., i, i] = out[..., j, j] = np.cos(angle)
@@ -204,13 +204,14 @@ def _turn(angle: Array, i: int, j: int) -> Array:
 
 
 def attitude(yaw: Array, pitch: Array, roll: Array) -> Array:
-    """(n, 3, 3) rotation of a hand, rad: yaw counterclockwise seen from above, fingers up, and
-    the little finger's side down."""
+    """Rotation (n, 3, 3) of a hand from angles in rad: yaw counterclockwise seen from above, pitch
+    with fingers up, and roll with the little finger's side down."""
     return _about_z(yaw) @ _about_x(pitch) @ _about_y(roll)
 
 
 def _thumb_saddle() -> Array:
-    """(3, 3) resting thumb: forwards, outwards and down, its pad towards the other fingers."""
+    """Rotation (3, 3) of the resting thumb: forwards, outwards and down, its pad towards the other
+    fingers."""
     along = np.array([-0.46, 0.64, -0.44])
     along /= np.linalg.norm(along)
     pad = np.array([0.66, 0.72, -0.15])

@@ -1,9 +1,8 @@
-"""What is measured of the second subject: touches by a screen, its hand through markers.
+"""Simulated measurement of the second subject: touches by a screen, its hand by markers.
 
-Markers do not err in joint angles but in places: each sits a little off the joint that it stands
-for, all day long, and trembles with the skin. Bones are then laid through the markers. An error of
-one marker therefore turns the two bones that meet there in opposite directions, and short bones
-more than long ones.
+Markers have errors of position, not of joint angle: each sits a little off its joint, all day long,
+and trembles with the skin. Bones are then laid through the markers. So an error of one marker turns
+the two bones that meet there in opposite directions, and short bones more than long ones.
 """
 
 from __future__ import annotations
@@ -31,14 +30,14 @@ def touches(
     surface: Surface,
     c: SecondConfiguration,
 ) -> Array:
-    """(n, 5, 2) m on the surface, x right and y down: where a screen would see the fingertips.
+    """Touches (n, 5, 2) m of the fingertips as a screen reports them, x right and y down.
 
     Args:
         rng: Source of jitter.
         tips: (n, 5, 3) m, 3-D surface frame.
         along: (n, 5, 3) directions of the last bones.
         takes: (n,) number of the take; jitter is forgotten between takes.
-        rate: Hz.
+        rate: Hz of the frames.
         surface: The screen.
         c: Sizes of errors.
     """
@@ -57,24 +56,24 @@ def touches(
 
 
 class Markers:
-    """The markers of one day.
+    """The markers of one day, with their errors.
 
     Args:
-        rng: Where they happen to sit.
+        rng: Source of the markers' errors.
         hand: The hand that wears them.
         c: Sizes of errors.
     """
 
     def __init__(self, rng: np.random.Generator, hand: Hand, c: SecondConfiguration) -> None:
         self._hand, self._c = hand, c
-        # Of joints and fingertips, in the frames of the bones that carry them; uniform in a box
-        # with the variance of c.marker.
+        # Errors of joints and fingertips, in the frames of their bones; uniform in a box with the
+        # variance of c.marker.
         self._joints = np.sqrt(3) * c.marker * rng.uniform(-1, 1, (BALL_JOINTS, 3))
         self._tips = np.sqrt(3) * c.marker * rng.uniform(-1, 1, (5, 3))
         self._palm = np.sqrt(3) * c.palm_marker * rng.uniform(-1, 1, (3, 3))
 
     def poses(self, rng: np.random.Generator, q: Array) -> Array:
-        """(n, 48) poses as measured, within the limits of the joints, of poses (n, 48)."""
+        """Measured poses (n, 48), within the limits of the joints, of poses (n, 48)."""
         from scipy.spatial.transform import Rotation
 
         hand, c, n = self._hand, self._c, len(q)
@@ -92,7 +91,7 @@ class Markers:
 
         root = Rotation.from_rotvec(q[:, ROOT_ROTATION]).as_matrix()
         wrist, index, little = np.swapaxes(self._palm + tremble(3), 0, 1)
-        # Small turns of the palm that its three markers would make it seem to have.
+        # Small apparent rotations of the palm, caused by errors of its three markers.
         length, width = hand.knuckle[2, 1], hand.knuckle[4, 0] - hand.knuckle[1, 0]
         middle = 0.5 * (index + little)
         lean = np.stack(
@@ -118,7 +117,8 @@ class Markers:
 
 
 def _onto(rotations: Array, lines: Array) -> Array:
-    """Rotations (..., 3, 3) turned the shortest way until their y lies along lines (..., 3)."""
+    """Rotates rotations (..., 3, 3) the shortest way until their y axis lies along lines (...,
+    3)."""
     y = rotations[..., 1]
     goal = lines / np.linalg.norm(lines, axis=-1, keepdims=True)
     axis = np.cross(y, goal)
@@ -131,6 +131,6 @@ def _onto(rotations: Array, lines: Array) -> Array:
 
 
 def _between(before: Array, after: Array, hand: Hand) -> Array:
-    """(n, 14, 3, 3) ball joints that lead from the bones before (n, 14, 3, 3) to those after."""
+    """Joint rotations (n, 14, 3, 3) from the parent bones (n, 14, 3, 3) to their children."""
     rest = hand.rests()
     return np.swapaxes(before @ rest, -1, -2) @ after

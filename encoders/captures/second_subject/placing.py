@@ -1,10 +1,10 @@
-"""How a wished-for hand meets the screen: the wrist's place, touching fingers, lifted fingers.
+"""Adapts an intended hand pose to the screen: wrist, touching fingers, lifted fingers.
 
-The wrist is placed first, by rule: so that the middle of the used fingertips is where it should be,
-and as high as the grip holds its fingertips. Then every finger for itself reaches for its own spot
-on the screen, which has to satisfy the screen's edge, the neighbours and the joints; one demand is
-met after the other, for a few rounds (alternating projections). What cannot be met moves the touch,
-for a finger that cannot reach a spot touches elsewhere. Lifted fingers follow rules.
+The wrist is placed first, by rule: the middle of the used fingertips is at its target, at the
+height of the grip's fingertips. Then every finger reaches for its own point on the screen, which
+has to satisfy the screen's edge, the neighbours and the joints; one constraint is met after the
+other, for a few rounds (alternating projections). A finger that cannot reach its point touches
+elsewhere. Lifted fingers follow rules.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ from models.surface import Surface
 Array = NDArray[np.float64]
 
 _ROUNDS = 6
-"""Of meeting all demands on the touches."""
+"""Rounds of meeting all constraints on the touches."""
 
 _SETTLINGS = 3
-"""Of raising or lowering the wrist to where its fingers reach the screen."""
+"""Rounds of raising or lowering the wrist until its fingers reach the screen."""
 
 _STEADY = 0.015
 """m, spread of fingertips at which the palm follows half of their plane's slope."""
@@ -43,24 +43,24 @@ _NEIGHBOURS = np.array(
         [0, 0, 0.3, 1, 0],
     ]
 )
-"""How much each finger (row) is tied to each other."""
+"""Coupling of each finger (row) to each other finger."""
 
 
 @dataclass(frozen=True)
 class Wish:
-    """What the hand would do; arrays have one row per frame.
+    """The intended movement of the hand, before the screen is considered; one row per frame.
 
     Attributes:
-        angles: (n, 5, 5) rad, of the grip.
-        yaw: (n,) rad, of the hand, as are pitch and roll.
+        angles: (n, 5, 5) rad, angles of the grip.
+        yaw: (n,) rad, yaw of the hand.
         pitch: (n,) rad, fingers up.
         roll: (n,) rad, little finger down.
-        height: (n,) m, by which the palm is held higher than the grip would have it.
-        middle: (n, 2) m, where the used fingertips' middle should be.
-        used: (n, 5) which fingers touch at some time of the take.
+        height: (n,) m by which the palm is higher than the grip alone would place it.
+        middle: (n, 2) m, target of the used fingertips' middle.
+        used: (n, 5) booleans, fingers that touch at some time of the take.
         close: (n, 5) 1 while a finger touches, 0 while it is fully lifted.
-        lift: (n, 5) rad, by which a lifted finger is raised.
-        curl: (n, 5) whether it is raised by curling.
+        lift: (n, 5) rad by which a lifted finger is raised.
+        curl: (n, 5) booleans, true if it is raised by curling.
         coupling: (n, 5) share of its neighbours' bending that a lifted finger follows.
     """
 
@@ -78,14 +78,15 @@ class Wish:
 
     @staticmethod
     def joined(parts: list[Wish]) -> Wish:
-        """All takes of a day in one."""
+        """Concatenates all takes of a day."""
         return Wish(*(np.concatenate([getattr(p, f.name) for p in parts]) for f in fields(Wish)))
 
 
 def place(
     wish: Wish, hand: Hand, surface: Surface, c: SecondConfiguration
 ) -> tuple[Array, Array, Array]:
-    """Places (n, 3) m and rotations (n, 3, 3) of the wrist, and angles (n, 5, 5) of the fingers."""
+    """Positions (n, 3) m and rotations (n, 3, 3) of the wrist, and angles (n, 5, 5) of the
+    fingers."""
     in_palm = hand.tips_in_palm(wish.angles)
     down, up = _levelling(in_palm, wish.close)
     pitch, roll = wish.pitch + c.level * up, wish.roll + c.level * down
@@ -107,10 +108,10 @@ def place(
 
 
 def _levelling(tips: Array, close: Array) -> tuple[Array, Array]:
-    """Turns (n,) rad, little finger down and fingers up, that would make touching tips level.
+    """Rotations (n,) rad, little finger down and fingers up, that would level the touching tips.
 
-    The plane through the fingertips (n, 5, 3) m in the hand frame, by least squares with a penalty
-    on its slope: two fingers side by side are no reason to turn the palm on edge.
+    Fits a plane to the fingertips (n, 5, 3) m in the hand frame, by least squares with a penalty on
+    its slope, so that two fingers side by side do not turn the palm on edge.
     """
     flat = tips - _mean(tips, close)[:, None]
     weighted = flat * close[..., None]
@@ -122,13 +123,13 @@ def _levelling(tips: Array, close: Array) -> tuple[Array, Array]:
 
 
 def _mean(values: Array, weights: NDArray[np.generic]) -> Array:
-    """(n, d) mean of (n, 5, d) with weights (n, 5)."""
+    """Mean (n, d) of (n, 5, d) with weights (n, 5)."""
     w = np.asarray(weights, float)[..., None]
     return np.asarray((values * w).sum(axis=1) / w.sum(axis=1))
 
 
 def _middle(tips: Array, wish: Wish, surface: Surface) -> Array:
-    """(n, 2) m, the wished-for middle, moved until the used fingertips are on the screen."""
+    """The target (n, 2) m of the middle, moved until the used fingertips are on the screen."""
     flat = tips[..., :2] - _mean(tips[..., :2], wish.used)[:, None]
     used = wish.used[..., None]
     low = np.where(used, flat, np.inf).min(axis=1)
@@ -148,7 +149,8 @@ def _touching(
     surface: Surface,
     c: SecondConfiguration,
 ) -> tuple[Array, Array]:
-    """Angles (n, 5, 5) with all fingertips on the screen, and how far off it they stay (n, 5) m."""
+    """Angles (n, 5, 5) with all fingertips on the screen, and their remaining distances (n, 5) m
+    from it."""
     spots, angles = goals.copy(), wish.angles
     for _ in range(_ROUNDS):
         spots = _apart(spots, turn, c.tip_width)
@@ -162,9 +164,9 @@ def _touching(
 
 
 def _apart(spots: Array, turn: Array, width: float) -> Array:
-    """Spots (n, 5, 3) in which no finger is in another's way.
+    """Points (n, 5, 3) at which fingers do not overlap.
 
-    Fingers give way to the side, across the hand, in the order in which they grow; the thumb stays
+    Fingers move to the side, across the hand, in their anatomical order; the thumb stays
     behind a parabola about each fingertip, so that it never jumps from one side of it to the other.
     """
     out = spots.copy()
@@ -191,8 +193,8 @@ def _lifted(
 ) -> Array:
     """Angles (n, 5, 5) of fingers while they are lifted.
 
-    A lifted finger does as its grip says, is drawn along by what neighbours on the screen have to
-    do instead, and is raised; further, until it clears the screen.
+    A lifted finger follows its grip and, partly, the adapted bending of its neighbours on the
+    screen. It is raised at least until it clears the screen.
     """
     low, high = hand.reach_limits
     ties = _NEIGHBOURS * wish.close[:, None, :]
@@ -219,5 +221,5 @@ def _lifted(
 
 
 def _height(angles: Array, root: Array, turn: Array, hand: Hand) -> Array:
-    """(n, 5) m, of the fingertips above the screen."""
+    """Heights (n, 5) m of the fingertips above the screen."""
     return np.asarray(np.einsum("nj,nfj->nf", turn[:, 2], hand.tips_in_palm(angles)) + root[:, 2:])

@@ -1,10 +1,11 @@
-"""How one finger reaches a point: a planar chain with tied joints, in closed form but for one root.
+"""Inverse kinematics of one finger: a planar chain with coupled joints, solved in closed form
+except for one root.
 
 The sideways swing puts the finger's plane through the target. In that plane the chain's length
 depends on the middle joint alone, because the last joint follows it, and grows as it stretches; so
-the middle joint is found by halving an interval, and the knuckle takes up what is left. (With its
-last joint bent backwards, a finger is longest just before it is straight: half a millimetre.) The
-joints are then clamped to their ranges: an unreachable target is reached for, not reached.
+the middle joint is found by bisection, and the knuckle compensates for the rest. (With its last
+joint bent backwards, a finger is longest just before it is straight: half a millimetre.) The joints
+are then clamped to their ranges: the finger only points towards an unreachable target.
 """
 
 from __future__ import annotations
@@ -17,10 +18,10 @@ from encoders.captures.second_subject.hand import FIRST, LAST, SECOND, SWING, TE
 Array = NDArray[np.float64]
 
 _HALVINGS = 16
-"""Of a range of 90 degrees: to a thousandth of a degree."""
+"""Bisections of a range of 90 degrees, to a thousandth of a degree."""
 
 _AHEAD = 0.01
-"""m before the knuckle to which a target is brought: a finger does not bend backwards."""
+"""m in front of the knuckle, least distance of a target: a finger does not bend backwards."""
 
 
 def reach(hand: Hand, targets: Array, start: Array) -> Array:
@@ -36,7 +37,7 @@ def reach(hand: Hand, targets: Array, start: Array) -> Array:
     ahead = np.maximum(local[..., 1], _AHEAD)
     out = start.copy()
     out[..., SWING] = np.clip(np.arctan2(-local[..., 0], ahead), low[:, SWING], high[:, SWING])
-    # After clamping, what counts is the target's shadow on the plane that can be had.
+    # After clamping, use the target's projection on the reachable plane.
     forward = -local[..., 0] * np.sin(out[..., SWING]) + ahead * np.cos(out[..., SWING])
     down = -local[..., 2]
     span = np.hypot(forward, down)
@@ -56,7 +57,8 @@ def reach(hand: Hand, targets: Array, start: Array) -> Array:
 
 
 def _chord(hand: Hand, second: Array, last: Array) -> tuple[Array, Array]:
-    """Fingertip along and across the first bone, m, by the flexion of the middle joint."""
+    """Position of the fingertip along and across the first bone, m, from the middle joint's
+    flexion."""
     third = second + TENDON * second + last
     along = hand.bones[:, 0] + hand.bones[:, 1] * np.cos(second) + hand.bones[:, 2] * np.cos(third)
     across = hand.bones[:, 1] * np.sin(second) + hand.bones[:, 2] * np.sin(third)

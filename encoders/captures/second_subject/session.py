@@ -1,4 +1,4 @@
-"""The second subject at work: takes of a day become one capture."""
+"""Simulates the second subject: the takes of a day become one capture."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ from models.surface import Surface
 Array = NDArray[np.float64]
 
 _PERSON, _DAY, _PLAY, _TAKE, _SENSORS = range(11, 16)
-"""What a stream of random numbers is for; each has its own."""
+"""Purposes of random numbers; each has its own stream."""
 
 _PAUSE = 3.0
 """s between two takes."""
@@ -44,7 +44,7 @@ _PAUSE = 3.0
 
 @dataclass(frozen=True)
 class _Person:
-    """What is the same all day long: habits of a subject, and how it sits on that day."""
+    """Constants of one day: the subject's habits, and its seat on that day."""
 
     taste: Array
     coupling: Array
@@ -63,8 +63,8 @@ def simulate(
     """Captures a second simulated subject.
 
     Args:
-        configuration: How second subjects are.
-        seed: Which of them: its tastes and habits, and everything it does.
+        configuration: Settings of second subjects.
+        seed: Seed of the subject: its preferences, habits and all its actions.
         day: 0 plays the training script, every later day is free play. Markers are placed anew
             every day.
         progress: Called with the share done, 0 to 1.
@@ -82,7 +82,7 @@ def simulate(
     person = _person(seed, day, c, surface)
     play = np.random.default_rng([_PLAY, seed, day])
     takes = free_play(play, person.taste, c) if day else script(c)
-    # Day 0, too, in any order: habits drift, and would otherwise go along with the script.
+    # Day 0 is shuffled, too: habits drift, and would otherwise correlate with the script.
     takes = [takes[i] for i in play.permutation(len(takes))]
     habits = _drift(play, len(takes), c)
     wishes = []
@@ -143,7 +143,7 @@ def _person(seed: int, day: int, c: SecondConfiguration, surface: Surface) -> _P
 
 
 def _drift(rng: np.random.Generator, count: int, c: SecondConfiguration) -> Array:
-    """(count, manners) habits of takes in -1 to 1: a walk that turns back at both ends."""
+    """Habits (count, manners) of takes in -1 to 1: a random walk that is reflected at both ends."""
     steps = c.drift * rng.uniform(-1, 1, (count, len(MANNERS)))
     walk = rng.uniform(-1, 1, len(MANNERS)) + np.cumsum(steps, axis=0)
     return np.asarray(np.abs((walk + 1) % 4 - 2) - 1)
@@ -157,7 +157,7 @@ def _wish(
     surface: Surface,
     c: SecondConfiguration,
 ) -> Wish:
-    """What a take would look like if there were no screen to touch."""
+    """The intended movement of a take, before the screen is considered."""
     times = take.times
     calm = c.calm if take.free else 1.0
     moments = knots(rng, float(times[-1]), c.pace)
@@ -200,7 +200,7 @@ def _way(
     surface: Surface,
     c: SecondConfiguration,
 ) -> Array:
-    """(n, 2) m, way of the middle of the fingertips, 3-D surface frame."""
+    """Path (n, 2) m of the middle of the fingertips, 3-D surface frame."""
     centre = surface.size / 2 * [1, -1]
     moments = knots(rng, float(times[-1]), c.pace)
     field = np.array(c.way)
@@ -213,7 +213,7 @@ def _way(
 def _yaw(
     rng: np.random.Generator, times: Array, take: Take, calm: float, c: SecondConfiguration
 ) -> Array:
-    """(n,) rad: to and fro if the take turns, else nearly the same throughout."""
+    """Yaw (n,) rad: to and fro in a take with turning, otherwise nearly constant."""
     moments = knots(rng, float(times[-1]), c.pace)
     if "rotate" in take.gestures:
         low, high = calm * np.array(c.turn)

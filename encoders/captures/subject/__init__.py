@@ -1,9 +1,9 @@
-"""A simulated subject: it stands for the person whose hand and touches the paper captured.
+"""A simulated subject, which replaces the person captured for the paper.
 
 A reimplementation needs poses and touches of the same hand at the same time, and no public
-recording holds both. The subject moves a hand over a touch surface as a person might and is then
-measured, with errors, as a capture system and a touch screen would measure. Nothing it makes is
-real data, and everything made from it says so.
+recording contains both. The subject moves a hand over a touch surface as a person might, and is
+then measured with the errors of a capture system and a touch screen. Its captures are simulated,
+not real data, and everything made from them says so.
 """
 
 from encoders.captures.subject.configuration import FROZEN, SEED, SubjectConfiguration

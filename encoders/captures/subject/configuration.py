@@ -1,6 +1,6 @@
-"""Everything about the simulated subject that somebody chose, with units.
+"""Settings of the simulated subject, with units.
 
-Two kinds of numbers stand here. Sizes of sets and of the screen are the paper's (Chung, Kim, Han,
+Sizes of sets and of the screen are the paper's (Chung, Kim, Han,
 Pollard 2015, sections 3 and 4). Everything else is a guess at how a hand moves, of a plausible
 order of magnitude. Amplitudes and spreads among them were tuned until principal components and the
 paper's own method came near the paper's numbers (docs/encoding.md tells on which seeds), and were
@@ -13,19 +13,19 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 SEED = 0
-"""Of the capture that the built-in models are trained on."""
+"""Seed of the capture on which the built-in models are trained."""
 
 
 @dataclass(frozen=True)
 class SubjectConfiguration:
-    """How the subject moves, how it is measured, and what it is asked to do.
+    """Settings of movement, measurement and tasks of the subject.
 
     Attributes:
         training_frames: Frames with 2, 3, 4 and 5 fingers on day 0; the paper's 7,083 (its 2,020
             and 874 are printed, the split of the rest between 2 and 5 fingers is ours).
-        test_frames: The same of every later day; the paper's 2,538.
-        training_rate: Hz. Frames that follow each other say nearly the same, so the script is
-            sampled slowly: 7,083 frames last 8 minutes rather than 4.
+        test_frames: The same for every later day; the paper's 2,538.
+        training_rate: Hz. Successive frames are nearly equal, so the script is sampled slowly:
+            7,083 frames last 8 minutes rather than 4.
         test_rate: Hz of later days.
         five_finger_repeats: Clips of each gesture with all fingers; other sets have one.
         take_length: s, mean length of a take of a later day.
@@ -35,7 +35,7 @@ class SubjectConfiguration:
         move: m, amplitude of the hand's way over the surface.
         turn: rad, amplitude of the hand's turn about the surface's normal.
         grasp: Amplitude of opening and closing, as a share of the natural span.
-        grasp_closed: How far that is more closing than opening: 0 as much as, 1 nothing else.
+        grasp_closed: Bias towards closing: 0 opens as much as it closes, 1 only closes.
         widest: Greatest span, as a share of the natural one.
         pinch: Amplitude of thumb and fingers nearing each other, as a share of their distance.
         pinch_closed: As `grasp_closed`; at 1 a pinch never opens beyond the natural distance.
@@ -46,8 +46,8 @@ class SubjectConfiguration:
         aside: Share of the other gestures in a clip of one gesture.
         swing: s, least and greatest duration of one stroke of a gesture.
         variety: Least and greatest factor on a stroke's amplitude.
-        greatest_turn: rad, where the forearm comes to an end.
-        free_amplitude: Amplitude of free-form gestures against the script's.
+        greatest_turn: rad, limit of the forearm's rotation.
+        free_amplitude: Amplitude of free-form gestures relative to the script's.
 
         root_position_spread: m, of wrist x, y, z about its place over the layout.
         root_rotation_spread: rad, of pitch, roll and yaw.
@@ -60,7 +60,7 @@ class SubjectConfiguration:
         style: Spread of the posture aimed at, from take to take, as a share of the prior's.
         sway: The same within a take.
         root_variety: Factor on both for the root: arm and wrist vary more than their stiffness
-            against the fingers would tell, and the fingers make up for it.
+            relative to the fingers suggests, and the fingers compensate.
         sway_time: s, over which it changes.
         arm_turn: Share of the surface's turn that the hand makes.
         elbow: Share of the direction from elbow to hand in the hand's yaw.
@@ -75,7 +75,7 @@ class SubjectConfiguration:
             less the flesh that the surface flattens.
 
         pad_roll: m, from the fingertip's centre to the touch's when the finger lies flat.
-        touch_noise: m.
+        touch_noise: m, noise of touch positions.
         touch_resolution: dots per inch of the reported position; an iPad 2 has 132.
         soft_tissue: rad, slow error of joint angles, because markers move with the skin.
         soft_tissue_time: s, over which it changes.
@@ -88,9 +88,9 @@ class SubjectConfiguration:
         day_root: m and rad, the same of the root.
         day_style: Shift of the posture aimed at on another day, as a share of the prior's spread.
         day_elbow: m, by which the subject sits elsewhere.
-        day_yaw: rad, by which it holds the hand otherwise.
+        day_yaw: rad, change of the hand's yaw.
         free_style: Concentration of the mixture of gestures; below 1, one dominates.
-        natural: Exponent on how natural a set of fingers is, when the subject chooses freely.
+        natural: Exponent on the naturalness of a finger set, when the subject chooses freely.
     """
 
     training_frames: tuple[int, int, int, int] = (2500, 2020, 874, 1689)

@@ -1,4 +1,4 @@
-"""What the fingertips set out to do: gestures as smooth paths of layout, place and turn."""
+"""Gestures as smooth paths of the fingertips' layout, position and rotation."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from models.surface import Surface
 Array = NDArray[np.float64]
 
 GESTURES = ("move", "grasp", "pinch", "rotate")
-"""The paper's: "moving, grasping, pinching, and rotating motions" (section 4)."""
+"""The paper's gestures: "moving, grasping, pinching, and rotating motions" (section 4)."""
 
 MARGIN = 0.006
 """m between fingertips and the screen's edge: half a touch, which a screen reports only whole."""
 
 _COMPONENTS = 24
-"""Waves that make up a smooth noise; enough for its values to be nearly normal."""
+"""Number of waves in a smooth noise; enough for its values to be nearly normal."""
 
 _PUSHES = 8
 """Rounds of pushing fingertips apart; five in a row then keep their distance within 1 mm."""
@@ -31,7 +31,7 @@ _THUMB = 0
 
 @dataclass(frozen=True)
 class Path:
-    """Where the touches are meant to be; n frames.
+    """Intended positions of the touches in n frames.
 
     Attributes:
         turn: (n,) rad, of the layout, counterclockwise seen from above.
@@ -47,7 +47,7 @@ class Path:
 def smooth_noise(
     rng: np.random.Generator, times: Array, timescale: float, shape: tuple[int, ...]
 ) -> Array:
-    """(n, *shape) independent smooth noises of variance 1.
+    """Independent smooth noises (n, *shape) of variance 1.
 
     A sum of waves of random frequency: it can be sampled at any times, so that the same movement
     may be recorded at any rate. Frequencies are heavy-tailed, as those of a Matern 3/2 process.
@@ -64,7 +64,7 @@ def strokes(
     swing: tuple[float, float],
     variety: tuple[float, float],
 ) -> Array:
-    """(n,) a path to and fro between about -1 and 1.
+    """A path (n,) to and fro between about -1 and 1.
 
     Every stroke is a minimum-jerk movement, which is how people move a hand between two points
     (Flash and Hogan 1985): it rests at both ends.
@@ -95,9 +95,9 @@ def path(
         rng: Source of the take's randomness.
         times: (n,) s.
         amplitudes: (4,) share of every gesture in `GESTURES`.
-        fingers: (5,) which fingers touch at some time; only they are pinched together and must stay
-            on the screen.
-        layout: (5, 2) m, natural place of the fingertips about their middle.
+        fingers: (5,) booleans, fingers that touch at some time; only they are pinched together and
+            must stay on the screen.
+        layout: (5, 2) m, natural positions of the fingertips relative to their middle.
         surface: The screen.
         configuration: Amplitudes of the gestures.
     """
@@ -124,9 +124,9 @@ def path(
 
 
 def _pinched(tips: Array, closing: Array, fingers: NDArray[np.bool_]) -> Array:
-    """Thumb and the other touching fingers nearer to each other by a share of their distance.
+    """Moves thumb and other touching fingers towards each other by a share of their distance.
 
-    Without the thumb, or with nothing but it, the fingers close on their own middle.
+    Without the thumb, or with the thumb alone, the fingers close on their own middle.
     """
     others = fingers.copy()
     others[_THUMB] = False
@@ -143,7 +143,7 @@ def _pinched(tips: Array, closing: Array, fingers: NDArray[np.bool_]) -> Array:
 
 
 def _apart(tips: Array, width: float) -> Array:
-    """Fingertips (n, 5, 2) pushed from each other until none is nearer to another than a width."""
+    """Pushes fingertips (n, 5, 2) apart until they are at least a width from each other."""
     tips = tips.copy()
     pairs = list(combinations(range(tips.shape[1]), 2))
     for _ in range(_PUSHES):
@@ -157,7 +157,7 @@ def _apart(tips: Array, width: float) -> Array:
 
 
 def _on_screen(way: Array, tips: Array, fingers: NDArray[np.bool_], surface: Surface) -> Array:
-    """(n, 2) place of the layout, moved so that touching fingertips are on the screen.
+    """Position (n, 2) m of the layout, moved so that touching fingertips are on the screen.
 
     A layout too large for the screen is centred on it.
     """
@@ -166,7 +166,7 @@ def _on_screen(way: Array, tips: Array, fingers: NDArray[np.bool_], surface: Sur
     low, high = tips[:, fingers].min(axis=1), tips[:, fingers].max(axis=1)
     free = size / 2 - MARGIN
     least, most = middle - free - low, middle + free - high
-    # The middle of the layout, not its origin, hovers about that of the screen.
+    # The middle of the layout, not its origin, stays near the screen's middle.
     place = middle + way - 0.5 * (low + high)
     inside = np.clip(place, np.minimum(least, most), np.maximum(least, most))
     return np.where(most >= least, inside, 0.5 * (least + most))

@@ -1,4 +1,4 @@
-"""The subject's anatomy: 27 hinge angles, how they vary together, and the posture at rest."""
+"""The subject's anatomy: 27 hinge angles, their covariance, and the posture at rest."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ _FINGERS = (11, 15, 19, 23)
 
 @dataclass(frozen=True)
 class Anatomy:
-    """A subject's hand: where its hinges are and how it likes to move.
+    """A subject's hand: its hinges and the covariance of its postures.
 
     Attributes:
-        hinges: (48, 27) pose by freedoms: q = hinges @ theta. The joints with two and three
-            freedoms combine them as components of one rotation vector, as eye and shoulder nearly
-            do (Listing's law). Columns of the root are units.
+        hinges: (48, 27) matrix from degrees of freedom to the pose: q = hinges @ theta. The joints
+            with two and three degrees of freedom combine them as components of one rotation vector,
+            as eye and shoulder nearly do (Listing's law). Columns of the root are units.
         covariance: (27, 27) of the posture the subject aims at.
     """
 
@@ -44,7 +44,8 @@ class Anatomy:
 def anatomy(
     rng: np.random.Generator, skeleton: Skeleton, configuration: SubjectConfiguration
 ) -> Anatomy:
-    """A subject's anatomy; hinge axes differ from the bones' own by a few degrees at random."""
+    """Draws a subject's anatomy; hinge axes differ from the bones' own by a few degrees at
+    random."""
     hinges = np.zeros((POSE_SIZE, FREEDOMS))
     hinges[:6, :6] = np.eye(6)
     for freedom, (bone, axis) in enumerate(_freedoms(), start=6):
@@ -68,10 +69,10 @@ def _freedoms() -> list[tuple[int, Array]]:
 
 
 def _covariance(configuration: SubjectConfiguration) -> Array:
-    """(27, 27): six synergies, and a remainder in which neighbouring fingers move alike.
+    """Covariance (27, 27): six synergies, and a remainder in which neighbouring fingers move alike.
 
-    That fingers follow each other is why a lifted finger is not free: given the touching ones, the
-    likeliest posture moves it along (enslaving).
+    Because of these correlations a lifted finger is not free: given the touching ones, the most
+    likely posture moves it along (enslaving).
     """
     c = configuration
     loadings = _synergies() * np.array(c.synergy_spread)[:, None]
@@ -88,7 +89,7 @@ def _covariance(configuration: SubjectConfiguration) -> Array:
 
 
 def _synergies() -> Array:
-    """(6, 27) loadings, the largest of each 1."""
+    """Loadings (6, 27) of the synergies, the largest of each 1."""
     out = np.zeros((6, FREEDOMS))
     flex_all, knuckles, gradient, opposing, spreading, thumb_flexion = out
     for finger, start in enumerate(_FINGERS):
@@ -106,7 +107,7 @@ def _synergies() -> Array:
 
 
 def lifting(curled: bool) -> Array:
-    """(5, 27) by how many units a lifted finger's joints turn, finger by finger.
+    """Units (5, 27) by which a lifted finger's joints turn, finger by finger.
 
     Most people stretch a finger to lift it from the surface; some curl it.
     """

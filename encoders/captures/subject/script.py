@@ -1,4 +1,4 @@
-"""What the subject is asked to do: a script of all finger sets on day 0, later free play."""
+"""The subject's tasks: a script of all finger sets on day 0, free play later."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ class Take:
     """One continuous recording.
 
     Attributes:
-        down: (n, 5) which fingers touch, frame by frame.
+        down: (n, 5) booleans, touching fingers, frame by frame.
         amplitudes: (4,) share of every gesture.
-        rate: Hz.
+        rate: Hz of the frames.
     """
 
     down: NDArray[np.bool_]
@@ -36,7 +36,7 @@ class Take:
 
     @property
     def times(self) -> Array:
-        """(n,) s from the take's beginning."""
+        """Times (n,) s from the take's beginning."""
         return np.arange(len(self.down)) / self.rate
 
 
@@ -46,7 +46,7 @@ def takes_of(day: int, rng: np.random.Generator, configuration: SubjectConfigura
 
 
 def _script(rng: np.random.Generator, configuration: SubjectConfiguration) -> list[Take]:
-    """Every set with every gesture: a set that is missing could not be reconstructed later."""
+    """Every finger set with every gesture: a missing set could not be reconstructed later."""
     c = configuration
     takes = []
     for size, frames in zip(range(2, 6), c.training_frames, strict=True):
@@ -69,7 +69,7 @@ def _script(rng: np.random.Generator, configuration: SubjectConfiguration) -> li
 
 
 def _free_play(rng: np.random.Generator, configuration: SubjectConfiguration) -> list[Take]:
-    """As with clay: gestures mixed, fingers landing and lifting as they please.
+    """Free play, as with clay: mixed gestures, with fingers landing and lifting at any time.
 
     Stretches with one set follow each other until the day's frames of every set size are used up;
     within a take, neighbouring stretches differ by one or two fingers.
@@ -90,7 +90,7 @@ def _free_play(rng: np.random.Generator, configuration: SubjectConfiguration) ->
             continue
         assert following is not None
         frames = min(int(rng.uniform(*c.stay) * c.test_rate), left[len(following)])
-        # No scrap too short to be seen is left over.
+        # No remainder too short to be seen is left.
         if left[len(following)] - frames < c.stay[0] * c.test_rate:
             frames = left[len(following)]
         left[len(following)] -= frames
@@ -107,7 +107,8 @@ def _next_set(
     left: dict[int, int],
     configuration: SubjectConfiguration,
 ) -> tuple[int, ...] | None:
-    """A set that may follow, or None; likelier if natural and if many frames of its size remain."""
+    """A set that may follow, or None; more likely if natural and if many frames of its size
+    remain."""
     weights = np.zeros(len(SETS))
     for i, fingers in enumerate(SETS):
         changes = 1 if current is None else len(set(fingers) ^ set(current))
@@ -120,9 +121,9 @@ def _next_set(
 
 
 def _naturalness(fingers: tuple[int, ...]) -> float:
-    """How readily a hand takes a set: with the index finger, and without gaps between fingers.
+    """Naturalness of a finger set: higher with the index finger and without gaps between fingers.
 
-    Two or three touch with the thumb, because they pinch; four rather swipe without it.
+    Two or three fingers touch with the thumb, because they pinch; four rather swipe without it.
     """
     others = [f for f in fingers if f > 0]
     gaps = others[-1] - others[0] + 1 - len(others)

@@ -1,4 +1,4 @@
-"""What is measured of a hand on a surface: touches by a screen, poses by a capture system."""
+"""Simulated measurement of a hand: touches by a screen, poses by a capture system."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ def touches(
     skeleton: Skeleton,
     configuration: SubjectConfiguration,
 ) -> Array:
-    """(n, 5, 2) m on the surface (x right, y down), where a screen would see every fingertip.
+    """Touches (n, 5, 2) m of all fingertips as a screen reports them (x right, y down).
 
     The flatter a finger lies, the more of its pad touches, and the further back is the middle of
-    what touches. Positions come in whole dots.
+    the touch. Positions come in whole dots.
     """
     last = [*(skeleton.first_bone[1:] - 1), len(skeleton.bones) - 1]
     along = placement.rotations[..., last, :, :][..., 1]
@@ -36,7 +36,7 @@ def touches(
 
 
 def day_error(rng: np.random.Generator, configuration: SubjectConfiguration) -> Array:
-    """(48,) constant error of one day's poses: markers never sit twice on the same spot."""
+    """Constant error (48,) of one day's poses: markers never sit twice on the same spot."""
     out = np.empty(POSE_SIZE)
     out[ROOT_POSITION] = rng.normal(0, configuration.day_root[0], 3)
     out[ROOT_ROTATION] = rng.normal(0, configuration.day_root[1], 3)
@@ -52,17 +52,17 @@ def measured_pose(
     kinematics: Kinematics,
     configuration: SubjectConfiguration,
 ) -> Array:
-    """(n, 48) poses as a capture system reports them: with errors, and within anatomic limits.
+    """Poses (n, 48) as a capture system reports them: with errors, and within anatomic limits.
 
     Such a system turns joints until the skeleton meets the markers, those on the fingertips among
     them. Its joints may err by degrees, but together they put the fingertips where they were.
 
     Args:
         rng: Source of the errors.
-        times: (n,) s.
+        times: (n,) s, times of the frames.
         q: (n, 48) true poses.
         day: (48,) constant error of the day.
-        kinematics: Of the skeleton that is fitted to the markers.
+        kinematics: Kinematics of the skeleton that is fitted to the markers.
         configuration: Sizes of the errors.
     """
     c = configuration

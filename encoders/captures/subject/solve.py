@@ -1,10 +1,10 @@
-"""The likeliest posture whose fingertips are where they are meant to be, for many frames at once.
+"""Solves for the most likely posture with given fingertips, for many frames at once.
 
     theta = argmin  sum over fingertips |tip - target|^2 / precision^2
                     + (theta - aim)' S^-1 (theta - aim) + a wall at the joints' limits
 
-by Gauss-Newton. It is why captures are no polynomial of the touches: tips are trigonometric in the
-joints, the solution has an inverse in it, and the aim is unknown to whoever sees the touches only.
+by Gauss-Newton. So poses are not polynomials of the touches: tips are trigonometric in the joints,
+the solution contains an inverse, and the aim cannot be known from the touches alone.
 """
 
 from __future__ import annotations
@@ -21,20 +21,22 @@ Array = NDArray[np.float64]
 ITERATIONS = 20
 
 _FIRST_PRECISION = 0.02
-"""m, of targets in the first iterations: pulled at fully at once, a far hand would overshoot."""
+"""m, precision of targets in the first iterations: at full precision, a far hand would
+overshoot."""
 
 _STEP = 0.15
-"""rad, most that a joint turns in one iteration: tips are nearly linear in joints only so far."""
+"""rad, largest rotation of a joint in one iteration: tips are nearly linear in joints only so
+far."""
 
 _WALL = np.deg2rad(0.5)
-"""rad, to which a joint may yield beyond its wall."""
+"""rad, softness of a joint's wall."""
 
 _BEFORE_LIMIT = np.deg2rad(2.0)
 """rad between the wall and the anatomic limit: room for the errors of measurement."""
 
 
 class PostureSolver:
-    """Finds postures of one anatomy on one skeleton."""
+    """Computes postures of one anatomy on one skeleton."""
 
     def __init__(self, kinematics: Kinematics, anatomy: Anatomy) -> None:
         self._kinematics, self._hinges = kinematics, anatomy.hinges
@@ -44,17 +46,17 @@ class PostureSolver:
         self._upper = skeleton.upper - _BEFORE_LIMIT
 
     def solve(self, aim: Array, targets: Array, precision: Array) -> Array:
-        """Postures (n, 27).
+        """Computes postures (n, 27).
 
         Args:
             aim: (n, 27) posture aimed at.
             targets: (n, 5, 3) m, of the fingertips, in the frame of the root's freedoms.
-            precision: (n, 5, 3) m, to which each coordinate is to be met; infinite if it is free.
+            precision: (n, 5, 3) m, required precision of each coordinate; infinite if it is free.
         """
         theta = aim.copy()
         joints = self._hinges[JOINTS]
         for i in range(ITERATIONS):
-            # Geometric from the first precision to the wanted one in the first half.
+            # Geometric sequence from the first precision to the required one in the first half.
             share = min(1.0, 2 * i / ITERATIONS)
             sd = np.maximum(precision, _FIRST_PRECISION * 1e-3**share)
             weight = (1 / sd**2).reshape(len(aim), 15)
@@ -75,5 +77,5 @@ class PostureSolver:
         return theta
 
     def _over(self, joints: Array) -> Array:
-        """(n, 42) rad beyond the walls, signed."""
+        """Signed angles (n, 42) rad beyond the walls."""
         return np.maximum(joints - self._upper, 0) + np.minimum(joints - self._lower, 0)

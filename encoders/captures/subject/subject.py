@@ -1,4 +1,4 @@
-"""The simulated subject at work: takes of a day become one capture."""
+"""Simulates the subject: the takes of a day become one capture."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ from models.surface import Surface
 Array = NDArray[np.float64]
 
 SUBJECT, DAY, TAKE = 0, 1, 2
-"""What a stream of random numbers is for; each has its own, so that none shifts another."""
+"""Purposes of random numbers; each has its own stream, so that none shifts another."""
 
 _PAUSE = 2.0
 """s between two takes."""
 
 _FREE = 0.05
-"""m, to which the way of a finger about to land is already given."""
+"""m, precision of the path of a finger that is about to land."""
 
 Progress = Callable[[float], None]
 
@@ -46,11 +46,11 @@ def simulate(
     """Captures a simulated subject.
 
     Args:
-        configuration: How subjects are.
-        seed: Which subject: its hinges, and everything it does.
+        configuration: Settings of subjects.
+        seed: Seed of the subject: its hinges and all its actions.
         day: 0 plays the training script, every later day is free play, sensors placed anew.
         progress: Called with the share done, 0 to 1.
-        skeleton: The subject's hand; another size makes the same habits another hand's.
+        skeleton: The subject's hand; another size gives the same habits to another hand.
 
     Returns:
         The capture; equal arguments give equal captures. `meta["simulated"]` is True.
@@ -93,7 +93,7 @@ def simulate(
 
 
 class _Person:
-    """What is the same on all days: the hand and its posture at rest."""
+    """Constants of all days: the hand and its posture at rest."""
 
     def __init__(
         self, configuration: SubjectConfiguration, seed: int, skeleton: Skeleton = ADULT
@@ -109,9 +109,10 @@ class _Person:
         self.rest, self.layout = self._rest()
 
     def _rest(self) -> tuple[Array, Array]:
-        """Posture (27,) with all fingertips on the surface, and their places (5, 2) m.
+        """Posture (27,) with all fingertips on the surface, and their positions (5, 2) m.
 
-        Both about the fingertips' middle; otherwise as near to the middle of all ranges as can be.
+        Both are relative to the fingertips' middle, and as near as possible to the middle of all
+        ranges.
         """
         aim = np.zeros((1, FREEDOMS))
         aim[0, 2] = -self.kinematics.tips(np.zeros(POSE_SIZE))[:, 2].mean()
@@ -126,7 +127,7 @@ class _Person:
 
 
 class _Session:
-    """What is the same during one day."""
+    """Constants of one day."""
 
     def __init__(self, person: _Person, day: int) -> None:
         self.person = person
@@ -144,7 +145,7 @@ class _Session:
             self.error = day_error(rng, c)
 
     def record(self, rng: np.random.Generator, take: Take) -> tuple[Array, Array]:
-        """Touches (n, 5, 2) m on the surface and poses (n, 48) of a take, both as measured."""
+        """Measured touches (n, 5, 2) m on the surface and measured poses (n, 48) of a take."""
         person = self.person
         c, times = person.configuration, take.times
         fingers: NDArray[np.bool_] = np.any(take.down, axis=0)
@@ -169,12 +170,13 @@ class _Session:
         return xy, measured_pose(rng, times, q, self.error, person.kinematics, c)
 
     def _forearm(self, place: Array) -> Array:
-        """(n,) rad, direction from the elbow to a place (n, 2), 0 straight away from the person."""
+        """Direction (n,) rad from the elbow to positions (n, 2), 0 straight away from the
+        person."""
         reach = place - self.elbow
         return np.arctan2(-reach[:, 0], reach[:, 1])
 
     def _aim(self, rng: np.random.Generator, times: Array, pressed: Array) -> Array:
-        """(n, 27) posture that the subject would take if the touches left it free."""
+        """Posture (n, 27) that the subject would take without constraints by touches."""
         person, c = self.person, self.person.configuration
         sway = c.sway * smooth_noise(rng, times, c.sway_time, (FREEDOMS,))
         habit = self.style + c.style * rng.normal(size=FREEDOMS) + sway
@@ -188,7 +190,7 @@ class _Session:
     ) -> tuple[Array, Array]:
         """Heights of the fingertips' targets (n, 5, 3) m, and precision (n, 5, 3) m.
 
-        A landing finger is drawn to its target ever more firmly, so that no joint jumps.
+        A landing finger is drawn to its target with increasing weight, so that joints do not jump.
         """
         c = self.person.configuration
         height = rng.uniform(*c.lift_height, len(FINGERS))
@@ -204,12 +206,13 @@ class _Session:
 
 
 def _about_z(angle: Array) -> Array:
-    """(n, 3) rotation vectors about the surface's normal."""
+    """Rotation vectors (n, 3) about the surface's normal."""
     return angle[:, None] * np.array([0.0, 0.0, 1.0])
 
 
 def _pressed(down: NDArray[np.bool_], times: Array, transition: float) -> Array:
-    """(n, 5) 1 where a finger touches, falling to 0 within `transition` before and after."""
+    """Values (n, 5): 1 where a finger touches, falling to 0 within `transition` before and
+    after."""
     out = np.zeros(down.shape)
     for finger in range(down.shape[1]):
         touching = times[down[:, finger]]
@@ -221,10 +224,11 @@ def _pressed(down: NDArray[np.bool_], times: Array, transition: float) -> Array:
 
 
 def _contact_ids(down: NDArray[np.bool_], first: int) -> tuple[NDArray[np.int64], int]:
-    """(n, 5) ids, a new one whenever a finger lands, -1 while it is lifted; and the next free id.
+    """Contact ids (n, 5), a new one whenever a finger lands, -1 while it is lifted; and the next
+    free id.
 
-    Fingers that land at the same moment get their ids in the order of their labels; whoever must
-    not learn labels from ids has to shuffle them.
+    Fingers that land at the same moment get their ids in the order of their labels; shuffle the ids
+    where they must not reveal labels.
     """
     landed = down & ~np.vstack([np.zeros((1, down.shape[1]), bool), down[:-1]])
     order = first + np.cumsum(landed.ravel()).reshape(landed.shape) - 1

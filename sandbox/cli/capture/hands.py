@@ -8,8 +8,8 @@ from typing import Any
 
 from encoders.capture import Capture
 from encoders.captures.conversion import ConversionReport, ConversionRules
-from encoders.captures.together.capture_from_hands import OPEN_FRAMES, capture_from_hands, open_hand
-from encoders.captures.together.clocks import host_clock
+from encoders.captures.paired.capture_from_hands import OPEN_FRAMES, capture_from_hands, open_hand
+from encoders.captures.paired.clocks import host_clock
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.calibration_file import read_hand
 from models.errors import EncoderError, InputError

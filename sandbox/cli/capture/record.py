@@ -12,7 +12,7 @@ import tyro
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
 
-from encoders.captures.together.guide import Guide
+from encoders.captures.paired.guide import Guide
 from models.errors import InputError, RecordingError
 from models.frames import TouchFrame
 from sandbox.cli.common.parse import parse

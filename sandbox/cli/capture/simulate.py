@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.progress import Progress
 from rich.text import Text
 
-from encoders.captures.together.simulated import Together, simulate_together
+from encoders.captures.paired.simulated import PairedSession, simulate_paired
 from encoders.store import save_capture
 from models.errors import InputError
 from sandbox.cli.common.parse import parse
@@ -64,7 +64,7 @@ def main(argv: list[str]) -> int:
     bars = Console(stderr=True)
     with Progress(console=bars, transient=True, disable=not bars.is_terminal) as progress:
         bar = progress.add_task("simulating the person", total=1.0)
-        session = simulate_together(
+        session = simulate_paired(
             options.seed,
             options.day,
             options.subject,
@@ -85,7 +85,7 @@ def main(argv: list[str]) -> int:
     return 0
 
 
-def write_simulated(session: Together, folder: Path, subject: str) -> None:
+def write_simulated(session: PairedSession, folder: Path, subject: str) -> None:
     """Writes a session and its truth."""
     about = {
         "side": session.side,

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 from encoders.captures.conversion import ConversionReport, ConversionRules, TouchLog
-from encoders.captures.together.capture_from_hands import capture_from_hands, open_hand
-from encoders.captures.together.clocks import host_clock
-from encoders.captures.together.guide import SETS, Guide
-from encoders.captures.together.registration import registered
-from encoders.captures.together.seen_track import _smooth, skeleton_of
-from encoders.captures.together.simulated import FROZEN_TOGETHER, Together, simulate_together
+from encoders.captures.paired.capture_from_hands import capture_from_hands, open_hand
+from encoders.captures.paired.clocks import host_clock
+from encoders.captures.paired.guide import SETS, Guide
+from encoders.captures.paired.registration import registered
+from encoders.captures.paired.seen_track import _smooth, skeleton_of
+from encoders.captures.paired.simulated import FROZEN_PAIRED, PairedSession, simulate_paired
 from encoders.regression.bone_fit import tip_targets
 from encoders.store import load_capture
 from models.errors import CaptureError, EncoderError, RecordingError
@@ -30,15 +30,15 @@ from sandbox.cli.main import main
 from sandbox.devices.files.frame_file import read_frame_file
 from sandbox.devices.files.together_file import HANDS, TOUCHES, TogetherWriter
 
-SHORT = replace(FROZEN_TOGETHER, play=9.0, leap_rate=50.0, open_seconds=4.5)
+SHORT = replace(FROZEN_PAIRED, play=9.0, leap_rate=50.0, open_seconds=4.5)
 
 
 @cache
-def session(dialect: str = "v3", side: str = "right", who: str = "first") -> Together:
-    return simulate_together(3, 1, who, dialect, side, SHORT)
+def session(dialect: str = "v3", side: str = "right", who: str = "first") -> PairedSession:
+    return simulate_paired(3, 1, who, dialect, side, SHORT)
 
 
-def log_of(s: Together) -> TouchLog:
+def log_of(s: PairedSession) -> TouchLog:
     rows = np.array([(i, c.id, c.x, c.y) for i, f in enumerate(s.touches) for c in f.contacts])
     times = np.array([f.time for f in s.touches])
     xy = rows[:, 2:] * [-1.0, 1.0] if s.side == "left" else rows[:, 2:]
@@ -46,12 +46,12 @@ def log_of(s: Together) -> TouchLog:
     return TouchLog(clock.host(times), rows[:, 0].astype(int), rows[:, 1].astype(int), xy)
 
 
-def hands_time(s: Together) -> np.ndarray:
+def hands_time(s: PairedSession) -> np.ndarray:
     times = np.array([f.time for f in s.leap.frames])
     return host_clock(times, s.leap_arrived, "hands").host(times)
 
 
-def converted(s: Together, shift: float = 0.0, **options):
+def converted(s: PairedSession, shift: float = 0.0, **options):
     report = ConversionReport()
     capture = capture_from_hands(
         log_of(s), s.leap.frames, hands_time(s) + shift, open_hand(s.leap.frames, s.side),
@@ -65,7 +65,7 @@ def plainly(dialect: str, side: str):
     return converted(session(dialect, side))
 
 
-def true_rows(s: Together, capture) -> tuple[np.ndarray, np.ndarray]:
+def true_rows(s: PairedSession, capture) -> tuple[np.ndarray, np.ndarray]:
     """Frames of the capture and of the truth that are of one moment."""
     off = np.abs(s.truth.time[None] - (capture.time - s.touch_delay)[:, None])
     row = off.argmin(axis=1)
@@ -161,7 +161,7 @@ def test_recordings_that_never_overlap_are_refused():
 
 def test_touches_of_another_session_are_refused():
     s = session()
-    other = simulate_together(4, 2, "first", "v3", "right", SHORT)
+    other = simulate_paired(4, 2, "first", "v3", "right", SHORT)
     with pytest.raises(CaptureError):
         converted(replace(s, touches=other.touches, touch_arrived=other.touch_arrived))
 

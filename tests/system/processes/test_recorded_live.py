@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from encoders.captures.together.simulated import FROZEN_TOGETHER, Together, simulate_together
+from encoders.captures.paired.simulated import FROZEN_PAIRED, PairedSession, simulate_paired
 from encoders.store import load_capture
 from sandbox.cli.capture.simulate import write_simulated
 from sandbox.cli.main import main
@@ -28,13 +28,13 @@ def free_port() -> int:
         return int(found.getsockname()[1])
 
 
-QUICK = replace(FROZEN_TOGETHER, play=4.0, leap_rate=100.0, open_seconds=2.6)
+QUICK = replace(FROZEN_PAIRED, play=4.0, leap_rate=100.0, open_seconds=2.6)
 
 
 class Touching(threading.Thread):
     """Sends a session's touches as they were made, from when somebody listens to the Leap."""
 
-    def __init__(self, s: Together, leapd: FakeLeapd, port: int) -> None:
+    def __init__(self, s: PairedSession, leapd: FakeLeapd, port: int) -> None:
         super().__init__(daemon=True)
         self._session, self._leapd = s, leapd
         self._out = TuioOutput(f"127.0.0.1:{port}", s.surface)
@@ -55,7 +55,7 @@ class Touching(threading.Thread):
 def test_live_touches_and_a_live_leap_become_a_capture_of_the_same_fingers(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ):
-    s = simulate_together(3, 1, "first", "v3", "right", QUICK)
+    s = simulate_paired(3, 1, "first", "v3", "right", QUICK)
     write_simulated(s, tmp_path / "day", "P1")
     messages = read_leap(tmp_path / "day" / HANDS).messages
     leapd = FakeLeapd(messages, port=0, rate=QUICK.leap_rate)

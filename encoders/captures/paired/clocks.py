@@ -1,8 +1,8 @@
-"""A device's own clock, told by when its frames arrived at the machine that wrote them down.
+"""Relates a device's clock to the host's, from the arrival times of its frames.
 
-Arrivals are late by a latency, which differs from frame to frame; a device's own times do not, but
-their zero is anywhere and their seconds may be a little long. A straight line through both has the
-best of each. What is left is the mean latency, which nobody can see from one side.
+Arrivals are late by a latency that differs from frame to frame. A device's own times do not vary
+like that, but their zero is arbitrary and their seconds may be a little long. A straight line
+through both removes these errors. The mean latency remains, which cannot be measured from one side.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from models.errors import CaptureError
 Array = NDArray[np.float64]
 
 MOST_DRIFT = 0.002
-"""Share by which seconds of two clocks may differ; crystals are within a tenth of that."""
+"""Largest relative difference of two clocks' seconds; crystals are within a tenth of that."""
 
 _ROUNDS = 5
 _OUTLIER = 3.0
-"""Median deviations beyond which an arrival does not count: the machine was busy."""
+"""Median deviations beyond which an arrival is ignored, since the machine was busy."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class HostClock:
     """Host time = `offset` + (1 + `drift`) * device time.
 
     Attributes:
-        offset: s.
+        offset: s, host time at device time 0.
         drift: Share by which a device's second is longer than the host's.
         jitter: s, robust standard deviation of the arrivals about the line.
     """
@@ -39,20 +39,20 @@ class HostClock:
     jitter: float
 
     def host(self, device: Array) -> Array:
-        """Host times of device times, s."""
+        """Converts device times to host times, s."""
         return np.asarray(self.offset + (1.0 + self.drift) * device)
 
 
 def host_clock(device: Array, arrived: Array, where: str) -> HostClock:
-    """The line through the arrivals of a stream.
+    """Fits the line through the arrivals of a stream.
 
     Args:
         device: (n,) s, the frames' own times.
-        arrived: (n,) s, when they came, on the host's clock.
+        arrived: (n,) s, arrival times on the host's clock.
         where: Name of the stream, for messages.
 
-    Raises:
-        CaptureError: The clocks do not go together.
+        Raises:
+            CaptureError: The two clocks do not match.
     """
     if len(device) < 2 or np.ptp(device) <= 0.0:
         raise CaptureError("too few frames to tell its clock", where=where, got=len(device))
@@ -66,7 +66,7 @@ def host_clock(device: Array, arrived: Array, where: str) -> HostClock:
         spread = 1.4826 * float(np.median(np.abs(off - np.median(off))))
         keep = np.abs(off - np.median(off)) <= max(_OUTLIER * spread, 1e-4)
     drift = float(line[0]) - 1.0
-    # Short recordings tell little about a drift: arrivals that tremble look like one.
+    # Short recordings do not determine the drift: jitter of the arrivals looks like one.
     if abs(drift) > MOST_DRIFT + 4.0 * spread / max(float(np.ptp(device)), 1e-9):
         raise CaptureError(
             "its own times do not go with their arrival",

@@ -1,8 +1,8 @@
-"""Which finger each touch is, where a device sees fingers only now and then.
+"""Labels touches by a 3-D device that sees fingers only at times.
 
-A fingertip that is seen beside the touch names it. The first Leap software loses fingers that bend,
-though, and where PAALM then holds them they are not. Such a touch is one of the fingers that are
-neither seen elsewhere nor taken by another touch, and of those the one that is held nearest.
+A fingertip seen beside the touch labels it. But the first Leap software loses bent fingers, and
+PAALM's guess of their place is wrong. Such a touch gets, of the fingers that are neither seen
+elsewhere nor used by another touch, the one whose guessed place is nearest.
 """
 
 from __future__ import annotations
@@ -13,17 +13,17 @@ from numpy.typing import NDArray
 from encoders.captures.conversion.fingers import RESTING, LabelledTrack, sample_times
 from encoders.captures.conversion.report import ConversionReport, ConversionRules
 from encoders.captures.conversion.touch_log import ContactTrack
-from encoders.captures.together.seen_track import SeenTrack
+from encoders.captures.paired.seen_track import SeenTrack
 from models.frames import FINGERS
 
 Array = NDArray[np.float64]
 
 BESIDE = 0.015
-"""m from a touch within which a fingertip that is seen names it; half of the least distance that
-neighbouring fingers keep is less, but they are seen as well, and nearer."""
+"""m from a touch within which a visible fingertip labels it. It is more than half of the least
+distance of neighbouring fingers, but a visible neighbour would be nearer to its own touch."""
 
 _VOTES = 3
-"""Moments at which a fingertip must be seen beside a touch to name it."""
+"""Number of moments at which a fingertip must be seen beside a touch to label it."""
 
 
 def named_by_sight(
@@ -33,14 +33,14 @@ def named_by_sight(
     rules: ConversionRules,
     report: ConversionReport,
 ) -> list[LabelledTrack]:
-    """Labels contacts; those that cannot be named are counted and left out.
+    """Labels contacts; those that cannot be labelled are counted and left out.
 
     Args:
         tracks: Contacts.
         track: The hand, in the frame of the surface.
-        offset: s, the hand's clock less the touches'.
+        offset: s, the hand's clock minus the touches' clock.
         rules: `reach`, `doubt`, `gap`, `rate`.
-        report: Takes the counts.
+        report: Receives the counts.
     """
     seen = [_distances(one, track, offset, rules, held=False) for one in tracks]
     labelled: dict[int, LabelledTrack] = {}
@@ -66,7 +66,7 @@ def named_by_sight(
         for finger in range(len(FINGERS)):
             shown = seen[number][:, finger]
             shown = shown[np.isfinite(shown)]
-            # It was seen, and elsewhere.
+            # The finger was seen elsewhere.
             if len(shown) >= _VOTES and np.median(shown) > rules.reach:
                 typical[finger] = np.inf
         typical[list(_taken(tracks, number, labelled))] = np.inf
@@ -81,7 +81,7 @@ def named_by_sight(
 def _distances(
     one: ContactTrack, track: SeenTrack, offset: float, rules: ConversionRules, held: bool
 ) -> Array:
-    """(m, 5) m from a contact to fingertips; infinite where not known, or not seen."""
+    """Distances (m, 5) m from a contact to fingertips; infinite where unknown or not seen."""
     times = sample_times(one, rules.rate)
     look = track.tips_at if held else track.seen_at
     tips, known = look(times + offset, rules.gap)
@@ -92,12 +92,12 @@ def _distances(
 
 
 def _least(off: Array) -> float:
-    """m, the median of the nearest fingertip's; infinite for a contact beside none."""
+    """Median distance in m of the nearest fingertip; infinite for a contact without one."""
     return float(np.median(off.min(axis=1))) if len(off) else np.inf
 
 
 def _taken(tracks: list[ContactTrack], number: int, found: dict[int, LabelledTrack]) -> set[int]:
-    """Fingers of contacts that are down at some time of this one's life."""
+    """Fingers of contacts that are down at some time of this contact's life."""
     own = tracks[number]
     return {
         other.finger

@@ -1,11 +1,11 @@
-"""One SIMULATED person over two devices at once: a tablet is touched, a Leap sees the hand.
+"""Simulates a paired capture: a SIMULATED person touches a tablet while a Leap sees the hand.
 
-The person is one of the two simulated subjects, with bones of their own and without what a capture
-system adds; the hand is held open, taps three times, then does the subject's takes and is lifted
-between them. Each device has a clock, a latency and a jitter of its own. Nothing here is a
-recording of anybody; what is true is kept beside what the devices said.
+The person is one of the two simulated subjects, with individual bones and without the errors of a
+capture system; the hand is held open, taps three times, then does the subject's takes and is lifted
+between them. Each device has a clock, a latency and a jitter of its own. The data are simulated,
+not recorded; the truth is kept beside the devices' data.
 
-The Leap sees the hand as `encoders.paalm.simulated.forward` says, as if no tablet were in its way.
+`encoders.paalm.simulated.forward` simulates the Leap's view, as if no tablet were in its way.
 """
 
 from __future__ import annotations
@@ -35,26 +35,26 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class TogetherConfiguration:
-    """How a session goes and how the devices err. Lengths in m, times in s.
+class PairedConfiguration:
+    """Settings of a session and of the devices' errors. Lengths in m, times in s.
 
     Attributes:
-        script: Seconds of day 0 with fingers down, of all 26 sets.
+        script: Seconds of day 0 with fingers down, all 26 sets together.
         script_rate: Hz at which day 0 is played.
         play: Seconds of later days with fingers down; the paper's 2,538 frames at 30 Hz.
-        open_seconds: The open hand at the beginning.
+        open_seconds: Seconds of the open hand at the beginning.
         taps: s from the end of one tap to the next touch-down, uneven on purpose.
         tap: s that a tap lasts.
         pause: s, least and greatest between takes.
-        lift: Height of the hand's way between takes.
+        lift: Height of the hand's path between takes.
         size, bone, knuckle: The first subject's bones: spread of size and of every bone as shares,
             of every coordinate of a knuckle in m.
         touch_rate, leap_rate: Hz.
         touch_latency, leap_latency: s, mean from the event to its arrival.
         jitter: s, mean of the part of it that differs from frame to frame (exponential).
         drift: Share by which the Leap's second is too short.
-        tilt: rad, by which the Leap's axes are turned against the surface's: pitch, roll, yaw.
-        at: m, where it is, in the surface's frame.
+        tilt: rad, rotation of the Leap's axes relative to the surface's: pitch, roll, yaw.
+        at: m, its position in the surface's frame.
     """
 
     script: float = 150.0
@@ -79,28 +79,28 @@ class TogetherConfiguration:
 
 
 _LIFTED = 0
-"""In place of the id of a finger that does not tap."""
+"""Stands for the id of a finger that does not tap."""
 _TREMBLE = 2e-4
-"""m, of a touch that taps; others have what their subject gives them."""
+"""m, noise of the tapping touches; other touches have their subject's noise."""
 
-FROZEN_TOGETHER = TogetherConfiguration()
+FROZEN_PAIRED = PairedConfiguration()
 
 
 @dataclass(frozen=True)
-class Together:
-    """What both devices said, and the truth.
+class PairedSession:
+    """Data of both devices, and the truth.
 
     Attributes:
-        touches: By the tablet; times on its own clock.
-        touch_arrived: (n,) s, on the host's clock.
-        leap: By the Leap; times of its frames on its own clock.
-        leap_arrived: (m,) s, on the host's clock.
-        surface: Of the tablet.
-        truth: The subject's capture: every touch by its finger, the true pose; time as it was.
-        labels: Finger by the touches' ids.
-        touch_delay, leap_delay: s, mean from event to arrival.
-        rotation, shift: The Leap's frame in the surface's.
-        side: Which hand.
+        touches: The tablet's touches; times on its own clock.
+        touch_arrived: (n,) s, arrival times on the host's clock.
+        leap: The Leap's frames; times on its own clock.
+        leap_arrived: (m,) s, arrival times on the host's clock.
+        surface: The tablet's surface.
+        truth: The subject's capture: every touch with its finger, the true pose and time.
+        labels: Fingers by the touches' ids.
+        touch_delay, leap_delay: s, mean delay from event to arrival.
+        rotation, shift: The Leap's frame in the surface's frame.
+        side: The hand, left or right.
     """
 
     touches: tuple[TouchFrame, ...]
@@ -118,29 +118,29 @@ class Together:
 
     @property
     def offset(self) -> float:
-        """s, the Leap's arrivals less the touches', of the same events."""
+        """Arrival times of the Leap minus those of the touches for the same events, s."""
         return self.leap_delay - self.touch_delay
 
 
-def simulate_together(
+def simulate_paired(
     seed: int,
     day: int = 0,
     who: str = "first",
     dialect: str = "v3",
     side: str = "right",
-    configuration: TogetherConfiguration = FROZEN_TOGETHER,
+    configuration: PairedConfiguration = FROZEN_PAIRED,
     progress: Callable[[float], None] | None = None,
-) -> Together:
-    """A session of one person; every seed is another one.
+) -> PairedSession:
+    """Simulates a session of one person; every seed is another person.
 
     Args:
-        seed: Of the person, and with the day of everything that happens.
+        seed: Seed of the person and, together with the day, of the whole session.
         day: 0 is the training script, later days free play.
         who: `first` or `second` subject.
-        dialect: `v3` or `v1`.
-        side: Which hand; a left one is the mirror image.
-        configuration: Of session and devices.
-        progress: Is told the share that is done.
+        dialect: Version of the Leap software, `v3` or `v1`.
+        side: The hand; a left one is the mirror image.
+        configuration: Settings of session and devices.
+        progress: Called with the share done, 0 to 1.
     """
     c = configuration
     rng = np.random.default_rng([seed, day, 0x70C3])
@@ -154,7 +154,7 @@ def simulate_together(
     touches = _touched(rng, truth, starts, time, q, c)
     if side == "left":
         touches = tuple(_mirrored(f, width) for f in touches)
-    # The device: turned and elsewhere. A left hand is seen in the mirror.
+    # The device is rotated and shifted. A left hand is mirrored.
     x, y, z = c.tilt
     rotation = exp([0.0, 0.0, z]) @ exp([x, 0.0, 0.0]) @ exp([0.0, y, 0.0])
     shift = np.array(c.at)
@@ -165,7 +165,7 @@ def simulate_together(
     drifted = 17.0 + leap_time * (1.0 - c.drift)
     frames = tuple(replace(f, time=t) for f, t in zip(what.frames, drifted.tolist(), strict=True))
     tablet = np.array([f.time for f in touches])
-    return Together(
+    return PairedSession(
         tuple(replace(f, time=f.time + 3.0) for f in touches),
         tablet + c.touch_latency + rng.exponential(c.jitter, len(tablet)),
         replace(what, frames=frames),
@@ -188,14 +188,15 @@ def _person(
     seed: int,
     day: int,
     who: str,
-    c: TogetherConfiguration,
+    c: PairedConfiguration,
     progress: Callable[[float], None] | None,
 ) -> tuple[Capture, JointsOf, Array]:
-    """The subject's day without errors of measurement, and of its hand what a device sees.
+    """The subject's day without errors of measurement, and the parts of its hand that a device
+    sees.
 
     Returns:
-        The day; joints (n, 5, 4, 3) by pose; the palm's centre (3,) m in the hand's frame, as far
-        along the person's palm as along an average one.
+        The day; joints (n, 5, 4, 3) by pose; the palm's centre (3,) m in the hand's frame, scaled
+        from an average palm.
     """
     if who == "second":
         plain2 = second_subject.FROZEN
@@ -236,7 +237,7 @@ def _person(
 
 
 def _frames(paper: tuple[int, ...], total: float) -> tuple[int, int, int, int]:
-    """Frames of a day by the number of fingers, in the paper's proportions."""
+    """Number of frames of a day by number of fingers, in the paper's proportions."""
     a, b, d, e = (round(total * n / sum(paper)) for n in paper)
     return a, b, d, e
 
@@ -251,16 +252,16 @@ def _by_finger(joints: Array, tips: Array) -> Array:
 
 
 def _motion(
-    rng: np.random.Generator, truth: Capture, c: TogetherConfiguration
+    rng: np.random.Generator, truth: Capture, c: PairedConfiguration
 ) -> tuple[Array, Array, list[tuple[int, float]]]:
-    """Knots of the whole session: times (n,), poses (n, 48), and when each take begins."""
+    """Knots of the whole session: times (n,), poses (n, 48), and the start of each take."""
     rise = c.lift
     five = truth.q[int(truth.down.sum(axis=1).argmax())]
     flat = _open_pose(five)
     times, poses = [0.0], [flat]
 
     def go(q: Array, seconds: float, lifted: float) -> None:
-        """On to a pose, the hand rising and coming down again on the way."""
+        """Moves to a pose; the hand rises and comes down again on the way."""
         share = np.linspace(0.0, 1.0, max(3, round(seconds * 60.0)))[1:]
         last = poses[-1]
         turned = q.copy()
@@ -292,7 +293,7 @@ def _motion(
 
 
 def _open_pose(over: Array) -> Array:
-    """(48,) a flat hand 12 cm above where a pose has its wrist."""
+    """Pose (48,) of a flat hand 12 cm above the wrist of a pose."""
     table = np.zeros((len(FINGERS), 4))
     table[:, 1], table[:, 2], table[:, 3] = OPEN_SPREAD, 8.0, 5.0
     palm = Palm((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
@@ -314,14 +315,14 @@ def _touched(
     starts: list[tuple[int, float]],
     time: Array,
     q: Array,
-    c: TogetherConfiguration,
+    c: PairedConfiguration,
 ) -> tuple[TouchFrame, ...]:
-    """What the tablet says: frames while fingers are down, and one when the last has left."""
+    """Frames of the tablet: while fingers are down, and one when the last has left."""
     grid = np.arange(0.0, time[-1], 1.0 / c.touch_rate)
     frames: list[TouchFrame] = []
     rows_of = {trial: np.flatnonzero(truth.trial == trial) for trial, _ in starts}
     spans: list[tuple[float, float, Array, Array]] = []
-    # The taps: five fingers where the hand that taps has them.
+    # The taps: five fingers at the tips of the tapping hand.
     five = int(truth.down.sum(axis=1).argmax())
     clock, number = c.open_seconds + 1.0, -1
     for gap in c.taps:
@@ -356,7 +357,7 @@ def _length(truth: Capture, rows: NDArray[np.int64]) -> float:
 
 
 def _contacts(truth: Capture, rows: NDArray[np.int64], since: float) -> list[Contact]:
-    """Contacts of a take at a moment, on straight lines between its frames."""
+    """Contacts of a take at a moment, interpolated linearly between its frames."""
     times = truth.time[rows] - truth.time[rows[0]]
     after = int(np.clip(np.searchsorted(times, since, side="right"), 1, len(rows) - 1))
     a, b = rows[after - 1], rows[after]
@@ -387,7 +388,8 @@ def _air(
     open_seconds: float,
     side: str,
 ) -> AirTake:
-    """The hand over the device; `rotation` and `shift` are the device's in the surface's frame."""
+    """The hand in the device's frame; `rotation` and `shift` are the device's in the surface's
+    frame."""
     palm = exp(q[:, ROOT_ROTATION])
     origin = q[:, ROOT_POSITION] + palm @ centre
     world = joints_of(q)

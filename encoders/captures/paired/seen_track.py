@@ -1,4 +1,4 @@
-"""Poses and fingertips over time, of the frames of a 3-D device."""
+"""Poses and fingertips over time, from the frames of a 3-D device."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
 from encoders.captures.conversion.joint_track import JointTrack
-from encoders.captures.together.registration import Placed
+from encoders.captures.paired.registration import Placed
 from encoders.paalm import Paalm, PaalmOptions
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.hand_pose import PALM_CENTRE, hand_pose
@@ -25,15 +25,15 @@ from models.skeleton import ADULT, Bone, Skeleton
 Array = NDArray[np.float64]
 
 SMOOTHING = 0.02
-"""s, standard deviation of the filter over poses. It looks both ways: nothing comes late."""
+"""s, standard deviation of the filter over poses. It is symmetric in time and adds no delay."""
 
 LONGEST_GAP = 0.1
-"""s without the hand after which poses begin anew."""
+"""s without the hand after which a new piece of the track begins."""
 
 
 @dataclass(frozen=True)
 class SeenTrack(JointTrack):
-    """Poses by PAALM, and the fingertips that were seen themselves.
+    """Poses by PAALM, and the fingertips that the device saw.
 
     Attributes:
         seen: (J, 5, 3) m, fingertips as the device saw them; NaN where it did not.
@@ -43,17 +43,18 @@ class SeenTrack(JointTrack):
 
     @cached_property
     def tips(self) -> Array:
-        """(J, 5, 3) m: as seen, otherwise where the pose has them."""
+        """Fingertips (J, 5, 3) m as seen, otherwise those of the pose."""
         return np.where(np.isnan(self.seen), self.kinematics.tips(self.q), self.seen)
 
     def seen_at(self, times: Array, gap: float) -> tuple[Array, NDArray[np.bool_]]:
-        """Fingertips (m, 5, 3) as they were seen at times, NaN where not; and where frames are."""
+        """Seen fingertips (m, 5, 3) at times, NaN where not seen; and booleans of where frames
+        exist."""
         before, share, known = self._between(times, gap)
         a, b = self.seen[before], self.seen[before + 1]
         return a + share[:, None, None] * (b - a), known
 
     def placed(self, at: Placed) -> SeenTrack:
-        """The same in another frame."""
+        """The track in another frame."""
         q = self.q.copy()
         q[:, ROOT_POSITION] = at.points(q[:, ROOT_POSITION])
         q[:, ROOT_ROTATION] = log(at.rotation @ exp(q[:, ROOT_ROTATION]))
@@ -63,14 +64,14 @@ class SeenTrack(JointTrack):
 def seen_track(
     frames: Sequence[HandFrame], time: Array, calibration: HandCalibration
 ) -> tuple[SeenTrack, float]:
-    """The calibrated hand of a recording, as a right hand in the device's frame.
+    """Tracks the calibrated hand of a recording, as a right hand in the device's frame.
 
-    A left hand's mirror image is taken: x is turned round.
+    A left hand is mirrored: its x changes sign.
 
     Args:
-        frames: All of them.
-        time: (F,) s, of the frames, on the clock that is wanted.
-        calibration: Of the hand.
+        frames: All frames of the recording.
+        time: (F,) s, times of the frames on the wanted clock.
+        calibration: Calibration of the hand.
 
     Returns:
         The track, and the share of frames that show the hand.
@@ -89,7 +90,7 @@ def seen_track(
             continue
         pose = hand_pose(hand.table, hand.palm, calibration.side)
         pose = mirrored(pose) if left else pose
-        # `hand_pose` places an average palm; this one's wrist is where its own bones have it.
+        # `hand_pose` places an average palm; the wrist follows from this person's own bones.
         pose[ROOT_POSITION] += exp(pose[ROOT_ROTATION]) @ np.subtract(PALM_CENTRE, centre)
         rows.append(row)
         q.append(pose)
@@ -108,16 +109,17 @@ def seen_track(
 
 
 def skeleton_of(calibration: HandCalibration) -> tuple[Skeleton, Array]:
-    """The person's skeleton as far as the device told it, and its palm's centre (3,) m.
+    """The person's skeleton as far as the device reports it, and its palm's centre (3,) m.
 
-    With bones, every bone has its length; without, all have the average one's times the size.
-    Knuckles are an average hand's times the size: where a device has a palm's centre is unknown.
+    With bones, every bone has its reported length; without, all are scaled from the average.
+    Knuckles are always scaled from the average, since a device's definition of the palm's centre is
+    unknown.
     """
     average = np.array(bone_lengths())
     if calibration.bones is not None:
         size = float(np.median(calibration.bones[1:].sum(axis=1) / average[1:].sum(axis=1)))
     else:
-        # What the first software sees of an average finger: see `PaalmOptions.hidden`.
+        # The part of an average finger that the first software sees: see `PaalmOptions.hidden`.
         options = PaalmOptions()
         shown = average[1:].sum(axis=1) - options.hidden * average[1:, 0]
         size = float(np.median(calibration.standard[1:] / shown))
@@ -137,7 +139,7 @@ def skeleton_of(calibration: HandCalibration) -> tuple[Skeleton, Array]:
 
 
 def _tips(hands: Sequence[SeenHand], ids: dict[str, int | None], left: bool) -> Array:
-    """(5, 3) m, NaN where a finger is not seen."""
+    """Fingertips (5, 3) m, NaN where a finger is not seen."""
     out = np.full((len(FINGERS), 3), np.nan)
     wanted = {id_: name for name, id_ in enumerate(ids[f] for f in FINGERS) if id_ is not None}
     for hand in hands:
@@ -150,7 +152,7 @@ def _tips(hands: Sequence[SeenHand], ids: dict[str, int | None], left: bool) -> 
 
 
 def _smooth(time: Array, q: Array) -> Array:
-    """The poses without what a device's noise adds, piece by piece between gaps."""
+    """Smooths the device's noise out of the poses, piece by piece between gaps."""
     out = q.copy()
     cuts = np.flatnonzero(np.diff(time) > LONGEST_GAP) + 1
     for piece in np.split(np.arange(len(time)), cuts):

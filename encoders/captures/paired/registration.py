@@ -1,9 +1,9 @@
-"""Where a 3-D device is, seen from the touch surface: from fingertips that touch.
+"""Registration: pose of a 3-D device in the surface frame, from touching fingertips.
 
-A fingertip that touches is where the touch is, half a fingertip above the surface. Enough of them,
-at places that do not lie on one line, tell rotation and shift of the device's frame. Which finger a
-touch is need not be known at the beginning: a plane that fingertips rest on gives heights, and of
-all turns about its normal, one brings fingertips to the touches.
+A touching fingertip is at its touch, half a fingertip above the surface. Enough of them, not on one
+line, determine rotation and translation of the device's frame. Labels of touches are not needed at
+first: the plane on which fingertips rest gives heights, and of all rotations about its normal, one
+    brings fingertips to the touches.
 """
 
 from __future__ import annotations
@@ -19,26 +19,27 @@ from models.errors import CaptureError
 Array = NDArray[np.float64]
 
 TURNS = 36
-"""Turns about the normal that are tried; the nearest one is off by 5 degrees at most."""
+"""Number of rotations about the normal that are tried; the nearest one is off by 5 degrees at
+most."""
 
 MOST_MISS = 0.012
-"""m, median between touch and fingertip beyond which the two recordings are not of one hand; half
-the distance of two neighbouring fingers."""
+"""m, largest median distance between touch and fingertip of one hand; half the distance of two
+neighbouring fingers."""
 
 _ROUNDS = 15
 _KEPT = 0.7
-"""Share of the pairs that count, the nearest: fingers that are about to land are among them."""
+"""Share of the nearest pairs that count; the others include fingers that are about to land."""
 
 
 @dataclass(frozen=True)
 class Placed:
-    """The device's frame in the 3-D surface frame.
+    """Pose of the device's frame in the 3-D surface frame.
 
     Attributes:
         rotation: (3, 3) surface from device.
-        shift: (3,) m, where the device is.
+        shift: (3,) m, position of the device.
         miss: m, median distance of touching fingertips from their touches.
-        pairs: Touches that were used.
+        pairs: Number of touches used.
     """
 
     rotation: Array
@@ -47,12 +48,12 @@ class Placed:
     pairs: int
 
     def points(self, device: Array) -> Array:
-        """(..., 3) m in the surface frame."""
+        """Transforms points (..., 3) m to the surface frame."""
         return np.asarray(device @ self.rotation.T + self.shift)
 
 
 def first_guess(touches: Array, frame: NDArray[np.int64], tips: Array, near: float) -> Placed:
-    """Turn and shift in the plane, without knowing any touch's finger.
+    """Estimates rotation and translation in the plane, without labels of touches.
 
     Args:
         touches: (R, 2) m, x right and y up.
@@ -61,7 +62,7 @@ def first_guess(touches: Array, frame: NDArray[np.int64], tips: Array, near: flo
         near: m from that plane within which a fingertip may touch.
 
     Raises:
-        CaptureError: No turn brings them together.
+        CaptureError: No rotation brings them together.
     """
     best: Placed | None = None
     flat, low = tips[frame, :, :2], np.abs(tips[frame, :, 2]) < near
@@ -99,14 +100,14 @@ def first_guess(touches: Array, frame: NDArray[np.int64], tips: Array, near: flo
 
 
 def registered(touches: Array, tips: Array) -> Placed:
-    """The rigid motion that brings fingertips to their touches, outliers aside.
+    """Estimates the rigid motion that brings fingertips to their touches, without outliers.
 
     Args:
         touches: (R, 2) m, x right and y up.
         tips: (R, 3) m, the touching fingertips in the device's frame; NaN where not seen.
 
     Raises:
-        CaptureError: They are too few, or lie on one line.
+        CaptureError: There are too few touches, or they lie on one line.
     """
     known = ~np.isnan(tips).any(axis=1)
     there = np.column_stack([touches[known], np.full(int(known.sum()), PAD_HEIGHT)])
@@ -126,7 +127,7 @@ def registered(touches: Array, tips: Array) -> Placed:
 
 
 def _rigid(here: Array, there: Array) -> tuple[Array, Array]:
-    """Rotation and shift of least squares (Kabsch 1976), in the plane or in space."""
+    """Least-squares rotation and translation (Kabsch 1976), in the plane or in space."""
     a, b = here.mean(axis=0), there.mean(axis=0)
     u, _, v = np.linalg.svd((here - a).T @ (there - b))
     sign = np.ones(here.shape[1])

@@ -1,11 +1,13 @@
-"""From touches and the frames of a 3-D device to a capture, step by step.
+"""Converts touches and frames of a 3-D device to a capture, in five steps.
 
-1. The hand is measured where it is held open at the beginning (PAALM's calibration).
+1. The hand, held open at the beginning, is measured (PAALM's calibration).
 2. Every frame becomes a pose and named fingertips, in the device's frame.
-3. Fingertips rest on a plane: heights above it. Touch-downs and landings tell the clocks' offset.
-4. Touches and fingertips of the same moments tell where the device is, by turns with the names of
-   touches and the offset at which touches move as their fingertips do.
-5. Poses are moved to the surface, and while fingers touch, corrected so that their tips are there.
+3. The plane on which fingertips rest gives heights. Touch-downs and landings give the clocks'
+  offset.
+4. Touches and fingertips of the same moments give the device's pose, alternating with the labels of
+  touches and the offset at which touches move like their fingertips.
+5. Poses are transformed to the surface, and corrected so that touching fingertips meet their
+  touches.
 """
 
 from __future__ import annotations
@@ -24,9 +26,9 @@ from encoders.captures.conversion.report import ConversionReport, ConversionRule
 from encoders.captures.conversion.surface_frame import frame_from_fingertips
 from encoders.captures.conversion.synchronise import ClockOffset, offset_by_taps, refined_by_motion
 from encoders.captures.conversion.touch_log import ContactTrack, TouchLog, sound_contacts
-from encoders.captures.together.labels import named_by_sight
-from encoders.captures.together.registration import Placed, first_guess, registered
-from encoders.captures.together.seen_track import SeenTrack, seen_track
+from encoders.captures.paired.labels import named_by_sight
+from encoders.captures.paired.registration import Placed, first_guess, registered
+from encoders.captures.paired.seen_track import SeenTrack, seen_track
 from encoders.correction import FingertipCorrection
 from encoders.paalm import Paalm
 from encoders.paalm.calibration import HandCalibration
@@ -42,26 +44,26 @@ OPEN_FRAMES = 200
 """Frames of the open hand at the beginning; the paper's 1000 lasted 10 s."""
 
 ONE_CLOCK = 0.5
-"""s by which latencies of two devices can differ that were written down with one clock."""
+"""s, largest difference of the latencies of two devices recorded with one clock."""
 
 Correct = Literal["unseen", "all", "none"]
 
 _ROUNDS = 3
 _SAMPLES = 1500
-"""Touches of the first guess; more take longer and tell the same."""
+"""Number of touches for the first guess; more take longer without a better result."""
 _NEAR_PLANE = 0.012
 """m from the plane of resting fingertips within which a finger may touch."""
 
 POSE_ERROR = (0.004, np.deg2rad(2.0), np.deg2rad(8.0))
-"""m, rad, rad: standard deviation of a pose by PAALM in place, turn and joints (docs/paalm.md).
-What the touches do not see of it stays as PAALM says."""
+"""m, rad, rad: standard deviation of a pose by PAALM in position, rotation and joints
+(docs/paalm.md). Parts that the touches do not determine stay as in PAALM's pose."""
 
 
 def open_hand(frames: Sequence[HandFrame], side: str, wanted: int = OPEN_FRAMES) -> HandCalibration:
-    """The hand as it is held open at the beginning of a recording.
+    """Measures the hand that is held open at the beginning of a recording.
 
     Raises:
-        EncoderError: It is not, with the reason.
+        EncoderError: It is not held open; the error gives the reason.
     """
     which: Any = side
     return Paalm().calibrate(frames, which, wanted)[side]
@@ -80,22 +82,23 @@ def capture_from_hands(
     offset: float | None = None,
     correct: Correct = "unseen",
 ) -> Capture:
-    """The capture of a session with both devices.
+    """Creates the capture of a session with both devices.
 
     Args:
-        log: The touches; x of a left hand's already mirrored.
-        frames: The device's.
-        time: (F,) s, of the frames.
-        calibration: Of the hand.
-        rules: What is dropped.
-        report: Takes what was, and what was found.
-        meta: Of the capture.
-        one_clock: Both times are on one clock, up to latencies.
-        offset: s, the frames' clock less the touches', where it is known; None: by taps.
-        correct: Which touching fingertips are brought to their touches.
+        log: The touches; x of a left hand is already mirrored.
+        frames: The device's frames.
+        time: (F,) s, times of the frames.
+        calibration: Calibration of the hand.
+        rules: Rules for dropping contacts and frames.
+        report: Receives the counts of dropped ones, and estimated values.
+        meta: Metadata of the capture.
+        one_clock: True if both times are on one clock, up to latencies.
+        offset: s, the frames' clock minus the touches' clock, if known; None estimates it from
+            taps.
+        correct: Selection of the touching fingertips that are corrected to their touches.
 
     Raises:
-        CaptureError: The recordings do not go together, with the reason.
+        CaptureError: The recordings do not match; the error gives the reason.
     """
     track, share = seen_track(frames, time, calibration)
     tracks = sound_contacts(log, rules, report)
@@ -123,7 +126,7 @@ def capture_from_hands(
             remedy="Check --side and --surface",
         )
     _note(report, clock, place, share, offset is None)
-    # Where PAALM holds a finger that is not seen, it need not be: the touch knows better.
+    # PAALM only guesses the place of an unseen finger; the touch is more accurate.
     near = rules if calibration.bones is not None else replace(rules, reach=np.inf)
     capture = assemble(labelled, here, clock.offset, near, report, meta)
     capture = _whole(capture, tracks, labelled, report)
@@ -149,13 +152,13 @@ def _overlap(
 
 
 def _plane(track: SeenTrack) -> Placed:
-    """A frame whose z is the height above the plane that fingertips rest on."""
+    """A frame whose z is the height above the plane on which fingertips rest."""
     shown = np.isfinite(track.seen[..., 0]).any(axis=1)
     try:
         frame = frame_from_fingertips(track.seen[shown], track.q[shown, ROOT_POSITION])
     except CaptureError as error:
         raise CaptureError(
-            "fingertips never rest on a plane, so that no tap is found",
+            "the fingertips never rest on a plane, so that no tap is detected",
             got=error.got,
             remedy="Keep the hand in the device's view while it touches",
         ) from None
@@ -169,7 +172,7 @@ def _first(
     offset: float,
     rules: ConversionRules,
 ) -> Placed:
-    """Where the device is, roughly, without any touch's name."""
+    """Estimates the device's pose roughly, without labels of touches."""
     times = [sample_times(t, rules.rate) for t in tracks]
     xy = np.concatenate([t.at(s, rules.gap) for t, s in zip(tracks, times, strict=True)])
     moments = np.concatenate(times) + offset
@@ -204,10 +207,11 @@ def _whole(
     labelled: list[LabelledTrack],
     report: ConversionReport,
 ) -> Capture:
-    """The frames in which every touch has a name: a missing touch would teach what is wrong.
+    """Selects the frames in which every touch is labelled: a missing touch would be a wrong
+    training example.
 
     Raises:
-        CaptureError: There are none.
+        CaptureError: No frame is left.
     """
     named = {id(one.track) for one in labelled}
     keep = np.ones(len(capture), bool)
@@ -225,9 +229,9 @@ def _whole(
 def _corrected(
     capture: Capture, track: SeenTrack, offset: float, rules: ConversionRules, which: Correct
 ) -> Capture:
-    """Poses whose touching fingertips are at their touches.
+    """Corrects poses so that touching fingertips are at their touches.
 
-    With `unseen`, only those that the device does not see; the others stay where it sees them.
+    With `unseen`, only fingertips that the device does not see are corrected.
     """
     tips, _ = track.seen_at(capture.time + offset, rules.gap)
     unseen = np.isnan(tips[..., 0])

@@ -1,8 +1,8 @@
-"""What a person is asked to do while touches and hand are recorded, and how far they are.
+"""Instructions for a person during a paired capture, with progress.
 
 First the open hand, for PAALM to measure; then three taps, for the clocks; then every set of two to
-five fingers, for a set that is missing cannot be reconstructed later. A touch device does not know
-which fingers it feels: the guide counts them and trusts the person.
+five fingers, since a missing set cannot be reconstructed later. A touch device does not know which
+fingers it feels: the guide counts them and trusts the person.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import combinations
 
-from encoders.captures.together.capture_from_hands import OPEN_FRAMES
+from encoders.captures.paired.capture_from_hands import OPEN_FRAMES
 from models.frames import FINGERS, HandFrame, TouchFrame
 
 TAPS = 3
@@ -21,30 +21,30 @@ DOING = "move, open and close, pinch, turn"
 SETS: tuple[tuple[int, ...], ...] = tuple(
     chosen for size in range(5, 1, -1) for chosen in combinations(range(len(FINGERS)), size)
 )
-"""The 26 sets, those with many fingers first: they tell best where the device is."""
+"""The 26 sets, those with many fingers first, which locate the device best."""
 
 _MOST_STEP = 0.1
-"""s that one frame can add; a device that pauses adds nothing."""
+"""s that one frame adds at most, so that a paused device adds nothing."""
 
 
 @dataclass(frozen=True)
 class Step:
-    """What is asked for now, and the share of it that is done, 0 to 1."""
+    """The current instruction, and the share of it that is done, 0 to 1."""
 
     text: str
     share: float
 
 
 class Guide:
-    """The way through a session, by the frames that come.
+    """Leads a person through a session, based on incoming frames.
 
     Args:
-        side: Which hand.
+        side: The hand, left or right.
         each: s for which every set is to be played.
-        sets: Which; all 26 without.
+        sets: The finger sets; by default all 26.
 
     Attributes:
-        done: Whether everything was done.
+        done: True once all steps are done.
     """
 
     def __init__(
@@ -59,7 +59,7 @@ class Guide:
 
     @property
     def step(self) -> Step:
-        """What the person is to do."""
+        """The current instruction."""
         if self._open < OPEN_FRAMES:
             text = f"Hold your {self._side} hand open over the surface, palm down, fingers spread"
             return Step(text, self._open / OPEN_FRAMES)
@@ -73,19 +73,19 @@ class Guide:
 
     @property
     def share(self) -> float:
-        """Of the whole session, 0 to 1."""
+        """Share of the whole session that is done, 0 to 1."""
         whole = 2.0 + len(self._sets)
         begun = min(1.0, self._open / OPEN_FRAMES) + min(1.0, self._taps / TAPS)
         part = 0.0 if self.done else min(1.0, self._played / self._each)
         return (begun + self._set + part) / whole
 
     def hand(self, frame: HandFrame) -> None:
-        """A frame of the Leap."""
+        """Processes a frame of the Leap."""
         if self._open < OPEN_FRAMES and any(len(h.fingers) == len(FINGERS) for h in frame.hands):
             self._open += 1
 
     def touch(self, frame: TouchFrame, now: float) -> None:
-        """A frame of the touch device that came at `now`, s."""
+        """Processes a frame of the touch device that came at `now`, s."""
         if self._open < OPEN_FRAMES or self.done:
             return
         gone = self._touched is None or now - self._touched > APART
@@ -96,7 +96,7 @@ class Guide:
         self.pass_time(now, len(frame.contacts))
 
     def pass_time(self, now: float, down: int) -> None:
-        """Fingers that are down play their set; devices say nothing while they rest."""
+        """Advances the time of the current set; devices send no frames while fingers rest."""
         step = 0.0 if self._last is None else min(now - self._last, _MOST_STEP)
         self._last = now
         if self._taps < TAPS or self.done or down != len(self._sets[self._set]):
