@@ -94,6 +94,7 @@ def test_every_piece_of_python_can_be_read(page: Path) -> None:
     [
         ("docs/write-a-task.md", "examples/push_the_mug.py"),
         ("docs/write-a-device.md", "examples/circling_finger.py"),
+        ("docs/write-an-encoder.md", "examples/kernel_ridge.py"),
     ],
 )
 def test_a_page_shows_the_whole_example_that_it_explains(page: str, example: str) -> None:

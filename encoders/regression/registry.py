@@ -47,6 +47,7 @@ def find_encoder(name: str) -> type[Encoder]:
     if found is None:
         raise EncoderError(
             "there is no such encoder",
+            where="--encoder",
             got=name,
             expected=", ".join((*ENCODERS, *sorted(offered()))) + " or FILE.py:CLASS",
         )

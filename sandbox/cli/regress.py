@@ -57,7 +57,7 @@ class RegressOptions:
     seeds: Annotated[str, tyro.conf.arg(metavar="A:B")] = "0:120"
     """From A to before B; commas join several."""
 
-    encoder: Annotated[str, tyro.conf.arg(metavar="NAME|FILE")] = "best"
+    encoder: Annotated[str, tyro.conf.arg(metavar="NAME|FILE|FILE.py:CLASS")] = "best"
     """As for `sandbox run`."""
 
     fingers: int = 3

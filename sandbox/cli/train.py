@@ -14,6 +14,7 @@ from rich.progress import Progress
 from encoders.capture import Capture
 from encoders.captures.subject import FROZEN, SEED, simulate
 from encoders.evaluation.best import train_best_model
+from encoders.regression.registry import find_encoder
 from encoders.regression.trained import (
     BUILTIN,
     POLYNOMIALS,
@@ -23,6 +24,7 @@ from encoders.regression.trained import (
     load_model,
     save_model,
     train,
+    train_encoder,
 )
 from encoders.store import load_capture, save_capture
 from models.errors import InputError
@@ -45,7 +47,8 @@ class TrainOptions:
 
     Without --degree it is the method of `best`: what wins on takes held out in turn, with the
     bones of the captured person and a validated trust in the touches. With --degree it is one of
-    the paper's polynomials.
+    the paper's polynomials. With --encoder it is one of your own: see
+    docs/write-an-encoder.md.
 
     With --capture, on a capture made by `sandbox subject`, `sandbox capture` or of your own in the
     same format. With --builtin, the models that come with the program are made anew from the
@@ -57,13 +60,14 @@ class TrainOptions:
 
         sandbox train --capture training.npz --out mine.npz
         sandbox run box-to-goal --encoder mine.npz
+        sandbox train --encoder examples/kernel_ridge.py:KernelRidge --out kernel.npz
     """
 
     out: Annotated[Path, tyro.conf.arg(metavar="MODEL|DIR")]
     """The model's file; with --builtin the folder of all of them."""
 
     capture: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """Trains on this capture."""
+    """Trains on this capture; with --encoder, the built-in one unless another is named."""
 
     builtin: bool = False
     """Makes the built-in models anew and compares them."""
@@ -75,11 +79,23 @@ class TrainOptions:
     """Penalty on that polynomial's coefficients; 0 is least squares, as in the paper. Without it,
     it is chosen by cross-validation that never splits a take."""
 
+    encoder: Annotated[str | None, tyro.conf.arg(metavar="NAME|FILE.py:CLASS")] = None
+    """Trains an encoder of your own, in a file or a module (MODULE:CLASS), or offered by an
+    installed package under NAME."""
+
 
 def main(argv: list[str]) -> int:
     """Runs `sandbox train ...`."""
     options = parse(TrainOptions, "sandbox train", argv)
-    if options.builtin == (options.capture is not None):
+    if options.encoder is not None:
+        for name, given in (
+            ("--builtin", options.builtin),
+            ("--degree", options.degree is not None),
+            ("--ridge", options.ridge is not None),
+        ):
+            if given:
+                raise InputError("an encoder of your own has its own options", where=name)
+    elif options.builtin == (options.capture is not None):
         raise InputError(
             "either a capture or the built-in models",
             where="sandbox train",
@@ -87,9 +103,10 @@ def main(argv: list[str]) -> int:
         )
     console = Console()
     try:
-        if options.capture is None:
+        if options.builtin:
             return _builtin(options.out, console)
-        return _one(options, load_capture(options.capture), console)
+        capture = load_capture(options.capture) if options.capture else builtin_capture()
+        return _one(options, capture, console)
     except OSError as error:
         raise InputError(
             "it cannot be written", where=f"--out {options.out}", got=str(error)
@@ -104,10 +121,15 @@ def _one(options: TrainOptions, capture: Capture, console: Console) -> int:
     # Where nothing can be erased, a bar would leave an empty line beside an error's one line.
     with Progress(console=bars, transient=True, disable=not bars.is_terminal) as progress:
         bar = progress.add_task("training", total=1.0)
-        if degree is None:
-            model = train_best_model(
-                capture, options.out.stem, lambda share: progress.update(bar, completed=share)
-            )
+
+        def show(share: float) -> None:
+            progress.update(bar, completed=share)
+
+        if options.encoder is not None:
+            kind = find_encoder(options.encoder)
+            model = train_encoder(capture, options.out.stem, kind, show)
+        elif degree is None:
+            model = train_best_model(capture, options.out.stem, show)
         else:
             model = train(capture, options.out.stem, degree, options.ridge)
     save_model(model, options.out)
@@ -128,11 +150,12 @@ def _report(console: Console, path: Path, model: TrainedModel) -> None:
 
 
 def _kind(model: TrainedModel) -> str:
-    if model.correction is None:
+    if model.correction is not None:
+        trust = f"the touches' variance trusted 1 / {model.correction.distrust:g}"
+        return f"{model.meta['winner']}, {trust}"
+    if "degree" in model.meta:
         return f"degree {model.meta['degree']}, ridge {model.meta['ridge']:g}"
-    return (
-        f"{model.meta['winner']}, the touches' variance trusted 1 / {model.correction.distrust:g}"
-    )
+    return type(model.encoder).__qualname__
 
 
 def _builtin(folder: Path, console: Console) -> int:

@@ -38,7 +38,9 @@ class OneHandOptions:
         str, tyro.conf.arg(metavar="{paper,linear,quadratic,cubic,pca-ik,best,FILE}")
     ] = "best"
     """From touches to the hand. paper: least squares, the paper's labels, no correction, no
-    smoothing. The others share labels, correction and smoothing of best."""
+    smoothing. The others share labels, correction and smoothing of best. FILE is what `sandbox
+    train` wrote, or FILE.py:CLASS (MODULE:CLASS), an encoder of your own
+    (docs/write-an-encoder.md)."""
 
     bare: tyro.conf.FlagCreatePairsOff[bool] = False
     """Any encoder as bare as paper's: its labels, no correction, no smoothing."""

@@ -32,6 +32,7 @@ from sandbox.recording.recording import Recording, is_recording, load_recording
 from sandbox.server.web import WebDevice
 from sandbox.session.device import Device
 from sandbox.trial.device_makers import DeviceMaker, DeviceMakers, merging, sharing
+from sandbox.trial.recorded_encoder import recorded_encoder
 from sandbox.trial.settings import HandSettings, RunSettings, bare
 from sandbox.trial.surfaces import home
 from tasks.task import Task
@@ -209,7 +210,12 @@ def _settings(options: SceneOptions, recording: Recording | None) -> RunSettings
         # A recording brings its own task, seed and surface; what is asked for otherwise is tried on
         # the recorded touches.
         base = RunSettings.from_json(recording.header["settings"])
-        base = replace(base, task=recorded_task(recording.header, str(recording.path)))
+        header, where = recording.header, str(recording.path)
+        base = replace(
+            base,
+            task=recorded_task(header, where),
+            encoder=recorded_encoder(header, where),
+        )
     else:
         base = RunSettings(task=options.task)
     base = replace(base, seed=base.seed if options.seed is None else options.seed)

@@ -20,8 +20,10 @@ from typing import Any, Protocol
 
 from models.errors import HandSandboxError, InputError
 from sandbox.regress.plan import TrialJob, registered
+from sandbox.trial.assembly import load_encoder
 from sandbox.trial.headless import run_trial
 from sandbox.trial.result import KeptIn, kept_fields
+from sandbox.trial.settings import RunSettings
 
 Trial = dict[str, Any]
 """JSON of a trial: the fields of its result that `KeptIn.REGRESS` names, and its fingerprint."""
@@ -138,6 +140,9 @@ class Processes:
 
     def run(self, jobs: Sequence[TrialJob], stopped: Stopped = never) -> Iterator[Trial]:
         """The trials as they end."""
+        for name in {str(job.scene.get("encoder", RunSettings.encoder)) for job in jobs}:
+            # An encoder that has to be trained is trained here, once, and not in every process.
+            load_encoder(name)
         waiting = list(reversed(jobs))
         workers = [self._start() for _ in range(min(self.workers, len(jobs)))]
         try:

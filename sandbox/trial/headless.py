@@ -10,6 +10,7 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
+from encoders.regression.registry import origin as encoder_origin
 from models.errors import DivergenceError
 from sandbox.recording.versions import versions
 from sandbox.session.messages import Snapshot
@@ -108,6 +109,7 @@ def trial_header(settings: RunSettings, about: dict[str, Any] | None = None) -> 
         "digests": digests(settings),
         "versions": versions(),
         **({"task_from": found} if (found := origin(settings.task)) else {}),
+        **({"encoder_from": found} if (found := encoder_origin(settings.encoder)) else {}),
         **(about or {}),
     }
 

@@ -13,6 +13,7 @@ from sandbox.session.session import Session
 from sandbox.trial.assembly import build, digests
 from sandbox.trial.device_makers import DeviceMaker, DeviceMakers
 from sandbox.trial.headless import ViewMaker, no_views
+from sandbox.trial.recorded_encoder import recorded_encoder
 from sandbox.trial.recorded_poses import RecordedPoses
 from sandbox.trial.settings import RunSettings
 
@@ -49,16 +50,26 @@ def settings_of(recording: Recording) -> RunSettings:
     Raises:
         RecordingError: What it was made with has learned something else here.
     """
-    settings = RunSettings.from_json(recording.header["settings"])
-    settings = replace(settings, task=recorded_task(recording.header, str(recording.path)))
-    here, there = digests(settings), recording.header.get("digests")
+    header, where = recording.header, str(recording.path)
+    settings = replace(
+        RunSettings.from_json(header["settings"]),
+        task=recorded_task(header, where),
+        encoder=recorded_encoder(header, where),
+    )
+    here, there = digests(settings), header.get("digests")
     if here != there:
+        remedy = "Use the version of the sandbox that its header names"
+        if "encoder_from" in header:
+            remedy = (
+                "The encoder's file, its libraries or the machine differ. What is to replay "
+                "elsewhere is trained once, by `sandbox train --encoder`, into a model's file"
+            )
         raise RecordingError(
             "it was made with another encoder, or other labels, of the same name",
-            where=str(recording.path),
+            where=where,
             got=here,
             expected=str(there),
-            remedy="Use the version of the sandbox that its header names",
+            remedy=remedy,
         )
     return settings
 

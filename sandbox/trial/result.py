@@ -169,6 +169,9 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
     task_from: Annotated[
         dict[str, Any] | None, _field("", "file or package of a task that is not built in")
     ] = None
+    encoder_from: Annotated[
+        dict[str, Any] | None, _field("", "file or package of an encoder that is not built in")
+    ] = None
     device: Annotated[str | None, _field("", "device that the input came from")] = None
     user: Annotated[dict[str, Any] | None, _field("", "configuration of the simulated user")] = None
     drop_outs: Annotated[float | None, _field("1/s", "touches that the simulated screen loses")] = (

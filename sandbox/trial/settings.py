@@ -69,7 +69,8 @@ class RunSettings:
     Attributes:
         task: Name of the task.
         seed: Of the task's start and goal, and of a simulated user.
-        encoder: `paper`, `linear`, `quadratic`, `cubic`, `best`, or a trained model's file.
+        encoder: `paper`, `linear`, `quadratic`, `cubic`, `pca-ik`, `best`, a trained model's
+            file, or an encoder that is not ours (`encoders.regression.model_registry`).
         labels: One of `LABELS`.
         correction: Fingertips are made to meet their touches.
         smoothing: Touches and posture are low-passed.

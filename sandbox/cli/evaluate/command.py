@@ -27,7 +27,8 @@ class EvaluateOptions:
 
     Methods: linear, quadratic, cubic (least squares, as the paper's), paper (the same as
     quadratic), pca-ik, pca-ik-null, map-ik (inverse
-    kinematics), mean, best, or a FILE.npz made by `sandbox train`.
+    kinematics), mean, best, a FILE.npz made by `sandbox train`, or FILE.py:CLASS, an encoder of
+    your own (docs/write-an-encoder.md).
 
     Without --capture, on days of a SIMULATED subject that no method was trained on: `--days` of
     them, whose numbers follow from the subject's configuration and --day-seed. Everything measured
@@ -41,7 +42,7 @@ class EvaluateOptions:
     The paper of 2013 instead: sandbox evaluate --paalm simulated|FOLDER [--json OUT]
     """
 
-    encoders: Annotated[tuple[str, ...], tyro.conf.arg(metavar="NAME|FILE")] = (
+    encoders: Annotated[tuple[str, ...], tyro.conf.arg(metavar="NAME|FILE|FILE.py:CLASS")] = (
         "linear",
         "quadratic",
         "cubic",

@@ -1,0 +1,423 @@
+"""A lab's own encoder, in a file or in an installed package, is used wherever ours are."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from encoders.capture import Capture
+from encoders.discovery import source_digest
+from encoders.encoder import Encoder
+from encoders.regression.mean import MeanEncoder
+from encoders.regression.model_registry import cache_folder, find_model, pca_ik_model
+from encoders.regression.registry import ENCODERS, find_encoder, is_outside, kind_of, origin
+from encoders.regression.trained import (
+    builtin_capture,
+    load_model,
+    save_model,
+    train_encoder,
+)
+from encoders.store import save_capture
+from models.errors import EncoderError, RecordingError
+from sandbox.cli.main import main
+from sandbox.recording.recording import load_recording
+from sandbox.trial.replay import settings_of
+from tests.support.npz_files import header_of, rewritten
+from tests.support.processes import ROOT
+
+EXAMPLE = ROOT / "examples" / "kernel_ridge.py"
+NAME = f"{EXAMPLE}:KernelRidge"
+QUICK = "tests.support.regress_tasks:Quick"
+
+
+@pytest.fixture(scope="module", autouse=True)
+def cache(tmp_path_factory: pytest.TempPathFactory):
+    """A folder for trained models that is not this user's."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
+        yield
+
+
+@pytest.fixture(scope="module")
+def capture() -> Capture:
+    """Every fortieth frame of the built-in capture: all takes, quickly learned."""
+    return builtin_capture().select(np.arange(0, len(builtin_capture()), 40))
+
+
+class Mean(Encoder):
+    """The least that an encoder has: fit and predict."""
+
+    def fit(self, U, Q):
+        self.mean = np.mean(Q, axis=0)
+        return self
+
+    def predict(self, U):
+        return np.broadcast_to(self.mean, (*np.shape(U)[:-1], 48)).copy()
+
+
+# The example, in four commands
+
+
+def test_the_example_has_fewer_than_sixty_lines():
+    assert len(EXAMPLE.read_text().splitlines()) < 60
+
+
+def test_the_example_plays_a_trial_that_replays(tmp_path, capsys):
+    record, out = tmp_path / "run.jsonl", tmp_path / "run.json"
+    line = ["run", "box-to-goal", "--seed", "7", "--encoder", NAME, "--record", str(record)]
+    assert main([*line, "--json", str(out)]) == 0
+    assert "training KernelRidge" in capsys.readouterr().err
+    result = json.loads(out.read_text())
+    assert result["success"] and result["encoder"] == NAME
+    assert result["encoder_from"] == {"file": str(EXAMPLE), "member": "KernelRidge"}
+    assert main(["replay", str(record), "--view", "none"]) == 0
+    assert "exact" in capsys.readouterr().out
+
+
+def test_the_example_runs_over_seeds(tmp_path):
+    out = tmp_path / "report.json"
+    line = ["regress", "--tasks", QUICK, "--seeds", "0:2", "--encoder", NAME, "--json", str(out)]
+    assert main([*line, "--executor", "serial"]) == 0
+    report = json.loads(out.read_text())
+    assert report["configuration"]["encoder"] == NAME
+
+
+def test_the_example_is_evaluated(capture, tmp_path):
+    path, out = tmp_path / "c.npz", tmp_path / "report.json"
+    save_capture(capture, path)
+    line = ["evaluate", "--encoders", "mean", NAME, "--capture", str(path), "--train", "split"]
+    assert main([*line, "--no-copas", "--json", str(out)]) == 0
+    assert set(json.loads(out.read_text())["encoders"]) == {"mean", "KernelRidge"}
+
+
+def test_the_example_is_trained_into_a_file_that_is_loaded_again(capture, tmp_path, capsys):
+    path, out = tmp_path / "c.npz", tmp_path / "kernel.npz"
+    save_capture(capture, path)
+    assert main(["train", "--encoder", NAME, "--capture", str(path), "--out", str(out)]) == 0
+    assert "KernelRidge" in capsys.readouterr().out
+    model, again = find_model(str(out), print), train_encoder(capture, "k", find_encoder(NAME))
+    assert model.digest == again.digest and kind_of(model.encoder) is None
+    np.testing.assert_array_equal(
+        model.encoder.predict(model.training_u), again.encoder.predict(model.training_u)
+    )
+    assert main(["run", QUICK, "--encoder", str(out)]) == 0
+
+
+# Storage
+
+
+def test_an_encoder_that_stores_nothing_learns_again_when_it_is_loaded(capture, tmp_path):
+    model = train_encoder(capture, "mean", Mean)
+    save_model(model, tmp_path / "m.npz")
+    read = load_model(tmp_path / "m.npz")
+    assert read.digest == model.digest
+    np.testing.assert_array_equal(read.encoder.predict(capture.u), model.encoder.predict(capture.u))
+
+
+@pytest.mark.parametrize("name", sorted(set(ENCODERS) - {"pca-ik", "pca-ik-null", "map-ik"}))
+def test_each_of_our_encoders_comes_back_from_a_file(name, capture, tmp_path):
+    model = train_encoder(capture, name, ENCODERS[name])
+    save_model(model, tmp_path / "m.npz")
+    read = load_model(tmp_path / "m.npz")
+    assert read.digest == model.digest and type(read.encoder) is type(model.encoder)
+    np.testing.assert_array_equal(read.encoder.predict(capture.u), model.encoder.predict(capture.u))
+
+
+def test_inverse_kinematics_comes_back_from_a_file(tmp_path):
+    model = pca_ik_model()
+    save_model(model, tmp_path / "m.npz")
+    some = model.training_u[::700]
+    np.testing.assert_array_equal(
+        load_model(tmp_path / "m.npz").encoder.predict(some), model.encoder.predict(some)
+    )
+
+
+def test_the_digest_of_pca_ik_is_that_of_earlier_recordings():
+    assert pca_ik_model().digest == "57b600502118a02e31ac37d49c90334b"
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"weights": None}, "cannot be made again.*weights"),
+        ({"weights": np.zeros((3, 48))}, "not as it was stored"),
+        ({"header": header_of('{"schema": 2, "meta": {}, "kind": "outside"}')}, "damaged"),
+        (
+            {
+                "header": header_of(
+                    '{"schema": 2, "meta": {}, "kind": "outside", "configuration": {},'
+                    ' "from": {"file": "/nowhere/lab.py", "member": "Lab"}}'
+                )
+            },
+            "not on this machine.*Put lab.py back",
+        ),
+    ],
+)
+def test_a_damaged_model_of_an_own_encoder_is_refused_in_a_line(capture, tmp_path, changes, says):
+    path = tmp_path / "k.npz"
+    save_model(train_encoder(capture, "k", find_encoder(NAME)), path)
+    rewritten(path, **changes)
+    with pytest.raises(EncoderError, match=says) as error:
+        load_model(path)
+    assert "k.npz" in str(error.value) and "\n" not in str(error.value)
+
+
+def test_what_took_long_to_train_is_kept_and_used_again(capture, tmp_path, monkeypatch):
+    from encoders.regression import model_registry
+
+    monkeypatch.setattr(model_registry, "LONG", 0.0)
+    monkeypatch.setattr(model_registry, "builtin_capture", lambda: capture)
+    path, told = tmp_path / "lab.py", list[str]()
+    path.write_text("from tests.encoders.test_own_encoder import Mean\nclass A(Mean): pass")
+    first = find_model(str(path), told.append)
+    assert any("kept in" in line for line in told) and list(cache_folder().glob("*.npz"))
+    told.clear()
+    model_registry._trained.cache_clear()
+    assert find_model(str(path), told.append).digest == first.digest and told == []
+
+
+# What is refused
+
+
+def write(path: Path, body: str) -> str:
+    path.write_text(
+        "import numpy as np\nfrom encoders import Encoder\n"
+        f"from tests.encoders.test_own_encoder import Mean\n{body}"
+    )
+    return str(path)
+
+
+@pytest.mark.parametrize(
+    ("body", "says"),
+    [
+        ("1/0", "ZeroDivisionError.*lab.py:4"),
+        ("def", "SyntaxError"),
+        ("import nobody_has_this", "No module named"),
+        ("", "which encoder .*no encoder"),
+        ("class A(Mean): pass\nclass B(Mean): pass", "which encoder .*A, B"),
+        ("class A(Encoder):\n def fit(self, U, Q): return self", "lacks a method.*no predict"),
+        ("class A(Mean):\n def __init__(self, size): pass", "without arguments.*size"),
+    ],
+)
+def test_a_file_without_a_sound_encoder_is_refused_in_a_line(tmp_path, body, says):
+    with pytest.raises(EncoderError, match=says) as error:
+        find_encoder(write(tmp_path / "lab.py", body))
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("body", "says"),
+    [
+        ("A = 5", "this is no encoder.*got '5'.*inherits from"),
+        ("class A:\n def fit(self, U, Q): return self", "this is no encoder"),
+        ("B = 5", "nothing of this name.*no encoder"),
+    ],
+)
+def test_a_name_that_is_no_encoder_is_refused_in_a_line(tmp_path, body, says):
+    with pytest.raises(EncoderError, match=says) as error:
+        find_encoder(write(tmp_path / "lab.py", body) + ":A")
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("method", "says"),
+    [
+        ("fit(self, U, Q): 1/0", "cannot learn.*ZeroDivisionError.*lab.py:5"),
+        ("predict(self, U): 1/0", "cannot predict.*ZeroDivisionError"),
+        ("predict(self, U): return np.zeros((len(U), 48))", r"another shape.*\(15,\)"),
+        ("predict(self, U): return np.zeros((*U.shape[:-1], 47))", "another shape.*47"),
+        ("predict(self, U): return np.full((*U.shape[:-1], 48), np.nan)", "not finite"),
+        ("configuration(self): return {'a': 1}", "own options.*no arguments"),
+        ("configuration(self): return {'a': Mean}", "cannot be stored.*serializable"),
+        ("arrays(self): return [1]", "no arrays"),
+        ("arrays(self): return {'a': np.array([None])}", "no arrays"),
+        ("arrays(self): return {'covariance': np.zeros(3)}", "cannot have.*covariance"),
+        ("arrays(self): return {'../a': np.zeros(3)}", "cannot have"),
+        ("arrays(self): return {'a': np.random.rand(3)}", "not come back.*other arrays"),
+        ("restore(self, arrays, U, Q): 1/0", "made again.*ZeroDivisionError"),
+    ],
+)
+def test_an_encoder_that_breaks_the_contract_is_refused_in_a_line(capture, tmp_path, method, says):
+    kind = find_encoder(write(tmp_path / "lab.py", f"class A(Mean):\n def {method}"))
+    with pytest.raises(EncoderError, match=says) as error:
+        train_encoder(capture, "a", kind)
+    assert "\n" not in str(error.value)
+
+
+def test_poses_that_storing_changes_are_refused(capture, tmp_path):
+    body = """class A(Mean):
+ def arrays(self): return {"scale": np.ones(1)}
+ def restore(self, arrays, U, Q): return self.fit(U, Q + 0.1)"""
+    with pytest.raises(EncoderError, match=r"not come back.*0\.1 m or rad"):
+        train_encoder(capture, "a", find_encoder(write(tmp_path / "lab.py", body)))
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        ["run", QUICK, "--encoder", "{}:B"],
+        ["play", QUICK, "--device", "simulated", "--view", "none", "--encoder", "{}:B"],
+        ["regress", "--tasks", QUICK, "--executor", "serial", "--encoder", "{}:B"],
+        ["evaluate", "--encoders", "{}:B"],
+        ["train", "--encoder", "{}:B", "--out", "m.npz"],
+    ],
+    ids=lambda line: line[0],
+)
+def test_every_command_answers_a_wrong_name_with_one_line(line, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    path = write(tmp_path / "lab.py", "class A(Mean): pass")
+    assert main([word.format(path) for word in line]) == 2
+    told = capsys.readouterr().err
+    assert "nothing of this name" in told and told.count("\n") == 1
+
+
+@pytest.mark.parametrize("option", (["--degree", "2"], ["--ridge", "1"], ["--builtin"]))
+def test_an_own_encoder_takes_no_options_of_ours(option, capsys):
+    assert main(["train", "--encoder", NAME, "--out", "m.npz", *option]) == 2
+    assert "options" in capsys.readouterr().err
+
+
+def test_without_scikit_learn_the_example_says_what_to_install(monkeypatch, tmp_path):
+    monkeypatch.setitem(sys.modules, "sklearn", None)
+    path = tmp_path / "kernel_ridge.py"
+    path.write_text(EXAMPLE.read_text())
+    with pytest.raises(EncoderError, match="pip install scikit-learn") as error:
+        find_encoder(str(path))
+    assert "\n" not in str(error.value)
+
+
+# Names
+
+
+def test_names_and_places_are_told_apart():
+    assert not any(is_outside(name) for name in (*ENCODERS, "mine.npz", "best", "nobody"))
+    assert is_outside(NAME) and is_outside("my_lab.encoders:Mine")
+    assert all(origin(name) == {} for name in ENCODERS)
+    assert find_encoder("tests.encoders.test_own_encoder:Mean").__name__ == "Mean"
+    with pytest.raises(EncoderError, match=r"linear, .* or FILE\.py:CLASS"):
+        find_encoder("nobody")
+
+
+def test_the_source_digest_is_that_of_the_file(tmp_path):
+    a = find_encoder(write(tmp_path / "a.py", "class A(Mean): pass"))
+    b = find_encoder(write(tmp_path / "b.py", "class A(Mean): pass"))
+    c = find_encoder(write(tmp_path / "c.py", "class A(Mean): 'other'"))
+    assert source_digest(a) == source_digest(b) != source_digest(c)
+
+
+def test_a_class_within_a_function_cannot_be_stored(capture, tmp_path):
+    class Inner(Mean):
+        pass
+
+    model = train_encoder(capture, "inner", Inner)
+    with pytest.raises(EncoderError, match=r"Inner.*found again"):
+        save_model(model, tmp_path / "m.npz")
+
+
+def test_our_own_classes_are_known_and_their_heirs_are_not():
+    class Heir(MeanEncoder):
+        pass
+
+    assert kind_of(MeanEncoder()) == "mean" and kind_of(Heir()) is None
+    assert kind_of(ENCODERS["linear"]()) == "polynomial"
+
+
+def test_a_recording_whose_encoder_has_changed_or_is_gone_is_refused(tmp_path):
+    lab, record = tmp_path / "lab.py", tmp_path / "run.jsonl"
+    write(lab, "class A(Mean): pass")
+    assert main(["run", QUICK, "--encoder", f"{lab}:A", "--record", str(record)]) == 0
+    settings_of(load_recording(record))
+    whole = record.read_text()
+    digest = json.loads(whole.splitlines()[0])["digests"]["encoder"]
+    record.write_text(whole.replace(digest, "0" * 32))
+    with pytest.raises(RecordingError, match=r"another encoder.*sandbox train --encoder"):
+        settings_of(load_recording(record))
+    record.write_text(whole.replace("lab.py", "gone.py"))
+    with pytest.raises(RecordingError, match=r"not on this machine.*Put gone\.py back"):
+        settings_of(load_recording(record))
+
+
+# A package
+
+METADATA = {
+    "METADATA": "Metadata-Version: 2.1\nName: tiny-lab\nVersion: 0.3\n",
+    "WHEEL": "Wheel-Version: 1.0\nGenerator: a test\nRoot-Is-Purelib: true\nTag: py3-none-any\n",
+    "RECORD": "",
+    "entry_points.txt": """[hand_sandbox.encoders]
+tiny-lab-mean = tiny_lab:Mean
+tiny-lab-missing = tiny_lab_nowhere:Gone
+tiny-lab-five = tiny_lab:FIVE
+""",
+}
+
+LAB = """
+import numpy as np
+from encoders import Encoder
+FIVE = 5
+class Mean(Encoder):
+    def fit(self, U, Q):
+        self.mean = np.mean(Q, axis=0)
+        return self
+    def predict(self, U):
+        return np.broadcast_to(self.mean, (*np.shape(U)[:-1], 48)).copy()
+"""
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a package of a lab, installed by pip from a wheel."""
+    target = tmp_path_factory.mktemp("site")
+    wheel = tmp_path_factory.mktemp("wheel") / "tiny_lab-0.3-py3-none-any.whl"
+    with zipfile.ZipFile(wheel, "w") as archive:
+        archive.writestr("tiny_lab.py", LAB)
+        for name, text in METADATA.items():
+            archive.writestr(f"tiny_lab-0.3.dist-info/{name}", text)
+    pip = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--no-index"]
+    subprocess.run(
+        [*pip, "--disable-pip-version-check", "--target", str(target), str(wheel)], check=True
+    )
+    return target
+
+
+def sandbox(site: Path | None, *arguments: str) -> subprocess.CompletedProcess[str]:
+    path = [str(ROOT), *([str(site)] if site else [])]
+    program = (
+        f"import sys; sys.path[:0] = {path!r}\n"
+        f"from sandbox.cli.main import main; sys.exit(main({list(arguments)!r}))"
+    )
+    return subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, cwd=ROOT, check=False
+    )
+
+
+def test_an_installed_package_s_encoder_is_run_recorded_and_replayed(installed, tmp_path):
+    record = str(tmp_path / "run.jsonl")
+    ran = sandbox(installed, "run", QUICK, "--encoder", "tiny-lab-mean", "--record", record)
+    assert ran.returncode == 0, ran.stderr
+    source = json.loads(Path(record).read_text().splitlines()[0])["encoder_from"]
+    assert source == {"entry_point": "tiny_lab:Mean", "package": "tiny-lab", "version": "0.3"}
+    again = sandbox(installed, "replay", record, "--view", "none")
+    assert again.returncode == 0 and "exact" in again.stdout
+    without = sandbox(None, "replay", record, "--view", "none")
+    assert without.returncode == 2
+    assert "pip install 'tiny-lab==0.3'" in without.stderr and without.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("name", "says"),
+    [
+        ("tiny-lab-missing", "No module named 'tiny_lab_nowhere'"),
+        ("tiny-lab-five", "this is no encoder"),
+        ("tiny-lab-nothing", "tiny-lab-five, tiny-lab-mean, tiny-lab-missing"),
+    ],
+)
+def test_an_installed_encoder_that_cannot_be_used_is_refused_in_a_line(installed, name, says):
+    refused = sandbox(installed, "run", QUICK, "--encoder", name)
+    assert refused.returncode == 2
+    assert says in refused.stderr and refused.stderr.count("\n") == 1
