@@ -124,10 +124,21 @@ def checked(found: Any, where: str) -> type[Encoder]:
 
 
 def source_digest(kind: type[Encoder]) -> str:
-    """BLAKE2b of the file that a class is in, hexadecimal; files that it imports do not count."""
-    file = inspect.getsourcefile(kind)
-    assert file is not None
-    return blake2b(Path(file).read_bytes(), digest_size=16).hexdigest()
+    """BLAKE2b of the file that a class is in, hexadecimal; files that it imports do not count.
+
+    Raises:
+        EncoderError: The class is in no file, as when it was typed in.
+    """
+    try:
+        source = Path(inspect.getfile(kind)).read_bytes()
+    except (OSError, TypeError) as error:
+        raise EncoderError(
+            "an encoder must be in a file",
+            where=kind.__qualname__,
+            got=str(error),
+            remedy="Write the class to a file, and import it from there",
+        ) from error
+    return blake2b(source, digest_size=16).hexdigest()
 
 
 @contextmanager

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
-import inspect
 import sys
 import traceback
 from collections.abc import Iterator, Mapping
@@ -109,7 +108,7 @@ def load_file(path: Path) -> ModuleType:
 def loaded_from(module: str) -> Path | None:
     """The file of a module that has no name to import it by: of a file loaded, or of a script."""
     if module == "__main__":
-        script = inspect.getsourcefile(sys.modules[module])
+        script = sys.modules[module].__dict__.get("__file__")
         return Path(script).resolve() if script else None
     return _FILES.get(module)
 
