@@ -8,19 +8,8 @@ from collections.abc import Mapping
 from importlib.metadata import entry_points
 from pathlib import Path
 
+from sandbox.devices.registry import DEVICES
 from sandbox.views.display import has_display
-
-DEVICES = {
-    "mouse": ("sandbox.devices.mouse", "MouseDevice"),
-    "web": ("sandbox.server.web", "WebDevice"),
-    "tuio": ("sandbox.devices.tuio.tuio", "TuioDevice"),
-    "evdev": ("sandbox.devices.evdev.evdev_device", "EvdevDevice"),
-    "leap": ("sandbox.devices.leap.leap", "LeapDevice"),
-    "simulated": ("sandbox.devices.simulated.simulated", "SimulatedDevice"),
-    "leap-simulated": ("sandbox.devices.simulated.leap_user", "SimulatedLeap"),
-    "FILE": ("sandbox.recording.recorded_device", "RecordedDevice"),
-}
-"""`--device` -> module and class; what is said of it is the class's own first sentence."""
 
 
 def overview(commands: Mapping[str, str]) -> str:
@@ -43,7 +32,9 @@ def overview(commands: Mapping[str, str]) -> str:
 
 def devices() -> dict[str, str]:
     """Device -> the first sentence of its class; nothing of it is imported."""
-    return {name: _sentence_of(*place) for name, place in DEVICES.items()}
+    places = {name: (entry.module, entry.member) for name, entry in DEVICES.items()}
+    places["FILE"] = ("sandbox.recording.recorded_device", "RecordedDevice")
+    return {name: _sentence_of(*place) for name, place in places.items()}
 
 
 def first_steps() -> list[str]:

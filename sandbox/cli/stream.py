@@ -17,6 +17,7 @@ from models.errors import InputError
 from sandbox.cli.common.json_out import check_output, write_json
 from sandbox.cli.common.page_options import PageOptions
 from sandbox.cli.common.parse import parse
+from sandbox.devices.registry import DEVICES
 from sandbox.devices.tuio.tuio import DEFAULT_PORT, LOOPBACK
 from sandbox.export.sources import Source, open_source
 from sandbox.options.leap_devices import LeapOptions, is_leap
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
     from sandbox.trial.device_makers import DeviceMakers
     from sandbox.trial.settings import RunSettings
 
-LIVE = ("leap", "leap-simulated", "simulated", "tuio", "web", "evdev")
+LIVE = tuple(name for name in DEVICES if name != "mouse")
 PAGE_PATIENCE = 600.0
 """s in which somebody has to open the page."""
 LAST_WORD = 5.0

@@ -20,6 +20,7 @@ from models.surface import Surface
 from sandbox.devices.leap.leap import DEFAULT_ADDRESS, LeapDevice, LeapFileDevice
 from sandbox.devices.leap.leap_file import LeapRecording, check_side, read_leap
 from sandbox.devices.leap.shared_leap import BothOver, SharedLeap
+from sandbox.devices.registry import built_in, open_built_in
 from sandbox.options.own_hand import chosen_file
 from sandbox.recording.recording import Recording
 from sandbox.session.device import Device
@@ -58,8 +59,9 @@ class LeapOptions:
 
 def is_leap(device: str) -> bool:
     """Whether a device's name means a 3-D one: `leap`, `leap-simulated`, or a Leap recording."""
-    if device == LIVE or device.partition(":")[0] == SIMULATED:
-        return True
+    entry = built_in(device)
+    if entry is not None:
+        return entry.in_air
     path = Path(device)
     return path.suffix in SUFFIXES and path.is_file()
 
@@ -123,10 +125,10 @@ def hand_input(options: LeapOptions, device: str, side: str) -> HandInput:
     file = chosen_file(options)
     if file is not None:
         found = read_hand(file, side)
-    elif device == LIVE:
-        _say(f"no --calibration: your {side} hand is taken for an average one")
-    elif not device.startswith(SIMULATED):
+    elif (entry := built_in(device)) is None:
         found = _recorded(read_leap(Path(device)), side, device)
+    elif not entry.simulated:
+        _say(f"no --calibration: your {side} hand is taken for an average one")
     return HandInput.of((x, y, z), found)
 
 
@@ -145,10 +147,12 @@ def leap_maker(options: Any, settings: RunSettings, user: UserConfiguration, han
     device: str = options.device
     if device == LIVE:
         return lambda task, surface: open_leap(options.leap, tell=True)
-    if not device.startswith(SIMULATED):
+    if built_in(device) is None:
         recording = read_leap(Path(device))
         _tell_left_out(recording.counts)
         return lambda task, surface: LeapFileDevice(recording)
+    if device.partition(":")[0] != SIMULATED:
+        return lambda task, surface: open_built_in(device, surface)
     # Bodies and devices are simulated with parts of SciPy that take long to load.
     from sandbox.devices.simulated.leap_trouble import parse_simulated
     from sandbox.devices.simulated.leap_user import SimulatedLeap

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 from models.errors import InputError
 from models.surface import Surface, parse_surface
 from sandbox.devices.discovery import find_device
+from sandbox.devices.registry import DEVICES, built_in
 from sandbox.devices.simulated.simulated import NEXT_PERSON, SimulatedDevice
 from sandbox.devices.wrappers.spoiled import SpoiledDevice
 from sandbox.options.impulse import impulse_limit
@@ -24,7 +26,7 @@ from sandbox.options.one_hand_options import OneHandOptions
 from sandbox.options.own_hand import of_touches
 from sandbox.options.profiles import find_profile
 from sandbox.options.second_hand import SecondOptions, with_second
-from sandbox.options.touch_devices import is_evdev, live_maker, native_surface, open_file
+from sandbox.options.touch_devices import guesses_size, live_maker, native_surface, open_file
 from sandbox.options.variations import parse_variation
 from sandbox.recording.recorded_device import RecordedDevice
 from sandbox.recording.recorded_task import recorded_task
@@ -112,54 +114,76 @@ def _plan(
 ) -> Plan:
     """What the options mean for one hand."""
     about: dict[str, Any] = {"device": options.device}
-    if options.device == "simulated":
-        user = _user(options)
-        about["user"] = user.as_json()
-        about["drop_outs"] = options.drop_outs
-
-        def simulated(task: Task, surface: Surface) -> Device:
-            return SimulatedDevice(
-                task,
-                user,
-                surface,
-                settings.seed,
-                options.tell_labels,
-                options.drop_outs,
-                settings.hands[hand].person,
-                hand,
-                home(hand, settings, surface),
-            )
-
-        return _keeping(settings, about, False, simulated, hand)
+    entry = built_in(options.device)
     if is_leap(options.device):
-        user = _user(options)
-        opens = leap_maker(options, settings, user, hand)
-        if options.device.startswith("leap-simulated"):
-            about["user"] = user.as_json()
-        return _keeping(settings, about, options.device == "leap", opens, hand)
-    maker = live_maker(options)
-    if maker is not None:
-        live = maker
-        return _keeping(settings, about, True, lambda task, surface: live(surface))
-    if options.device == "web":
-        return _keeping(settings, about, True, lambda task, surface: WebDevice(surface))
-    if options.device == "mouse":
-        from sandbox.devices.mouse import MouseDevice
-
-        return _keeping(
-            settings,
-            about,
-            True,
-            lambda task, surface: MouseDevice(surface, settings.hands[hand].person),
-        )
-    if recording is not None:
-        played = recording
+        opens = leap_maker(options, settings, _user(options), hand)
+    elif options.device in _OPENERS:
+        opens = _OPENERS[options.device](options, settings, hand)
+    elif (make := live_maker(options)) is not None:
+        return _keeping(settings, about, entry is None or entry.live, _on_surface(make))
+    elif recording is not None:
         about["user"] = recording.header.get("user")
-        whose = hand if hand in recording.inputs else 0
-        return _keeping(settings, about, False, lambda task, surface: RecordedDevice(played, whose))
-    path = Path(options.device)
-    open_file(path, None).device.close()  # what is wrong with it is said before anything is built
-    return _keeping(settings, about, False, lambda task, surface: open_file(path, surface).device)
+        opens = _recorded(recording, hand)
+    else:
+        path = Path(options.device)
+        # What is wrong with the file is said before anything is built.
+        open_file(path, None).device.close()
+        opens = _on_surface(lambda surface: open_file(path, surface).device)
+    if entry is not None and entry.simulated:
+        about["user"] = _user(options).as_json()
+        if not entry.in_air:
+            about["drop_outs"] = options.drop_outs
+    # Only chance of simulated users and of 3-D devices differs from hand to hand.
+    differs = is_leap(options.device) or options.device == "simulated"
+    live = entry is not None and entry.live
+    return _keeping(settings, about, live, opens, hand if differs else 0)
+
+
+def _on_surface(make: Callable[[Surface], Device]) -> DeviceMaker:
+    """Opens a device that needs nothing of the task."""
+    return lambda task, surface: make(surface)
+
+
+def _recorded(recording: Recording, hand: int) -> DeviceMaker:
+    """Plays a hand of a recording; where it has one hand only, that one."""
+    whose = hand if hand in recording.inputs else 0
+    return lambda task, surface: RecordedDevice(recording, whose)
+
+
+def _simulated(options: SceneOptions, settings: RunSettings, hand: int) -> DeviceMaker:
+    """Opens the screen of a simulated user."""
+    user = _user(options)
+    return lambda task, surface: SimulatedDevice(
+        task,
+        user,
+        surface,
+        settings.seed,
+        options.tell_labels,
+        options.drop_outs,
+        settings.hands[hand].person,
+        hand,
+        home(hand, settings, surface),
+    )
+
+
+def _mouse(options: SceneOptions, settings: RunSettings, hand: int) -> DeviceMaker:
+    """Opens the mouse in the window."""
+    from sandbox.devices.mouse import MouseDevice
+
+    return lambda task, surface: MouseDevice(surface, settings.hands[hand].person)
+
+
+def _web(options: SceneOptions, settings: RunSettings, hand: int) -> DeviceMaker:
+    """Opens the page's touches."""
+    return _on_surface(WebDevice)
+
+
+_OPENERS: dict[str, Callable[[SceneOptions, RunSettings, int], DeviceMaker]] = {
+    "simulated": _simulated,
+    "mouse": _mouse,
+    "web": _web,
+}
+"""Built-in touch devices that need more of a scene than its surface."""
 
 
 def _keeping(
@@ -181,23 +205,19 @@ def _keeping(
 
 def _recording(device: str) -> Recording | None:
     path = Path(device)
-    if device in ("simulated", "tuio", "mouse", "web") or is_leap(device):
+    if built_in(device) is not None or is_leap(device):
         return None
-    if not path.exists() and _live(device):
+    if not path.exists() and find_device(device) is not None:
         return None
     if not path.exists():
         raise InputError(
             "there is no such device or file",
             where="--device",
             got=device,
-            expected="simulated, tuio, mouse, web, evdev, leap, leap-simulated or a file",
+            expected=", ".join(DEVICES) + " or a file",
             remedy="`sandbox touches formats` lists the files that play as devices",
         )
     return load_recording(path) if is_recording(path) else None
-
-
-def _live(device: str) -> bool:
-    return is_evdev(device) or find_device(device) is not None
 
 
 def _settings(options: SceneOptions, recording: Recording | None) -> RunSettings:
@@ -250,7 +270,7 @@ def _settings(options: SceneOptions, recording: Recording | None) -> RunSettings
         values["surface_in"] = (surface.width_in, surface.height_in)
     elif (native := native_surface(options.device)) is not None:
         values["surface_in"] = (native.width_in, native.height_in)
-    elif options.device == "tuio" or is_evdev(options.device):
+    elif guesses_size(options.device):
         # TUIO tells no sizes: without one, inches are a guess, and views say so.
         values["surface_calibrated"] = False
     return replace(base, **values)

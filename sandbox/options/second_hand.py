@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 import tyro
 
 from models.errors import InputError
+from sandbox.devices.registry import DEVICES
 from sandbox.recording.recording import Recording
 from sandbox.trial.settings import RunSettings
 from tasks.registry import find_task, hands_of
@@ -16,7 +17,7 @@ from tasks.registry import find_task, hands_of
 TWICE = ("--device", "--hand", "--hand-size", "--turn", "--user")
 """Options of which the second one is for the second hand."""
 
-ONE_HAND_EACH = ("simulated", "mouse", "web")
+ONE_HAND_EACH = tuple(name for name, entry in DEVICES.items() if entry.one_hand)
 """Devices that are one hand's: in a task for two, a simulated user joins in."""
 
 

@@ -12,13 +12,17 @@ import tyro
 from models.errors import DeviceError, InputError, RecordingError
 from models.json_input import decoded_record
 from models.surface import Surface, parse_surface
-from sandbox.devices.discovery import find_device, offered_devices
+from sandbox.devices.discovery import offered_devices
 from sandbox.devices.evdev.evdev_device import EvdevDevice, evdev_surface, open_node
 from sandbox.devices.files.frame_file import FramesDevice, read_frame_file
+from sandbox.devices.registry import DEVICES, built_in, open_by_name
 from sandbox.devices.tuio.touch_capture import CaptureDevice, read_capture
 from sandbox.devices.tuio.tuio import DEFAULT_PORT, LOOPBACK, Tap, Transport, TuioDevice
 from sandbox.devices.tuio.tuio_streams import DEFAULT_WEBSOCKET_PORT
 from sandbox.session.device import Device
+
+SERVED = ("web",)
+"""Built-in devices that a server opens, with a page."""
 
 _LONGEST_LINE = 1_000_000
 
@@ -99,7 +103,21 @@ def live_maker(options: Any, tap: Tap | None = None) -> Callable[[Surface], Devi
         )
     if is_evdev(name):
         return lambda surface: EvdevDevice(open_node(_node(name), options.grab), surface)
-    return None if Path(name).exists() else find_device(name)
+    entry = built_in(name)
+    if Path(name).exists() or (entry and (entry.in_scene or name in SERVED)):
+        return None
+    return open_by_name(name)
+
+
+def touch_devices() -> list[str]:
+    """Built-in devices that `sandbox touches` takes."""
+    return [name for name, entry in DEVICES.items() if not entry.in_scene]
+
+
+def guesses_size(name: str) -> bool:
+    """Whether a device does not tell how large its surface is."""
+    entry = built_in(name)
+    return entry is not None and entry.guessed_size
 
 
 def is_evdev(name: str) -> bool:
@@ -151,7 +169,7 @@ def open_file(path: Path, surface: Surface | None, stale_after: float = 2.0) -> 
             "there is no such device or file",
             where="--device",
             got=str(path),
-            expected=", ".join(["tuio", "web", "evdev", *offered_devices(), "or a file"]),
+            expected=", ".join([*touch_devices(), *offered_devices(), "or a file"]),
             remedy="`sandbox touches formats` lists the files that play as devices",
         )
     if path.suffix == ".py":

@@ -151,9 +151,11 @@ def again(options: RunOptions, ppid: str) -> str:
 
 def check_options(options: RunOptions) -> None:
     """What fits together, before anything is written."""
-    from sandbox.options.touch_devices import guessed_surface, is_evdev, live_maker
+    from sandbox.devices.registry import built_in
+    from sandbox.options.touch_devices import guessed_surface, live_maker
 
-    if options.device not in ("web", "mouse", "tuio", "simulated") and not is_evdev(options.device):
+    entry = built_in(options.device)
+    if entry is None or entry.in_air:
         raise InputError("no such device for a study", where="--device",
                          got=options.device,
                          expected="web, mouse, tuio, evdev, evdev:NODE or simulated")  # fmt: skip

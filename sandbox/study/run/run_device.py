@@ -11,7 +11,13 @@ from models.surface import Surface
 from sandbox.devices.leap.leap import DEFAULT_ADDRESS
 from sandbox.devices.wrappers.spoiled import SpoiledDevice
 from sandbox.options.leap_devices import open_leap
-from sandbox.options.touch_devices import TouchOptions, is_evdev, live_maker, native_surface
+from sandbox.options.touch_devices import (
+    TouchOptions,
+    guesses_size,
+    is_evdev,
+    live_maker,
+    native_surface,
+)
 from sandbox.session.device import Device
 from sandbox.study.design.plan import TrialStep
 from sandbox.study.record.folder import Participant
@@ -102,7 +108,7 @@ def fitting(
                     remedy="Write the device's own size into the design, or leave it out",
                 )
             return replace(settings, surface_in=own)
-        if name == "tuio" or is_evdev(name):
+        if guesses_size(name):
             # Nobody tells sizes: without the design's, inches are a guess, and recordings say so.
             return settings if designed else replace(settings, surface_calibrated=False)
         return settings

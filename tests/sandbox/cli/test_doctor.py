@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 from sandbox.cli import doctor
 from sandbox.cli.common.parse import parse
 from sandbox.cli.main import COMMANDS, main
-from sandbox.cli.overview import DEVICES, devices, first_steps, overview
+from sandbox.cli.overview import devices, first_steps, overview
 from sandbox.cli.play.command import PlayOptions
 from sandbox.cli.run import RunOptions
 from sandbox.doctor.check import Check, ask
@@ -149,7 +149,7 @@ def test_a_version_is_within_its_own_bounds_and_not_below_them(numbers: list[int
 def test_alone_it_lists_every_command_task_and_device(capsys: pytest.CaptureFixture[str]) -> None:
     assert main([]) == 0
     lines = capsys.readouterr().out.splitlines()
-    names = [*COMMANDS, *TASKS, *DEVICES]
+    names = [*COMMANDS, *TASKS, *devices()]
     for name in names:
         # `leap` is a command and a device.
         found = [x for x in lines if x.split()[:1] == [name]]

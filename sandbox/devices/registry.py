@@ -1,0 +1,106 @@
+"""Built-in devices by name. To add one: write its module, and add a line here.
+
+A class is imported when its device is opened. It is called with the touch surface and the argument,
+as a device of one's own is (docs/write-a-device.md), unless the device has options of its own on
+the command line; `sandbox.options` opens those.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+
+from models.surface import Surface
+from sandbox.devices.discovery import adapted, find_device
+from sandbox.session.device import AnyDevice, Device
+
+
+@dataclass(frozen=True)
+class DeviceEntry:
+    """A built-in device.
+
+    Attributes:
+        module: Where its class is.
+        member: The class; the first sentence of its docstring is what `sandbox` alone prints.
+        live: A person or another program drives it, so that a session runs at real time.
+        in_air: It gives hand frames; otherwise touch frames.
+        simulated: A simulated user drives it.
+        in_scene: It needs a scene: a window, objects to see, or a hand. Otherwise `sandbox touches`
+            takes it too.
+        one_hand: One hand uses it: in a task for two, a second device joins in.
+        guessed_size: It does not tell the size of its surface; without --surface it is a guess.
+        argument: `NAME:ARGUMENT` opens it, too.
+    """
+
+    module: str
+    member: str
+    live: bool = True
+    in_air: bool = False
+    simulated: bool = False
+    in_scene: bool = False
+    one_hand: bool = False
+    guessed_size: bool = False
+    argument: bool = True
+
+
+DEVICES: dict[str, DeviceEntry] = {
+    "mouse": DeviceEntry(
+        "sandbox.devices.mouse", "MouseDevice", in_scene=True, one_hand=True, argument=False
+    ),
+    "web": DeviceEntry("sandbox.server.web", "WebDevice", one_hand=True, argument=False),
+    "tuio": DeviceEntry(
+        "sandbox.devices.tuio.tuio", "TuioDevice", guessed_size=True, argument=False
+    ),
+    "evdev": DeviceEntry("sandbox.devices.evdev.evdev_device", "EvdevDevice", guessed_size=True),
+    "leap": DeviceEntry(
+        "sandbox.devices.leap.leap", "LeapDevice", in_air=True, in_scene=True, argument=False
+    ),
+    "simulated": DeviceEntry(
+        "sandbox.devices.simulated.simulated",
+        "SimulatedDevice",
+        live=False,
+        simulated=True,
+        in_scene=True,
+        one_hand=True,
+        argument=False,
+    ),
+    "leap-simulated": DeviceEntry(
+        "sandbox.devices.simulated.leap_user",
+        "SimulatedLeap",
+        live=False,
+        in_air=True,
+        simulated=True,
+        in_scene=True,
+    ),
+}
+
+
+def built_in(device: str) -> DeviceEntry | None:
+    """The entry of `NAME` or `NAME:ARGUMENT`; None where that names no built-in device."""
+    name, colon, _ = device.partition(":")
+    entry = DEVICES.get(name)
+    return entry if entry and (entry.argument or not colon) else None
+
+
+def open_built_in(device: str, surface: Surface) -> AnyDevice:
+    """Opens the built-in device `NAME[:ARGUMENT]` with a surface and the argument."""
+    name, _, argument = device.partition(":")
+    entry = DEVICES[name]
+    opened: AnyDevice = getattr(import_module(entry.module), entry.member)(surface, argument)
+    return opened
+
+
+def open_by_name(device: str) -> Callable[[Surface], Device] | None:
+    """A function that opens a touch device by name or place; None where there is no such device.
+
+    Args:
+        device: `NAME[:ARGUMENT]`, built in or offered by an installed package, or
+            `FILE.py:CLASS[:ARGUMENT]` or `MODULE:CLASS[:ARGUMENT]`.
+
+    Raises:
+        DeviceError: There is one, but it cannot be used.
+    """
+    if built_in(device) is None:
+        return find_device(device)
+    return lambda surface: adapted(open_built_in(device, surface), device)

@@ -1,0 +1,96 @@
+"""A device is added by a module and a registry line, or by a package, and played by its name."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from models.surface import Surface
+from sandbox.cli.main import main
+from sandbox.cli.overview import devices, overview
+from sandbox.devices.registry import DEVICES, DeviceEntry, built_in, open_built_in, open_by_name
+from sandbox.options.touch_devices import touch_devices
+from sandbox.recording.recording import load_recording
+from sandbox.session.device import AnyDevice
+from tests.support.registered_devices import Pad
+
+HERE = "tests.support.registered_devices"
+
+
+def test_every_entry_names_a_device_class_with_a_sentence() -> None:
+    import importlib
+
+    for name, entry in DEVICES.items():
+        kind = getattr(importlib.import_module(entry.module), entry.member)
+        assert issubclass(kind, AnyDevice), name
+        assert devices()[name]
+
+
+def test_a_device_is_named_with_an_argument_only_where_it_takes_one() -> None:
+    assert built_in("evdev:/dev/input/event5") is DEVICES["evdev"]
+    assert built_in("leap-simulated:v1") is DEVICES["leap-simulated"]
+    assert built_in("tuio:1") is built_in("nothing") is None
+
+
+def test_a_line_in_the_registry_adds_a_touch_device(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(DEVICES, "pad", DeviceEntry(HERE, "Pad", live=False))
+    assert "pad" in touch_devices() and "a pad with a finger on its middle" in overview({"a": "b"})
+    make = open_by_name("pad:3")
+    assert make is not None
+    device = make(Surface())
+    assert isinstance(device, Pad) and len(device.poll(0.0)[0].contacts) == 3
+    out, record = tmp_path / "out.json", tmp_path / "run.jsonl"
+    arguments = ["--device", "pad:2", "--json", str(out), "--record", str(record)]
+    assert main(["run", "box-to-goal", *arguments]) == 0
+    assert json.loads(out.read_text())["status"] == "input_ended"
+    assert len(load_recording(record).inputs[0][0].frame.contacts) == 2
+    capsys.readouterr()
+    assert main(["touches", "show", "--device", "pad", "--frames", "1", "--json"]) == 0
+    assert len(json.loads(capsys.readouterr().out)["contacts"]) == 1
+
+
+def test_a_line_in_the_registry_adds_a_device_of_hands_in_the_air(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    entry = DeviceEntry(HERE, "Camera", live=False, in_air=True, in_scene=True)
+    monkeypatch.setitem(DEVICES, "camera", entry)
+    assert open_built_in("camera:left", Surface()).name == "Camera"
+    out = tmp_path / "out.json"
+    assert main(["run", "box-to-goal", "--device", "camera", "--json", str(out)]) == 0
+    assert json.loads(out.read_text())["status"] == "input_ended"
+
+
+def test_a_device_of_an_installed_package_is_played_by_its_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    site = tmp_path / "site"
+    info = site / "lab_pads-1.0.dist-info"
+    info.mkdir(parents=True)
+    # Written without any class of ours, and with the four required members only.
+    (site / "lab_pads.py").write_text(
+        "from models.frames import Contact, TouchFrame\n"
+        "class Pad:\n"
+        "    name, finished = 'lab pad', False\n"
+        "    def __init__(self, surface, argument):\n"
+        "        self.fingers = int(argument)\n"
+        "    def poll(self, now):\n"
+        "        self.finished = now > 0.2\n"
+        "        contacts = (Contact(i, 0.02 * i, 0.05) for i in range(self.fingers))\n"
+        "        return [TouchFrame(now, tuple(contacts))]\n"
+        "    def close(self):\n"
+        "        self.finished = True\n"
+    )
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: lab-pads\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text("[hand_sandbox.devices]\nlab-pad = lab_pads:Pad\n")
+    monkeypatch.syspath_prepend(site)
+    out, record = tmp_path / "out.json", tmp_path / "run.jsonl"
+    arguments = ["--device", "lab-pad:3", "--json", str(out), "--record", str(record)]
+    assert "lab-pad" in overview({"a": "b"})
+    monkeypatch.setattr("sandbox.trial.pacing.RealTime.wait", lambda clock, time: None)
+    assert main(["run", "box-to-goal", *arguments]) == 0
+    assert json.loads(out.read_text())["status"] == "input_ended"
+    assert len(load_recording(record).inputs[0][0].frame.contacts) == 3
