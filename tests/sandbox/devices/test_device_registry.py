@@ -14,9 +14,9 @@ from sandbox.devices.registry import DEVICES, DeviceEntry, built_in, open_built_
 from sandbox.options.touch_devices import touch_devices
 from sandbox.recording.recording import load_recording
 from sandbox.session.device import AnyDevice
-from tests.support.registered_devices import Pad
+from tests.sandbox.devices.registered_devices import Pad
 
-HERE = "tests.support.registered_devices"
+HERE = "tests.sandbox.devices.registered_devices"
 
 
 def test_every_entry_names_a_device_class_with_a_sentence() -> None:
