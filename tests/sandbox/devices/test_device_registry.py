@@ -47,7 +47,7 @@ def test_a_line_in_the_registry_adds_a_touch_device(
     arguments = ["--device", "pad:2", "--json", str(out), "--record", str(record)]
     assert main(["run", "box-to-goal", *arguments]) == 0
     assert json.loads(out.read_text())["status"] == "input_ended"
-    assert len(load_recording(record).inputs[0][0].frame.contacts) == 2
+    assert len(load_recording(record).touches()[0].contacts) == 2
     capsys.readouterr()
     assert main(["touches", "show", "--device", "pad", "--frames", "1", "--json"]) == 0
     assert len(json.loads(capsys.readouterr().out)["contacts"]) == 1
@@ -93,4 +93,4 @@ def test_a_device_of_an_installed_package_is_played_by_its_name(
     monkeypatch.setattr("sandbox.trial.pacing.RealTime.wait", lambda clock, time: None)
     assert main(["run", "box-to-goal", *arguments]) == 0
     assert json.loads(out.read_text())["status"] == "input_ended"
-    assert len(load_recording(record).inputs[0][0].frame.contacts) == 3
+    assert len(load_recording(record).touches()[0].contacts) == 3
