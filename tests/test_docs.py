@@ -103,3 +103,15 @@ def test_a_page_shows_the_whole_example_that_it_explains(page: str, example: str
     # The file says besides how it is run.
     assert ast.get_docstring(kept)
     assert ast.dump(ast.parse(shown)) == ast.dump(ast.Module(kept.body[1:], kept.type_ignores))
+
+
+def test_the_page_on_tasks_shows_the_user_of_its_example() -> None:
+    shown = CODE.findall((ROOT / "docs" / "write-a-task.md").read_text(encoding="utf-8"))
+    kept = ast.parse((ROOT / "examples" / "push_the_puck.py").read_text(encoding="utf-8"))
+
+    def user(tree: ast.Module) -> list[str]:
+        return [
+            ast.dump(n) for n in tree.body if isinstance(n, ast.ClassDef) and "Finger" in n.name
+        ]
+
+    assert user(kept) == [dump for code in shown for dump in user(ast.parse(code))] != []
