@@ -1,4 +1,4 @@
-"""How well a method reconstructs hands: the paper's tables, and what they leave out.
+"""Evaluation of reconstruction methods: the paper's tables and further measures.
 
 Numbers only; `sandbox evaluate` shows them, and `docs/evaluation.md` says how each is defined.
 """

@@ -1,7 +1,8 @@
-"""`best`: what wins on validation, as a model for sessions and as an estimate of a person's pose.
+"""The method `best`: the winner of validation, as a model for sessions and as a pose estimate.
 
-Candidates are compared by tenfold validation blocked by trial, each with the fingertip correction
-whose trust is validated, too. The winner is trained on everything, with what validation chose.
+Candidates are compared by tenfold cross-validation blocked by trial, each with the fingertip
+correction whose trust is validated, too. The winner is trained on all data with the chosen
+settings.
 """
 
 from __future__ import annotations
@@ -51,12 +52,12 @@ CANDIDATES: dict[str, Callable[[], Encoder]] = {
     "turned, ridge 0.1": lambda: TurnedEncoder(0.03, 0.1),
     "turned, ridge 0.3": lambda: TurnedEncoder(0.03, 0.3),
 }
-"""What may win. Kernel regression, a Kalman filter over time and pair distances as further terms
-were tried while this was designed and gained nothing that lasts (docs/encoding.md)."""
+"""Candidate encoders. Kernel regression, a Kalman filter over time and pair distances as further
+terms were tried during design without a lasting gain (docs/encoding.md)."""
 
 POSTURE_TAU = 0.05
-"""s, of the posture filter of the estimate: the delay that it adds to a change of posture. A hand
-that moves or turns with its touches has no delay."""
+"""s, time constant of the estimate's posture filter, which is its delay for a change of posture. A
+hand that moves or turns with its touches has no delay."""
 
 
 @dataclass(frozen=True)
@@ -65,8 +66,8 @@ class Best:
 
     Attributes:
         model: Trained encoder and correction.
-        belief: Names the fingers.
-        tau: s, of the posture filter; 0 switches it off.
+        belief: Labels the contacts.
+        tau: s, time constant of the posture filter; 0 switches it off.
     """
 
     model: TrainedModel
@@ -74,11 +75,11 @@ class Best:
     tau: float = POSTURE_TAU
 
     def labeller(self) -> Labeller:
-        """A labeller that knows of no contact yet."""
+        """A labeller without contacts."""
         return BeliefLabels(self.belief.trained)
 
     def estimate(self, time: Array, trial: NDArray[np.int64], xy: Array) -> Array:
-        """Poses of all frames; the filter forgets at every new trial.
+        """Estimates poses of all frames; the filter is reset at every new trial.
 
         Args:
             time: (T,) s.
@@ -86,7 +87,7 @@ class Best:
             xy: (T, 5, 2) m on the surface by label, NaN where lifted; a touch or more in each.
 
         Returns:
-            (T, 48) in the 3-D surface frame.
+            Poses (T, 48) in the 3-D surface frame.
         """
         u, leftmost = contact_vectors(xy)
         q = absolute_pose(self.model.encoder.predict(u), leftmost)
@@ -112,11 +113,11 @@ class Best:
 def train_best_model(
     capture: Capture, name: str = "best", progress: Callable[[float], None] | None = None
 ) -> TrainedModel:
-    """The winner among `CANDIDATES`, trained on a capture.
+    """Trains the winner among `CANDIDATES` on a capture.
 
     Args:
         capture: Labelled contacts and poses of one person.
-        name: Of the model.
+        name: Name of the model.
         progress: Called with the share done, 0 to 1.
 
     Raises:
@@ -125,8 +126,8 @@ def train_best_model(
     U, Q = capture.u, capture.relative
     scores: dict[str, tuple[float, float]] = {}
     predicted, covariances = {}, {}
-    # The bones are the same for all candidates; that they have seen the trials that judge gives
-    # none an advantage.
+    # The bones are the same for all candidates; none gains from their having been estimated
+    # from the validation trials, too.
     bones, variance = fitted_skeleton(capture, ADULT), blocked_variance(capture, ADULT)
     for i, (candidate, make) in enumerate(CANDIDATES.items()):
         q = predicted[candidate] = blocked_predictions(make, capture)
@@ -144,13 +145,14 @@ def train_best_model(
 
 
 def _in_cm_degrees(found: dict[str, tuple[float, float]]) -> dict[str, Any]:
-    """Candidate -> validated wrist error times joint angle in cm x degrees, plain and corrected."""
+    """Validated wrist error times joint angle in cm x degrees, plain and corrected, by
+    candidate."""
     scale = 100 * float(np.rad2deg(1.0))
     return {name: [round(scale * value, 3) for value in pair] for name, pair in found.items()}
 
 
 def train_best(capture: Capture, progress: Callable[[float], None] | None = None) -> Best:
-    """An estimate for the person of a capture: the winning model, and labels."""
+    """Trains the estimate for the person of a capture: the winning model, and labels."""
     return Best(
         train_best_model(capture, progress=progress), BeliefLabels(train_belief(capture)[0])
     )

@@ -1,10 +1,10 @@
-"""The Copas test: are an encoder's predictions too extreme on frames that it has not seen?
+"""The Copas test of overfitting: are predictions too extreme on unseen frames?
 
-Captured values are regressed on out-of-sample predictions, y = b0 + b1 yhat. An encoder that fits
-no more than there is has b0 = 0 and b1 = 1; where it has fitted noise, b1 < 1 (Copas 1983, Journal
-of the Royal Statistical Society B 45, 311-354). The paper counts overfitted joints over ten folds
-and says no more, so several rules are reported here; a degree of freedom counts as overfitted if
-b1 < 1 and
+Captured values are regressed on out-of-sample predictions, y = b0 + b1 yhat. An encoder without
+overfitting has b0 = 0 and b1 = 1; with fitted noise, b1 < 1 (Copas 1983, Journal of the Royal
+Statistical Society B 45, 311-354). The paper counts overfitted joints over ten folds without
+further details, so several rules are reported here; a degree of freedom counts as overfitted if b1
+< 1 and
 
 - `f_test`: b0 = 0 and b1 = 1 together are rejected at 5 % (F test with 2 and n - 2 degrees of
   freedom); this one is the headline;
@@ -12,8 +12,8 @@ b1 < 1 and
 - `clustered`: the same with a standard error that lets frames of one take depend on each other,
   which they do.
 
-Folds of random frames are the paper's, as far as one can tell. They leak, as neighbours in time are
-nearly equal: folds that never split a take tell more.
+The paper seems to use folds of random frames. They leak, since neighbouring frames are nearly
+equal: folds that never split a take are more reliable.
 """
 
 from __future__ import annotations
@@ -35,16 +35,16 @@ LEVEL = 0.05
 RULES = ("f_test", "t_test", "clustered")
 
 _STILL = 1e-9
-"""rad or m, spread of predictions below which there is no slope to speak of."""
+"""rad or m, spread of predictions below which a slope is not meaningful."""
 
 
 @dataclass(frozen=True)
 class CopasFold:
-    """One fold's verdicts about n outputs.
+    """Results of one fold for n outputs.
 
     Attributes:
         slope: (n,) b1; NaN where the predictions do not vary.
-        overfitted: Rule -> (n,) bool.
+        overfitted: Booleans (n,) by rule.
     """
 
     slope: Array
@@ -53,24 +53,24 @@ class CopasFold:
 
 @dataclass(frozen=True)
 class Copas:
-    """All folds' verdicts."""
+    """Results of all folds."""
 
     folds: tuple[CopasFold, ...]
 
     def count(self, rule: str) -> float:
-        """Overfitted outputs, mean over the folds."""
+        """Number of overfitted outputs, mean over the folds."""
         return float(np.mean([fold.overfitted[rule].sum() for fold in self.folds]))
 
     @property
     def median_slope(self) -> float:
-        """Over outputs and folds; NaN where no prediction varies."""
+        """Median slope over outputs and folds; NaN if no prediction varies."""
         slopes = np.concatenate([fold.slope for fold in self.folds])
         slopes = slopes[np.isfinite(slopes)]
         return float(np.median(slopes)) if len(slopes) else float("nan")
 
 
 def random_folds(frames: int, folds: int = FOLDS, seed: int = 0) -> NDArray[np.int64]:
-    """(frames,) fold of every frame, drawn at random, equally large."""
+    """Fold (frames,) of every frame, drawn at random, in equal sizes."""
     return np.random.default_rng(seed).permutation(np.arange(frames) % folds)
 
 
@@ -86,13 +86,13 @@ def copas(
     """The test by cross-validation.
 
     Args:
-        fresh: Makes an encoder that has learned nothing yet.
+        fresh: Creates an untrained encoder.
         U: (T, width) inputs.
         Q: (T, n) outputs.
         trial: (T,) take of every frame.
         blocked: Folds never split a take; otherwise frames are drawn at random.
-        folds: How many.
-        progress: Called with the share done.
+        folds: Number of folds.
+        progress: Called with the share done, 0 to 1.
 
     Raises:
         EncoderError: There are fewer takes (or frames) than two folds need.
@@ -133,7 +133,7 @@ def verdict(y: Array, predicted: Array, trial: NDArray[np.int64]) -> CopasFold:
         "f_test": low & (f.sf(ratio, 2, free) < LEVEL),
         "t_test": low & (t.cdf((slope - 1.0) / error, free) < LEVEL),
     }
-    # Scores of one take add up before they are squared: what they share is no independent evidence.
+    # Scores of one take are summed before squaring, since frames of a take are not independent.
     _, cluster = np.unique(trial, return_inverse=True)
     clusters = int(cluster.max()) + 1
     scores = np.zeros((clusters, y.shape[1]))

@@ -1,7 +1,8 @@
-"""How far estimated poses are from the captured ones, frame by frame: Table 1, and its neighbours.
+"""Errors of estimated poses relative to captured ones, frame by frame (the paper's Table 1 and
+more).
 
-All poses are in the 3-D surface frame, so that an estimate made from wrong labels, whose leftmost
-contact may be another finger, is compared in the same place.
+All poses are in the 3-D surface frame, so that an estimate from wrong labels, whose leftmost
+contact may be another finger, is compared in the same frame.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from models.skeleton import ADULT
 Array = NDArray[np.float64]
 
 LIMIT_TOLERANCE = 1e-6
-"""rad, by which a joint may pass the end of its range: single precision rounds there."""
+"""rad, tolerance at the end of a joint's range for rounding in single precision."""
 
 _KINEMATICS = Kinematics(ADULT)
 
@@ -45,17 +46,17 @@ class PoseErrors:
 
     @cached_property
     def angle(self) -> Array:
-        """(T,) degrees, mean over the ball joints."""
+        """Mean (T,) over the ball joints, degrees."""
         return self.joints.mean(axis=1)
 
     @cached_property
     def component(self) -> Array:
-        """(T,) degrees, mean over the components."""
+        """Mean (T,) over the components, degrees."""
         return self.components.mean(axis=1)
 
 
 def pose_errors(estimate: Array, truth: Array) -> PoseErrors:
-    """Errors of estimated poses (T, 48) against the captured ones (T, 48)."""
+    """Errors of estimated poses (T, 48) relative to captured ones (T, 48)."""
     off = estimate - truth
     return PoseErrors(
         100.0 * np.linalg.norm(off[:, ROOT_POSITION], axis=1),
@@ -66,9 +67,9 @@ def pose_errors(estimate: Array, truth: Array) -> PoseErrors:
 
 
 def tip_errors(q: Array, xy: Array) -> Array:
-    """(contacts,) cm from each touch to the fingertip of *our* hand in the pose.
+    """Distances (contacts,) in cm from each touch to the fingertip of *our* hand in the pose.
 
-    A touch is a finger's pad; the tip's centre belongs 6 mm above it.
+    A touch is at a finger's pad; the tip's centre should be 6 mm above it.
 
     Args:
         q: (T, 48) poses.
@@ -82,12 +83,12 @@ def tip_errors(q: Array, xy: Array) -> Array:
 
 
 def limit_share(q: Array) -> float:
-    """Share of frames times joint components outside our hand's ranges, 0 to 1."""
+    """Share, 0 to 1, of all joint components in all frames that are outside our hand's ranges."""
     outside = violations(q, ADULT, LIMIT_TOLERANCE)
     return float(outside.mean() / (JOINTS.stop - JOINTS.start))
 
 
 def variance_shares(vectors: Array, counts: tuple[int, ...]) -> dict[int, float]:
-    """Percent of the variance of vectors (T, n) in their first principal components."""
+    """Percentage of the variance of vectors (T, n) in their first principal components."""
     values = np.linalg.eigvalsh(np.cov(vectors, rowvar=False))[::-1]
     return {k: float(100.0 * values[:k].sum() / values.sum()) for k in counts}

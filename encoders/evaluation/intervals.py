@@ -1,4 +1,4 @@
-"""How sure a mean is: the paper's standard error, and intervals that know about takes.
+"""Uncertainty of means: the paper's standard error, and confidence intervals over takes.
 
 Frames of one take depend on each other. The standard error that treats them as independent is too
 small by a factor of five or more; it is computed only because the paper prints it. The intervals
@@ -30,14 +30,14 @@ def block_interval(
     """Interval of the mean by a bootstrap over blocks.
 
     As many blocks as there are, drawn with replacement, give one resampled mean; a long block
-    counts for as many values as it has. Frames of other takes, and takes of other days, say
-    something new; how a subject differs from another, no interval of one subject's takes can say.
+    counts for as many values as it has. The interval covers the variation between takes and days of
+    one subject, but not between subjects.
 
     Args:
-        values: (T,).
-        block: (T,) equal for values that are drawn together.
-        resamples: How many means are drawn.
-        seed: Equal arguments give equal intervals.
+        values: (T,) values.
+        block: (T,) block of every value; values of one block are drawn together.
+        resamples: Number of resampled means.
+        seed: Seed; equal arguments give equal intervals.
 
     Returns:
         Lower and upper end of the central 95 %; NaN without values.

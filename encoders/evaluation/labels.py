@@ -1,11 +1,11 @@
-"""How often a method names the fingers right: Table 2, and a lone contact.
+"""Accuracy of labels: the paper's Table 2, and single contacts.
 
-A labeller is told of contacts in a random order and under ids drawn anew, so that neither the order
-in which a capture stores fingers nor the order of their ids can tell it anything. It is asked at
-every frame. One without history is reset before each; one with history carries what it knows
-through a take, and is reset at the next. A frame counts as right if all its contacts are.
+A labeller gets contacts in a random order and with random ids, so that neither the order in which a
+capture stores fingers nor the order of their ids reveals labels. It is called at every frame. One
+without history is reset before each frame, one with history before each take. A frame counts as
+right if all its contacts are right.
 
-A lone contact, which the captures of the simulated subjects and of the paper do not hold:
+Two cases of a single contact, which the captures of the simulated subjects and of the paper lack:
 
 - `stayed`: just before the set of contacts changes, and at the end of a take, all fingers but one
   leave. A method with history keeps that contact's label, as the program does while a contact
@@ -29,16 +29,16 @@ Contacts = dict[int, tuple[float, float]]
 
 COUNTS = (1, 2, 3, 4, 5)
 SEVERAL = COUNTS[1:]
-"""What `all` means in Table 2."""
+"""Numbers of fingers in the column `all` of Table 2."""
 
 
 @dataclass(frozen=True)
 class Verdicts:
-    """Right or wrong, and the take in which.
+    """Correctness of labels, with their takes.
 
     Attributes:
-        right: (n,) bool.
-        trial: (n,) int.
+        right: (n,) booleans, true if the label is right.
+        trial: (n,) int, take of every label.
     """
 
     right: NDArray[np.bool_]
@@ -47,13 +47,13 @@ class Verdicts:
 
 @dataclass(frozen=True)
 class OwnLabels:
-    """A capture as a labeller saw it.
+    """A capture with a labeller's labels.
 
     Attributes:
-        xy: (T, 5, 2) m, contacts by the labels that the labeller gave them, NaN where it gave none.
-        right: (T,) all contacts of the frame have their own label.
-        stayed: About lone contacts that stayed.
-        first: About lone contacts that came first.
+        xy: (T, 5, 2) m, contacts by the labeller's labels, NaN for labels that it did not use.
+        right: (T,) booleans, true if all contacts of the frame have their true label.
+        stayed: Results for single contacts that stayed.
+        first: Results for single contacts that came first.
     """
 
     xy: Array
@@ -72,11 +72,11 @@ def own_labels(
     """Labels a capture.
 
     Args:
-        capture: Its labels are used to judge only.
-        make: Makes a labeller with no contact yet.
-        history: Whether it may remember earlier frames of a take.
-        seed: Of the shuffling.
-        progress: Called with the share done.
+        capture: The capture; its labels are used only for comparison.
+        make: Creates a labeller without contacts.
+        history: True lets it use earlier frames of a take.
+        seed: Seed of the shuffling.
+        progress: Called with the share done, 0 to 1.
     """
     rng = np.random.default_rng(seed)
     labeller, alone = make(), make()
@@ -127,7 +127,8 @@ def takes(capture: Capture) -> Iterator[tuple[int, NDArray[np.intp]]]:
 def _left_alone(
     labeller: Labeller, truth: dict[int, int], places: Contacts, known: Mapping[int, int] | None
 ) -> Iterator[bool]:
-    """Whether each contact, if all others left, has its own label: a known one, or asked anew."""
+    """Yields for each contact whether its label would be right if all others left; the label is the
+    known one, or asked again."""
     if len(truth) < 2:
         return
     for contact, finger in truth.items():
@@ -141,7 +142,7 @@ def _ask(labeller: Labeller, contacts: Contacts) -> Mapping[int, int]:
 
 
 def _drawn_ids(rng: np.random.Generator, ids: NDArray[np.int64]) -> dict[int, int]:
-    """Other numbers for the ids of a take, drawn at random."""
+    """Random numbers that replace the ids of a take."""
     known = np.unique(ids[ids >= 0])
     return dict(zip(known.tolist(), rng.permutation(len(known)).tolist(), strict=True))
 

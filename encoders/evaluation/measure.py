@@ -1,4 +1,4 @@
-"""Measures one method on test captures: everything that tables and plots are made of."""
+"""Measures one method on test captures; tables and plots use the results."""
 
 from __future__ import annotations
 
@@ -39,23 +39,23 @@ class Tests:
 
     @cached_property
     def source(self) -> NDArray[np.int64]:
-        """(T,) which capture a frame is of."""
+        """Index (T,) of every frame's capture."""
         return np.repeat(np.arange(len(self.captures)), [len(c) for c in self.captures])
 
     @cached_property
     def block(self) -> NDArray[np.int64]:
-        """(T,) take of every frame, numbered through."""
+        """Take (T,) of every frame, numbered consecutively."""
         blocks = [self.take_of(i, c.trial) for i, c in enumerate(self.captures)]
         return np.concatenate(blocks)
 
     def take_of(self, source: int, trial: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Numbers, through all captures, of takes (n,) of one capture."""
+        """Consecutive numbers of takes (n,) of one capture."""
         before = sum(len(np.unique(c.trial)) for c in self.captures[:source])
         return before + np.searchsorted(np.unique(self.captures[source].trial), trial)
 
     @cached_property
     def fingers(self) -> NDArray[np.int64]:
-        """(T,) how many fingers touch."""
+        """Number (T,) of touching fingers."""
         return np.concatenate([c.down.sum(axis=1) for c in self.captures])
 
     @cached_property
@@ -76,22 +76,22 @@ class Tests:
 
 @dataclass(frozen=True)
 class MethodResult:
-    """What one method did on T test frames; keys `true_labels` and `own_labels`.
+    """Results of one method on T test frames; keys `true_labels` and `own_labels`.
 
     Attributes:
-        name: Of the method.
+        name: Name of the method.
         q: (T, 48) estimated poses.
-        errors: Of these.
-        smoothness: Of these.
-        right: (T,) labels of the whole frame are right.
-        stayed: Verdicts about lone contacts that stayed; takes numbered through.
-        first: About lone contacts that came first.
+        errors: Errors of these poses.
+        smoothness: Smoothness of these poses.
+        right: (T,) booleans, true if all labels of the frame are right.
+        stayed: Results for single contacts that stayed; takes are numbered consecutively.
+        first: Results for single contacts that came first.
         tips: (contacts,) cm from touch to our fingertip, with true labels.
         limits: Share of joint components outside our hand's ranges, with true labels.
-        us_per_pose: One call of one pose.
-        us_in_batch: One pose of 120; None where there is no such call.
-        timed: What was timed.
-        copas: `random` and `blocked`; empty where the test does not apply.
+        us_per_pose: Microseconds for one pose, called singly.
+        us_in_batch: Microseconds per pose in a batch of 120; None without batch calls.
+        timed: Description of the timed call.
+        copas: Copas tests `random` and `blocked`; empty where the test does not apply.
     """
 
     name: str
@@ -119,11 +119,11 @@ def evaluate_method(
     """Runs a method over test captures.
 
     Args:
-        method: Trained.
-        tests: Captures that it has not seen.
-        training: For the Copas test, which is left out without it.
-        progress: Called with the share done.
-        folds: Of the Copas test.
+        method: The trained method.
+        tests: Captures on which it was not trained.
+        training: Training data for the Copas test; None leaves the test out.
+        progress: Called with the share done, 0 to 1.
+        folds: Number of folds of the Copas test.
     """
     tested = training if method.fresh is not None else None
     share = _LEFT if tested is not None else 1.0
@@ -177,12 +177,12 @@ def _together(tests: Tests, parts: list[Verdicts]) -> Verdicts:
 
 
 def _timed(method: Method, tests: Tests) -> tuple[float, float | None, str]:
-    """Microseconds of one pose called singly and in a batch, and what was called."""
+    """Microseconds per pose, called singly and in a batch, and a description of the call."""
     capture = tests.captures[0]
     if method.encoder is not None:
         predict = method.encoder.predict
         return us_per_call(predict, capture.u), us_in_batch(predict, capture.u), "predict"
-    # One that remembers is timed over the beginning of a take, as it is used.
+    # A method with history is timed over the beginning of a take, as it is used.
     frames = next(frames for _, frames in takes(capture))[:_TIMED_FRAMES]
     some = capture.select(frames)
 
@@ -193,5 +193,5 @@ def _timed(method: Method, tests: Tests) -> tuple[float, float | None, str]:
 
 
 def counts_of(tests: Tests) -> dict[int, int]:
-    """Frames by number of fingers."""
+    """Number of frames by number of fingers."""
     return {k: int((tests.fingers == k).sum()) for k in COUNTS}

@@ -1,4 +1,4 @@
-"""What is evaluated: a way from labelled touches to poses, and a way from touches to labels."""
+"""Methods under evaluation: a pose estimate from labelled touches, and a labeller."""
 
 from __future__ import annotations
 
@@ -21,11 +21,12 @@ class Method(Protocol):
     """A method under evaluation.
 
     Attributes:
-        name: In tables and files.
-        history: Whether its labeller remembers a take's earlier frames.
-        encoder: What it predicts relative poses (n, 48) from contact vectors (n, 15) with, if it is
-            nothing but that; it is then also timed by single calls, and tested for overfitting.
-        fresh: Makes such an encoder that has learned nothing.
+        name: Name in tables and files.
+        history: True if its labeller uses a take's earlier frames.
+        encoder: Encoder that predicts relative poses (n, 48) from contact vectors (n, 15), for a
+            method that consists of it alone; such a method is also timed by single calls and tested
+            for overfitting.
+        fresh: Creates such an encoder, untrained.
     """
 
     name: str
@@ -34,7 +35,7 @@ class Method(Protocol):
     fresh: Callable[[], Encoder] | None
 
     def estimate(self, time: Array, trial: NDArray[np.int64], xy: Array) -> Array:
-        """Poses of all frames; whatever is remembered is forgotten at every new trial.
+        """Estimates poses of all frames; the state is reset at every new trial.
 
         Args:
             time: (T,) s.
@@ -42,16 +43,16 @@ class Method(Protocol):
             xy: (T, 5, 2) m on the surface by label, NaN where lifted.
 
         Returns:
-            (T, 48) in the 3-D surface frame.
+            Poses (T, 48) in the 3-D surface frame.
         """
 
     def labeller(self) -> Labeller:
-        """A labeller that knows of no contact yet."""
+        """A labeller without contacts."""
 
 
 @dataclass
 class EncoderMethod:
-    """An encoder that takes every frame by itself, with a labeller; see `Method`."""
+    """A method that encodes every frame separately, with a labeller; see `Method`."""
 
     name: str
     encoder: Encoder | None

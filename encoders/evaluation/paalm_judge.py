@@ -1,8 +1,8 @@
-"""How well PAALM does: angles, names, jitter and time, recording by recording.
+"""Evaluates PAALM: errors of angles and labels, jitter and time, recording by recording.
 
-Frames of a recording depend on each other, so every figure is taken within a recording first and
-then over recordings. What is measured is in docs/paalm.md; angles are those of the four fingers,
-the thumb has figures of its own. Frames in which the hand is held open to be measured do not count.
+Frames of a recording depend on each other, so every figure is computed within a recording first and
+then over recordings. docs/paalm.md defines the measures; angles are those of the four fingers, the
+thumb has separate figures. Frames in which the hand is held open for calibration do not count.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ Array = NDArray[np.float64]
 _LEAST_OPEN = 10
 
 CALIBRATION_SHARE = 0.8
-"""Of the open frames, how many are asked for; some lack a finger."""
+"""Share of the open frames that the calibration requires, since some lack a finger."""
 
 
 _SHOWN = (
@@ -48,12 +48,12 @@ _SHOWN = (
 
 @dataclass(frozen=True)
 class Judgement:
-    """One recording, judged.
+    """Results for one recording.
 
     Attributes:
-        name: Of the recording.
-        figures: By name; NaN where the recording has no truth for it.
-        frames: How many were judged.
+        name: Name of the recording.
+        figures: Figures by name; NaN where the recording has no truth.
+        frames: Number of evaluated frames.
     """
 
     name: str
@@ -62,7 +62,7 @@ class Judgement:
 
 
 def test_seeds(count: int) -> list[int]:
-    """Seeds that follow from the frozen configuration: nobody can choose them.
+    """Seeds derived from the frozen configuration, so that they cannot be chosen.
 
     The first outputs of SHA-256 over hands, device and the method's defaults, 32 bits each.
     """
@@ -76,13 +76,13 @@ def test_seeds(count: int) -> list[int]:
 
 
 def calibrated_on(take: LeapTake, options: PaalmOptions) -> Paalm:
-    """PAALM calibrated on a recording's open frames.
+    """Creates a PAALM calibrated on a recording's open frames.
 
-    A hand that is hardly ever open, but whose joints the device knows, needs no measuring: its
+    A hand that is hardly ever open, but whose joints the device knows, is not measured: its
     standards are its own bones.
 
     Raises:
-        EncoderError: There are too few, or the hand is not open in them.
+        EncoderError: There are too few open frames, or the hand is not open in them.
     """
     is_open = [f for f, held in zip(take.frames, take.open, strict=True) if held]
     if len(is_open) < _LEAST_OPEN and take.dialect == "v3":
@@ -108,14 +108,14 @@ def judged(
     angles: bool = True,
     names: bool = True,
 ) -> Judgement:
-    """One recording.
+    """Evaluates one recording.
 
     Args:
-        name: Of the recording.
+        name: Name of the recording.
         take: Frames and truth.
-        options: Of PAALM; names are judged with the paper's order as well.
+        options: Options of PAALM; labels are evaluated with the paper's order as well.
         angles: False where the recording has no truth for single joints.
-        names: False leaves the names of fingers out, which take two passes more.
+        names: False leaves out the labels of fingers, which take two more passes.
     """
     options = options or PaalmOptions()
     paalm = calibrated_on(take, options)
@@ -135,9 +135,9 @@ def judged(
 
 
 def summary(judgements: Sequence[Judgement]) -> dict[str, Any]:
-    """The figures over recordings, as the command writes them; JSON values only."""
+    """Summary of the figures over recordings, as the command writes it; JSON values only."""
     if not judgements:
-        raise EncoderError("there is no recording to judge", expected="1 or more")
+        raise EncoderError("no recording to judge", expected="1 or more")
     table = {k: np.array([j.figures[k] for j in judgements]) for k in judgements[0].figures}
     mean = {k: None if np.isnan(v).all() else float(np.nanmean(v)) for k, v in table.items()}
     seen = ("mcp_deg", "pip_deg", "dip_deg", "pip_dip_deg")
@@ -172,7 +172,7 @@ def _angles(tables: Array, take: LeapTake, wanted: bool) -> dict[str, float]:
     chosen = seen[judged_frames]
     figures = {k: _mean(v) for k, v in columns.items()}
     figures |= {f"seen_{k}": _mean(v[chosen]) for k, v in columns.items()}
-    # Change from frame to frame that the truth does not have; of fingers that go on being seen.
+    # Change from frame to frame minus that of the truth, for fingers that stay visible.
     steps = np.diff(tables - take.angles, axis=0)[:, 1:][..., [0, 2, 3]]
     stays = (seen[1:] & seen[:-1]) & judged_frames[1:, None]
     figures |= {
@@ -185,9 +185,9 @@ def _angles(tables: Array, take: LeapTake, wanted: bool) -> dict[str, float]:
 
 
 def _identity(take: LeapTake, options: PaalmOptions) -> float:
-    """Percent of seen fingers, in frames that count, that get their own name."""
+    """Percentage of visible fingers, in frames that count, with the right label."""
     if any(f.finger is not None for frame in take.frames for h in frame.hands for f in h.fingers):
-        return float("nan")  # The device names them.
+        return float("nan")  # The device labels them.
     paalm = calibrated_on(take, options)
     right = total = 0
     for frame, names, held in zip(take.frames, take.fingers, take.open, strict=True):

@@ -1,4 +1,4 @@
-"""Two takes of one hand each as frames that show both hands at once, beside each other."""
+"""Combines two takes of one hand each to frames that show both hands beside each other."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from models.frames import HandFrame, SeenFinger, SeenHand, Vector
 
 
 def moved(hand: SeenHand, by: Vector) -> SeenHand:
-    """The same hand at another place; `by` in m."""
+    """The hand shifted by `by`, m."""
 
     def shift(v: Vector) -> Vector:
         return v[0] + by[0], v[1] + by[1], v[2] + by[2]
@@ -42,7 +42,7 @@ def side_by_side(right: LeapTake, left: LeapTake, apart: float = 0.15) -> list[H
 
 
 def two_hand_milliseconds(right: LeapTake, left: LeapTake) -> float:
-    """Median ms of a step with two hands, on this machine as it is now."""
+    """Median ms of a step with two hands, measured on this machine."""
     frames = side_by_side(right, left)
     paalm = Paalm()
     held = (right.open & left.open)[: len(frames)]

@@ -1,4 +1,4 @@
-"""Recordings whose device knows joints, as takes to judge PAALM on: its own bones are the truth."""
+"""Takes for evaluating PAALM from recordings whose device knows joints: its bones are the truth."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from models.frames import FINGERS, HandFrame, SeenFinger, SeenHand
 Array = NDArray[np.float64]
 
 SAME = 0.1
-"""Degrees. PIP and DIP that differ by less, on average, are equal by construction, as of Leap v2;
-they are then no truth for single joints."""
+"""Degrees. If PIP and DIP differ by less on average, they are equal by construction, as in Leap v2,
+and are not a truth for single joints."""
 
 
 def take_of_recording(frames: Sequence[HandFrame], side: str) -> LeapTake:
-    """The frames of one hand whose five fingers have names and joints.
+    """Extracts the frames of one hand whose five fingers have labels and joints.
 
     Raises:
-        EncoderError: There are none.
+        EncoderError: There are no such frames.
     """
     kept: list[HandFrame] = []
     names: list[dict[int, int]] = []
@@ -51,15 +51,15 @@ def take_of_recording(frames: Sequence[HandFrame], side: str) -> LeapTake:
 
 
 def independent(take: LeapTake) -> bool:
-    """Whether PIP and DIP are separate in this recording, so that they can be judged."""
+    """True if PIP and DIP are independent in this recording, so that they can be evaluated."""
     return bool(np.abs(take.angles[:, 1:, 2] - take.angles[:, 1:, 3]).mean() > SAME)
 
 
 def as_first_software(take: LeapTake, seed: int = 0) -> LeapTake:
-    """The same hand as the first software would have said it: no names, no joints, any order.
+    """The hand as the first software would have reported it: no labels, no joints, any order.
 
-    A finger that the device does not hold for stretched is left out, as the first software lost
-    folded fingers; one that comes back has a new id.
+    A finger that the device does not report as stretched is left out, since the first software lost
+    folded fingers; a returning one gets a new id.
     """
     rng = np.random.default_rng([seed, 0xF175])
     fresh, current = 0, dict.fromkeys(range(len(FINGERS)), -1)
@@ -89,6 +89,6 @@ def _whole(hand: SeenHand) -> bool:
 
 
 def _steady(is_open: NDArray[np.bool_], most: float = 0.3) -> NDArray[np.bool_]:
-    """The first open frames, up to a share of all: the rest is to be judged."""
+    """The first open frames, up to a share of all; the others are evaluated."""
     chosen = is_open & (np.cumsum(is_open) <= max(most * len(is_open), 10))
     return np.asarray(chosen)

@@ -1,7 +1,7 @@
 """Results as JSON values: the numbers of the tables under fixed names.
 
-Means over frames, standard errors as the paper's, and 95 % intervals over whole takes. What does
-not exist is null: a method that cannot be refitted has no Copas test.
+Means over frames, standard errors as in the paper, and 95 % intervals over whole takes. Missing
+values are null: a method that cannot be refitted has no Copas test.
 """
 
 from __future__ import annotations
@@ -40,10 +40,10 @@ def report(
     """The whole report.
 
     Args:
-        results: By name.
-        tests: What they were measured on.
-        training: What the methods were trained on.
-        configuration: How the evaluation was asked for; JSON values.
+        results: Results by name.
+        tests: The test captures.
+        training: The training data.
+        configuration: Settings of the evaluation; JSON values.
     """
     captures = [*tests.captures, training]
     return plain(
@@ -133,9 +133,9 @@ def method_report(result: MethodResult, tests: Tests) -> dict[str, Any]:
 
 
 def pca_variance(capture: Capture) -> dict[str, dict[str, float]]:
-    """Percent of a capture's variance in the numbers of components that the paper prints.
+    """Percentage of a capture's variance in the numbers of components that the paper prints.
 
-    `joints`: the 42 components of the ball joints (rad), what the paper's synergies are of.
+    `joints`: the 42 components of the ball joints (rad), as in the paper's synergies.
     `pose`: all 48 numbers of the relative pose (m and rad).
     """
     counts = tuple(paper.PCA_VARIANCE)
@@ -147,7 +147,7 @@ def pca_variance(capture: Capture) -> dict[str, dict[str, float]]:
 
 
 def plain(value: Any) -> Any:
-    """JSON values of nested numbers; what is not finite becomes None."""
+    """Converts nested numbers to JSON values; numbers that are not finite become None."""
     if isinstance(value, Mapping):
         return {str(k): plain(v) for k, v in value.items()}
     if isinstance(value, list | tuple | np.ndarray):

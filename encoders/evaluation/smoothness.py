@@ -1,4 +1,4 @@
-"""How smoothly estimated poses move: while the same fingers touch, and when one comes or goes."""
+"""Smoothness of estimated poses: while the same fingers touch, and when one comes or goes."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ from models.rotations import geodesic_angle
 Array = NDArray[np.float64]
 
 _GAP = 1.5
-"""Frames further apart than this, in mean periods, do not follow each other."""
+"""Mean periods between frames beyond which they do not count as consecutive."""
 
 
 @dataclass(frozen=True)
 class Smoothness:
-    """What poses do between frames; an array is empty where a capture has no such moment.
+    """Changes of poses between frames; an array is empty where a capture has no such moment.
 
     Attributes:
         acceleration: (n,) degrees/s2, mean absolute second difference of the 42 joint components,
             for every three frames in a row with the same contacts.
         jump: (m,) degrees, mean absolute change of the 42 joint components between the two frames
             at which the set of contacts changed.
-        largest_joint: (m,) degrees, angle by which the joint that moved most turned there.
-        wrist_jump: (m,) cm, by which the wrist moved there.
+        largest_joint: (m,) degrees, largest rotation of a joint there.
+        wrist_jump: (m,) cm, movement of the wrist there.
     """
 
     acceleration: Array
@@ -61,7 +61,7 @@ def smoothness(q: Array, capture: Capture) -> Smoothness:
 
 
 def joined(parts: list[Smoothness]) -> Smoothness:
-    """Several captures' smoothness as one."""
+    """Combines the smoothness of several captures."""
     return Smoothness(
         np.concatenate([p.acceleration for p in parts]),
         np.concatenate([p.jump for p in parts]),

@@ -1,7 +1,7 @@
-"""The simulated subjects as `sandbox evaluate` meets them: by name, with judged days.
+"""The simulated subjects of `sandbox evaluate`, by name, with judged days.
 
-Judged days are numbers that follow from the subject's configuration and a day seed by SHA-256, so
-that nobody chose them, and so that they change as soon as the subject does.
+Judged days are numbers derived from the subject's configuration and a day seed by SHA-256, so that
+they cannot be chosen, and change whenever the subject does.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ SUBJECTS: dict[str, str] = {
     "first": "encoders.captures.subject",
     "second": "encoders.captures.second_subject",
 }
-"""Name -> package with `simulate`, `FROZEN` and `SEED`; loaded only when asked for."""
+"""Package with `simulate`, `FROZEN` and `SEED` by subject name; loaded only on demand."""
 
 TRAINING_DAY = 0
 
@@ -34,9 +34,9 @@ class Subject:
 
     Attributes:
         name: A key of `SUBJECTS`.
-        seed: Which person its built-in captures are of.
-        configuration: As JSON values.
-        day: Day number and progress callback -> capture.
+        seed: Seed of the person in its built-in captures.
+        configuration: The configuration as JSON values.
+        day: Creates a capture from day number and progress callback.
     """
 
     name: str
@@ -46,7 +46,7 @@ class Subject:
 
     @property
     def digest(self) -> str:
-        """SHA-256 over configuration and seed, hexadecimal."""
+        """SHA-256 of configuration and seed, hexadecimal."""
         text = json.dumps([self.name, self.seed, self.configuration], sort_keys=True)
         return sha256(text.encode()).hexdigest()
 
@@ -59,7 +59,7 @@ class Subject:
         return days
 
     def plays(self, capture: Capture) -> bool:
-        """Whether a capture was made by this subject as it is now."""
+        """True if a capture was made by the current version of this subject."""
         meta = capture.meta
         return bool(
             meta.get("seed") == self.seed
@@ -70,10 +70,10 @@ class Subject:
 
 @cache
 def subject(name: str) -> Subject:
-    """A subject by name.
+    """Finds a subject by name.
 
     Raises:
-        EncoderError: There is no such subject.
+        EncoderError: The subject is unknown.
     """
     if name not in SUBJECTS:
         raise EncoderError("no such subject", got=name, expected=", ".join(SUBJECTS))
@@ -93,5 +93,5 @@ def subject(name: str) -> Subject:
 
 
 def _plain(values: Any) -> Any:
-    """Values as JSON gives them back: tuples become lists."""
+    """Values as JSON returns them: tuples become lists."""
     return json.loads(json.dumps(values))

@@ -1,4 +1,4 @@
-"""How long one pose takes, as called from Python on this machine."""
+"""Measures the time of one pose, called from Python on this machine."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 BATCH = 120
-"""Poses: as many as five contacts have labellings."""
+"""Number of poses in a batch: the number of labellings of five contacts."""
 BUDGET = 0.5
 """s spent on each of the two measurements."""
 MOST = 3000
-"""Single calls: enough for a median."""
+"""Least number of single calls, enough for a median."""
 
 
 def us_per_call(predict: Callable[[Array], Array], U: Array) -> float:

@@ -45,12 +45,11 @@ _EXPECTED = ", ".join(NAMES) + ", a FILE.npz made by `sandbox train`, or FILE.py
 
 @dataclass(frozen=True)
 class Training:
-    """What methods learn from.
+    """Training data of methods.
 
     Attributes:
         capture: Labelled contacts and poses.
-        shipped: It is the capture that the shipped models were trained on, so that what takes long
-            to train need not be trained again.
+        shipped: True for the capture of the shipped models, which then need not be trained again.
     """
 
     capture: Capture
@@ -60,7 +59,7 @@ class Training:
         """A method of `NAMES`, a model's file or an encoder that is not ours, ready for use.
 
         Raises:
-            EncoderError: There is no such method or file, or it cannot learn from this capture.
+            EncoderError: The method or file does not exist, or cannot be trained on this capture.
         """
         if name in LEAST_SQUARES:
             return self._fitted(name, ENCODERS[LEAST_SQUARES[name]])
@@ -89,7 +88,7 @@ class Training:
         )
 
     def _fitted(self, name: str, fresh: type[Encoder], metric: str = "joints") -> EncoderMethod:
-        """An encoder with the paper's rule for labels; it has no history, so one will do."""
+        """An encoder with the paper's labelling rule, which has no history and so is shared."""
         model = self._model(fresh())
         paper = PaperLabels(model, metric)
         return EncoderMethod(name, model.encoder, lambda: paper, fresh=fresh)
@@ -111,7 +110,8 @@ class Training:
 
 
 class BestMethod:
-    """`best` as a method: with memory, hence no encoder alone. Its encoder is tested as one."""
+    """The method `best`, which has history and so is more than an encoder; its encoder is tested
+    alone."""
 
     def __init__(self, best: Best, name: str = "best") -> None:
         self.name, self.history = name, True
@@ -126,7 +126,7 @@ class BestMethod:
 
 
 class CorrectedMethod(BestMethod):
-    """A model from a file, which holds no belief: labels by the paper's rule."""
+    """A model from a file; it has no belief, so labels follow the paper's rule."""
 
     def __init__(self, name: str, best: Best, labeller: Labeller) -> None:
         super().__init__(best, name)
@@ -145,7 +145,7 @@ def _shown(name: str) -> str:
 
 
 def check_names(names: tuple[str, ...]) -> None:
-    """Refuses a list of methods before anything is computed.
+    """Checks a list of methods before the evaluation starts.
 
     Raises:
         EncoderError: One is unknown, or occurs twice.

@@ -1,9 +1,9 @@
-"""Joint angles by name, and how they follow from the places of joints.
+"""Named joint angles, and their computation from the positions of joints.
 
 Fingers: MCP flexion and spread, PIP and DIP flexion. Thumb: CMC flexion and spread, MCP and IP
-flexion. Degrees. Flexion closes the hand; spread is positive towards the thumb. Flexion of the
-first joint comes first, about the palm's line of knuckles, then spread, so that neither is singular
-for any pose a finger can take. Zero is the direction of the palm; of the thumb, its rest in
+flexion. Degrees. Flexion closes the hand; spread is positive towards the thumb. The first joint is
+rotated by flexion first, about the palm's line of knuckles, then by spread, so that neither is
+singular for any pose of a finger. Zero is the direction of the palm; of the thumb, its rest in
 `models.skeleton`.
 """
 
@@ -43,9 +43,9 @@ def by_name(table: ArrayLike) -> dict[str, float]:
 def angles_of_joints(joints: ArrayLike) -> Array:
     """Angles (..., 5, 4), degrees, of joints (..., 5, 4, 3) in palm coordinates.
 
-    Joints are knuckle, PIP, DIP, tip of each finger. A bone of no length, as the last of a thumb
-    with two, has the angle 0. The angle of two bones is measured whole, not its part in the plane
-    of flexion; its sign says on which side they bend.
+    Joints are knuckle, PIP, DIP, tip of each finger. A bone of length 0, as the last of a thumb
+    with two bones, has the angle 0. The angle between two bones is the full angle, not its part in
+    the plane of flexion; its sign gives the side of the bend.
     """
     joints = np.asarray(joints, float)
     bones = np.einsum("fji,...fbj->...fbi", FRAMES, np.diff(joints, axis=-2))

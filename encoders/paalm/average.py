@@ -1,4 +1,4 @@
-"""A calibration that nobody held a hand open for: an average hand, or the device's own bones."""
+"""A calibration without an open hand: from an average hand, or from the device's own bones."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ from models.frames import FINGERS, HandFrame
 from models.skeleton import ADULT
 
 OPEN_SPREAD = (10.0, 6.0, 1.0, -5.0, -14.0)
-"""Degrees, of an open hand's fingers."""
+"""Degrees, spread of an open hand's fingers."""
 
 
 def average_calibration(
     frames: Sequence[HandFrame], side: str, options: PaalmOptions | None = None
 ) -> HandCalibration:
-    """What to assume of a hand that was not measured; angles from it are rougher.
+    """Calibration for a hand that was not measured; its angles are less accurate.
 
-    Where the device knows the hand's joints, standards are its own bones, stretched; otherwise they
-    are what the device would see of an average hand held open.
+    Where the device knows the hand's joints, standard lengths are those of its stretched bones;
+    otherwise they are those that the device would see of an average open hand.
 
     Args:
-        frames: Of the hand; only its joints are read.
+        frames: Frames of the hand; only its joints are read.
         side: `right` or `left`.
-        options: How much of the first bones the device hides.
+        options: Options with the share of the first bones that the device hides.
     """
     options = options or PaalmOptions()
     lengths = np.array(bone_lengths())
@@ -60,7 +60,7 @@ def average_calibration(
 
 
 def _bones(frames: Sequence[HandFrame], side: str) -> np.ndarray | None:
-    """(5, 3) m, the mean of the device's own bones; None where it knows none."""
+    """Mean (5, 3) m of the device's own bones; None where it has none."""
     bones = []
     for frame in frames:
         for hand in frame.hands:

@@ -21,7 +21,7 @@ MOST_SPREAD = 0.12
 """Greatest robust spread of a finger's length, as a share of it."""
 
 LEAST_APART = 0.012
-"""m, between neighbouring tips of a spread hand; nearer ones the device takes for one."""
+"""m, least distance between neighbouring tips of a spread hand; the device merges nearer ones."""
 MOST_TURNED = 50.0
 """Degrees between a finger and the palm's direction in an open hand; the thumb may be at 100."""
 MOST_BENT = 60.0
@@ -39,14 +39,14 @@ class HandCalibration:
 
     Attributes:
         side: `right` or `left`.
-        standard: (5,) m, mean length of every finger; what ratios are relative to.
+        standard: (5,) m, mean length of every finger, to which ratios are relative.
         spread: (5,) m, robust standard deviation of the lengths.
-        tips: (5, 3) m, mean places of the tips in palm coordinates.
+        tips: (5, 3) m, mean positions of the tips in palm coordinates.
         directions: (5, 3) mean directions in palm coordinates.
         bones: (5, 3) m, where the device knows joints; None otherwise.
-        frames: How many frames were used.
-        seconds: From the first to the last.
-        left_out: Frames that were not used, by reason.
+        frames: Number of frames used.
+        seconds: Time from the first to the last.
+        left_out: Number of unused frames, by reason.
     """
 
     side: str
@@ -61,19 +61,19 @@ class HandCalibration:
 
     @property
     def bases(self) -> Array:
-        """(5, 3) m, where the seen fingers begin, in palm coordinates."""
+        """Bases (5, 3) m of the visible parts of the fingers, in palm coordinates."""
         return self.tips - self.standard[:, None] * self.directions
 
 
 def calibrated(
     samples: Iterable[tuple[float, SeenHand | None]], side: str, wanted: int = PAPER_FRAMES
 ) -> HandCalibration:
-    """The calibration of one hand.
+    """Calibrates one hand.
 
     Args:
         samples: (time in s, the hand or None where it is not seen), one a frame.
         side: `right` or `left`.
-        wanted: Frames with five fingers that are needed; no more are used.
+        wanted: Number of frames with five fingers that are needed and used.
 
     Raises:
         EncoderError: Too few frames, a hand that was not open, or lengths that vary too much.
@@ -123,9 +123,9 @@ def calibrated(
 
 
 def in_order(hand: SeenHand, side: str) -> list[SeenFinger]:
-    """The fingers as the device names them, or else by x as in the paper: thumb to little finger.
+    """The fingers from thumb to little finger, by the device's labels or else by x as in the paper.
 
-    The x is the device's; it grows from the thumb of a right hand whose palm faces down.
+    The device's x increases from the thumb on, for a right hand whose palm faces down.
     """
     named: dict[int, SeenFinger] = {f.finger: f for f in hand.fingers if f.finger is not None}
     if len(named) == len(hand.fingers):
@@ -134,7 +134,7 @@ def in_order(hand: SeenHand, side: str) -> list[SeenFinger]:
 
 
 def measure(finger: SeenFinger) -> float:
-    """m, the finger's length as PAALM needs it: one that shrinks as the finger bends."""
+    """The finger's length in m for PAALM, which decreases as the finger bends."""
     if finger.joints is None:
         return finger.length
     a, b = finger.joints[0], finger.joints[3]
@@ -142,7 +142,7 @@ def measure(finger: SeenFinger) -> float:
 
 
 def pointing(finger: SeenFinger) -> tuple[float, float, float]:
-    """The direction that belongs to `measure`."""
+    """The direction of the length that `measure` returns."""
     if finger.joints is None:
         return finger.direction
     a, b = finger.joints[0], finger.joints[3]
@@ -171,7 +171,7 @@ def _inliers(lengths: Array) -> NDArray[np.bool_]:
 
 
 def _open(c: HandCalibration, lengths: Array) -> None:
-    """Refuses a hand that was not held open and still."""
+    """Raises an error for a hand that was not held open and still."""
     remedy = "Hold the hand open, palm down, fingers spread and still, and calibrate again"
     for finger, name in enumerate(FINGERS):
         share = c.spread[finger] / c.standard[finger]

@@ -87,10 +87,10 @@ def calibration_to_json(c: HandCalibration) -> dict[str, Any]:
 
 
 def calibration_from_json(side: str, fields: Mapping[str, Any]) -> HandCalibration:
-    """One hand's calibration read back.
+    """Reads one hand's calibration from JSON values.
 
     Raises:
-        EncoderError: It is damaged.
+        EncoderError: The values are damaged.
     """
     what, where = "the calibration is damaged", f"{side} hand"
     record = checked(dict(fields), _HandRecord, EncoderError, what=what, where=where)
@@ -98,7 +98,7 @@ def calibration_from_json(side: str, fields: Mapping[str, Any]) -> HandCalibrati
 
 
 def read_calibration(path: Path) -> dict[str, HandCalibration]:
-    """Calibrations by side.
+    """Reads calibrations by side.
 
     Raises:
         EncoderError: The file is missing, of another program or version, or damaged.
@@ -108,7 +108,7 @@ def read_calibration(path: Path) -> dict[str, HandCalibration]:
     head = decoded(data, _Head, EncoderError, what=what, where=where)
     if not head.paalm_calibration or head.schema != SCHEMA:
         raise EncoderError(
-            "this is no PAALM calibration",
+            "not a PAALM calibration",
             where=where,
             expected=f"schema {SCHEMA}, as `sandbox paalm calibrate --out` writes it",
         )
@@ -132,10 +132,10 @@ def is_calibration(path: Path) -> bool:
 
 
 def read_hand(path: Path, side: str) -> HandCalibration:
-    """One hand's calibration out of a file.
+    """Reads one hand's calibration from a file.
 
     Raises:
-        EncoderError: See `read_calibration`; or it is another hand's.
+        EncoderError: As in `read_calibration`, or the file has only another hand.
     """
     known = read_calibration(path)
     if side not in known:

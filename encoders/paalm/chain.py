@@ -1,9 +1,9 @@
-"""IK of one finger, in closed form: a length and a direction become four angles.
+"""Inverse kinematics of one finger: a length and a direction give four angles, in closed form.
 
-With DIP coupled to PIP, the distance from the base to the tip is a falling function of PIP alone.
-It is tabulated once and read backwards; the direction then gives the first joint, because the
-tip's place in the finger's own plane is known. What the limits refuse is given up where it costs
-the tip least: PIP is chosen again for the first joint at its limit.
+With DIP coupled to PIP, the distance from the base to the tip is a decreasing function of PIP
+alone. It is tabulated once and inverted; the direction then gives the first joint, because the
+tip's position in the finger's plane is known. If the first joint is beyond its limit, it is set to
+the limit, and PIP is chosen again for the least error of the tip.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _NOTHING = 1e-12
 
 @dataclass(frozen=True)
 class FingerLimits:
-    """Ranges of the joints, degrees; the usual clinical ones, as in `models.skeleton`."""
+    """Ranges of the joints, degrees: the usual clinical ones, as in `models.skeleton`."""
 
     flexion: tuple[float, float] = (-20.0, 90.0)
     spread: tuple[float, float] = (-25.0, 25.0)
@@ -38,7 +38,7 @@ THUMB_LIMITS = FingerLimits((-40.0, 40.0), (-40.0, 40.0), (0.0, 75.0), (-10.0, 8
 
 
 class Bend(NamedTuple):
-    """Angles of a finger, degrees, and by how much its tip misses the target, m."""
+    """Angles of a finger, degrees, and the distance of its tip from the target, m."""
 
     flexion: float
     spread: float
@@ -52,8 +52,8 @@ class FingerChain:
 
     Args:
         lengths: m, from the knuckle outwards; the last may be 0.
-        coupling: DIP by PIP.
-        limits: Of the joints.
+        coupling: Relation of DIP to PIP.
+        limits: Ranges of the joints.
         hidden: Share of the first bone, from the knuckle, that lengths and directions leave out:
             0 measures from the knuckle.
     """
@@ -84,25 +84,27 @@ class FingerChain:
         self._least, self._most = float(self._pip[0]), float(self._pip[-1])
         self._along, self._below = along[piece], below[piece]
         self.longest, self.shortest = float(chord[piece][0]), float(chord[piece][-1])
-        # Near the stretched finger, PIP goes with the root of what is missing to its length: even
-        # steps of that root read well everywhere.
+        # Near the stretched finger, PIP is proportional to the square root of the missing length:
+        # even steps of that root are accurate everywhere.
         root = np.sqrt(self.longest - chord[piece])
         self._per_root = (_ENTRIES - 1) / float(root[-1])
         even = np.linspace(0.0, root[-1], _ENTRIES)
         self._inverse: list[float] = np.interp(even, root, self._pip).tolist()
 
     def chord(self, pip: float) -> float:
-        """m, from the (visible) base to the tip of a finger with this PIP angle, degrees."""
+        """Distance in m from the (visible) base to the tip of a finger with a PIP angle in
+        degrees."""
         along, below = self._plane(radians(pip))
         return sqrt(along * along + below * below)
 
     def dip(self, pip: float) -> float:
-        """Degrees, of the last joint."""
+        """Angle of the last joint, degrees."""
         low, high = self.limits.dip
         return min(max(self.coupling.slope * pip + self.coupling.offset, low), high)
 
     def solve(self, target: Vector) -> Bend:
-        """Angles that bring the tip to a target, m, from the base in the finger's zero frame."""
+        """Computes angles that bring the tip to a target, m, from the base in the finger's zero
+        frame."""
         x, y, z = target
         chord = sqrt(x * x + y * y + z * z)
         if chord < 1e-9:
@@ -113,7 +115,7 @@ class FingerChain:
         x, y, z = x * scale, y * scale, z * scale
         pip = self._bend(reached)
         along, below = self._plane(pip)
-        # Straight below the knuckle, spread moves nothing and is left alone.
+        # Straight below the knuckle, spread has no effect and is kept.
         spread = asin(min(max(-x / along, -1.0), 1.0)) if abs(along) > _NOTHING else 0.0
         flexion = atan2(-z, y) - atan2(below, along * cos(spread))
         low, high = self.limits.flexion
@@ -129,7 +131,8 @@ class FingerChain:
         return Bend(held_flexion, held_spread, pip, self.dip(pip), miss)
 
     def with_first_joint(self, direction: Vector, chord: float) -> Bend:
-        """The paper's other reading: the first bone points along the direction; length bends."""
+        """The alternative reading of the paper: the first bone points along the direction, and the
+        length gives the other angles."""
         x, y, z = direction
         low, high = self.limits.flexion
         left, right = self.limits.spread
@@ -139,7 +142,7 @@ class FingerChain:
         return Bend(flexion, spread, pip, self.dip(pip), 0.0)
 
     def _bend(self, chord: float) -> float:
-        """PIP, rad, of a reachable length.
+        """PIP in rad for a reachable length.
 
         The table is off by up to half an entry where DIP comes to its limit and the length has a
         bend in its course; Newton's steps make every length exact.
@@ -164,7 +167,7 @@ class FingerChain:
         return pip
 
     def _turns(self, pip: float) -> float:
-        """By how much the last bone turns for a turn of the middle one."""
+        """Rotation of the last bone per rotation of the middle one."""
         low, high = self.limits.dip
         free = low < self.coupling.slope * degrees(pip) + self.coupling.offset < high
         return 1.0 + self.coupling.slope if free else 1.0
@@ -187,7 +190,7 @@ class FingerChain:
         )
 
     def _closest(self, flexion: float, spread: float, target: Vector) -> float:
-        """PIP, rad, that brings the tip nearest to a target with the first joint held."""
+        """PIP in rad that brings the tip nearest to a target with a fixed first joint."""
         y = self._along * cos(spread)
         dx = -self._along * sin(spread) - target[0]
         dy = y * cos(flexion) - self._below * sin(flexion) - target[1]

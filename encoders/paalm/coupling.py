@@ -1,7 +1,7 @@
-"""How the last joint follows the middle one: what makes a chain of three bones solvable.
+"""Coupling of the last joint to the middle one, which makes a chain of three bones solvable.
 
-A fingertip's place says nothing about how a bend is shared between PIP and DIP. The paper leaves it
-to an animation program's IK; we say it: DIP = slope * PIP + offset.
+A fingertip's position does not determine how a bend is shared between PIP and DIP. The paper leaves
+this to an animation program's inverse kinematics; here DIP = slope * PIP + offset.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from models.errors import EncoderError
 
 @dataclass(frozen=True)
 class Coupling:
-    """DIP = slope * PIP + offset.
+    """Linear coupling, DIP = slope * PIP + offset.
 
     Attributes:
-        slope: Without unit.
-        offset: Degrees.
+        slope: Slope, without unit.
+        offset: Offset in degrees.
     """
 
     slope: float
@@ -28,16 +28,16 @@ class Coupling:
 
     @classmethod
     def fitted(cls, pip: ArrayLike, dip: ArrayLike) -> Coupling:
-        """The least squares line through angles in degrees, of any shape.
+        """Fits the line by least squares to angles in degrees, of any shape.
 
         Raises:
             EncoderError: PIP hardly moves, or the line would straighten the tip as the finger
-                closes, which is no coupling.
+                closes.
         """
         x, y = np.asarray(pip, float).ravel(), np.asarray(dip, float).ravel()
         if x.size < 10 or np.ptp(np.percentile(x, [5, 95])) < 15.0:
             raise EncoderError(
-                "the fingers bend too little to say how PIP and DIP go together",
+                "the fingers bend too little to fit DIP to PIP",
                 got=f"{x.size} angles",
                 expected="PIP angles over at least 15 degrees",
             )
@@ -50,4 +50,4 @@ class Coupling:
 TWO_THIRDS = Coupling(2.0 / 3.0)
 """The textbook's tendon coupling."""
 EQUAL = Coupling(1.0)
-"""Both joints bend alike; what Leap v2 assumes."""
+"""Both joints bend equally, as Leap v2 assumes."""

@@ -1,4 +1,4 @@
-"""From PAALM's angles and palm to the pose `q` of the sandbox's hand."""
+"""Converts PAALM's angles and palm to the pose `q` of the sandbox's hand."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from models.skeleton import ADULT, Skeleton
 Array = NDArray[np.float64]
 
 PALM_CENTRE = (0.0, 0.055, -0.005)
-"""m, of the average hand in its own frame: between wrist and knuckles, on the palm's side. Where
-exactly a device has a palm's centre is not documented."""
+"""m, palm centre of the average hand in its own frame: between wrist and knuckles, on the palm's
+side. Devices do not document the exact place of a palm's centre."""
 
 _COLUMNS = (0, 2, 3)
-"""Of a table of angles: what bends a finger's first, second and third bone."""
+"""Columns of a table of angles that bend a finger's first, second and third bone."""
 
 
 class HandPoser:
-    """Makes poses of one skeleton's hand; all joints of a hand in one calculation.
+    """Computes poses of one skeleton's hand, all joints in one calculation.
 
-    A bone is turned from its rest by a flexion about its x, then, of a finger's first bone, by a
-    spread about its z. Between the bone's rest and the frame in which those angles are measured is
-    a turn that never changes.
+    A bone is rotated from its rest by flexion about its x axis and then, for a finger's first bone,
+    by spread about its z axis. The rotation between the bone's rest and the frame of those angles
+    is constant.
 
     Args:
         skeleton: A right hand.
@@ -42,7 +42,7 @@ class HandPoser:
             first = bone.finger != last
             row, last = (0 if first else row + 1), bone.finger
             flexion.append(4 * last + _COLUMNS[row])
-            # Behind the table is an angle of nothing, the spread of all bones but the first.
+            # Behind the table is an angle 0, the spread of all bones but the first.
             spread.append(4 * last + 1 if first else 4 * len(FINGERS))
             between.append(bone.rest.T @ FRAMES[last] if first else bone.rest.T)
         self._which = np.array([flexion, spread])
@@ -75,7 +75,7 @@ class HandPoser:
         np.multiply(bent, spread_s, turn[:, 3])
         q = np.empty(POSE_SIZE)
         q[JOINTS] = quaternion_log((self._between @ self._turn)[..., 0]).ravel()
-        # What a left hand does is what a right one would do in a mirror.
+        # A left hand's pose is the mirror image of a right one's.
         flip = -1.0 if side == "left" else 1.0
         a, f, d = palm.across, palm.forward, palm.dorsal
         across, forward, dorsal = (
@@ -106,16 +106,16 @@ def hand_pose(
 ) -> Array:
     """The pose (48,) in the world, within the skeleton's limits.
 
-    A left pose is the mirror image of what a right hand would do behind the mirror, as everywhere.
-    The thumb's last joint, which the skeleton has not, is left out.
+    A left hand's pose is the mirror image of a right hand's, as everywhere. The thumb's last joint
+    is left out, since the skeleton does not have it.
 
     Args:
         table: (5, 4) degrees, see `encoders.paalm.angles`.
-        palm: In the device's frame.
+        palm: The palm in the device's frame.
         side: `right` or `left`; the skeleton is always given as a right hand.
-        device: m, where the device is in the world; its axes are the world's.
+        device: m, position of the device in the world; its axes are the world's.
         skeleton: A right hand.
-        size: Length of the hand that takes the pose against the skeleton.
+        size: Length of the posed hand relative to the skeleton.
     """
     make = _ADULT if skeleton is ADULT else HandPoser(skeleton)
     return make(table, palm, side, device, size)

@@ -1,4 +1,4 @@
-"""From one hand frame after another to the pose of the whole hand: PAALM as a reconstructor.
+"""PAALM as a reconstructor: it turns hand frames, one after another, into poses of the whole hand.
 
 It has the interface of `encoders.reconstruction.touch_reconstructor`, so that whatever drives a
 hand by touches can drive one by a Leap: `step(frame)`, `reset()`, `commanded`, and a
@@ -34,28 +34,27 @@ Array = NDArray[np.float64]
 _ALL = frozenset(range(len(FINGERS)))
 
 SAID = 1.0
-"""s for which a word to the person stays after what it is about."""
+"""s that a notice to the person stays after its cause has ended."""
 MISSED = 1.0
-"""s for which a hand is a ghost because nobody sees it before the person is told."""
+"""s that a hand is an unseen ghost before the person gets a notice."""
 
 
 @dataclass(frozen=True)
 class HandReconstructorSettings:
-    """What takes part between hand frames and pose.
+    """Settings of the steps between hand frames and pose.
 
     Attributes:
-        device: m, where the device is in the world. Its axes are the world's.
-        rate: Bounds on the commanded pose's speed.
-        size: Length of the simulated hand against the average one.
-        root_smoothing: s, time constant of the palm's place and turn; 0 switches it off. PAALM
-            smooths fingers itself.
-        patience: s for which a hand that is not seen any more stays as it is, and solid: devices
-            lose hands for moments, and a box in its fingers should not fall each time.
-        rise, rise_speed: m by which, and m/s at which, a hand that stays away rises as a ghost, so
-            that it hides nothing.
-        near: m from its place at which a hand that was away is back, and may be solid again.
-        floor: m, world height below which no fingertip is commanded; the whole hand is raised.
-            Nobody feels the table, and a hand that is pushed into it crushes what it holds.
+        device: m, position of the device in the world. Its axes are the world's.
+        rate: Speed limits of the commanded pose.
+        size: Length of the simulated hand relative to the average one.
+        root_smoothing: s, time constant of the palm's position and rotation; 0 switches it off.
+            PAALM smooths fingers itself.
+        patience: s that a lost hand keeps its pose and stays solid: devices lose hands for moments,
+            and a held box should not fall each time.
+        rise, rise_speed: m by which, and m/s at which, a hand that stays lost rises as a ghost, so
+        that it does not hide objects. near: m from its place within which a returned hand may be
+        solid again. floor: m, least world height of a commanded fingertip; the whole hand is
+        raised. People do not feel the table, and a hand pushed into it would crush a held object.
     """
 
     device: Vector = (0.0, 0.0, -0.10)
@@ -70,21 +69,21 @@ class HandReconstructorSettings:
 
 
 class HandReconstructor:
-    """One hand of a `Paalm`, as poses of the sandbox's hand.
+    """Reconstructs one hand of a `Paalm` as poses of the sandbox's hand.
 
     Args:
-        paalm: It belongs to this reconstructor from now on.
+        paalm: PAALM state, owned by this reconstructor from now on.
         side: `right` or `left`.
-        settings: What takes part.
-        surface: What the workspace of a task is; None is the default tablet.
-        assume: A hand that was not calibrated is taken for an average one, or measured by the
-            device's own bones, when it is first seen.
+        settings: Settings of all steps.
+        surface: Workspace of a task; None is the default tablet.
+        assume: True lets an uncalibrated hand be treated as average, or be measured by the device's
+            own bones, when it is first seen.
 
     Attributes:
-        empty: What a device has said before its first frame.
+        empty: The frame that stands for a device before its first one.
 
     Raises:
-        EncoderError: PAALM has not measured that hand, and nothing is to be assumed.
+        EncoderError: PAALM has not measured that hand, and `assume` is false.
     """
 
     empty = HandFrame(0.0)
@@ -113,17 +112,17 @@ class HandReconstructor:
 
     @property
     def counts(self) -> dict[str, int]:
-        """How often frames or hands could not be used, by reason."""
+        """Number of frames or hands that could not be used, by reason."""
         return self.paalm.counts
 
     @property
     def commanded(self) -> Array:
-        """(48,) the pose last commanded, in the world."""
+        """The pose last commanded (48,), in the world."""
         return self._commanded
 
     @property
     def notice(self) -> str:
-        """A word to the person whose hand is not followed; empty while all is well."""
+        """Notice to the person whose hand is not tracked; empty while all is well."""
         if self._refused and (self._time or 0.0) - self._refused_at < SAID:
             return f"{self._refused}: hold them apart"
         if self._unseen > self.settings.patience + MISSED:
@@ -131,7 +130,7 @@ class HandReconstructor:
         return ""
 
     def reset(self) -> None:
-        """Back to an open hand 20 cm over the device."""
+        """Returns to the initial state: an open hand 20 cm over the device."""
         if self._assume:
             self.paalm.use({})
         self.paalm.reset()
@@ -145,10 +144,10 @@ class HandReconstructor:
         self._refused, self._refused_at = "", 0.0
 
     def step(self, frame: HandFrame) -> Reconstruction:
-        """Takes in a hand frame; called once per control step, also when nothing has changed.
+        """Processes a hand frame; called once per control step, even if nothing has changed.
 
-        A hand that is not seen holds its pose for a moment, then rises as a ghost: nobody can say
-        where it is.
+        A lost hand keeps its pose for a moment, then rises as a ghost, since its position is
+        unknown.
         """
         dt = 0.0 if self._time is None else max(frame.time - self._time, 0.0)
         self._time = frame.time if self._time is None else max(frame.time, self._time)
@@ -180,7 +179,7 @@ class HandReconstructor:
     def _follow(self, hand: PaalmHand, dt: float) -> None:
         s, goal = self.settings, self._pose(hand.table, hand.palm)
         first = not self._seen_before
-        # After a while of absence there is nothing to be smooth with.
+        # After a long absence the old state is not used for smoothing.
         if self._unseen <= s.patience and s.root_smoothing > 0.0:
             keep = exp(-dt / s.root_smoothing)
             turn = unwrapped(goal[ROOT_ROTATION], self._goal[ROOT_ROTATION])

@@ -1,10 +1,10 @@
-"""Which seen finger is which: the paper's order, and one that remembers.
+"""Labels the fingers that a device sees: by the paper's order, or by tracking.
 
-The paper sorts by x and counts from the thumb. When a finger vanishes, every later one takes its
-neighbour's name. The tracked identity weighs, for every seen finger and every name: where that
-finger was last (it holds still while unseen, in the palm's space), whether the line of the finger
-leads back to that finger's knuckle, whether the device's own id still says so, and whether the
-finger would be longer than it is. The likeliest assignment of all fingers together is taken.
+The paper sorts by x and counts from the thumb. When a finger vanishes, every later one gets its
+neighbour's label. The tracked identity weighs, for every visible finger and every label: the
+finger's last position (an unseen finger is assumed to stay, in palm coordinates), the distance of
+the finger's line from that finger's knuckle, the device's own id, and whether the visible length
+exceeds that finger's length. The most likely assignment of all fingers together is chosen.
 """
 
 from __future__ import annotations
@@ -27,30 +27,31 @@ _ASSIGNMENTS = [
     np.array(list(permutations(range(_FIVE), k)), dtype=np.intp).reshape(perm(_FIVE, k), k)
     for k in range(_FIVE + 1)
 ]
-"""All ways to name k fingers, at most 120: trying them all is quicker than a solver."""
+"""All labellings of k fingers, at most 120: trying them all is quicker than a solver."""
 
 _SIDEWAYS, _IN_PLANE, _THUMB = 0.004, 0.010, 0.020
-"""m, spread of the distance by which a finger's line misses its own knuckle: sideways, within the
-plane in which it bends (the seen part of a bent finger does not lead back to the knuckle), and in
-any direction for the thumb, whose seen part begins where its first bone ends."""
+"""m, spread of the distance of a finger's line from its own knuckle: sideways, within its plane of
+bending (the line of a bent finger's visible part does not pass through the knuckle), and in any
+direction for the thumb, whose visible part begins at the end of its first bone."""
 _STILL, _LOST = 0.006, 0.030
-"""m, spread of a tip's step from frame to frame, and of a tip unseen for long."""
+"""m, spread of a tip's step from frame to frame, and of a tip that has been unseen for long."""
 _LOST_AFTER = 0.15
 """s in which the spread of an unseen tip grows most of the way."""
 _LOOK_AGAIN = 0.1
-"""s after which names are thought over although nothing seems to have changed."""
+"""s after which labels are evaluated again although nothing seems to have changed."""
 _JUMP = 0.015
 """m. A tip that moved farther since the last frame may be another finger with the same id."""
 _SAME_ID = 16.0
-"""What the device's id weighs, against half-squared deviations; finite, since devices swap ids."""
+"""Weight of the device's id, relative to half-squared deviations; finite, since devices swap
+ids."""
 _TOO_LONG = 0.06
 """Share, spread of a length beyond a finger's standard."""
 _CAP = 30.0
-"""Most that one piece of evidence may say, so that none of them is alone."""
+"""Limit of each piece of evidence, so that none decides alone."""
 
 
 def paper_order(fingers: Sequence[SeenFinger], side: str) -> list[int]:
-    """The paper's names: rank by the device's x among the fingers that are seen."""
+    """The paper's labels: rank by the device's x among the visible fingers."""
     order = sorted(range(len(fingers)), key=lambda i: fingers[i].tip[0], reverse=side == "left")
     names = [0] * len(fingers)
     for rank, i in enumerate(order):
@@ -59,7 +60,7 @@ def paper_order(fingers: Sequence[SeenFinger], side: str) -> list[int]:
 
 
 class TrackedIdentity:
-    """Remembers one hand's fingers.
+    """Tracks the labels of one hand's fingers.
 
     Args:
         calibration: The hand, measured open.
@@ -73,7 +74,7 @@ class TrackedIdentity:
         self.reset()
 
     def reset(self) -> None:
-        """Back to an open hand."""
+        """Returns to the initial state, an open hand."""
         self._tips = self._calibration.tips.copy()
         self._places: list[Vector] = [(x, y, z) for x, y, z in self._tips.tolist()]
         self._looked_at = -np.inf
@@ -81,7 +82,7 @@ class TrackedIdentity:
         self._ids: list[int | None] = [None] * _FIVE
 
     def names(self, fingers: Sequence[SeenFinger], palm: Palm, time: float) -> list[int]:
-        """The name, 0 to 4, of every seen finger; at most five fingers."""
+        """Labels, 0 to 4, of the visible fingers, at most five."""
         if not fingers:
             return []
         places = [palm.place(f.tip) for f in fingers]
@@ -104,7 +105,8 @@ class TrackedIdentity:
     def _unchanged(
         self, fingers: Sequence[SeenFinger], places: list[Vector], time: float
     ) -> list[int] | None:
-        """The names as they were, where ids and places give no reason to look again."""
+        """The previous labels, if ids and positions give no reason to evaluate them again; else
+        None."""
         if time - self._looked_at > _LOOK_AGAIN or any(f.id not in self._ids for f in fingers):
             return None
         names = [self._ids.index(f.id) for f in fingers]
@@ -117,7 +119,7 @@ class TrackedIdentity:
         return names
 
     def _costs(self, fingers: Sequence[SeenFinger], tips: Array, palm: Palm, time: float) -> Array:
-        """(k, 5) half-squared deviations of every finger from every name."""
+        """Half-squared deviations (k, 5) of every finger from every label."""
         lines = np.array([palm.turn(f.direction) for f in fingers])
         lengths = np.array([f.length for f in fingers])
         spread = np.array(
@@ -137,9 +139,9 @@ class TrackedIdentity:
         return np.asarray(cost)
 
     def _missed(self, tips: Array, lines: Array) -> Array:
-        """(k, 5) squared deviations of fingers' lines from knuckles."""
+        """Squared deviations (k, 5) of fingers' lines from knuckles."""
         to = self._knuckles - tips[:, None]
-        # Where the line is nearest in the plane that is not sideways.
+        # The nearest point of the line, in the plane of bending.
         flat = (lines[:, 1:] ** 2).sum(axis=1) + 1e-3
         at = (to[..., 1:] * lines[:, None, 1:]).sum(axis=2) / flat[:, None]
         rest = to - at[..., None] * lines[:, None]

@@ -1,4 +1,5 @@
-"""What the paper leaves open, as options. docs/paalm.md has the measurement behind each default."""
+"""Options for choices that the paper leaves open; docs/paalm.md has the measurement behind each
+default."""
 
 from __future__ import annotations
 
@@ -13,28 +14,28 @@ Hands = Literal["right", "left", "both"]
 
 @dataclass(frozen=True)
 class PaalmOptions:
-    """How the paper is read.
+    """Choices of PAALM that the paper leaves open.
 
     Attributes:
-        identity: `paper`: rank by x among the fingers that are seen. `tracked`: the likeliest
-            assignment to where the fingers were last, and to where their knuckles are.
-        direction: What a finger's target is measured by. `device`: the device's direction and
-            length ratio, as printed. `knuckle_to_tip`: from the knuckle, as calibrated in the
-            palm, to the tip. `thumb`: the latter for the thumb only. Fingers with joints have a
-            knuckle and always use it.
+        identity: `paper`: rank by x among the visible fingers. `tracked`: the most likely
+            assignment to the fingers' last positions and to their knuckles.
+        direction: Source of a finger's target. `device`: the device's direction and length ratio,
+            as printed. `knuckle_to_tip`: from the knuckle, as calibrated in the palm, to the tip.
+            `thumb`: the latter for the thumb only. Fingers with joints have a knuckle and always
+            use it.
         first_joint: `ik`: all joints by inverse kinematics of the target. `direction`: the first
             bone points along the direction, as section 4 says; the length bends the rest.
         hidden, thumb_hidden: Share of the first bone that the device's length leaves out; 0 as in
             the paper, which takes the length from the knuckle.
-        open_bend: Degrees of PIP of an open hand, where a ratio of 1 is; 0 as in the paper.
-        coupling: DIP by PIP.
-        hold: Where a finger that vanished stays: in the `palm`, or in the `device`'s frame.
-        vanished: What a finger that vanished does: `held` where it was, as in the paper, or
-            `folded`, because folding is why fingers vanish: it closes on within `fold_seconds`.
+        open_bend: Degrees of PIP of an open hand, at a ratio of 1; 0 as in the paper.
+        coupling: Relation of DIP to PIP.
+        hold: Frame in which a vanished finger stays: the `palm`'s or the `device`'s.
+        vanished: Treatment of a vanished finger: `held` in its place, as in the paper, or `folded`,
+            because fingers mostly vanish by folding: it closes within `fold_seconds`.
         smoothing: s, time constant of lengths and directions; 0 switches it off.
-        longest: s, what that constant grows to, finger by finger, where a device trembles
-            (`encoders.paalm.trembling`).
-        fold_seconds: s.
+        longest: s, upper limit of that constant, which grows with the device's noise, finger by
+            finger (`encoders.paalm.trembling`).
+        fold_seconds: s in which a vanished finger folds.
     """
 
     identity: Literal["paper", "tracked"] = "tracked"
@@ -87,4 +88,5 @@ PAPER = PaalmOptions(
     open_bend=0.0,
     smoothing=0.0,
 )
-"""As printed, where print says; its IK is an animation program's, ours is that of `chain`."""
+"""The paper's choices as far as it states them; the paper uses an animation program's inverse
+kinematics, we use that of `chain`."""

@@ -1,9 +1,10 @@
 """PAALM (2013), section 4: joint angles from the directions and lengths of fingers.
 
-Calibration measures the length of every finger of an open hand. From then on a finger's length by
-its standard, the length ratio, says how far its tip is from its knuckle, its direction where; both
-make a target, and inverse kinematics of the finger's chain makes angles of it. Fingers are named
-first; one that vanishes stays where it was, in the palm's space, until it is seen again.
+Calibration measures the length of every finger of an open hand, its standard. From then on the
+length ratio, a finger's length divided by its standard, gives the distance of its tip from its
+knuckle. Distance and direction give a target, and inverse kinematics of the finger's chain gives
+angles. Fingers are labelled first; a vanished one stays in its place, in palm coordinates, until it
+is seen again.
 """
 
 from __future__ import annotations
@@ -36,25 +37,26 @@ from models.frames import FINGERS, HandFrame, SeenHand, Vector
 Array = NDArray[np.float64]
 
 _FIST = 90.0
-"""Degrees, PIP at least, of a finger that folded out of sight."""
+"""Degrees, least PIP of a finger that folded out of sight."""
 _FOLDING = 0.8
-"""A finger whose ratio was below this when it vanished is taken to have folded."""
+"""Length ratio below which a vanished finger counts as folded."""
 
 
 @dataclass(frozen=True)
 class PaalmHand:
-    """One hand at one moment.
+    """Result for one hand at one moment.
 
     Attributes:
         side: `right` or `left`.
         table: (5, 4) degrees: flexion and spread of the first joint, second joint, third joint.
-        ratios: Length by standard length, by finger; of held fingers, the last.
-        ids: The device's id by finger; None of a held finger.
+        ratios: Length divided by standard length, by finger; the last ratio for held fingers.
+        ids: The device's id by finger; None for a held finger.
         held: Fingers that are not seen now.
-        palm: Root of the hand in the device's frame.
-        targets: (5, 3) rig m, from each finger's base, in palm axes.
-        miss: (5,) rig m, by how much joint limits keep tips from their targets.
-        seen: Whether the hand itself is seen now.
+        palm: Palm of the hand in the device's frame.
+        targets: (5, 3) m in the rig's scale, from each finger's base, in palm axes.
+        miss: (5,) m in the rig's scale, distances of tips from their targets because of joint
+            limits.
+        seen: True if the hand is seen now.
     """
 
     side: str
@@ -75,12 +77,12 @@ class PaalmHand:
 
 @dataclass(frozen=True)
 class PaalmFrame:
-    """All configured hands at one moment.
+    """Results for all configured hands at one moment.
 
     Attributes:
-        time: s, the device's.
-        hands: By side; a hand that was never seen is missing.
-        refused: Why this frame changed nothing, where it did not.
+        time: s, the device's time.
+        hands: Hands by side; a hand that was never seen is missing.
+        refused: Reason why this frame was ignored; empty if it was used.
     """
 
     time: float
@@ -95,7 +97,7 @@ class Paalm:
     angles, palm and finger names of every hand of a `HandFrame` (m, in the device's frame).
 
     Args:
-        options: How the paper is read.
+        options: Choices that the paper leaves open.
     """
 
     def __init__(self, options: PaalmOptions | None = None) -> None:
@@ -116,18 +118,21 @@ class Paalm:
         """Measures hands that are held open: palm down, fingers spread.
 
         Args:
-            frames: As many as it takes; reading ends when there are enough.
-            hands: Whose: `right`, `left` or `both`.
-            wanted: Frames with five fingers, of each hand.
-            progress: Is told the share that is done.
+            frames: Frames; reading ends when there are enough.
+            hands: `right`, `left` or `both`.
+            wanted: Number of frames with five fingers for each hand.
+            progress: Called with the share done, 0 to 1.
 
         Raises:
-            EncoderError: The hands were not seen, not open, or not still; with the reason.
+            EncoderError: The hands were not seen, not open, or not still; the error gives the
+                reason.
         """
         sides = {"right": ("right",), "left": ("left",), "both": ("right", "left")}.get(hands)
         if sides is None:
             raise EncoderError(
-                "it must be said whose hand it is", got=str(hands), expected="right, left or both"
+                "the hand to calibrate is not specified",
+                got=str(hands),
+                expected="right, left or both",
             )
         if wanted < 1:
             raise EncoderError("nothing to measure", got=wanted, expected="1 frame or more")
@@ -148,24 +153,24 @@ class Paalm:
         return self.calibration
 
     def use(self, calibration: Mapping[str, HandCalibration]) -> None:
-        """Takes a calibration made earlier, by side."""
+        """Uses earlier calibrations, by side."""
         self.calibration = dict(calibration)
         self._hands = {s: _Hand(c, self.options) for s, c in calibration.items()}
         self._sides = HandSides(tuple(calibration))
         self.reset()
 
     def reset(self) -> None:
-        """Forgets all frames; calibration and counts stay."""
+        """Forgets all frames; keeps calibration and counts."""
         self._time = None
         self._sides.reset()
         for hand in self._hands.values():
             hand.reset()
 
     def step(self, frame: HandFrame) -> PaalmFrame:
-        """The hands of a frame; whatever cannot be used is counted and holds them as they are.
+        """Processes a frame; an unusable one is counted, and the hands keep their state.
 
         Raises:
-            EncoderError: There is no calibration yet.
+            EncoderError: No hand is calibrated yet.
         """
         if not self._hands:
             raise EncoderError("PAALM needs a calibration first", remedy="Call calibrate(frames)")
@@ -196,7 +201,7 @@ class Paalm:
 
 
 class _Hand:
-    """One calibrated hand's state."""
+    """State of one calibrated hand."""
 
     def __init__(self, calibration: HandCalibration, options: PaalmOptions) -> None:
         self._calibration, self._options = calibration, options
@@ -223,7 +228,7 @@ class _Hand:
             self._solve(finger)
 
     def held_as_it_is(self) -> PaalmHand | None:
-        """The hand while the device does not see it; None where it never did."""
+        """The hand while the device does not see it; None if it was never seen."""
         if self._last is None or self._palm is None:
             return None
         return self._result(self._palm, dict.fromkeys(FINGERS), False)
@@ -275,15 +280,15 @@ class _Hand:
     def _solve(self, name: int) -> None:
         target = self._targets[name]
         if abs(target[0]) + abs(target[1]) + abs(target[2]) < 1e-6:
-            return  # No direction: the finger stays as it is.
+            return  # Without a direction the finger stays as it is.
         bend = self._rig[name].solve(target, self._options.first_joint)
         self._rows[name] = (bend.flexion, bend.spread, bend.pip, bend.dip)
         self._miss[name] = bend.miss
 
     def _hold(self, name: int, palm: Palm, dt: float) -> None:
-        """A finger that is not seen; the paper lets it stay in the same position."""
+        """Holds a finger that is not seen; in the paper it stays in the same position."""
         if self._unseen[name] == 0.0:
-            # Where it was, not where smoothing still had it.
+            # Its last measured place, not the smoothed one.
             self._targets[name] = self._latest[name]
             self._solve(name)
         self._trembling[name].interrupt()

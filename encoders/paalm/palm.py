@@ -1,4 +1,4 @@
-"""The palm's frame: where directions and places of fingers are compared and held."""
+"""The palm's frame, in which directions and positions of fingers are compared and held."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from models.frames import SeenHand, Vector
 Array = NDArray[np.float64]
 
 STACKED = 0.10
-"""m. Two palms whose centres are closer than this, seen from above, are on top of each other: a
+"""m, distance of two palms' centres, seen from above, below which they are on top of each other: a
 palm is about 0.085 m wide, and the lower one hides the other from the device."""
 
 
 @dataclass(frozen=True, slots=True)
 class Palm:
-    """Origin and axes of a palm, coded as a right hand.
+    """Origin and axes of a palm, represented as a right hand.
 
     Attributes:
         origin: m, centre of the palm.
-        across: Unit vector towards the little finger, of either hand. Of a left hand the three
-            axes are therefore left-handed: its coordinates are those of its mirror image.
+        across: Unit vector towards the little finger, for either hand. So the three axes of a left
+            hand are left-handed: its coordinates are those of its mirror image.
         forward: Unit vector towards the fingers.
         dorsal: Unit vector out of the back of the hand.
     """
@@ -35,7 +35,7 @@ class Palm:
     dorsal: Vector
 
     def place(self, point: Vector) -> Vector:
-        """Palm coordinates (across, forward, dorsal), m, of a place."""
+        """Palm coordinates (across, forward, dorsal), m, of a position."""
         o = self.origin
         return self.turn((point[0] - o[0], point[1] - o[1], point[2] - o[2]))
 
@@ -56,7 +56,8 @@ class Palm:
 
     @property
     def rotation(self) -> Array:
-        """(3, 3) device from palm; a rotation for a right hand, a reflection for a left one."""
+        """Matrix (3, 3) device from palm: a rotation for a right hand, a reflection for a left
+        one."""
         return np.array([self.across, self.forward, self.dorsal]).T
 
 
@@ -77,5 +78,5 @@ def palm_of(hand: SeenHand, side: str) -> Palm:
 
 
 def stacked(a: SeenHand, b: SeenHand) -> bool:
-    """Whether one hand is above the other, where the device cannot tell their fingers apart."""
+    """True if one hand is above the other, so that the device cannot tell their fingers apart."""
     return hypot(a.palm[0] - b.palm[0], a.palm[1] - b.palm[1]) < STACKED

@@ -20,7 +20,8 @@ _ZERO_FRAMES = [tuple(map(tuple, f.tolist())) for f in FRAMES]
 
 
 def bone_lengths(skeleton: Skeleton = ADULT) -> list[tuple[float, float, float]]:
-    """m, of every finger; the thumb's third bone, which the skeleton has not, is 0."""
+    """Bone lengths of every finger in m; 0 for the thumb's third bone, which the skeleton does not
+    have."""
     out = []
     for finger in range(len(FINGERS)):
         own = [b.length for b in skeleton.bones if b.finger == finger]
@@ -31,15 +32,15 @@ def bone_lengths(skeleton: Skeleton = ADULT) -> list[tuple[float, float, float]]
 
 @dataclass(frozen=True)
 class Rigged:
-    """One finger: how what is seen becomes a target of its chain.
+    """One finger: converts its visible part to a target of its chain.
 
     Attributes:
         finger: 0 to 4.
         chain: Bones in rig metres.
-        open_length: Rig m, where a length ratio of 1 is.
-        knuckle: m, place in palm coordinates.
-        from_knuckle: Whether targets are measured from there, not by direction and length ratio.
-        scale: Rig metres by metres of the person's hand.
+        open_length: m in the rig's scale, length at a length ratio of 1.
+        knuckle: m, position in palm coordinates.
+        from_knuckle: True measures targets from the knuckle, False by direction and length ratio.
+        scale: Rig metres per metre of the person's hand.
     """
 
     finger: int
@@ -50,7 +51,7 @@ class Rigged:
     scale: float
 
     def local(self, v: Vector) -> Vector:
-        """A palm direction in the finger's zero frame."""
+        """Transforms a palm direction to the finger's zero frame."""
         if self.finger:
             return v
         f = _ZERO_FRAMES[0]
@@ -58,7 +59,7 @@ class Rigged:
         return x, y, z
 
     def solve(self, target: Vector, first_joint: str) -> Bend:
-        """Angles for a target in palm axes, rig m from the base."""
+        """Angles for a target in palm axes, from the base, m in the rig's scale."""
         local = self.local(target)
         if first_joint == "ik":
             return self.chain.solve(local)

@@ -1,4 +1,4 @@
-"""Which of the hands that a device sees is the right one, and which the left."""
+"""Decides which of the hands that a device sees is the right one, and which the left."""
 
 from __future__ import annotations
 
@@ -7,17 +7,18 @@ from math import dist
 from models.frames import HandFrame, SeenHand, Vector
 
 _FAR = 0.30
-"""m. A hand that appears this far from where a hand was is not taken for it while both could be."""
+"""m, distance from a hand's last place beyond which a new hand does not take over its side while
+both are possible."""
 
 
 class HandSides:
-    """Keeps hands apart, where the device does not know them, by id and by place.
+    """Tracks the sides of hands by id and position, where the device does not know them.
 
-    Two hands seen at once are told by x, as the paper's arms do not cross. A side, once given to a
-    hand's id, stays with it; a new id takes the side whose last place is nearest.
+    Two hands seen at once are distinguished by x, since arms do not cross in the paper. A side,
+    once given to a hand's id, stays with it; a new id gets the side whose last place is nearest.
 
     Args:
-        sides: Those that are wanted.
+        sides: The wanted sides.
     """
 
     def __init__(self, sides: tuple[str, ...]) -> None:
@@ -30,11 +31,11 @@ class HandSides:
         self._places: dict[str, Vector] = {}
 
     def choose(self, frame: HandFrame) -> dict[str, SeenHand]:
-        """The wanted hands that are seen."""
+        """The wanted hands that are visible, by side."""
         chosen: dict[str, SeenHand] = {}
         for hand in frame.hands:
             if hand.side in self.sides:
-                # The surer one, where a device says the same side of two hands.
+                # The more certain one, if a device reports the same side for two hands.
                 known = chosen.get(hand.side or "")
                 if known is None or hand.confidence > known.confidence:
                     chosen[hand.side or ""] = hand

@@ -1,9 +1,9 @@
-"""How much a device makes fingers tremble, and how much smoothing that asks for.
+"""Measures a device's noise in fingertips, and the smoothing that it requires.
 
 A fixed filter that is slow enough for a noisy device is slow with a quiet one, too. A One-Euro
-filter (Casiez, Roussel, Vogel 2012) opens with speed instead, but noise that is worth a filter
-looks as fast as fingers are. So the noise itself is measured: the second difference of where a
-finger points, from frame to frame, of which a hand's own movement has hardly any.
+filter (Casiez, Roussel, Vogel 2012) adapts to speed instead, but noise that needs a filter looks as
+fast as real movement. So the noise itself is measured by second differences of a fingertip's
+position from frame to frame, to which a hand's own movement hardly contributes.
 """
 
 from __future__ import annotations
@@ -13,21 +13,21 @@ from math import sqrt
 from models.frames import Vector
 
 STEADY = 0.007
-"""m of second differences of a fingertip that are left alone at a time constant of one frame. White
-noise of variance v leaves v dt / 2T of itself behind a low-pass of constant T: so T grows with its
-square."""
+"""m of second differences of a fingertip that are accepted at a time constant of one frame. A
+low-pass with time constant T reduces white noise of variance v to v dt / 2T, so T grows with the
+square of the noise."""
 _SHARE = 1.0 / 16.0
-"""Of a new difference in the running mean; a quarter of a second in a session."""
+"""Weight of a new difference in the running mean; a quarter of a second in a session."""
 _JUMP = 3.0
-"""Times the mean that one difference counts for at most: a finger that was lost for a moment jumps
-once."""
+"""Largest difference that counts, as a multiple of the mean: a finger that was lost for a moment
+jumps once."""
 
 
 class Trembling:
-    """Of one fingertip.
+    """Measures the noise of one fingertip.
 
     Attributes:
-        mean: m, of its second differences.
+        mean: m, mean of its second differences.
     """
 
     __slots__ = ("_before", "_last", "mean")
@@ -37,12 +37,12 @@ class Trembling:
         self.interrupt()
 
     def interrupt(self) -> None:
-        """The finger is not seen: what comes next has no before."""
+        """Records that the finger is not seen, so that the next position has no predecessor."""
         self._last: Vector | None = None
         self._before: Vector | None = None
 
     def see(self, place: Vector) -> None:
-        """Takes in the next frame's place, m."""
+        """Adds the next frame's position, m."""
         a, b = self._before, self._last
         self._before, self._last = b, place
         if a is None or b is None:
@@ -52,10 +52,10 @@ class Trembling:
         self.mean += _SHARE * (min(sqrt(x * x + y * y + z * z), most) - self.mean)
 
     def constant(self, dt: float, least: float, most: float) -> float:
-        """The time constant, s, of a low-pass that leaves it steady.
+        """Time constant in s of a low-pass that makes the fingertip steady.
 
         Args:
             dt: s between frames.
-            least, most: s, bounds.
+            least, most: s, limits of the time constant.
         """
         return min(max(dt * (self.mean / STEADY) ** 2, least), most)

@@ -1,1 +1,1 @@
-"""How a person's hand differs from the trained one: its size, and how it is turned."""
+"""Differences between a person's hand and the trained one: size and yaw."""

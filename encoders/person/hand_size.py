@@ -1,15 +1,14 @@
-"""How large a hand is against the trained one, from five fingers put down in three spreads.
+"""Estimates a hand's size relative to the trained one, from five fingers in three spreads.
 
-One layout alone cannot tell a large hand that is closed from a small one that is open. Asked for a
-natural, a closed and a wide spread, a person shows the range of theirs, and that is compared with
-the range of the trained subject: the middle and both ends of its five-finger layouts. What is
-compared are the logarithms of the ten distances between fingertips, to each of which a hand's size
-adds the same number. The size is their likeliest one, with the interval that holds 95 % of its
-likelihood.
+A single layout cannot distinguish a large closed hand from a small open one. A natural, a closed
+and a wide spread show the range of a person's layouts, which is compared with the range of the
+trained subject: the middle and both ends of its five-finger layouts. The comparison uses the
+logarithms of the ten distances between fingertips, to each of which a hand's size adds the same
+number. The result is the most likely size, with the interval that contains 95 % of its likelihood.
 
-The subject may be simulated, and so may be what is natural to it; how much people differ in their
-spreads is an assumption (`HABIT`). The size is therefore in the first place the one that makes a
-person's touches most like those the encoder was trained on, and that is what it is used for.
+The trained subject may be simulated, with simulated natural layouts; the variation of spreads
+between people is an assumption (`HABIT`). So the size is primarily the one that makes a person's
+touches most similar to those in the training data, and it is used for that.
 """
 
 from __future__ import annotations
@@ -31,7 +30,7 @@ from models.person import SIZES
 Array = NDArray[np.float64]
 
 SPREADS = ("natural", "closed", "wide")
-"""What a person is asked for, in this order."""
+"""The spreads that a person is asked for, in this order."""
 
 RANK = {"closed": 0.05, "natural": 0.5, "wide": 0.95}
 """Share of the trained subject's five-finger layouts that are smaller than its own such spread."""
@@ -40,29 +39,31 @@ WINDOW = 0.05
 """Share of the layouts on either side of that rank which count as this spread."""
 
 HABIT = {"natural": 0.08, "closed": 0.14, "wide": 0.08}
-"""Standard deviation, in the logarithm of the size, of what people with equal hands do when asked
-for a spread. Assumed, not measured: only the interval and the weights of the spreads depend on it.
+"""Standard deviation of a spread among people with equal hands, in the logarithm of the size.
+Assumed, not measured: only the interval and the weights of the spreads depend on it.
 """
 
 TAILS = 4.0
 """Degrees of freedom of Student's t: a spread that was misunderstood must not decide alone."""
 
 SHRINKAGE = 0.1
-"""Share of each distance's own variance in the covariance, as few independent frames are known."""
+"""Share of each distance's own variance in the covariance, since there are few independent
+frames."""
 
 PROPORTION = 0.05
-"""Standard deviation, in the logarithm, of each distance by itself: how much the proportions of
-other hands, and the noise of touches, may add to what the trained one varies. Assumed."""
+"""Standard deviation, in the logarithm, of each distance by itself, added to the trained hand's
+variation for the proportions of other hands and the noise of touches. Assumed."""
 
 LEAST_GROWTH = 1.1
-"""From closed to natural and from natural to wide, or they are hardly three spreads."""
+"""Least growth from closed to natural and from natural to wide."""
 STRANGEST = 60.0
-"""Squared Mahalanobis distance of a shape (10 numbers) beyond which it is no hand as trained."""
+"""Squared Mahalanobis distance of a shape (10 numbers) beyond which it is not like a trained
+hand."""
 WIDEST = 1.4
-"""Upper end of the interval over its lower end, beyond which the data do not say."""
+"""Upper end of the interval divided by its lower end, beyond which the size is undetermined."""
 
 _GRID = np.linspace(np.log(SIZES[0]), np.log(SIZES[1]), 1962)
-"""Logarithms of sizes, 0.0005 apart."""
+"""Grid of logarithms of sizes, 0.0005 apart."""
 
 _I, _J = np.triu_indices(len(FINGERS), 1)
 
@@ -72,9 +73,9 @@ class HandSize:
     """A hand's size.
 
     Attributes:
-        ratio: Length of the hand against the trained one.
-        low, high: Interval that holds 95 % of the likelihood.
-        alone: Size that each spread alone would give, in the order of `SPREADS`.
+        ratio: Length of the hand relative to the trained one.
+        low, high: Interval that contains 95 % of the likelihood.
+        alone: Size from each spread alone, in the order of `SPREADS`.
     """
 
     ratio: float
@@ -89,16 +90,17 @@ class _Spread:
 
     mean: Array
     shape: Array
-    """(10, 10) inverse covariance of the distances; what all of them share counts as habit."""
+    """Inverse covariance (10, 10) of the distances, without their common part, which counts as
+    habit."""
     whole: Array
-    """(10, 10) inverse covariance with the habit in it."""
+    """Inverse covariance (10, 10) including the habit."""
 
 
 class HandSizes:
-    """Estimates sizes of hands against a captured one.
+    """Estimates sizes of hands relative to a captured one.
 
     Args:
-        capture: Of the hand that encoders were trained on.
+        capture: Capture of the hand that encoders were trained on.
 
     Raises:
         CaptureError: No frame has all five fingers down.
@@ -111,7 +113,7 @@ class HandSizes:
         self._spreads = {name: _spread(name, logs, rank) for name in SPREADS}
 
     def estimate(self, layouts: Sequence[ArrayLike]) -> HandSize:
-        """The size of a right hand (mirror a left one before).
+        """Estimates the size of a right hand (mirror a left one before).
 
         Args:
             layouts: Three times (5, 2) m, the touches of five fingers in a natural, a closed and a
@@ -119,7 +121,7 @@ class HandSizes:
                 in any order, too.
 
         Raises:
-            InputError: These are not three such layouts, or they do not tell the size.
+            InputError: These are not three such layouts, or they do not determine the size.
         """
         arrays = [np.asarray(layout, float) for layout in layouts]
         expected = (len(FINGERS), 2)
@@ -153,7 +155,7 @@ class HandSizes:
         return size
 
     def _by_label(self, xy: Array) -> Array:
-        """(5, 2) the touches, thumb first."""
+        """The touches (5, 2) in the order of the fingers, thumb first."""
         return xy[np.argsort(self.layout.match(xy).labels)]
 
     def _check_spreads(self, found: dict[str, Array]) -> None:
@@ -182,7 +184,7 @@ class HandSizes:
                 )  # fmt: skip
 
     def _log_likelihood(self, name: str, logs: Array) -> Array:
-        """Of every size on the grid, up to a constant."""
+        """Log likelihood of every size on the grid, up to a constant."""
         spread = self._spreads[name]
         off = (logs - spread.mean) - _GRID[:, None]
         squared = np.einsum("gi,ij,gj->g", off, spread.whole, off)
@@ -190,7 +192,7 @@ class HandSizes:
 
 
 def _distances(xy: Array) -> Array:
-    """(n, 10) logarithms of the distances between five touches (n, 5, 2)."""
+    """Logarithms (n, 10) of the distances between five touches (n, 5, 2)."""
     apart = np.linalg.norm(xy[:, _I] - xy[:, _J], axis=2)
     return np.log(np.maximum(apart, 1e-4))
 
@@ -207,7 +209,7 @@ def _spread(name: str, logs: Array, rank: Array) -> _Spread:
 
 
 def _interval(log_likelihood: Array) -> tuple[float, float, float]:
-    """Likeliest size, and the ends of the interval with 2.5 % of the likelihood beyond each."""
+    """Most likely size, and the ends of the interval with 2.5 % of the likelihood beyond each."""
     share = np.exp(log_likelihood - log_likelihood.max())
     below = np.cumsum(share) / share.sum()
     low, high = _GRID[np.searchsorted(below, [0.025, 0.975])]
@@ -217,5 +219,5 @@ def _interval(log_likelihood: Array) -> tuple[float, float, float]:
 
 @cache
 def builtin_sizes() -> HandSizes:
-    """Estimates against the hand of the built-in capture."""
+    """The estimator relative to the hand of the built-in capture."""
     return HandSizes(builtin_capture())

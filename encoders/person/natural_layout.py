@@ -1,9 +1,9 @@
-"""The natural layout of five fingertips, and how any touches lie on it: which finger, how turned.
+"""The natural layout of five fingertips, which gives labels and yaw of four or five touches.
 
-The five fingertips of a hand form an arc with the thumb aside. Laid over that arc, turned and
-scaled as it fits best, four or five touches tell which finger is which and how the hand is turned
-without any prior knowledge of either, for a hand of any size that comes from any side. (Labellers,
-which also name two or three fingers, can do so only because they know how hands usually lie.)
+The five fingertips of a hand form an arc with the thumb aside. Four or five touches, rotated and
+scaled for the best fit to that arc, give the fingers' labels and the hand's yaw without prior
+knowledge of either, for a hand of any size from any side. (Labellers, which also label two or three
+fingers, need prior knowledge of the usual yaw of hands.)
 
 Layouts are complex numbers here, x + iy with y up the screen: a product then turns and scales.
 """
@@ -26,21 +26,22 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 LEAST = 4
-"""Touches from which on a layout tells fingers and turn by itself; three fit in several ways."""
+"""Least number of touches that determine labels and yaw; three fit in several ways."""
 
 _ROUNDS = 20
-"""Of turning layouts onto their mean; it has settled long before."""
+"""Rounds of rotating layouts onto their mean; it converges long before."""
 
 
 class Match(NamedTuple):
-    """How touches lie on the natural layout."""
+    """Fit of touches to the natural layout."""
 
     labels: NDArray[np.int64]
-    """(k,) finger of every touch."""
+    """Finger (k,) of every touch."""
     turn: float
-    """rad, counterclockwise from the natural layout of a hand straight before its owner."""
+    """Yaw in rad, counterclockwise from the natural layout of a hand straight in front of its
+    owner."""
     likeness: float
-    """0 to 1: the correlation of the two layouts' coordinates; 1 is the same shape."""
+    """Correlation of the two layouts' coordinates, 0 to 1; 1 is the same shape."""
 
 
 class NaturalLayout:
@@ -50,11 +51,11 @@ class NaturalLayout:
         layouts: (n, 5, 2) m, touches by label on the surface, x right and y down.
 
     Attributes:
-        places: (5,) complex, m, about their middle.
-        turns: (n,) rad, of every given layout.
+        places: (5,) complex, m, positions relative to their middle.
+        turns: (n,) rad, yaw of every given layout.
 
-    Raises:
-        CaptureError: There is no layout at all.
+        Raises:
+            CaptureError: No layout is given.
     """
 
     def __init__(self, layouts: ArrayLike) -> None:
@@ -66,7 +67,7 @@ class NaturalLayout:
         for _ in range(_ROUNDS):
             way = z @ mean.conj()
             mean = (z * np.exp(-1j * np.angle(way))[:, None]).mean(axis=0)
-        # Which way is straight ahead no shape tells: it is how the hands lay on average.
+        # The shape does not define straight ahead: it is the hands' average yaw.
         ahead = np.angle(np.mean(np.exp(1j * np.angle(z @ mean.conj()))))
         self.places: Complex = mean * np.exp(1j * ahead)
         self.turns: Array = np.angle(z @ self.places.conj())
@@ -74,7 +75,7 @@ class NaturalLayout:
         self._laid: dict[int, tuple[Complex, Array]] = {}
 
     def match(self, xy: ArrayLike) -> Match:
-        """Which fingers touches are, for a right hand of any size and turn.
+        """Finds the fingers of touches, for a right hand of any size and yaw.
 
         Args:
             xy: (k, 2) m, 2 to 5 touches; below `LEAST` the answer is a guess.
@@ -90,16 +91,17 @@ class NaturalLayout:
         return Match(labels[best].copy(), phase(way[best]), float(likeness[best]))
 
     def turn(self, xy: Iterable[Sequence[float]], labels: Iterable[int]) -> float:
-        """rad, turn of touches (k, 2), k from 2, whose fingers (k,) are known."""
+        """Yaw in rad of touches (k, 2), k >= 2, with known fingers (k,)."""
         z = [complex(p[0], -p[1]) for p in xy]
         there = [self._place_of[label] for label in labels]
-        # As `match`, for one labelling: plain numbers are quicker than arrays of two or three.
+        # Like `match`, for one labelling: plain numbers are quicker than arrays of two or three.
         middle, centre = sum(z) / len(z), sum(there) / len(there)
         way = sum((b - centre).conjugate() * (a - middle) for a, b in zip(z, there, strict=True))
         return phase(way)
 
     def _hypothetical(self, count: int) -> tuple[Complex, Array]:
-        """Conjugate places (P, k) of all labellings about their middles, and their norms (P,)."""
+        """Conjugate positions (P, k) of all labellings relative to their middles, and their norms
+        (P,)."""
         table = self._laid.get(count)
         if table is None:
             there = self.places[hypotheses(count)]

@@ -1,4 +1,4 @@
-"""Finds the moments at which five fingers rest on a screen: one layout for each time they do."""
+"""Finds the moments at which five fingers rest on a screen, with one layout for each."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from models.frames import FINGERS, TouchFrame
 Array = NDArray[np.float64]
 
 REST = 0.5
-"""s for which all five fingers must rest."""
+"""s that all five fingers must rest."""
 STILL = 0.004
-"""m, farthest that a resting finger goes from where it came to rest."""
+"""m, largest movement of a resting finger from its first position."""
 
 
 class SpreadCollector:
-    """Takes touch frames in, and keeps the layout of every rest of five fingers.
+    """Processes touch frames, and stores the layout of every rest of five fingers.
 
-    Between two rests the hand leaves the screen, or at least one finger does: a hand that slides
-    from one spread into the next is not asked for, since nobody knows when it has arrived.
+    Between two rests at least one finger must leave the screen: if a hand slid from one spread to
+    the next, the moment of its arrival would be unknown.
 
     Attributes:
-        layouts: (5, 2) m each, mean places of a rest, in order of contact id.
-        down: Contacts on the screen now.
+        layouts: (5, 2) m each, mean positions of a rest, in order of contact id.
+        down: Number of contacts on the screen now.
     """
 
     def __init__(self) -> None:
@@ -35,7 +35,7 @@ class SpreadCollector:
         self._taken = False
 
     def step(self, frame: TouchFrame) -> bool:
-        """Takes in a frame; true if it completes a layout."""
+        """Processes a frame; returns true if it completes a layout."""
         contacts = sorted(frame.contacts, key=lambda c: c.id)
         self.down = len(contacts)
         ids = [c.id for c in contacts]

@@ -1,12 +1,11 @@
-"""Whether a hand is turned further than any that the encoder has seen, and a warning if so.
+"""Warns if a hand's yaw is outside the range of the encoder's training data.
 
-Encoders are not rotation-invariant: the paper's device lay before the person, and so did ours. What
-a hand's turn is must be told from the touches. The turn of the encoder's pose cannot serve: it is
-learned from hands that were turned as usual, and of touches that were not it makes fingers that are
-wrong but a turn that is usual. The natural layout, in contrast, finds the turn of four or five
-touches without knowing fingers or turn beforehand. Two or three touches fit it in several ways;
-there the turn follows from the names that the fingers have, so that at least a hand which is turned
-ever further after it has come down is noticed.
+Encoders are not rotation-invariant: the paper's device lay in front of the person, and so did ours.
+A hand's yaw must be estimated from the touches. The yaw of the encoder's pose cannot be used: it is
+learned from hands with the usual yaw, and for other touches the encoder gives wrong fingers at the
+usual yaw. The natural layout, in contrast, gives the yaw of four or five touches without prior
+knowledge of fingers or yaw. Two or three touches fit it in several ways; there the yaw follows from
+their labels, so that at least a hand that turns further after it has come down is noticed.
 """
 
 from __future__ import annotations
@@ -23,23 +22,23 @@ from models.errors import CaptureError
 Array = NDArray[np.float64]
 
 RARE = 0.005
-"""Share of the training frames on either side that do not count as trained: a few odd moments."""
+"""Share of the training frames on either side that are left out of the range as outliers."""
 
 _FIVE = 50
-"""Frames with five fingers below which a capture says nothing about turns."""
+"""Least number of frames with five fingers from which a range can be estimated."""
 
 
 _LATEST: dict[str, tuple[Array, YawRange]] = {}
-"""The range made last, with what it was made of."""
+"""The last computed range, with its input."""
 
 
 @dataclass(frozen=True)
 class YawRange:
-    """Turns of the hands that an encoder was trained on.
+    """Range of the hands' yaw in an encoder's training data.
 
     Attributes:
-        layout: Their natural layout, which tells turns.
-        low, high: rad, counterclockwise; 0 is the turn that hands had on average.
+        layout: Their natural layout, which gives the yaw.
+        low, high: rad, counterclockwise; 0 is the average yaw.
     """
 
     layout: NaturalLayout
@@ -48,14 +47,14 @@ class YawRange:
 
     @classmethod
     def of(cls, U: Array) -> YawRange:
-        """The range of contact vectors (T, 15) that an encoder was trained on.
+        """Computes the range from contact vectors (T, 15) of the training data.
 
         Raises:
             CaptureError: Too few of them have five fingers.
         """
         known = _LATEST.get("range")
         if known is not None and known[0] is U:
-            # The trials of a run ask for the same again and again.
+            # All trials of a run need the same range.
             return known[1]
         five = U[U[:, 10:].all(axis=1)]
         if len(five) < _FIVE:
@@ -70,7 +69,7 @@ class YawRange:
         return yaw_range
 
     def turn(self, u: Array) -> float | None:
-        """rad, how a contact vector's hand is turned; None where one touch cannot tell."""
+        """Yaw in rad of a contact vector's hand; None for a single touch."""
         numbers = u.tolist()
         fingers = [f for f in range(5) if numbers[10 + f]]
         if len(fingers) < 2:
@@ -80,7 +79,7 @@ class YawRange:
         return self.layout.match(u[:10].reshape(5, 2)[fingers]).turn
 
     def beyond(self, turn: float) -> float:
-        """rad, how far a turn is outside of the range; 0 inside."""
+        """Angle in rad by which a yaw is outside of the range; 0 inside."""
         if self.low <= turn <= self.high:
             return 0.0
         # The range has two ends, and from outside both can be reached.
@@ -89,13 +88,13 @@ class YawRange:
 
 @dataclass(frozen=True)
 class YawWarning:
-    """When to warn.
+    """Settings of the yaw warning.
 
     Attributes:
         outside: rad beyond the range from which on a hand counts as outside.
         inside: rad beyond the range below which it counts as back inside.
-        lasting: s for which it must be outside before it is said, and inside before it is over.
-        apart: s between the beginnings of two warnings.
+        lasting: s that it must be outside before the warning starts, and inside before it ends.
+        apart: s, least time between the beginnings of two warnings.
     """
 
     outside: float = float(np.deg2rad(15.0))
@@ -105,15 +104,15 @@ class YawWarning:
 
 
 class YawWatch:
-    """Watches one hand's turn.
+    """Watches one hand's yaw.
 
     Args:
-        range: Of the training.
-        settings: When to warn.
+        range: Range of the training data.
+        settings: Settings of the warning.
 
     Attributes:
-        notice: What the person should know now; empty when all is well.
-        warnings: How many there have been.
+        notice: Notice to the person; empty while all is well.
+        warnings: Number of warnings so far.
     """
 
     def __init__(self, range: YawRange, settings: YawWarning | None = None) -> None:
@@ -127,10 +126,10 @@ class YawWatch:
         self._warned = -np.inf
 
     def step(self, time: float, u: Array | None) -> str:
-        """Takes in a contact vector (15,), None without named touches; returns the notice."""
+        """Processes a contact vector (15,), None without labelled touches; returns the notice."""
         turn = None if u is None else self.range.turn(u)
         if turn is None:
-            # A hand that has left is not turned; the notice stays until the next one is seen.
+            # A hand that has left has no yaw; the notice stays until the next one is seen.
             self._since = None
             return self.notice
         s, beyond = self.settings, self.range.beyond(turn)

@@ -1,6 +1,6 @@
-"""Everybody who looks at a session, and the one who plays: seats, messages and frames.
+"""The connected pages of a session, viewers and the player: seats, messages and frames.
 
-All of it runs in the server's thread, save what says otherwise.
+Everything runs in the server's thread unless stated otherwise.
 """
 
 from __future__ import annotations
@@ -45,10 +45,10 @@ from sandbox.session.latency import LatencyLog
 
 MOST_CLIENTS = 8
 SILENCE = 1.0
-"""s without a word after which a page's fingers are taken for gone; a page with a finger down says
-something ten times a second."""
+"""s without a message after which a page's fingers count as lifted; a page with a finger down sends
+ten messages a second."""
 GREETING = 5.0
-"""s within which a page has to say hello."""
+"""s within which a page has to send its hello message."""
 
 WRONG_VERSION, TOO_MANY, REPLACED, NONSENSE = 4001, 4002, 4003, 4004
 """Close codes that the page has words for."""
@@ -59,17 +59,17 @@ class Audience:
 
     Args:
         tasks: What the page offers.
-        version: Of the program.
-        counters: Of refusals.
-        latency: Of touches.
-        study: Makes the page one of a study; None: it is played for its own sake.
-        touch: Whether the player's fingers count.
+        version: Version of the program.
+        counters: Counters of refusals.
+        latency: Log of the latency of touches.
+        study: Study that the page belongs to; None outside of a study.
+        touch: True if the player's fingers are used.
 
     Attributes:
         joined: Set once a player has come.
-        seated: How often another page became the player's.
-        asked: What the player asks for; read by another thread.
-        filled: What the player does with a study's sheets; read by another thread.
+        seated: Number of times that another page became the player's.
+        asked: Queue of the player's requests; read by another thread.
+        filled: Queue of the player's inputs to a study's sheets; read by another thread.
         screen: The player's screen; None before one came.
     """
 
@@ -116,7 +116,7 @@ class Audience:
                 client.dress(skins)
 
     def trouble(self, text: bytes) -> None:
-        """Why there is no scene, for everybody, and for who comes before there is one."""
+        """Tells all pages, and those that connect later, why no scene is shown."""
         self._trouble, self._frame = text, None
         for client in self._clients:
             if client.hello:
@@ -129,19 +129,19 @@ class Audience:
         return time.monotonic() - max(heard, default=self._heard)
 
     def lay(self, sheet: Sheet, tell: bool) -> None:
-        """The sheet that the player has before them; not told, it is for who comes back."""
+        """Stores the sheet that the player sees, for a page that reconnects; sends nothing."""
         self._sheet = sheet
         if tell:
             self.say_to_player(encode(sheet))
 
     def say_to_player(self, text: bytes) -> None:
-        """A message for the player alone: nobody looks over their shoulder."""
+        """Sends a message to the player alone; viewers do not get it."""
         for client in self._clients:
             if client.player:
                 client.say(text)
 
     def show(self, frame: bytearray) -> None:
-        """The newest frame, for everybody."""
+        """Sends the newest frame to all pages."""
         self._frame = frame
         for client in self._clients:
             if client.hello:
@@ -183,7 +183,7 @@ class Audience:
             self._leave(client)
 
     def _hear(self, client: Client, message: str | bytes) -> None:
-        """What a page says."""
+        """Processes a message of a page."""
         try:
             up = client.read(message)
         except InputError:
@@ -256,7 +256,7 @@ class Audience:
                 return
 
     def _take(self, client: Client, up: Up) -> None:
-        """Does what a message says."""
+        """Carries out a message."""
         match up:
             case Got():
                 after = client.got(up.frame)

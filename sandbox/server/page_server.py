@@ -23,8 +23,9 @@ from models.errors import DeviceError, InputError
 from models.scene import Scene as SimulatedScene
 from sandbox.server.audience import GREETING, MOST_CLIENTS, Audience
 from sandbox.server.connections.access import Access
+from sandbox.server.connections.connection_limits import ConnectionLimits, watched
 from sandbox.server.connections.counters import Counters
-from sandbox.server.connections.door import Door, watched
+from sandbox.server.protocol.contact_forces import HandSense
 from sandbox.server.protocol.describe import BodyPoses, state_of
 from sandbox.server.protocol.frames import pack
 from sandbox.server.protocol.protocol import (
@@ -41,7 +42,6 @@ from sandbox.server.protocol.protocol import (
     Trouble,
     encode,
 )
-from sandbox.server.protocol.senses import HandSense
 from sandbox.server.static import StaticFiles, plain
 from sandbox.server.web import WebDevice
 from sandbox.session.latency import LatencyLog
@@ -52,7 +52,7 @@ _T = TypeVar("_T")
 
 @dataclass(frozen=True)
 class _Shown:
-    """What is served now."""
+    """The scene that is served now."""
 
     message: Scene
     device: WebDevice | None
@@ -62,26 +62,27 @@ class _Shown:
 
 
 class PageServer:
-    """Serves the page, sends it what a session shows, and hands its touches to a device.
+    """Serves the page, sends it a session's frames, and passes its touches to a device.
 
     Args:
         host: IP address to bind; 127.0.0.1 is reached from this machine only.
         port: 0 lets the system choose.
         tasks: What the page offers.
-        version: Of the program.
+        version: Version of the program.
         tls: Certificate and key for https.
-        files: The page.
-        token: That of a server before this one, so that its pages find back; empty: a new one.
-        study: Makes the page one of a study, without menus; None: it is played for its own sake.
-        touch: Whether the player's fingers count; False: something else plays, and pages look on.
+        files: Files of the page.
+        token: Token of an earlier server, so that its pages can reconnect; empty creates a new one.
+        study: Study that the page belongs to, without menus; None outside of a study.
+        touch: True if the player's fingers are used; False if another device plays and pages only
+            look on.
 
     Raises:
-        DeviceError: The address or port cannot be had.
+        DeviceError: The address or port is not available.
 
-    Attributes:
-        access: Who may come, and the link.
-        counters: Refusals.
-        latency: How long touches take.
+        Attributes:
+        access: Access rules, and the link.
+        counters: Counters of refusals.
+        latency: Log of the latency of touches.
     """
 
     def __init__(
@@ -98,7 +99,7 @@ class PageServer:
     ) -> None:
         self.counters, self.latency = Counters(), LatencyLog()
         self._tls, self._token = tls, token
-        self._door = Door(self.counters)
+        self._limits = ConnectionLimits(self.counters)
         self._files = files or StaticFiles()
         self._audience = Audience(tasks, version, self.counters, self.latency, study, touch)
         self._shown: _Shown | None = None
@@ -137,7 +138,7 @@ class PageServer:
 
     @property
     def seated(self) -> int:
-        """How often another page became the player's: the screen may be another one since."""
+        """Number of times that another page became the player's; the screen may have changed."""
         return self._audience.seated
 
     @property
@@ -146,7 +147,7 @@ class PageServer:
         return len(self._audience)
 
     def wait_for_player(self, timeout: float | None) -> bool:
-        """Whether a player has joined, after at most so many seconds."""
+        """Waits for a player for at most the given seconds; returns true if one has joined."""
         return self._audience.joined.wait(timeout)
 
     @property
@@ -155,19 +156,19 @@ class PageServer:
         return self._audience.silence
 
     def asked(self) -> list[Ask]:
-        """What the player has asked for since the last call."""
+        """The player's requests since the last call."""
         return _all_of(self._audience.asked)
 
     def filled(self) -> list[Answer | Leave]:
-        """What the player has done with a study's sheets since the last call; not checked."""
+        """The player's inputs to a study's sheets since the last call, unchecked."""
         return _all_of(self._audience.filled)
 
     def lay(self, sheet: Sheet, tell: bool = True) -> None:
-        """What the player has before them, and gets again after coming back.
+        """Shows the player a sheet, also after a reconnection.
 
         Args:
-            sheet: Of a study.
-            tell: False: the player's own page shows it already.
+            sheet: Sheet of a study.
+            tell: False if the player's page shows it already.
         """
         self._loop.call_soon_threadsafe(self._audience.lay, sheet, tell)
 
@@ -187,23 +188,23 @@ class PageServer:
         skins: Sequence[bytes] = (),
         own: int | None = None,
     ) -> None:
-        """A new trial begins; its touches go to the device.
+        """Begins a new trial, whose touches go to the device.
 
         Args:
-            message: What the page is told.
-            scene: Compiled; is read only.
-            device: Takes the player's touches; None lets the page only look.
-            skins: Of its hands, as `sandbox.server.protocol.skins` makes them; without them, one
-                sees bones.
-            own: The hand that touches this page, where others touch elsewhere.
+            message: Message to the page.
+            scene: The compiled scene, which is only read.
+            device: Device for the player's touches; None for a page that only looks on.
+            skins: Skins of its hands, from `sandbox.server.protocol.skins`; without them, the page
+                shows bones.
+            own: Index of the hand that touches this page, where others touch elsewhere.
         """
         self._scenes = message.scene
         shown = _Shown(message, device, BodyPoses(scene), skins, own)
         self._loop.call_soon_threadsafe(self._open_scene, shown)
 
     def tell(self, text: str) -> None:
-        """Says why there is no scene to everybody who looks, until there is one. Meanwhile the
-        next page that comes may play instead."""
+        """Tells all pages why no scene is shown, until there is one. Meanwhile the next page that
+        connects may become the player's."""
         self._loop.call_soon_threadsafe(self._audience.trouble, encode(Trouble(text)))
 
     def publish(
@@ -253,7 +254,7 @@ class PageServer:
                 close_timeout=1,
                 server_header=None,
                 logger=_silent_logger(),
-                create_connection=watched(self._door),
+                create_connection=watched(self._limits),
             )
         except OSError as error:
             self._ready.put(error)
@@ -284,7 +285,7 @@ class PageServer:
             self.counters.add(f"wrong {reason}")
             return plain(HTTPStatus.FORBIDDEN, "This link is not valid. Scan the code again.")
         full = wants_socket and len(self._audience) >= 2 * MOST_CLIENTS
-        if full or not self._door.let_in(connection):
+        if full or not self._limits.let_in(connection):
             self.counters.add("too many clients")
             return plain(HTTPStatus.SERVICE_UNAVAILABLE, "Too many pages are open.")
         if wants_socket:
@@ -297,7 +298,7 @@ class PageServer:
         self._audience.open_scene(shown.message, shown.device, shown.skins)
 
     def _spread(self) -> None:
-        """Makes the newest moment a frame, and offers it to everybody."""
+        """Encodes the newest moment as a frame, and offers it to all pages."""
         self._scheduled = False
         if self._moment is None or self._moment[0] is not self._shown or not len(self._audience):
             return
@@ -307,7 +308,7 @@ class PageServer:
 
 
 def _all_of(waiting: queue.SimpleQueue[_T]) -> list[_T]:
-    """What waits in a queue now."""
+    """All items that are in a queue now."""
     items = []
     with contextlib.suppress(queue.Empty):
         while True:
@@ -316,7 +317,7 @@ def _all_of(waiting: queue.SimpleQueue[_T]) -> list[_T]:
 
 
 def _silent_logger() -> logging.Logger:
-    """A logger that says nothing: what goes wrong with strangers is counted, not printed."""
+    """A silent logger: errors of foreign connections are counted, not printed."""
     logger = logging.Logger("hand_sandbox.page")
     logger.addHandler(logging.NullHandler())
     return logger
@@ -333,7 +334,7 @@ def tls_context(certificate: str, key: str) -> ssl.SSLContext:
         context.load_cert_chain(certificate, key)
     except (OSError, ssl.SSLError) as error:
         raise InputError(
-            "this is no certificate with its key",
+            "not a certificate with its key",
             where=f"--tls-cert {certificate} --tls-key {key}",
             got=str(error),
         ) from None

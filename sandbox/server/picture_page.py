@@ -1,7 +1,7 @@
-"""A page that shows one picture after another, for whoever has a browser on this machine.
+"""Serves a page that shows a stream of pictures to browsers on this machine.
 
 Pictures are JPEG in one endless answer (`multipart/x-mixed-replace`), which every browser shows in
-an `<img>` without a script. Only this machine is served, and only a name of it is answered to.
+an `<img>` without a script. Only requests from this machine to one of its names are answered.
 """
 
 from __future__ import annotations
@@ -33,11 +33,11 @@ class PicturePage(Closing):
     """Serves the newest picture to every browser that asks.
 
     Args:
-        title: Of the page.
-        port: TCP; 0 takes a free one.
+        title: Title of the page.
+        port: TCP port; 0 uses a free one.
 
-    Raises:
-        DeviceError: The port cannot be had.
+        Raises:
+            DeviceError: The port is not available.
     """
 
     def __init__(self, title: str, port: int = 0) -> None:

@@ -1,4 +1,4 @@
-"""The page's own files: read once, and served with what tells a browser to load nothing else."""
+"""The page's static files, read once, and served with headers that forbid loading anything else."""
 
 from __future__ import annotations
 
@@ -52,13 +52,12 @@ class StaticFiles:
             )
 
     def response(self, path: str, websocket_origin: str, token: str = "") -> Response:
-        """What a GET of a path gets.
+        """The response to a GET request.
 
         Args:
-            path: Without query.
-            websocket_origin: Such as ws://127.0.0.1:8000; some browsers do not take it for 'self'.
-            token: Is written into the links of index.html, which was asked for with it: what they
-                lead to is refused without it, like everything.
+            path: Path without query.
+            websocket_origin: Such as ws://127.0.0.1:8000; some browsers do not treat it as 'self'.
+            token: Token that is written into the links of index.html, since all requests need it.
         """
         name = "/index.html" if path == "/" else path
         body = self._files.get(name)

@@ -18,21 +18,21 @@ QUEUE_FRAMES = 1024
 
 
 class WebDevice(Device):
-    """Our page in a browser, on this machine or a tablet: fingers, or a mouse.
+    """Device for fingers or a mouse on our page in a browser, on this machine or a tablet.
 
-    The server's thread puts touches in, the session's takes them out.
+    The server's thread adds touches, and the session's thread removes them.
 
-    A touch outside of the touch rectangle is none; a finger that is dragged out stays at the
+    A touch outside of the touch rectangle is ignored; a finger that is dragged out stays at the
     border, as on a tablet that ends there.
 
     Args:
         surface: The touch rectangle.
-        latency: Where it is noted how long touches waited for the session.
+        latency: Log of the time that touches waited for the session.
 
     Attributes:
-        latency: As given; a server puts its own in.
-        news: Is set when something has come in; a session may wait for it.
-        applied: Seq of the newest message that the session has taken in.
+        latency: The log as given; a server replaces it with its own.
+        news: Event that is set when a message has come in; a session may wait for it.
+        applied: Sequence number of the newest message that the session has processed.
     """
 
     name = "web"
@@ -59,7 +59,7 @@ class WebDevice(Device):
 
     @property
     def touched(self) -> bool:
-        """Whether a finger is down."""
+        """True if a finger is down."""
         with self._lock:
             return bool(self._present)
 

@@ -1,4 +1,4 @@
-"""Where the cameras of films and windows stand."""
+"""Cameras of films and windows."""
 
 from __future__ import annotations
 

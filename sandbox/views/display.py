@@ -1,4 +1,4 @@
-"""Whether there is a screen to open a window on; asked before anything that draws is loaded."""
+"""Tests for a screen on which a window can open, before drawing libraries are loaded."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ import os
 import sys
 
 VARIABLES = ("DISPLAY", "WAYLAND_DISPLAY")
-"""Of which one names the screen on Linux; other systems always have one."""
+"""Environment variables of which one names the screen on Linux; other systems always have one."""
 
 
 def has_display() -> bool:
-    """Whether there is one."""
+    """True if there is a screen."""
     return sys.platform != "linux" or any(os.environ.get(name) for name in VARIABLES)

@@ -29,7 +29,7 @@ from tasks.task import Goal
 
 Array = NDArray[np.float64]
 Hidden = Literal["ghosts", "hands"]
-"""Which hands are left out of a picture."""
+"""Choices of hands that are left out of a picture."""
 
 MAX_GEOMS = 2000
 """Room in the drawing list; five contacts, two goals and two hands take about 400."""
@@ -69,8 +69,8 @@ class Drawing:
     """MuJoCo's drawing list for snapshots of one scene.
 
     Args:
-        scene: Its model is copied.
-        surface: Where the touches are.
+        scene: The scene, whose model is copied.
+        surface: The touch surface.
         rings_on_table: Contacts are marked on the table below the touch surface, which looks
             natural from the side. Otherwise they are marked on the touch surface itself, so that a
             mark lies exactly under the pointer that made it, whatever the camera.
@@ -79,7 +79,7 @@ class Drawing:
         view: The drawing list, up to date after `update`.
         model: The copy that is drawn.
         looks: Hands that have a skin, by their number.
-        narrowness: By how much the view is higher than its camera's own.
+        narrowness: Ratio of the view's height to that of its camera.
     """
 
     def __init__(self, scene: Scene, surface: Surface, rings_on_table: bool = True) -> None:
@@ -116,10 +116,10 @@ class Drawing:
         """Fills the drawing list.
 
         Args:
-            snapshot: What is to be seen.
-            camera: From where.
-            hidden: Which hands are left out: `ghosts`, those that can touch nothing, or all.
-            targets: Adds where the hands should be, for those that something holds back.
+            snapshot: The snapshot to draw.
+            camera: The camera.
+            hidden: Hands that are left out: `ghosts`, which cannot touch objects, or all.
+            targets: True adds the commanded pose of hands that are held back.
         """
         model, data = self.model, self._data
         data.qpos[:] = snapshot.qpos
@@ -158,7 +158,7 @@ class Drawing:
                 self._draw_contact(contact, hand)
 
     def sees_sky(self) -> bool:
-        """Whether anything above the horizon is in the picture; the sky is drawn only then."""
+        """True if the picture shows anything above the horizon; only then the sky is drawn."""
         camera = mujoco.mjv_averageCamera(self.view.camera[0], self.view.camera[1])
         if camera.orthographic:
             return bool(camera.forward[2] > -0.1)
@@ -192,7 +192,7 @@ class Drawing:
         return parts
 
     def _finish_model(self, snapshot: Snapshot) -> None:
-        """Changes in the drawing list what the model does not say."""
+        """Changes entries of the drawing list that the model does not define."""
         for i in range(self.view.ngeom):
             geom = self.view.geoms[i]
             if geom.type == mujoco.mjtGeom.mjGEOM_PLANE:
@@ -222,7 +222,7 @@ class Drawing:
             view.skinnormal[place] = normals.ravel()
 
     def _draw_casters(self, casters: list[int]) -> None:
-        """What casts a hand's shadow: thin capsules inside of what is seen of it.
+        """Adds invisible thin capsules inside the visible hand that cast its shadow.
 
         Where a curved surface casts a shadow on itself, a coarse shadow map puts dark specks all
         over it.

@@ -1,11 +1,12 @@
-"""What can go wrong when a picture is to be made."""
+"""Errors of drawing pictures."""
 
 from __future__ import annotations
 
 from models.errors import HandSandboxError
 
 DEBIAN_PACKAGES = "libgl1 libegl1 libegl-mesa0 libgl1-mesa-dri libglx-mesa0"
-"""What Debian and Ubuntu need for pictures without a graphics card; libosmesa6 is the fallback."""
+"""Packages of Debian and Ubuntu for pictures without a graphics card; libosmesa6 is the
+fallback."""
 
 
 class GraphicsError(HandSandboxError):

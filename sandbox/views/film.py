@@ -38,24 +38,24 @@ _Job = Callable[[Renderer], None]
 class FilmView(Closing):
     """Films a session at the speed at which it was simulated, and takes pictures of it.
 
-    The film is complete only after `close`. What goes wrong in the drawing thread is raised there:
-    a trial does not fail because its film does.
+    The film is complete only after `close`, which raises errors of the drawing thread: a trial does
+    not fail because its film does.
 
     Args:
-        path: Ends in .webp, .gif or .mp4 (with the package imageio-ffmpeg).
-        scene: What is drawn; it is copied, not used.
-        surface: Where the touches are.
+        path: Path that ends in .webp, .gif or .mp4 (with the package imageio-ffmpeg).
+        scene: The scene to draw, which is copied.
+        surface: The touch surface.
         fps: Frames per second of simulated time; None: 15, or 30 for MP4.
         size: px; None: 640x360, or 960x540 for MP4.
-        caption: Who plays what. A film of a simulated user has to say so here.
+        caption: Text that names player and task. A film of a simulated user has to say so here.
 
     Raises:
-        GraphicsError: There is no OpenGL on this machine.
+        GraphicsError: This machine has no OpenGL.
         InputError: The path, the size or the rate cannot be used.
 
     Attributes:
-        frames: Frames so far.
-        dropped: Frames that found the film full.
+        frames: Number of frames so far.
+        dropped: Number of frames dropped because the queue was full.
     """
 
     def __init__(
@@ -109,7 +109,7 @@ class FilmView(Closing):
             # The first trial, or the next one: its film goes on where the last one's ended.
             self._begun = snapshot.time - self.frames / self.fps
         self._last = snapshot.time
-        # Half a microsecond is no delay: times are sums of steps.
+        # Half a microsecond is tolerated, since times are sums of steps.
         due = int((snapshot.time - self._begun) * self.fps + 5e-7 * self.fps) + 1
         missing = due - self.frames
         if missing <= 0:
@@ -123,8 +123,8 @@ class FilmView(Closing):
         """Writes a picture of a snapshot, as PNG, JPEG or WebP by the path's ending.
 
         Args:
-            snapshot: What is to be seen.
-            path: Of the picture.
+            snapshot: The snapshot to draw.
+            path: Path of the picture.
             size: px; None: 1280x720.
 
         Raises:
@@ -163,7 +163,7 @@ class FilmView(Closing):
         """Draws what waits and completes the film; may be called twice.
 
         Raises:
-            FilmError: The film could not be drawn or written; there is no file then.
+            FilmError: The film could not be drawn or written; no file is left.
         """
         if self._closed:
             return

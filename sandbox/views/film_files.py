@@ -197,13 +197,14 @@ class _Mp4:
 
 
 def durations(frames: int, fps: float, unit: int, stride: int = 1) -> list[int]:
-    """ms of every frame, whole units of the format, so that their sum does not drift.
+    """Durations in ms of all frames, in whole units of the format, so that their sum does not
+    drift.
 
     Args:
-        frames: Of the film.
-        fps: Of the film.
-        unit: ms.
-        stride: Only every so manieth frame is kept, and stands for those after it.
+        frames: Number of frames of the film.
+        fps: Frames per second of the film.
+        unit: ms, unit of the format.
+        stride: Only one frame in this many is kept, and is shown for the others, too.
     """
     starts = [*range(0, frames, stride), frames]
     ends = [round(i * 1000.0 / fps / unit) * unit for i in starts]

@@ -38,10 +38,10 @@ class GLContext(Protocol):
     backend: str | None
 
     def as_current(self) -> AbstractContextManager[None]:
-        """Draws with it in the calling thread for a while.
+        """Makes it current in the calling thread for a while.
 
-        It is not kept longer: a thread has one context at a time, and those of a window and of EGL
-        are no kin.
+        It is released afterwards: a thread has one context at a time, and contexts of a window and
+        of EGL are incompatible.
         """
         ...
 
@@ -103,8 +103,8 @@ def render_context(model: mujoco.MjModel, gl: GLContext) -> Iterator[mujoco.MjrC
     """MuJoCo's side of an OpenGL context, drawing into memory; freed at the end.
 
     Args:
-        model: What will be drawn.
-        gl: Current in this thread only while something is drawn.
+        model: The model to draw.
+        gl: The context, current in this thread only while drawing.
 
     Raises:
         GraphicsError: The context is too old or too small for MuJoCo.

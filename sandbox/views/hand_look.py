@@ -28,7 +28,7 @@ from sandbox.views.palette import Colour
 Array = NDArray[np.float64]
 
 HIDDEN_GROUP = 3
-"""Where the simulation's own capsules go; MuJoCo does not show it."""
+"""Geom group of the simulation's own capsules, which MuJoCo does not show."""
 TARGET_GROUP = 5
 """Skin group of the hands that show where a hand should be; the hands' own are 0 and 1."""
 
@@ -66,7 +66,7 @@ class Look:
     casters: list[int]
 
     def is_held_back(self, hand: HandView) -> bool:
-        """Whether any fingertip is visibly away from where the commanded pose has it."""
+        """True if any fingertip is visibly away from its place in the commanded pose."""
         tips = Kinematics(self.skeleton).tips(hand.target)
         return bool(np.max(np.linalg.norm(hand.tips - tips, axis=1)) > TARGET_OFF)
 

@@ -1,7 +1,7 @@
-"""What is written over a picture: score and time, fingers' names, the caption, a notice.
+"""Text over a picture: score and time, names of fingers, the caption, a notice.
 
-Everything is made of small translucent images, `Sticker`s, so that films and windows write alike.
-A sticker is drawn once and kept: most of them stay the same from frame to frame.
+All texts are small translucent images, `Sticker`s, in films and windows alike. A sticker is drawn
+once and reused: most of them stay the same from frame to frame.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ REFERENCE_HEIGHT = 540
 SMALLEST_SCALE = 0.85
 """Text smaller than this times its size could not be read."""
 NARROW = 0.7
-"""Of a picture's width, the height above which it does not make text larger."""
+"""Share of a picture's width; a height above it does not make text larger."""
 MARGIN = 14
 RING_CLEARANCE = 16
 SMALL, NORMAL, LARGE = 13, 15, 24
@@ -32,7 +32,7 @@ SMALL, NORMAL, LARGE = 13, 15, 24
 sizes of text."""
 BAR_GROUND: Colour = (0.27, 0.31, 0.34)
 CODE_SHARE = 0.4
-"""Of the picture's shorter side, for a code to be photographed."""
+"""Share of the picture's shorter side that a QR code takes."""
 
 
 @dataclass(frozen=True)
@@ -52,15 +52,15 @@ class Sticker:
 
 @dataclass(frozen=True)
 class Words:
-    """What is written besides the snapshot's own content.
+    """Texts in addition to the snapshot's own content.
 
     Attributes:
-        caption: Who plays what, at the bottom left; shown in the colour of a warning, because it is
-            there that a film says that its user is simulated.
+        caption: Player and task, at the bottom left, in the colour of a warning, because it tells
+            that a film's user is simulated.
         help: Lines at the right, such as the keys of a window.
-        banner: Large, in the middle at the top, such as `paused`.
-        footer: Small lines at the bottom right, such as how long a picture takes.
-        link: Shown as a code to be photographed, at the left; empty shows none.
+        banner: Large text in the middle at the top, such as `paused`.
+        footer: Small lines at the bottom right, such as the time for a picture.
+        link: Link shown as a QR code at the left; empty shows none.
     """
 
     caption: str = ""
@@ -73,14 +73,14 @@ class Words:
 def stickers(
     snapshot: Snapshot, lens: Lens, surface: Surface, drop: np.ndarray, words: Words
 ) -> list[Sticker]:
-    """Everything that is to be written over a picture.
+    """All texts of a picture.
 
     Args:
-        snapshot: What is seen.
+        snapshot: The drawn snapshot.
         lens: The camera of the picture.
-        surface: The touch surface, for whether its size is known.
+        surface: The touch surface, which knows whether its size is measured.
         drop: (3,) m from contacts to the marks that are drawn for them.
-        words: More to write.
+        words: Further texts.
     """
     width, height = lens.size
     scale = max(min(height, NARROW * width) / REFERENCE_HEIGHT, SMALLEST_SCALE)
@@ -101,7 +101,7 @@ def stickers(
         left = max(width - image.width - margin, 0)
         placed.append(Sticker(image, left, bottom - image.height))
         if any(2 * margin + line.width > left for line in told):
-            # There is no room for words beside it.
+            # The space beside it is too narrow for text.
             bottom -= image.height + margin // 2
     for line in told:
         bottom -= line.height

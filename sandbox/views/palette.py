@@ -28,7 +28,7 @@ OUTLINE: Colour = (0.62, 0.74, 0.80)
 """The border of the touch surface."""
 
 TARGET: Colour = (0.62, 0.82, 0.98)
-"""Where a hand should be, while something holds it back."""
+"""Colour of a hand's commanded pose while it is held back."""
 
 PANEL: Colour = (0.09, 0.12, 0.15)
 TEXT: Colour = (0.95, 0.96, 0.97)
@@ -44,7 +44,7 @@ def finger_colour(label: int | None, state: str = "active") -> Colour:
 
 
 def finger_name(label: int | None, state: str = "active") -> str:
-    """What is written beside a contact."""
+    """Texts beside a contact."""
     if state == "ignored":
         return "ignored"
     return "?" if label is None else FINGERS[label]

@@ -20,12 +20,12 @@ from sandbox.views.lens import Lens
 from sandbox.views.overlay import Words, paste, stickers
 
 GHOST_OPACITY = 0.5
-"""How much is seen of a hand that can touch nothing yet."""
+"""Opacity of a ghost hand, which cannot touch objects yet."""
 SEE_THROUGH_OPACITY, SEE_THROUGH_GHOST = 0.6, 0.3
-"""How much is seen of a solid hand and of a ghost where hands hide what they hold."""
+"""Opacity of a solid hand and of a ghost where hands hide held objects."""
 
 TARGET_OPACITY = 0.35
-"""How much is seen of where a hand should be."""
+"""Opacity of a hand's commanded pose."""
 
 SHADOW_SIZE, SAMPLES = 1024, 4
 """px of the shadow map, and samples per pixel. By software at 640x360, 2048 px take 1.2 times as
@@ -47,15 +47,15 @@ class Renderer(Closing):
     Belongs to the thread that makes it, or, with a context made elsewhere, to the first that draws.
 
     Args:
-        scene: What is drawn; it is copied, not used.
-        surface: Where the touches are.
+        scene: The scene to draw, which is copied.
+        surface: The touch surface.
         size: Width and height of its pictures, px.
-        words: Written on every picture.
-        camera: None: the camera of films, placed by the first snapshot.
+        words: Texts on every picture.
+        camera: The camera; None uses the camera of films, placed by the first snapshot.
         context: An OpenGL context from `offscreen_context`, or a window's; None makes one. It is
             freed with the renderer.
-        rings_on_table: Where contacts are marked; see `Drawing`.
-        samples: Per pixel; 0 leaves edges jagged, in half the time.
+        rings_on_table: Place of the contacts' marks; see `Drawing`.
+        samples: Samples per pixel; 0 leaves edges jagged, in half the time.
 
     Raises:
         GraphicsError: There is no OpenGL on this machine.
@@ -63,8 +63,8 @@ class Renderer(Closing):
 
     Attributes:
         lens: The camera of the last picture.
-        shadows: Whether things cast any; without, a picture takes half the time.
-        see_through: Shows also what is behind solid hands, for cameras above them.
+        shadows: True draws shadows; without, a picture takes half the time.
+        see_through: True also shows objects behind solid hands, for cameras above them.
     """
 
     def __init__(
@@ -106,8 +106,8 @@ class Renderer(Closing):
         """The picture of a snapshot, RGB.
 
         Args:
-            snapshot: What is to be seen.
-            stretched: px to which the drawing is stretched before it is written on.
+            snapshot: The snapshot to draw.
+            stretched: px to which the drawing is stretched before texts are added.
         """
         if self.camera is None:
             self.camera = film_camera(snapshot, self._surface)

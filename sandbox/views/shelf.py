@@ -1,4 +1,4 @@
-"""What is seen of the table before an upright surface: a shelf that ends in front of the things.
+"""The visible table at an upright surface: a shelf that ends in front of the objects.
 
 The hand comes from the front and from below, where an endless table would hide all of it.
 """
@@ -14,11 +14,11 @@ from models.scene import TABLE
 Array = NDArray[np.float64]
 
 FRONT, BACK, HALF_WIDTH, THICKNESS = -0.034, 0.16, 0.30, 0.014
-"""m: world y of its front edge and of its back one, x of its sides, and how thick it is. The front
-edge is just before the largest thing's."""
+"""m: world y of its front and back edge, x of its sides, and its thickness. The front edge is just
+in front of the largest object's."""
 PANE = 0.040
-"""m before the touch surface, where touches are marked: before all things, which would hide marks
-among them, as on a pane of glass."""
+"""m in front of the touch surface at which touches are marked, as on a pane of glass: in front of
+all objects, which would hide the marks."""
 
 SHELF = (0.31, 0.37, 0.41)
 

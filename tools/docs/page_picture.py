@@ -19,8 +19,8 @@ from PIL import Image
 from models.surface import METRES_PER_INCH
 from sandbox.devices.simulated.simulated import SimulatedDevice
 from sandbox.server.page_server import PageServer
+from sandbox.server.protocol.contact_forces import senses
 from sandbox.server.protocol.describe import describe_scene
-from sandbox.server.protocol.senses import senses
 from sandbox.server.protocol.skins import pack_skin
 from sandbox.server.web import WebDevice
 from sandbox.trial.assembly import build

@@ -1,1 +1,1 @@
-"""A simulated Leap: what the device would say of a hand whose pose is known."""
+"""A simulated Leap: the device's frames for a hand with a known pose."""

@@ -1,8 +1,8 @@
-"""Simulated hands in the air: the truth that no recording of the first Leap software has.
+"""Simulated hands in the air, with the true poses that recordings of the first Leap software lack.
 
 A hand is held open over the device, then gestures: fingers fold together and one by one, spread,
-close, pinch, while the palm turns and wanders. Persons differ in size, proportions and in how their
-last joints follow the middle ones. Nothing here is a recording of anybody.
+close, pinch, while the palm turns and moves about. Persons differ in size, proportions and in the
+coupling of their last joints. All data are simulated, not recorded.
 """
 
 from __future__ import annotations
@@ -25,31 +25,31 @@ from models.skeleton import ADULT, Skeleton
 Array = NDArray[np.float64]
 
 _OVER_DEVICE = np.array([0.0, 0.0, 0.20])
-"""m, where hands are held."""
+"""m, position at which hands are held."""
 
 
 _SPLAY = np.array([5.0, 6.0, 1.0, -5.0, -14.0])
 """Degrees, spread of an open hand's fingers."""
 
 _HELD_OPEN = 2.0
-"""s, before a take made from a capture."""
+"""s of the open hand before a take made from a capture."""
 
 
 @dataclass(frozen=True)
 class AirConfiguration:
-    """How simulated hands move. Angles in degrees, lengths in m, times in s.
+    """Settings of simulated hands. Angles in degrees, lengths in m, times in s.
 
     Attributes:
-        rate: Hz.
-        open_seconds: The open hand at the beginning, long enough for 1000 frames.
-        seconds: Gestures after it.
-        gesture: Mean length of one.
+        rate: Hz of the frames.
+        open_seconds: Duration of the open hand at the beginning, long enough for 1000 frames.
+        seconds: Duration of the gestures after it.
+        gesture: Mean duration of one.
         size, proportion: Spread of hand size, and of single bones, as shares.
         open_bend: Mean and spread of PIP of an open hand.
         slope, offset: Mean and spread over persons of DIP = slope * PIP + offset.
-        stray: Spread of a joint about what gesture and coupling say, slowly changing.
+        stray: Slowly changing spread of a joint about the angle given by gesture and coupling.
         turn: Spread of the palm's roll, pitch and yaw.
-        wander: Spread of the palm's place.
+        wander: Spread of the palm's position.
     """
 
     rate: float = 100.0
@@ -76,10 +76,10 @@ class AirTake:
     Attributes:
         time: (T,) s.
         origin: (T, 3) m, palm centre in the device's frame.
-        rotation: (T, 3, 3) device from palm; palms of left hands are coded as right ones, so theirs
-            are reflections.
+        rotation: (T, 3, 3) device from palm; palms of left hands are represented as right ones, so
+            theirs are reflections.
         joints: (T, 5, 4, 3) m, knuckle, PIP, DIP, tip in palm coordinates.
-        open: (T,) frames in which the hand is held open to be measured.
+        open: (T,) booleans, frames in which the hand is held open to be measured.
         side: `right` or `left`.
     """
 
@@ -99,12 +99,12 @@ class AirTake:
 def simulate_air(
     seed: int, side: str = "right", configuration: AirConfiguration = FROZEN_AIR
 ) -> AirTake:
-    """A take of a simulated person; every seed is another person.
+    """Simulates a take of one person; every seed is another person.
 
     Args:
         seed: 0 or more.
-        side: Which hand.
-        configuration: How it moves.
+        side: The hand, `right` or `left`.
+        configuration: Settings of its movement.
     """
     c = configuration
     rng = np.random.default_rng([seed, 0x9AA1])
@@ -140,7 +140,7 @@ def simulate_air(
 
 
 def takes_of_capture(capture: Capture, skeleton: Skeleton = ADULT) -> Iterator[AirTake]:
-    """The takes of a capture of touches as hands over the device, one trial after another.
+    """Converts the takes of a capture of touches to hands over the device, one trial after another.
 
     Hands on a surface are never held open, so every take begins with the same hand held open for
     2 s, to be measured, which closes within half a second to what the capture begins with.
@@ -177,7 +177,7 @@ def takes_of_capture(capture: Capture, skeleton: Skeleton = ADULT) -> Iterator[A
 
 
 def _opened(joints: Array, step: float) -> Array:
-    """(k, 5, 4, 3) the hand of some joints (5, 4, 3) held open, then closing to them."""
+    """Joints (k, 5, 4, 3) of a hand held open, then closing to given joints (5, 4, 3)."""
     angles = angles_of_joints(joints)
     lengths = np.linalg.norm(np.diff(joints, axis=1), axis=-1)
     flat = np.zeros_like(angles)
@@ -189,7 +189,7 @@ def _opened(joints: Array, step: float) -> Array:
 
 
 def body_of(rng: np.random.Generator, c: AirConfiguration) -> tuple[Array, Array]:
-    """A person's knuckles (5, 3) in palm coordinates and bones (5, 3), m."""
+    """Knuckles (5, 3) in palm coordinates and bones (5, 3) of a person, m."""
     size = float(np.clip(1.0 + c.size * rng.standard_normal(), 0.8, 1.2))
     knuckles = np.array([ADULT.bones[i].anchor for i in ADULT.first_bone]) - PALM_CENTRE
     lengths = np.zeros((5, 3))
@@ -233,6 +233,6 @@ def _gestures(
 def _slow(
     rng: np.random.Generator, shape: tuple[int, ...], spread: float, seconds: float, rate: float
 ) -> Array:
-    """Smooth noise of a given spread that changes within so many seconds."""
+    """Smooth noise of a given spread and correlation time in s."""
     noise = gaussian_filter1d(rng.standard_normal(shape), seconds * rate, axis=0, mode="wrap")
     return noise * spread * np.sqrt(2.0 * seconds * rate * np.sqrt(np.pi))

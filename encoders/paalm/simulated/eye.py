@@ -1,4 +1,4 @@
-"""The forward Leap model frame by frame: what a device would say now of a hand that moves live.
+"""The forward Leap model frame by frame, for a hand that moves live.
 
 `encoders.paalm.simulated.forward` makes whole takes. This is the same device, with the same
 configuration, for a hand whose next movement depends on what it sees of the last one.
@@ -25,13 +25,13 @@ class LeapEye:
     """A simulated device over which one hand moves.
 
     Args:
-        seed: Of noise, order and drop-outs.
+        seed: Seed of noise, order and drop-outs.
         side: `right` or `left`.
         dialect: `v1` or `v3`.
-        configuration: How it sees.
+        configuration: Settings of the device.
 
     Raises:
-        EncoderError: There is no such dialect.
+        EncoderError: The dialect is unknown.
     """
 
     def __init__(
@@ -53,10 +53,10 @@ class LeapEye:
         self._lost_until = np.full(len(FINGERS), -1.0)
 
     def see(self, time: float, origin: Array, rotation: Array, joints: Array) -> HandFrame:
-        """What the device says of a hand.
+        """The device's frame for a hand.
 
         Args:
-            time: s.
+            time: s, time of the frame.
             origin: (3,) m, palm centre in the device's frame.
             rotation: (3, 3) device from palm; a reflection for a left hand.
             joints: (5, 4, 3) m, knuckle, PIP, DIP, tip in palm coordinates.
@@ -82,7 +82,7 @@ class LeapEye:
         return HandFrame(time, (hand,), f"simulated {self._dialect}")
 
     def lose(self) -> None:
-        """The hand has left the view: whatever comes back is new to the device."""
+        """Records that the hand has left the view: a returning hand is new to the device."""
         self._hand += 1
         self._ids[:] = 0
 
@@ -101,7 +101,7 @@ class LeapEye:
         return tuple(rows)
 
     def _without(self, world: Array, axes: Array, step: float) -> tuple[SeenFinger, ...]:
-        """Fingers as the first software had them: unnamed, and only those that it saw."""
+        """Fingers as the first software reported them: unlabelled, and only the visible ones."""
         rng, c, five = self._rng, self._c, len(FINGERS)
         hidden = np.array([c.thumb_hidden, *[c.hidden] * (five - 1)])
         base = world[:, 0] + hidden[:, None] * (world[:, 1] - world[:, 0])

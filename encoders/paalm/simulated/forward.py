@@ -1,9 +1,9 @@
-"""A forward model of the Leap: what the device would have said of a hand whose pose is known.
+"""A forward model of the Leap: it computes the device's frames for a hand with known poses.
 
-`v1` is the first software: fingers in no order, the direction and length of what is seen of a
-finger, and nothing at all of fingers that are folded, crossed or lost for a moment. `v3` are the
-named joints of the later ones. The configuration is frozen; where a number could be read off the
-only v1 recording there is (`leapmotion/leapjs`, test/hands.json), it says so.
+`v1` is the first software: fingers in no order, with direction and length of their visible part,
+and without folded, crossed or briefly lost fingers. `v3` is the later software with labelled
+joints. The configuration is frozen; numbers taken from the only v1 recording (`leapmotion/leapjs`,
+test/hands.json) are marked.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class LeapConfiguration:
-    """How the device sees. Lengths in m, angles in degrees, times in s.
+    """Settings of the device. Lengths in m, angles in degrees, times in s.
 
     Attributes:
-        hidden: Share of the first bone that the device takes for palm, of fingers and of the thumb.
-            In the recording, greatest lengths are 71 to 82 mm of index, middle and ring finger and
-            52 to 55 of the thumb, which of an average hand leave out about these shares.
-        tip, joint: Spread of places.
+        hidden: Share of the first bone that the device counts as palm, for fingers and for the
+            thumb. In the recording, greatest lengths are 71 to 82 mm of index, middle and ring
+            finger and 52 to 55 of the thumb, which of an average hand leave out about these shares.
+        tip, joint: Spread of positions.
         length_white, length_slow: Spread of the length from frame to frame (the recording's
             changes by 0.2 to 1 mm a frame), and slowly, as a share of it.
         direction: Spread of directions.
@@ -36,8 +36,8 @@ class LeapConfiguration:
         folded: A finger whose seen length is less than this share of itself is not seen.
         turned_in: Nor is one that points more than this away from the palm's direction.
         merged: Two tips closer than this are seen as one.
-        lost_rate, lost: Hz at which a seen finger is lost for no reason, and for how long, s.
-        back: s for which a finger must be visible before it is seen again.
+        lost_rate, lost: Hz at which a visible finger is lost without a reason, and the duration in
+        s. back: s that a finger must be visible before the device reports it again.
     """
 
     hidden: float = 0.45
@@ -62,13 +62,13 @@ FROZEN_LEAP = LeapConfiguration()
 
 @dataclass(frozen=True)
 class LeapTake:
-    """What the device said, and the truth.
+    """The device's frames, and the truth.
 
     Attributes:
         frames: T frames of one hand.
         fingers: The finger of every id, frame by frame.
-        angles: (T, 5, 4) degrees.
-        open: (T,) frames in which the hand was held open to be measured.
+        angles: (T, 5, 4) degrees, true angles.
+        open: (T,) booleans, frames in which the hand was held open to be measured.
         side: `right` or `left`.
         dialect: `v1` or `v3`.
     """
@@ -88,14 +88,14 @@ def seen(
     drop_outs: bool = True,
     configuration: LeapConfiguration = FROZEN_LEAP,
 ) -> LeapTake:
-    """A take as the device sees it.
+    """Computes the device's frames for a take.
 
     Args:
         take: The hand.
-        seed: Of noise, order and drop-outs.
+        seed: Seed of noise, order and drop-outs.
         dialect: `v1` or `v3`.
         drop_outs: False sees every finger always (v1).
-        configuration: How the device sees.
+        configuration: Settings of the device.
     """
     rng = np.random.default_rng([seed, 0x1EA9])
     c = configuration
@@ -108,7 +108,7 @@ def seen(
     if dialect == "v3":
         ids = np.tile(10 + np.arange(5), (count, 1))
         tip, along, length = world[:, :, 3], world[:, :, 2] - world[:, :, 1], None
-        # Of the later software, the direction is exactly that of the middle bone.
+        # In the later software, the direction is exactly that of the middle bone.
         along = along / np.linalg.norm(along, axis=-1, keepdims=True)
     else:
         tip, along, length, ids = _v1(rng, take, world, axes, drop_outs, c)
@@ -151,7 +151,7 @@ def _v1(
     drop_outs: bool,
     c: LeapConfiguration,
 ) -> tuple[Array, Array, Array, NDArray[np.int64]]:
-    """Tips, directions, lengths and ids (-1: not seen) as the first software has them."""
+    """Tips, directions, lengths and ids (-1: not seen) as the first software reports them."""
     count = len(world)
     hidden = np.array([c.thumb_hidden, *[c.hidden] * 4])[:, None]
     base = world[:, :, 0] + hidden * (world[:, :, 1] - world[:, :, 0])
@@ -190,7 +190,7 @@ def _ids(
     is_open: NDArray[np.bool_],
     c: LeapConfiguration,
 ) -> NDArray[np.int64]:
-    """(T, 5) ids; a finger that comes back has a new one, as the device gives it."""
+    """Ids (T, 5); as with the device, a returning finger gets a new one."""
     count = len(visible)
     apart = np.linalg.norm(tip[:, :, None] - tip[:, None, :], axis=-1)
     shorter = clean[:, :, None] < clean[:, None, :]

@@ -14,7 +14,7 @@ from models.person import HANDS
 from sandbox.cli.common.latency import judge_latency, say_latency
 from sandbox.cli.common.page_options import PageOptions, open_page
 from sandbox.cli.common.second_view import invite, show_session, touched_pages
-from sandbox.cli.play.room import in_plain_words
+from sandbox.cli.play.screen_too_small import in_plain_words
 from sandbox.cli.run import report_end
 from sandbox.options.scene_options import Plan, SceneOptions, plan
 from sandbox.server.page_server import PageServer

@@ -1,1 +1,1 @@
-"""Who may connect to the server, how many and how often, and each connection."""
+"""Connections to the server: access rules, limits, and the state of each connection."""

@@ -1,8 +1,8 @@
-"""Who may talk to the server: those who know its token, from its own page, under its own name.
+"""Access control: requests need the server's token, its own origin and its own host name.
 
-The server's address can be reached by any page in any browser of this machine (on a tablet's
-network: by anybody). So every request has to carry the token that is in the link and in the QR
-code; a `Host` that is not ours is a rebound name, an `Origin` that is not ours is a foreign page.
+Any page in any browser of this machine can reach the server's address (on a tablet's network: any
+device). So every request has to carry the token from the link or QR code. A foreign `Host` means
+DNS rebinding, a foreign `Origin` a foreign page.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ TOKEN_NAME = "token"
 
 @dataclass(frozen=True)
 class Access:
-    """The rules of one server.
+    """Access rules of one server.
 
     Attributes:
-        host: Address that the server is bound to, an IP address.
+        host: IP address that the server is bound to.
         port: Its port.
-        secure: Whether it speaks TLS.
-        token: What a request has to know.
-        names: Further names under which the machine may be called.
+        secure: True if it uses TLS.
+        token: Token that a request must contain.
+        names: Further host names of the machine.
     """
 
     host: str
@@ -55,13 +55,13 @@ class Access:
         return f"{scheme}://{host}:{self.port}/?{TOKEN_NAME}={self.token}"
 
     def refusal(self, path: str, host: str | None, origin: str | None, socket: bool) -> str:
-        """Why a request is refused, in one word; empty: it may pass.
+        """Reason for refusing a request, in one word; empty if it is accepted.
 
         Args:
             path: The request's target, with its query.
             host: The `Host` header.
-            origin: The `Origin` header; only a socket has to have one.
-            socket: Whether the request wants a WebSocket.
+            origin: The `Origin` header; required only for a WebSocket.
+            socket: True if the request asks for a WebSocket.
         """
         if host not in self.hosts:
             return "host"
@@ -73,7 +73,7 @@ class Access:
         return "" if self.knows_token(path) else "token"
 
     def knows_token(self, path: str) -> bool:
-        """Whether a request's target carries the token."""
+        """True if a request's target contains the token."""
         try:
             given = parse_qs(urlsplit(path).query, max_num_fields=8).get(TOKEN_NAME, [""])
         except ValueError:

@@ -1,4 +1,4 @@
-"""Which address of this machine a tablet in the same network can reach."""
+"""Finds the address of this machine that a tablet in the same network can reach."""
 
 from __future__ import annotations
 

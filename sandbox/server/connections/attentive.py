@@ -30,7 +30,7 @@ class Attentive(ServerConnection):
         """Takes in what the library has found in the bytes."""
         text = None
         if self.hear and isinstance(event, Frame) and event.opcode is Opcode.TEXT and event.fin:
-            # What is no text after all is the library's business: it hangs up.
+            # The library closes a connection whose text is not valid.
             with contextlib.suppress(UnicodeDecodeError):
                 text = str(event.data, "utf-8")
         if self.hear and text is not None:
@@ -40,7 +40,7 @@ class Attentive(ServerConnection):
 
     @property
     def free(self) -> bool:
-        """Whether the socket is open, and has taken all that was sent so far."""
+        """True if the socket is open and has accepted everything sent so far."""
         return self.state is State.OPEN and not self.transport.get_write_buffer_size()
 
     def send_now(self, message: bytes, text: bool) -> None:

@@ -25,18 +25,18 @@ MOST_WORDS = 512
 
 
 class Client:
-    """A connection, its credit and its place in the stream of frames.
+    """A connected page, its message credit and its position in the stream of frames.
 
     Args:
-        connection: Open.
-        counters: Where refusals are counted.
-        clock: s, monotonic.
+        connection: The open connection.
+        counters: Counters of refusals.
+        clock: Monotonic clock, s.
 
     Attributes:
-        hello: What the page said of itself; None before.
-        screen: Its size now.
-        player: Whether its touches count.
-        heard: When it last sent anything, s.
+        hello: The page's hello message; None before it.
+        screen: Current size of its screen.
+        player: True if its touches are used.
+        heard: s, time of its last message.
     """
 
     def __init__(
@@ -62,7 +62,7 @@ class Client:
 
     @property
     def stale(self) -> int:
-        """Frames that are on their way."""
+        """Number of sent frames that are not acknowledged."""
         return self._sent - self._acknowledged
 
     def say(self, message: bytes, text: bool = True) -> None:
@@ -99,7 +99,7 @@ class Client:
 
     @property
     def parted(self) -> bool:
-        """Whether we have said goodbye."""
+        """True once we have closed the connection."""
         return self._parting is not None
 
     def part(self, code: int, reason: str) -> None:
@@ -127,7 +127,7 @@ class Client:
         self._full.set()
 
     def _following(self) -> tuple[bytes, bool] | None:
-        """What is to be sent next, and whether it is text; None: nothing now."""
+        """The next message to send, and whether it is text; None if there is none now."""
         if self._words:
             return self._words.popleft()
         if self._newest is None or self.stale >= CREDIT:
@@ -138,10 +138,10 @@ class Client:
         return number_frame(frame, self._sent), False
 
     def read(self, message: str | bytes) -> Up | None:
-        """A message, checked; None if it is refused.
+        """Checks a message; returns None if it is refused.
 
         Raises:
-            InputError: Too many were refused: whoever is there is no page of ours.
+            InputError: Too many messages were refused, so the sender is not one of our pages.
         """
         self.heard = self._clock()
         reason, up = "", None

@@ -1,4 +1,4 @@
-"""What the server refused and lost, by reason; shown at the end of a session."""
+"""Counts of the server's refusals and losses, by reason; shown at the end of a session."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is printed so that somebody can open the page: the link, and a code to be photographed."""
+"""Prints the link and the QR code of the page."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def code(url: str) -> str:
 
 
 def hints(host: str) -> list[str]:
-    """What has to be set before play, and where the page is looked for if it does not open."""
+    """Advice on settings before play, and on a page that does not open."""
     if host == LOOPBACK:
         return ["Only this machine can open it; `--tablet` lets a tablet in."]
     return [

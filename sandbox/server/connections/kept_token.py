@@ -1,8 +1,8 @@
-"""The token of a page that is served on a fixed port: kept, so that a tablet finds back.
+"""Stores the token of a page on a fixed port, so that a tablet can reconnect after a restart.
 
-A program that is started anew on the same port is the same place to a tablet, which tries to find
-back for as long as its page is open. The token lies where only this user can read it; delete the
-file, and the next start makes another one.
+A tablet tries to reconnect as long as its page is open, and a restarted program has the same
+address if the port is fixed. Only this user can read the token's file; delete it to get another
+token at the next start.
 """
 
 from __future__ import annotations
@@ -52,5 +52,5 @@ def _read(path: Path) -> str:
     if os.name == "posix" and mode & 0o077:
         raise InputError("others can read the page's token", where=str(path), remedy=remedy)
     if not _TOKEN.fullmatch(text):
-        raise InputError("this is no token", where=str(path), remedy=remedy)
+        raise InputError("not a token", where=str(path), remedy=remedy)
     return text

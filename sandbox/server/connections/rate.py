@@ -1,4 +1,4 @@
-"""Bounds on how often somebody may do something."""
+"""Rate limits."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ class Allowance:
     """A token bucket.
 
     Args:
-        rate: Per second that are allowed for long.
-        burst: That are allowed at once.
-        now: s.
+        rate: Long-term limit, per second.
+        burst: Number allowed at once.
+        now: s, time at the start.
     """
 
     def __init__(self, rate: float, burst: float, now: float) -> None:
@@ -17,7 +17,7 @@ class Allowance:
         self._left, self._at = burst, now
 
     def take(self, now: float) -> bool:
-        """Whether one more is allowed at a time in seconds."""
+        """True if one more is allowed at a time in seconds."""
         self._left = min(self._burst, self._left + (now - self._at) * self._rate)
         self._at = now
         if self._left < 1.0:

@@ -1,1 +1,1 @@
-"""What server and page say to each other."""
+"""The protocol between server and page."""

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from models.scene import Scene as SimulatedScene
 from models.surface import Surface
+from sandbox.server.protocol.contact_forces import HandSense
 from sandbox.server.protocol.protocol import (
     ContactState,
     Geom,
@@ -20,7 +21,6 @@ from sandbox.server.protocol.protocol import (
     State,
     SurfaceView,
 )
-from sandbox.server.protocol.senses import HandSense
 from sandbox.session.messages import ContactView, HandView, Snapshot
 from tasks.task import Task
 
@@ -46,13 +46,13 @@ def describe_scene(
     """The scene's shapes, task and touch rectangle.
 
     Args:
-        number: Of the scene, counted by the server.
-        scene: Compiled.
-        task: Drawn.
-        surface: Placed in the world.
+        number: Number of the scene, counted by the server.
+        scene: The compiled scene.
+        task: The drawn task.
+        surface: The surface, placed in the world.
         hand: `right` or `left`.
-        caption: Who plays what, where that has to be said.
-        in_air: Hands move over a 3-D device.
+        caption: Text that names player and task, where required.
+        in_air: True if hands move over a 3-D device.
     """
     model = scene.model
     things = {thing.name for thing in task.objects}
@@ -104,14 +104,14 @@ def summary(task: type[Task]) -> str:
 def state_of(
     snapshot: Snapshot, paused: bool, senses: Sequence[HandSense] = (), own: int | None = None
 ) -> State:
-    """What a moment says besides poses; without senses, hands press nothing and are sure.
+    """Values of a moment besides poses; without contact forces, forces are 0 and labels certain.
 
     Args:
         snapshot: The moment.
-        paused: Whether time stands still.
-        senses: Of every hand.
-        own: The hand whose contacts come from the page; those of others get ids that no finger of
-            the page has. None: all contacts come from one place.
+        paused: True while time stands still.
+        senses: Contact forces of every hand.
+        own: Index of the hand whose contacts come from the page; contacts of others get ids that
+            the page's fingers do not use. None if all contacts come from one source.
     """
     score = snapshot.score
     senses = senses or [HandSense()] * len(snapshot.hands)

@@ -74,7 +74,7 @@ def unpack(data: bytes) -> Frame:
     """Takes a frame apart, for clients in Python.
 
     Raises:
-        InputError: It is no frame of this protocol.
+        InputError: The data are not a frame of this protocol.
     """
     try:
         protocol, kind, bodies, scene, number, touch, time, length, _ = _HEADER.unpack_from(data)
@@ -83,8 +83,6 @@ def unpack(data: bytes) -> Frame:
             raise ValueError
         state = msgspec.json.decode(data[end:], type=State)
     except (struct.error, ValueError, msgspec.MsgspecError):
-        raise InputError(
-            "this is no frame", got=bytes(data[:16]), expected="see frames.py"
-        ) from None
+        raise InputError("not a frame", got=bytes(data[:16]), expected="see frames.py") from None
     poses = np.frombuffer(data, "<f4", bodies * 7, _HEADER.size).reshape(bodies, 7)
     return Frame(scene, number, touch, time, poses, state)

@@ -1,8 +1,8 @@
-"""What server and page say to each other. The page's TypeScript types are made from this file.
+"""Messages between server and page. The page's TypeScript types are generated from this file.
 
-Up: JSON texts, one message each, tagged by `type`. Down: JSON texts for what is said once, and
-binary frames for what moves (see `sandbox.server.protocol.frames`). Every message is checked whole
-against the types here; what does not fit is refused, counted, and changes nothing.
+From the page: JSON texts, one message each, tagged by `type`. To the page: JSON texts for events,
+and binary frames for motion (see `sandbox.server.protocol.frames`). Every message is checked whole
+against the types here; an invalid one is refused, counted, and changes nothing.
 """
 
 from __future__ import annotations
@@ -314,7 +314,7 @@ def decode(text: str | bytes) -> Up:
         return _up.decode(text)
     except (msgspec.MsgspecError, RecursionError, UnicodeError) as error:
         raise InputError(
-            "this is no message of the page's protocol",
+            "not a message of the page's protocol",
             got=text[:80],
             expected=f"version {PROTOCOL}: {str(error)[:200]}",
         ) from None

@@ -1,4 +1,4 @@
-"""The touch rectangle of screens, from what their pages told."""
+"""The touch rectangle of screens, from the sizes that their pages report."""
 
 from __future__ import annotations
 

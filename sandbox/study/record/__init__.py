@@ -1,1 +1,1 @@
-"""What a study keeps: folders, journals, recordings and names of participants."""
+"""Stored data of a study: folders, journals, recordings and pseudonyms of participants."""

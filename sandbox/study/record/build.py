@@ -1,4 +1,4 @@
-"""What a study is locked to: the program that computes its trials, and what encoders learned."""
+"""Identity of the program and encoders to which a study is locked."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ LIBRARIES = ("hand-sandbox", "mujoco", "numpy", "scipy", "python")
 
 @cache
 def code_digest() -> str:
-    """Digest of the modules that take part in a trial, whatever their version calls itself."""
+    """Digest of the modules that take part in a trial, independent of version numbers."""
     root = Path(__file__).resolve().parents[3]
     digest = blake2b(digest_size=8)
     for folder in COMPUTES:
@@ -47,7 +47,7 @@ def build_of(design: Design) -> dict[str, Any]:
 
 
 def changes(locked: dict[str, Any], here: dict[str, Any]) -> list[str]:
-    """What differs, in words."""
+    """Differences in words."""
     differences = []
     for name in sorted(set(locked) | set(here)):
         if locked.get(name) != here.get(name):

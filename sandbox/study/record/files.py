@@ -11,7 +11,7 @@ from pathlib import Path
 from models.errors import StudyError
 
 TEMPORARY = ".tmp-"
-"""What unfinished files begin with."""
+"""Prefix of the names of unfinished files."""
 
 
 def explain(error: OSError, path: Path, what: str) -> StudyError:
@@ -25,15 +25,15 @@ def explain(error: OSError, path: Path, what: str) -> StudyError:
 
 
 def write_atomically(path: Path, data: bytes, durable: bool = True) -> bool:
-    """Puts a whole file in the place of an older one; readers see one or the other.
+    """Replaces a file atomically: readers see either the old or the new one.
 
     Args:
-        path: Of the file.
-        data: All of it.
-        durable: It is on the disk when this returns, power cut or not.
+        path: Path of the file.
+        data: Its whole content.
+        durable: True ensures that it is on the disk when this returns, safe from a power cut.
 
     Returns:
-        Whether anything changed.
+        True if the content changed.
 
     Raises:
         StudyError: It cannot be written; the older file is still there.
@@ -103,9 +103,9 @@ def locked(path: Path, wait: bool, what: str = "") -> Iterator[None]:
     """Holds a lock that ends with the program, however that ends.
 
     Args:
-        path: Of the lock's file.
-        wait: For others to let go of it; else that is an error.
-        what: Is in use, for the message.
+        path: Path of the lock's file.
+        wait: True waits until others release it; False raises an error.
+        what: Name of the locked resource, for the message.
 
     Raises:
         StudyError: Another program holds it, or the file cannot be made.

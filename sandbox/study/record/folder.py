@@ -32,19 +32,19 @@ SCHEMA = 1
 """Version of the folder's layout."""
 
 REAL, PILOT, SIMULATED = "real", "pilot", "simulated"
-"""What a folder's data are. Each has a folder of its own, says so in every row, and is never opened
-as another."""
+"""Kinds of data in a folder. Each kind has its own folder, is named in every row, and is never
+opened as another kind."""
 
 
 @dataclass(frozen=True)
 class Participant:
-    """Somebody who takes part.
+    """A participant.
 
     Attributes:
         ppid: Pseudonym.
-        number: 0, 1, ...: decides on orders.
-        hand, hand_size: Which hand touches, and its length against the trained one.
-        language: Of the texts.
+        number: 0, 1, ..., which determines orders.
+        hand, hand_size: The touching hand, and its length relative to the trained one.
+        language: Language of the texts.
         user: The simulated user's configuration; None for a person.
     """
 
@@ -66,17 +66,18 @@ class _StudyFile(Struct):
 
 
 class StudyFolder:
-    """A study's folder, opened; made where there is none.
+    """Opens a study's folder, or creates it.
 
     Args:
-        out: Where studies are kept.
-        design: Of this one.
+        out: Folder of all studies.
+        design: Design of this study.
         mode: `REAL`, `PILOT` or `SIMULATED`.
-        upgrade: Why the study goes on with another program, encoder or design than it began with;
-            empty refuses that.
+        upgrade: Reason to continue with another program, encoder or design than at the beginning;
+            empty refuses such a change.
 
     Raises:
-        StudyError: It is locked to something else, of another mode, or cannot be written.
+        StudyError: It is locked to another program, encoder or design, has another mode, or cannot
+            be written.
     """
 
     def __init__(self, out: Path, design: Design, mode: str, upgrade: str = "") -> None:
@@ -91,15 +92,16 @@ class StudyFolder:
 
     @classmethod
     def at(cls, path: Path) -> StudyFolder:
-        """A study that is there, for reading, keeping and tables, whatever program runs here.
+        """Opens an existing study for reading, maintenance and tables, with any version of the
+        program.
 
         Raises:
-            StudyError: The folder is none of a study, or its design cannot be read.
+            StudyError: It is not a folder of a study, or its design cannot be read.
         """
         from sandbox.study.design.design_file import load_design
 
         if not (path / "study.json").is_file():
-            raise StudyError("this is no folder of a study", where=str(path),
+            raise StudyError("not a folder of a study", where=str(path),
                              expected="a folder with study.json, such as studies/NAME")  # fmt: skip
         folder = cls.__new__(cls)
         folder._about = read_about(path / "study.json")
@@ -114,12 +116,12 @@ class StudyFolder:
 
     @property
     def id(self) -> str:
-        """Of this study and no other, in every session."""
+        """Id of this study, recorded in every session."""
         return str(self._about["study"])
 
     @property
     def build(self) -> dict[str, Any]:
-        """What the study is locked to."""
+        """Program, encoders and design to which the study is locked."""
         return dict(self._about["build"])
 
     @contextmanager
@@ -148,11 +150,11 @@ class StudyFolder:
         return participant
 
     def add(self, number: int | None = None, **about: Any) -> Participant:
-        """A new participant, who gets the first number that nobody has, or a given one.
+        """Adds a participant with the first free number, or with a given one.
 
         Args:
-            number: Whose; where somebody has it already, it is they who are returned.
-            about: What else is known: attributes of `Participant`.
+            number: The given number; if it is in use, its participant is returned.
+            about: Further attributes of `Participant`.
         """
         with self.lock(), self._journal() as journal:
             people = participants_of(journal.records)
@@ -219,12 +221,12 @@ def write_design(folder: Path, design: Design) -> None:
 
 
 def folder_of(out: Path, name: str, mode: str) -> Path:
-    """Where a study's data of one kind are."""
+    """Folder of a study's data of one kind."""
     return out / (name if mode == REAL else f"{name}-{mode}")
 
 
 def participants_of(records: list[Record]) -> list[Participant]:
-    """Those whom a study's journal tells."""
+    """The participants in a study's journal."""
     return [
         checked(
             record,

@@ -1,7 +1,7 @@
 """The journal: append-only JSON lines, one write per record, the only truth of a session.
 
-A record that was written is safe from the program's end at once, and from a power cut within
-`SYNC` seconds, or at once where it says that something is finished.
+A written record is safe from the program's end at once, and from a power cut within `SYNC` seconds,
+or at once if it reports that something is finished.
 """
 
 from __future__ import annotations
@@ -31,23 +31,23 @@ Record = dict[str, Any]
 
 
 def now() -> str:
-    """The time of day, UTC, as records tell it."""
+    """The time of day, UTC, in the format of records."""
     return datetime.now(UTC).isoformat(timespec="milliseconds")
 
 
 class Journal:
-    """Appends records to a file; whoever has it holds the session's lock.
+    """Appends records to a file; the owner must hold the session's lock.
 
-    A line that a killed program left half written is cut off on opening, and the cut is recorded.
+    A half written line of a killed program is cut off on opening, and the cut is recorded.
 
     Args:
-        path: Of the file; it is made where there is none.
+        path: Path of the file, which is created if needed.
 
     Attributes:
-        records: All of them, in order.
+        records: All records, in order.
 
     Raises:
-        StudyError: It cannot be opened, or what it holds is no journal.
+        StudyError: It cannot be opened, or is not a journal.
     """
 
     def __init__(self, path: Path) -> None:
@@ -76,13 +76,13 @@ class Journal:
         """Writes a record.
 
         Args:
-            kind: What happened.
-            durable: It is on the disk when this returns.
+            kind: Kind of the record.
+            durable: True ensures that it is on the disk when this returns.
             values: JSON values.
 
-        Raises:
-            StudyError: It cannot be written, and the journal is as it was before; or, where it is
-                to be durable, it was written and is not known to be on the disk.
+            Raises:
+                StudyError: It cannot be written, and the journal is unchanged; or, for a durable
+                    record, it was written but may not be on the disk.
         """
         record = {"n": len(self.records), "time": now(), "clock": round(time.monotonic(), 6),
                   "kind": kind, **values}  # fmt: skip
@@ -172,7 +172,7 @@ def _record(line: bytes, n: int, where: str) -> Record:
 
 
 def read_journal(path: Path) -> list[Record]:
-    """Records of a journal that somebody else may be writing; a torn last line is passed over.
+    """Reads the records of a journal that another program may be writing; skips a torn last line.
 
     Raises:
         StudyError: It cannot be read, or is damaged.
@@ -190,8 +190,8 @@ class Syncing:
     """Puts files on the disk every half second, from a thread of its own.
 
     Args:
-        sync: Puts them there. What it fails at once has to be told: the system says of lost pages
-            one single time that they are lost, and whoever syncs after that hears that all is well.
+        sync: Puts them there. Its errors must be reported at once: the system reports lost pages
+            only once, and later calls succeed.
     """
 
     def __init__(self, sync: Callable[[], None]) -> None:

@@ -1,4 +1,4 @@
-"""Sessions as they lie in a study's folder, for whoever reads them and changes nothing."""
+"""Read-only access to the sessions in a study's folder."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ class KeptSession:
     """A session that was begun.
 
     Attributes:
-        person: Who takes part.
-        number: 1, 2, ...
+        person: The participant.
+        number: Session number, from 1.
         path: Its folder.
-        records: Of its journal.
-        state: What they say.
+        records: Records of its journal.
+        state: State that follows from them.
     """
 
     person: Participant
@@ -46,7 +46,7 @@ def session_folders(person: Path) -> list[Path]:
 
 
 def sessions_of(study: StudyFolder, person: Participant) -> list[KeptSession]:
-    """The sessions that somebody has begun, in order.
+    """The sessions that a participant has begun, in order.
 
     Raises:
         StudyError: A journal is damaged.
@@ -79,6 +79,6 @@ def plan_of(study: StudyFolder, session: KeptSession) -> list[Step]:
 
 
 def planned_trials(study: StudyFolder, person: Participant) -> int:
-    """How many trials somebody has in all their sessions, practice included."""
+    """Number of trials of a participant in all their sessions, practice included."""
     plans = (session_plan(study.design, person.number, s + 1) for s in range(study.design.sessions))
     return sum(len(trials_of(plan)) for plan in plans)

@@ -1,4 +1,4 @@
-"""Compresses the recordings of finished trials, of which nothing may be lost on the way."""
+"""Compresses the recordings of finished trials without loss, even on failures."""
 
 from __future__ import annotations
 

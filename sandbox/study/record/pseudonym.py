@@ -1,4 +1,4 @@
-"""Names for participants that tell nothing about them, and tell a slip of the pen."""
+"""Pseudonyms of participants, with a check character that detects writing errors."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def _check(body: str) -> str:
 
 
 def is_text(name: str) -> bool:
-    """Whether spreadsheets and `read_csv` leave a name alone.
+    """True if spreadsheets and `read_csv` do not convert a name.
 
     12E345 and 000123 would come back as other numbers, and 5MAR12 as a date.
     """
@@ -34,7 +34,8 @@ def is_text(name: str) -> bool:
 
 
 def new_pseudonym() -> str:
-    """A random one that is no number: five signs of chance and one that checks them."""
+    """Draws a pseudonym that does not look like a number: five random characters and a check
+    character."""
     while True:
         body = "".join(secrets.choice(ALPHABET) for _ in range(LENGTH))
         name = body + _check(body)
@@ -43,15 +44,15 @@ def new_pseudonym() -> str:
 
 
 def read_pseudonym(text: str) -> str:
-    """A pseudonym as somebody typed it.
+    """Checks a typed pseudonym.
 
     Raises:
-        StudyError: A sign is wrong.
+        StudyError: A character is wrong.
     """
     name = text.strip().upper().translate(_SLIPS)
     sound = len(name) == LENGTH + 1 and set(name) <= set(ALPHABET)
     if not sound or _check(name[:-1]) != name[-1]:
-        raise StudyError("this is no participant's id", where="--participant", got=text,
+        raise StudyError("not a participant's id", where="--participant", got=text,
                          expected="new, or six signs such as participants.csv lists",
                          remedy="Look for a slip: the last sign checks the others")  # fmt: skip
     return name

@@ -25,27 +25,28 @@ from sandbox.study.record.state import Attempt, SessionState
 from sandbox.trial.result import KeptIn, TrialResult
 
 TOLD = ("n", "step", "trial", "attempt", "practice", "form", "block", "levels")
-"""Of a record, what other instruments are told."""
+"""Fields of a record that are sent to other instruments."""
 
 
 class SessionFolder(Closing):
-    """A participant's session, opened for writing by nobody else.
+    """A participant's session, opened exclusively for writing.
 
-    Opening repairs what a kill or a power cut has left: a torn last line is cut off, a trial whose
-    recording came to its end is taken in, one that was broken off is marked as such.
+    Opening repairs the effects of a kill or a power cut: a torn last line is cut off, a trial with
+    a complete recording is added, an interrupted one is marked as such.
 
     Args:
-        study: It belongs to.
-        person: Who takes part.
-        number: 1, 2, ...: the how manyeth time they come.
+        study: The study.
+        person: The participant.
+        number: Session number of this participant, from 1.
 
     Attributes:
-        path: Of the folder.
+        path: Path of the folder.
         steps: The whole plan.
-        state: What the journal says.
+        state: State that follows from the journal.
 
     Raises:
-        StudyError: Another program has it open, it is another study's, or it is not its turn.
+        StudyError: Another program has it open, it belongs to another study, or an earlier session
+            is not complete.
     """
 
     def __init__(self, study: StudyFolder, person: Participant, number: int = 1) -> None:
@@ -200,9 +201,9 @@ class SessionFolder(Closing):
                              remedy="Put it back where it came from")  # fmt: skip
 
     def _check_plan(self) -> None:
-        """Refuses to go on by a plan that is not the one of the trials there are.
+        """Raises an error if the plan differs from that of the existing trials.
 
-        A design that was changed by force gives another plan to everybody.
+        A design that was changed by force gives every participant another plan.
         """
         planned = {t.number: t for t in trials_of(self.steps)}
         for trial, attempts in self.state.attempts.items():
@@ -214,7 +215,7 @@ class SessionFolder(Closing):
                                         "it as it is and take a new participant")  # fmt: skip
 
     def _recover(self) -> None:
-        """Takes in, or marks, the attempt that was under way when the program ended."""
+        """Adds, or marks as interrupted, the attempt that was running when the program ended."""
         attempt = self.state.open_attempt()
         broken = {(r["trial"], r["attempt"]) for r in self.journal.records
                   if r["kind"] == "trial_broken"}  # fmt: skip
@@ -239,7 +240,7 @@ class SessionFolder(Closing):
 
 
 def finished_result(path: Path) -> TrialResult | None:
-    """The result that a recording ends with; None where it breaks off or says not to count."""
+    """The result at the end of a recording; None if it is incomplete or marked as not counting."""
     file = stored(path)
     if not file.exists() or (file == path and not _ends(path)):
         return None
@@ -254,13 +255,13 @@ def finished_result(path: Path) -> TrialResult | None:
 
 
 class _LastLine(Struct):
-    """The field that tells the end of a recording from its other lines."""
+    """Field that only the last line of a recording has."""
 
     kind: str = ""
 
 
 def _ends(path: Path) -> bool:
-    """Whether the last line is whole and an end, without reading all of a long recording."""
+    """True if the last line is complete and an end line; reads only the last bytes."""
     with path.open("rb") as file:
         file.seek(max(0, os.fstat(file.fileno()).st_size - 65_536))
         tail = file.read()

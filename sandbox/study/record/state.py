@@ -1,4 +1,4 @@
-"""What a journal says: which steps are finished, which attempt counts, what is left out."""
+"""State of a session from its journal: finished steps, counted attempts, exclusions."""
 
 from __future__ import annotations
 
@@ -41,21 +41,21 @@ class Attempt:
 
 @dataclass
 class SessionState:
-    """A session as its journal tells it.
+    """State of a session according to its journal.
 
     Attributes:
         start: The `session_start` record; empty before there is one.
         finished: Ids of finished or skipped steps.
-        attempts: By trial number, in order.
-        skipped: Reason by step.
-        excluded: Reason by trial number.
+        attempts: Attempts by trial number, in order.
+        skipped: Reasons by step.
+        excluded: Reasons by trial number.
         excluded_participant: Reason; empty while the participant counts.
         answers: Records of forms, in order; the last one of a step counts.
-        drafts: By step, what was filled in of a form so far.
-        consent: Whether the participant agreed; None while not asked.
-        calibration: Of a hand over a Leap, as `sandbox paalm calibrate` writes it; None for an
-            average one.
-        complete: The session came to its planned end.
+        drafts: Unfinished answers to a form, by step.
+        consent: True if the participant agreed; None before the question.
+        calibration: Calibration of a hand over a Leap, as `sandbox paalm calibrate` writes it; None
+            for an average one.
+        complete: True if the session reached its planned end.
     """
 
     start: Record = field(default_factory=dict)
@@ -131,7 +131,7 @@ class SessionState:
         return next((step for step in steps if step.id not in self.finished), None)
 
     def done(self, steps: Sequence[Step]) -> tuple[int, int]:
-        """How many of the trials are finished or skipped, and how many there are."""
+        """Number of finished or skipped trials, and number of all trials."""
         trials = [step for step in steps if isinstance(step, TrialStep)]
         return sum(step.id in self.finished for step in trials), len(trials)
 

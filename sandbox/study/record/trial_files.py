@@ -16,15 +16,15 @@ TRIALS = "trials"
 
 
 def find_recordings(name: str, out: Path) -> list[Path]:
-    """The recordings that a name means, in order.
+    """Finds the recordings that a name refers to, in order.
 
     Args:
         name: A file; or a trial of a study, such as `NAME/3B5G5T/S001/T007`, without the session
             that of each session; or a study, a participant or a session: then all of its trials.
-        out: Where studies are kept, for names that are not found from here.
+        out: Folder of studies, for names that are not found from the current folder.
 
     Raises:
-        RecordingError: There is nothing of that name.
+        RecordingError: No recording has that name.
     """
     path = Path(name)
     if stored(path).is_file():
@@ -73,6 +73,6 @@ def _trial(session: Path, name: str) -> list[Path]:
 
 
 def _all(folder: Path) -> list[Path]:
-    """All recordings of a session, whichever way they are kept."""
+    """All recordings of a session, compressed or not."""
     names = {p.name.removesuffix(SUFFIX) for p in folder.glob("T*.jsonl*")}
     return [folder / name for name in sorted(names) if name.endswith(".jsonl")]

@@ -16,19 +16,19 @@ def make_report(
     folder: Path, out: Path, measures: Sequence[str] = (),
     say: Callable[[str], object] = lambda text: None,
 ) -> Path:  # fmt: skip
-    """Makes a report.
+    """Creates a report.
 
     Args:
-        folder: Of the study, or of a copy of its tables.
-        out: Where it goes; made where there is none.
-        measures: To be compared besides time and success.
-        say: Told what is going on.
+        folder: Folder of the study, or of a copy of its tables.
+        out: Folder of the report, created if needed.
+        measures: Measures to be compared besides time and success.
+        say: Callback for progress messages.
 
     Returns:
         The page's path.
 
     Raises:
-        StudyError: There are no tables, one is damaged, a measure is none, a library is missing,
+        StudyError: There are no tables, one is damaged, a measure is unknown, a library is missing,
             or it cannot be written.
     """
     check_libraries()

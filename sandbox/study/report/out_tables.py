@@ -78,7 +78,7 @@ FILES: dict[str, tuple[Column, ...]] = {
     "order.csv": (
         ("factor", "", "that has the level"),
         ("level", "", ""),
-        ("place", "", "1, 2, ...: the how manyeth level it was"),
+        ("place", "", "1, 2, ...: place of the level in the order"),
         ("times", "", "how often it was there"),
         ("mean", "s", "completion time, other conditions' differences taken out"),
         *INTERVAL,

@@ -14,7 +14,7 @@ options(width = 100)
 text <- read.csv("trials.csv", colClasses = "character", check.names = FALSE,
                  na.strings = character(0), encoding = "UTF-8")
 trials <- text
-# A pseudonym like 12E345 and a level like 1 are no numbers.
+# A pseudonym like 12E345 and a level like 1 are not numbers.
 for (name in setdiff(names(text), {texts}))
   trials[[name]] <- suppressWarnings(as.numeric(text[[name]]))
 contrasts <- read.csv("contrasts.csv", colClasses = c(first = "character", second = "character"),

@@ -1,7 +1,7 @@
-"""One archive of a whole study, read back and compared before it gets its name.
+"""Backup of a study: one archive, read back and compared before it gets its name.
 
-A backup may be made while sessions run. Journals are taken first: whatever they call finished had
-its recording on the disk before, so the archive holds every trial that its journals know.
+A backup may be made while sessions run. Journals are copied first: a trial that they call finished
+had its recording on the disk before, so the archive contains every trial of its journals.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ Say = Callable[[str], object]
 
 @dataclass(frozen=True)
 class Checked:
-    """What a backup holds: participants, files, bytes, and finished trials."""
+    """Content of a backup: numbers of participants, files, bytes and finished trials."""
 
     ppids: tuple[str, ...]
     files: int
@@ -102,7 +102,7 @@ def check_backup(path: Path) -> Checked:
     listed = {line[66:]: line[:64] for line in sums.splitlines()}
     wrong = sorted(n for n in {*listed, *digests} if listed.get(n) != digests.get(n))
     if not listed or wrong or "study.json" not in digests:
-        raise StudyError("the backup is damaged" if listed else "this is no backup of a study",
+        raise StudyError("the backup is damaged" if listed else "not a backup of a study",
                          where=str(path), got=", ".join(wrong[:5]) or None,
                          expected="every file as it is listed in " + SUMS)  # fmt: skip
     trials = sum(_finished(name, data, digests, path) for name, data in journals.items())
@@ -111,7 +111,7 @@ def check_backup(path: Path) -> Checked:
 
 
 def _finished(name: str, data: bytes, found: dict[str, str], path: Path) -> int:
-    """How many trials a journal calls finished; all of their recordings are there."""
+    """Number of trials that a journal calls finished, after a check that their recordings exist."""
     records, _ = parse_records(data, Path(name))
     ended = [r["file"] for r in records if r["kind"] == "trial_end"]
     here = PurePosixPath(name).parent

@@ -1,8 +1,8 @@
 """A study as Motion-BIDS (Jeung et al., Scientific Data 2024; BIDS 1.9 and later).
 
-One run for every trial that counts and is no practice: the commanded pose of the hand and the
-places of all things at 62.5 Hz, as they are in the study's 60 Hz tables, and an event for the trial
-and for every touch. Rotations are quaternions, those of joints against the bone before.
+One run for every counted trial except practice: the commanded pose of the hand and the poses of all
+objects at 62.5 Hz, as in the study's 60 Hz tables, and an event for the trial and for every touch.
+Rotations are quaternions, those of joints relative to the previous bone.
 """
 
 from __future__ import annotations
@@ -54,12 +54,12 @@ def export_bids(study: StudyFolder, out: Path, say: Say) -> int:
     """Writes a data set.
 
     Args:
-        study: Whose; who did not agree is left out.
-        out: The data set's folder; nothing may be there.
-        say: Hears what is being done.
+        study: The study; participants without consent are left out.
+        out: The data set's folder, which must not exist.
+        say: Callback for progress messages.
 
-    Returns:
-        How many runs were written.
+        Returns:
+            Number of runs written.
 
     Raises:
         StudyError: A table is missing or there is nothing to write, or it cannot be written.
@@ -83,7 +83,7 @@ def export_bids(study: StudyFolder, out: Path, say: Say) -> int:
                                      study.design.sessions))  # fmt: skip
             say(f"sub-{person.ppid}: {written} runs")
         if not runs:
-            raise StudyError("there is no trial that counts", where=str(study.path))
+            raise StudyError("the study has no trial that counts", where=str(study.path))
         _about(study, work, people)
     return runs
 

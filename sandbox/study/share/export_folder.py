@@ -14,13 +14,13 @@ from sandbox.study.record.files import TEMPORARY, explain, make_folder, sync_fol
 
 @contextmanager
 def new_folder(out: Path) -> Iterator[Path]:
-    """A folder to be filled, which gets its name when everything in it is done.
+    """Creates a folder to be filled, which gets its name when it is complete.
 
     Args:
-        out: Where it will be; nothing may be there.
+        out: Its final path, which must not exist.
 
     Raises:
-        StudyError: Something is there already, or it cannot be made.
+        StudyError: The path exists, or the folder cannot be created.
     """
     refuse_existing(out)
     make_folder(out.parent)

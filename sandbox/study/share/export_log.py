@@ -1,4 +1,4 @@
-"""What a study was copied to: who withdraws is to be removed there, too."""
+"""Log of a study's copies, from which a participant who withdraws must be removed, too."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ class Copy:
 
     Attributes:
         what: `backup`, `export`, `bids`, `merge`, or `site`: a folder that was merged into this.
-        path: Where it was written.
-        time: When.
-        ppids: Whose data are in it.
-        there: It is still where it was.
+        path: Path of the copy.
+        time: Time of writing.
+        ppids: Pseudonyms of the participants in it.
+        there: True if it still exists at its path.
     """
 
     what: str
@@ -46,7 +46,7 @@ def remember_copy(study: StudyFolder, what: str, path: Path, ppids: Sequence[str
 
 
 def copies(study: StudyFolder, ppid: str | None = None) -> list[Copy]:
-    """Copies that were made here, of everybody or with somebody in them.
+    """Copies that were made here: all, or those with a participant in them.
 
     Raises:
         StudyError: The list is damaged.

@@ -1,9 +1,9 @@
-"""Two sites' folders of one study become one; neither is changed, and nothing is written over.
+"""Merges two sites' folders of one study to a new one, without changing either.
 
-Sites may have given one pseudonym to two people: the second one gets another. A participant who is
-in both folders, as where one is an older copy of the other, is taken once, with the longer journal.
-Numbers stay, since orders follow from them, so two sites may have equal ones; `sites.csv` says who
-comes from where.
+Sites may have given one pseudonym to two people: the second one gets another. A participant in both
+folders, as in an older copy, is included once, with the longer journal. Participant numbers are
+kept, since orders follow from them, so two sites may have equal ones; `sites.csv` lists every
+participant's site.
 """
 
 from __future__ import annotations
@@ -39,13 +39,13 @@ Say = Callable[[str], object]
 
 @dataclass
 class Merged:
-    """What a merge did.
+    """Results of a merge.
 
     Attributes:
-        people: How many participants there are now.
-        renamed: New pseudonym of those whose old one was taken, by site and old one.
-        both: Pseudonyms of those who were in both folders.
-        left_out: Pseudonyms of those who have withdrawn at one of the sites.
+        people: Number of participants after the merge.
+        renamed: New pseudonyms of participants whose old one was in use, by site and old one.
+        both: Pseudonyms of participants in both folders.
+        left_out: Pseudonyms of participants who have withdrawn at one of the sites.
     """
 
     people: int = 0
@@ -59,12 +59,12 @@ def merge(first: StudyFolder, second: StudyFolder, out: Path, force: str = "") -
 
     Args:
         first, second: The sites' folders.
-        out: The new folder; nothing may be there.
-        force: Why they are merged although program or encoders differ; it is logged.
+        out: The new folder, which must not exist.
+        force: Reason for merging although program or encoders differ; it is logged.
 
     Raises:
-        StudyError: They are not of one study, a session is open, somebody went on at both sites, or
-            the folder cannot be written.
+        StudyError: They belong to different studies, a session is open, a participant continued at
+            both sites, or the folder cannot be written.
     """
     different = _check(first, second, force)
     sites = {"A": first, "B": second}
@@ -110,7 +110,7 @@ def _check(first: StudyFolder, second: StudyFolder, force: str) -> list[str]:
 
 
 def _choose(sites: Mapping[str, StudyFolder], found: Merged) -> dict[tuple[str, str], str]:
-    """Who is taken from where, and under which pseudonym."""
+    """Chooses site and pseudonym of every participant."""
     gone = set().union(*(withdrawn(study) for study in sites.values()))
     chosen: dict[tuple[str, str], str] = {}
     taken = gone | {p.ppid for study in sites.values() for p in study.participants()}
@@ -118,7 +118,7 @@ def _choose(sites: Mapping[str, StudyFolder], found: Merged) -> dict[tuple[str, 
         for person in study.participants():
             ppid = person.ppid
             if ppid in gone:
-                # A copy of somebody who has withdrawn since is no other person.
+                # A copy of a participant who has withdrawn since is not another person.
                 found.left_out.append(ppid)
             elif ("A", ppid) in chosen and site == "B":
                 longer = _same_person(sites["A"], study, ppid)
@@ -136,7 +136,8 @@ def _choose(sites: Mapping[str, StudyFolder], found: Merged) -> dict[tuple[str, 
 
 
 def _same_person(first: StudyFolder, second: StudyFolder, ppid: str) -> StudyFolder | None:
-    """Where somebody is who is in both went further; None: they are two people."""
+    """Site with the longer journal of a participant in both folders; None for two different
+    people."""
     journals = [_records(study, ppid) for study in (first, second)]
     if not all(journals):
         # Somebody who has not begun has nothing but a pseudonym.
@@ -158,7 +159,7 @@ def _plain(record: Record) -> Record:
 
 
 def _records(study: StudyFolder, ppid: str) -> list[Record]:
-    """All that the journals of somebody's sessions say, in order."""
+    """All journal records of a participant's sessions, in order."""
     return [
         record for session in sessions_of(study, study.find(ppid)) for record in session.records
     ]
@@ -230,7 +231,7 @@ def _rename(session: Path, new: str, study: str) -> None:
 
 
 def _renamed(line: bytes, new: str, where: str) -> bytes:
-    """A recording's line with another pseudonym, where it tells one.
+    """A recording's line with its pseudonym replaced, if it has one.
 
     Raises:
         StudyError: The line is damaged.

@@ -1,9 +1,9 @@
 """An anonymous copy of a study: new pseudonyms, no dates, no words, no names of folders.
 
-What comes out is a study's folder like any other, made from the journals and recordings alone, so
-that a table cannot tell what they do not. It opens, replays and reports like the original. There is
-no list of old and new pseudonyms; but whoever has the original can match the two, by seeds, hashes
-of states or the results themselves.
+The result is an ordinary study folder, made from the journals and recordings alone, so that its
+tables contain nothing else. It opens, replays and reports like the original. There is no list of
+old and new pseudonyms; but anyone with the original can match the two by seeds, hashes of states or
+the results themselves.
 """
 
 from __future__ import annotations
@@ -47,14 +47,14 @@ Say = Callable[[str], object]
 
 @dataclass(frozen=True)
 class Masking:
-    """What an anonymous copy keeps.
+    """Settings of an anonymous copy.
 
     Attributes:
-        words: Answers in words, and what the experimenter typed.
+        words: True keeps answers in words and texts typed by the experimenter.
         drop: Demographic items that are left out.
-        bins: Width by demographic item: numbers are rounded down to its multiples.
-        recordings: Recordings of trials are in it, too.
-        hands: So are those of hands in the air, which hold the lengths of their fingers.
+        bins: Bin width by demographic item: numbers are rounded down to its multiples.
+        recordings: True includes recordings of trials.
+        hands: True includes recordings of hands in the air, which contain the lengths of fingers.
     """
 
     words: bool = False
@@ -66,8 +66,8 @@ class Masking:
 
 @dataclass(frozen=True)
 class Anonymised:
-    """What came out: how many people, how many were left out for want of consent, the groups, and
-    how many recordings of hands in the air were left out."""
+    """Result: number of people, number left out for lack of consent, the groups, and the number of
+    recordings of hands in the air that were left out."""
 
     people: int
     without_consent: int
@@ -79,13 +79,14 @@ def anonymise(study: StudyFolder, out: Path, masking: Masking, say: Say) -> Anon
     """Writes an anonymous copy.
 
     Args:
-        study: As it is.
-        out: The copy's folder; nothing may be there.
+        study: The original study.
+        out: The copy's folder, which must not exist.
         masking: See `Masking`.
-        say: Hears what is being done.
+        say: Callback for progress messages.
 
-    Raises:
-        StudyError: A journal is damaged, there is nobody, or the copy cannot be written.
+        Raises:
+            StudyError: A journal is damaged, there are no participants, or the copy cannot be
+                written.
     """
     _check(study.design, masking)
     sessions = {person.ppid: kept_session for person, kept_session in all_sessions(study)}
@@ -123,7 +124,7 @@ def _check(design: Design, masking: Masking) -> None:
 
 
 def _new_names(sessions: Mapping[str, object]) -> dict[str, str]:
-    """New pseudonyms, none of which anybody had before."""
+    """Draws new pseudonyms that differ from all old ones."""
     names: dict[str, str] = {}
     for old in sessions:
         new = new_pseudonym()
@@ -134,7 +135,7 @@ def _new_names(sessions: Mapping[str, object]) -> dict[str, str]:
 
 
 def _answer(design: Design, masking: Masking) -> Callable[[str, str, Any], Any]:
-    """What is kept of an answer: no words, and of demographics what was asked for."""
+    """The kept part of an answer: no words, and demographics as selected."""
     kinds = {(form.name, item.name): item.kind for form in design.questionnaires
              for item in form.items}  # fmt: skip
     kinds |= {(DEMOGRAPHICS, item.name): item.kind for item in design.demographics}
@@ -155,7 +156,7 @@ def _answer(design: Design, masking: Masking) -> Callable[[str, str, Any], Any]:
 def _write_people(
     work: Path, sessions: Mapping[str, list[KeptSession]], names: Mapping[str, str]
 ) -> None:
-    """The study's journal: who took part, in the order of the new names, which tells nothing."""
+    """The study's journal with the participants, in the order of the new pseudonyms."""
     records: list[Record] = []
     for old in sorted(sessions, key=names.__getitem__):
         start = sessions[old][0].state.start
@@ -196,7 +197,7 @@ def _whole_lines(data: bytes) -> bytes:
 
 
 def _finish(work: Path, masking: Masking, without_consent: int) -> Anonymised:
-    """Makes all tables from what was written, and says in the folder what was done."""
+    """Creates all tables from the written files, and documents the anonymisation in the folder."""
     copy = StudyFolder.at(work)
     design = copy.design
     people: list[dict[str, Any]] = []

@@ -1,7 +1,7 @@
-"""How many people share what is known about them: k-anonymity (Sweeney 2002).
+"""k-anonymity (Sweeney 2002): number of people who share the same demographic values.
 
-Somebody whose age, handedness and the like nobody else in the table shares can be recognised by who
-knows them, pseudonym or not.
+A person with a unique combination of age, handedness and the like in the table can be recognised by
+acquaintances in spite of the pseudonym.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ SMALLEST = 5
 
 @dataclass(frozen=True)
 class Groups:
-    """Who shares what.
+    """Groups of people with equal values.
 
     Attributes:
-        columns: What was compared.
-        smallest: k: the size of the smallest group; 0 where there is nobody.
+        columns: The compared columns.
+        smallest: k, the size of the smallest group; 0 without people.
         few: Combinations that fewer than `SMALLEST` people share, with their number.
     """
 
@@ -32,7 +32,7 @@ class Groups:
 
     @property
     def exposed(self) -> int:
-        """How many people are in groups that are too small."""
+        """Number of people in groups that are too small."""
         return sum(count for _, count in self.few)
 
 

@@ -1,7 +1,7 @@
-"""A journal's records and a recording's lines without what could tell who somebody was.
+"""Removes identifying data from a journal's records and a recording's lines.
 
-What is kept is listed by kind, so that a kind that a later version adds tells nothing until
-somebody has thought about it.
+Kept fields are listed by kind of record, so that new kinds of later versions are removed until they
+are listed.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from models.json_input import checked, decoded_record
 from sandbox.study.record.journal import Record
 
 EPOCH = datetime(2000, 1, 1, tzinfo=UTC)
-"""When every anonymous session begins: dates and times of day are gone, durations stay."""
+"""Start time of every anonymous session: dates and times of day are removed, durations are kept."""
 WITHHELD = "(words are left out)"
 """Stands where the experimenter has typed something."""
 
@@ -53,21 +53,21 @@ WORDS = {"trial_broken": "why", "repeat": "reason", "skip": "reason", "exclude":
          "note": "text", "upgrade": "reason", "released": "reason"}  # fmt: skip
 """By kind: where the experimenter's words are."""
 LEFT_OUT = "left_out"
-"""Stands where a record of another kind was: what was filled in of a form before it was finished,
-and whatever nobody has thought about."""
+"""Kind that replaces records of other kinds: drafts of forms, and kinds that are not listed."""
 NAMED = ("session_start", "session_resume", "participant", "released")
 """Kinds that name the participant."""
 
 
 @dataclass(frozen=True)
 class Disguise:
-    """How somebody's data are made anonymous.
+    """Settings for making one participant's data anonymous.
 
     Attributes:
         ppid: The new pseudonym.
         study: The new id of the study.
-        answer: What is kept of an answer, by form and item; None leaves it out.
-        words: Words that the experimenter has typed are kept.
+        answer: Function that returns the kept part of an answer, by form and item; None leaves it
+            out.
+        words: True keeps texts typed by the experimenter.
     """
 
     ppid: str
@@ -104,11 +104,11 @@ class RecordingEnd(Struct):
 
 
 def disguised_line(line: bytes, disguise: Disguise, where: str = "recording") -> bytes:
-    """A line of a recording; all that is played is as it was.
+    """Makes a line of a recording anonymous; replayed data are unchanged.
 
     Args:
-        line: JSON.
-        disguise: What is changed.
+        line: The line as JSON.
+        disguise: Settings.
         where: The file, for the error.
 
     Raises:

@@ -1,7 +1,7 @@
-"""Withdrawal: everything of a participant is deleted, and a tombstone says that something was.
+"""Withdrawal: all data of a participant are deleted and replaced by a tombstone record.
 
-The tombstone keeps the pseudonym, so that a backup that comes back, or another site's copy, can be
-told to hold data that nobody may use any more. It keeps nothing else.
+The tombstone keeps only the pseudonym, so that data in a restored backup or another site's copy can
+be recognised as withdrawn.
 """
 
 from __future__ import annotations
@@ -24,20 +24,21 @@ from sandbox.study.share.privacy import lines
 from sandbox.study.tables.tables import rebuild_study
 
 WITHDRAWN, REMOVED = "withdrawn", "removed"
-"""Kinds of records: the tombstone, and what else was about somebody who has withdrawn."""
+"""Kinds of records: the tombstone, and replacements of other records about a withdrawn
+participant."""
 SITES = "sites.csv"
 
 
 @dataclass(frozen=True)
 class Withdrawal:
-    """What was deleted, and what could not be.
+    """Deleted and remaining data of a withdrawal.
 
     Attributes:
-        files: How many files were deleted.
-        before: The data were gone already, and only what was left was looked for.
-        copies: Backups, exports and merged folders that were made with the data in them.
-        still: Files in the study's folder that still hold the pseudonym, such as a report, or may,
-            since they are damaged.
+        files: Number of deleted files.
+        before: True if the data had been deleted before, and only remains were searched.
+        copies: Backups, exports and merged folders that contain the data.
+        still: Files in the study's folder that still contain the pseudonym, such as a report, or
+            may contain it because they are damaged.
     """
 
     files: int
@@ -50,7 +51,7 @@ def withdraw(study: StudyFolder, ppid: str, reason: str) -> Withdrawal:
     """Deletes all data of a participant. It may be called again, and then ends what was begun.
 
     Raises:
-        StudyError: There is no such participant, their session is open, or something cannot be
+        StudyError: The participant does not exist, their session is open, or something cannot be
             deleted; the tombstone is there then, and another call goes on.
     """
     before = ppid in withdrawn(study)

@@ -1,8 +1,8 @@
-"""The paper's pictures of 2013: what a Leap says of a hand, drawn by lines.
+"""Line drawings of a Leap's data for a hand, as in the pictures of the 2013 paper.
 
-Finger vectors (direction times length, from where the device takes a finger to begin), the palm's
-normal, and the palm's sphere, the ball that the hand could hold. A finger that is not seen stays,
-dimmed, where it was in the palm's space, as PAALM holds it.
+They show finger vectors (direction times length, from the device's base of the finger), the palm's
+normal, and the palm's sphere, the ball that the hand could hold. An unseen finger stays in its
+place in palm coordinates, dimmed, as PAALM holds it.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ GROUND: Colour = (0.125, 0.145, 0.165)
 _FINE = 2
 """Lines are drawn so many times larger and then made small: Pillow's have no smooth edges."""
 _DIM = 0.5
-"""How much is seen of a finger that is not seen by the device."""
+"""Opacity of a finger that the device does not see."""
 _NORMAL_LENGTH = 0.06
 """m, of the arrow along the palm's normal."""
 _SPHERES = (0.02, 0.08)
@@ -37,7 +37,8 @@ _VIEW_HEIGHT = 0.30
 
 @dataclass(frozen=True)
 class FingerVector:
-    """A finger as the device says it: from `base` to `tip`, (3,) m; and whether it is seen now."""
+    """A finger as the device reports it: from `base` to `tip`, (3,) m; and whether it is seen
+    now."""
 
     base: Array
     tip: Array
@@ -46,15 +47,15 @@ class FingerVector:
 
 @dataclass(frozen=True)
 class HandPicture:
-    """What of a hand is drawn, in the device's frame.
+    """The drawn parts of a hand, in the device's frame.
 
     Attributes:
         side: `right` or `left`.
         palm: (3,) m, centre of the palm.
-        normal: (3,) out of the palm.
-        fingers: By label.
-        sphere: Radius in m; None where fingers say none.
-        told: Whether the device told the radius itself.
+        normal: (3,) unit vector out of the palm.
+        fingers: Fingers by label.
+        sphere: Radius in m; None if the fingers do not determine it.
+        told: True if the device reported the radius itself.
     """
 
     side: str
@@ -122,9 +123,9 @@ def diagram(
     """The picture, RGB; seen from the same side as the hand beside it, without perspective.
 
     Args:
-        hands: What is drawn.
-        size: px.
-        azimuth: deg, as of MuJoCo's cameras.
+        hands: The hands to draw.
+        size: px, width and height.
+        azimuth: deg, as for MuJoCo's cameras.
         elevation: deg, below 0 from above.
     """
     width, height = size[0] * _FINE, size[1] * _FINE
@@ -237,7 +238,7 @@ def _vectors(pen: _Pen, hand: HandPicture) -> None:
 
 
 def _overlap(a: tuple[float, float, float, float], b: tuple[float, float, float, float]) -> bool:
-    """Whether two boxes (left, top, right, bottom) do."""
+    """True if two boxes (left, top, right, bottom) overlap."""
     return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
 
 

@@ -1,4 +1,4 @@
-"""The paper's pictures beside the hand that PAALM makes of them, and its angles."""
+"""The paper's line drawings beside the hand that PAALM reconstructs, with its angles."""
 
 from __future__ import annotations
 
@@ -46,10 +46,10 @@ class PaalmPicture(Closing):
     """Draws frames; belongs to the thread that makes it.
 
     Args:
-        sides: Of the hands.
+        sides: Sides of the hands.
         size: px of the whole picture.
         context: An OpenGL context; None makes one.
-        caption: At the bottom: where the frames come from.
+        caption: Source of the frames, at the bottom.
 
     Raises:
         GraphicsError: There is no OpenGL on this machine.

@@ -17,15 +17,15 @@ from sandbox.views.renderer import LARGEST
 from sandbox.views.window.context import WindowContext
 
 RATE = 30.0
-"""Pictures a second at most; a device says up to 290 frames."""
+"""Maximum pictures per second; a device sends up to 290 frames per second."""
 
 
 class PaalmWindow(Closing):
     """Shows the newest frame; dragging turns the hand, Esc closes.
 
     Args:
-        sides: Of the hands.
-        caption: Where frames come from; a window with a simulated hand has to say so.
+        sides: Sides of the hands.
+        caption: Source of the frames; a window with a simulated hand has to say so.
         size: px in the screen's coordinates.
 
     Raises:

@@ -19,14 +19,14 @@ class WindowContext:
     """A visible window with its OpenGL context.
 
     Args:
-        title: Of the window.
+        title: Title of the window.
         size: px in the screen's coordinates.
 
     Raises:
         GraphicsError: No window can be opened here.
 
     Attributes:
-        handle: Of glfw; None once it is freed.
+        handle: Window handle of glfw; None once it is freed.
     """
 
     backend: str | None = None
@@ -97,5 +97,5 @@ class Loan:
 
 
 def _text(said: str | bytes) -> str:
-    """What glfw says: bytes, whatever its types promise."""
+    """Decodes texts of glfw, which are bytes although their types differ."""
     return said.decode(errors="replace") if isinstance(said, bytes) else said

@@ -1,4 +1,4 @@
-"""What the window says about its keys: a key, two spaces, and what it does."""
+"""Help texts for the window's keys: a key, two spaces, and its effect."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How plainly a window has to draw so that it keeps up: fewer pixels, and no shadows."""
+"""Reduces a window's drawing quality until it keeps up: fewer pixels, and no shadows."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ takes longer than drawing them."""
 SLOW, PATIENCE = 0.045, 4
 """s for a picture, and how many slower ones in a row make the window draw more plainly."""
 PLAIN_SHRINK = 1.6
-"""Drawn smaller by this where there is no graphics card, and stretched."""
+"""Factor by which the drawing is smaller, and then stretched, without a graphics card."""
 
 
 class Plainness:

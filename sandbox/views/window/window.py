@@ -46,12 +46,13 @@ class Window(Closing):
     """Draws the newest snapshot, and turns mouse and keys into touches.
 
     Args:
-        scene: What is drawn; it is copied, not used.
-        surface: Where the touches are; the pointer touches the point of it that it covers.
-        title: Of the window.
+        scene: The scene to draw, which is copied.
+        surface: The touch surface; the pointer touches the point of it that it covers.
+        title: Title of the window.
         size: px in the screen's coordinates.
-        caption: Who plays what; a window that shows a simulated user has to say so here.
-        in_air: Hands are in the air over a 3-D device, not on a surface.
+        caption: Text that names player and task; a window that shows a simulated user has to say so
+            here.
+        in_air: True if hands are in the air over a 3-D device, not on a surface.
 
     Raises:
         GraphicsError: No window can be opened here.
@@ -60,9 +61,9 @@ class Window(Closing):
         paused: The person wants simulated time to stand still.
         speed: Simulated seconds per second that the person wants, one of `SPEEDS`.
         footer: Lines at the bottom right.
-        help: What the keys do; None tells of those for trials.
-        link: Shown as a code to be photographed; empty shows none.
-        pictures: How many were drawn so far.
+        help: Help on the keys; None shows those for trials.
+        link: Link shown as a QR code; empty shows none.
+        pictures: Number of pictures drawn so far.
         picture_time: s that the last one took.
         seen: The snapshot that is on the screen; None before the first.
     """
@@ -112,14 +113,14 @@ class Window(Closing):
         caption: str = "",
         in_air: bool = False,
     ) -> None:
-        """Shows another scene in the same window, as for another trial; nothing drives it yet.
+        """Shows another scene in the same window, as for another trial; it does not move yet.
 
         Args:
-            scene: What is drawn; it is copied, not used.
-            surface: Where its touches are.
-            title: Of the window.
-            caption: Who plays what.
-            in_air: Hands are in the air.
+            scene: The scene to draw, which is copied.
+            surface: Its touch surface.
+            title: Title of the window.
+            caption: Text that names player and task.
+            in_air: True if hands are in the air.
         """
         self._release()
         before, self._renderer = self._renderer, None
@@ -176,17 +177,17 @@ class Window(Closing):
         return True
 
     def take_reset(self) -> bool:
-        """Whether the person wants to start again; asked once, told once."""
+        """True if the person wants to restart; each request is returned once."""
         asked, self._reset = self._reset, False
         return asked
 
     def take_contact(self) -> bool:
-        """Whether the person wants the next contact mode; asked once, told once."""
+        """True if the person wants the next contact mode; each request is returned once."""
         asked, self._contact = self._contact, False
         return asked
 
     def take_moves(self) -> int:
-        """Control periods by which the person wants to go on, or back; told once."""
+        """Control periods by which the person wants to step forwards or back; returned once."""
         moves, self._moves = self._moves, 0
         return moves
 
@@ -197,7 +198,7 @@ class Window(Closing):
         return self._picture.copy()
 
     def pixel_of(self, xy: ArrayLike) -> tuple[float, float]:
-        """Where in the window, in screen coordinates, a surface point (2,) in metres is seen.
+        """Screen coordinates in the window of a surface point (2,) in metres.
 
         Raises:
             HandSandboxError: Nothing has been drawn yet.
@@ -249,11 +250,11 @@ class Window(Closing):
         self._plainness.took(self.picture_time, renderer)
 
     def _keys(self) -> tuple[str, ...]:
-        """What the keys do now."""
+        """Current help on the keys."""
         return self.help or keys(self._mouse is not None, self._lift is not None)
 
     def _contact_word(self) -> str:
-        """How things touch, where that is not as usual."""
+        """Name of the contact mode, unless it is the default."""
         mode = self._snapshot.contact if self._snapshot else "hard"
         return "" if mode == "hard" else f"contact: {mode}"
 
@@ -272,7 +273,8 @@ class Window(Closing):
         return lens.pick(share * np.array(lens.size), self._touched)
 
     def _listen(self) -> None:
-        """Has glfw call us; it would print and forget what goes wrong in there, `pump` tells."""
+        """Registers callbacks of glfw. glfw would only print errors in them, so `pump` raises
+        these."""
         handle = self._context.handle
         for register, react in (
             (glfw.set_mouse_button_callback, self._on_button),
@@ -377,7 +379,7 @@ class Window(Closing):
 
 
 def _same(one: Surface, other: Surface) -> bool:
-    """Whether two surfaces lie in the same place."""
+    """True if two surfaces lie in the same place."""
     return all(
         np.allclose(a, b)
         for a, b in (

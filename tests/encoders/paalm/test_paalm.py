@@ -308,7 +308,7 @@ def test_fingers_held_together_are_not_measured():
 
 
 def test_whose_hand_it_is_must_be_said():
-    with pytest.raises(EncoderError, match="whose hand"):
+    with pytest.raises(EncoderError, match="hand to calibrate"):
         Paalm().calibrate(take(0).frames, "neither", 10)  # type: ignore[arg-type]
     with pytest.raises(EncoderError, match="no such choice"):
         PaalmOptions(identity="guess")  # type: ignore[arg-type]

@@ -23,8 +23,12 @@ import pytest
 from websockets.exceptions import InvalidStatus
 
 from sandbox.server.connections.client import MOST_WORDS, Client
+from sandbox.server.connections.connection_limits import (
+    MOST_GUESTS,
+    MOST_STRANGERS,
+    ConnectionLimits,
+)
 from sandbox.server.connections.counters import Counters
-from sandbox.server.connections.door import MOST_GUESTS, MOST_STRANGERS, Door
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.protocol import CREDIT
 from sandbox.trial.live import LiveSession
@@ -263,7 +267,7 @@ class Visitor:
 
 def test_who_was_pushed_out_before_the_token_was_read_is_not_let_in_and_takes_no_place() -> None:
     """The request may be in already, and be read when its connection is gone."""
-    door = Door(Counters())
+    door = ConnectionLimits(Counters())
     first, *others = visitors = [Visitor() for _ in range(MOST_STRANGERS + 1)]
     for visitor in visitors:
         door.come(visitor)  # type: ignore[arg-type]

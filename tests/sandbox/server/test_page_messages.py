@@ -10,9 +10,9 @@ import pytest
 from models.errors import InputError
 from sandbox.server.connections.kept_token import kept_token
 from sandbox.server.page_server import PageServer
+from sandbox.server.protocol.contact_forces import HandSense, press
 from sandbox.server.protocol.describe import describe_scene
 from sandbox.server.protocol.protocol import Screen, Touches
-from sandbox.server.protocol.senses import HandSense, press
 from sandbox.server.protocol.skins import pack_skin
 from sandbox.server.web import WebDevice
 from sandbox.trial.settings import RunSettings
@@ -39,7 +39,7 @@ def test_a_kept_token_is_the_same_and_for_this_user_alone(tmp_path):
         kept_token(path)
     path.chmod(0o600)
     path.write_text("short")
-    with pytest.raises(InputError, match="no token"):
+    with pytest.raises(InputError, match="not a token"):
         kept_token(path)
 
 

@@ -11,7 +11,7 @@ from models.errors import InputError
 from models.surface import PRESETS
 from sandbox.cli.common.page_options import PageOptions, open_page
 from sandbox.cli.play.page import PagePlay
-from sandbox.cli.play.room import fitting, in_plain_words
+from sandbox.cli.play.screen_too_small import fitting, in_plain_words
 from sandbox.options.scene_options import SceneOptions
 from sandbox.server.page_server import PageServer
 from sandbox.server.web import WebDevice

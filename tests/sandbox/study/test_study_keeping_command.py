@@ -96,11 +96,11 @@ def test_two_folders_are_merged_by_a_command(
         (["export", "{}", "--anonymise", "--bin", "age", "--out", "x"], "no item and width"),
         (["export", "{}", "--anonymise", "--drop", "wage", "--out", "x"], "nobody was asked"),
         (["export", "{}", "--bids", "--drop", "age", "--out", "x"], "are for --anonymise"),
-        (["export", "{}/..", "--bids", "--out", "x"], "no folder of a study"),
+        (["export", "{}/..", "--bids", "--out", "x"], "not a folder of a study"),
         (["backup", "{}"], "a study and an archive are needed"),
         (["backup", "--check", "{}/design.toml"], "the backup is damaged"),
         (["backup", "--check", "{}/nowhere"], "the backup is damaged"),
-        (["withdraw", "{}", "--participant", "ABCDEF"], "no participant's id"),
+        (["withdraw", "{}", "--participant", "ABCDEF"], "not a participant's id"),
         (["merge", "{}", "{}", "--out", "x"], "the same one"),
     ],
 )

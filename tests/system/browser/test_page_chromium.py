@@ -18,9 +18,9 @@ from sandbox.devices.simulated.simulated import SimulatedDevice
 from sandbox.server import audience
 from sandbox.server.audience import SILENCE
 from sandbox.server.page_server import PageServer
+from sandbox.server.protocol.contact_forces import senses
 from sandbox.server.protocol.describe import describe_scene
 from sandbox.server.protocol.rectangle import rectangle
-from sandbox.server.protocol.senses import senses
 from tasks.user import UserConfiguration
 from tests.sandbox.server.staged_page import (
     HEIGHT,

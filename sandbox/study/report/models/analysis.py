@@ -1,4 +1,4 @@
-"""Everything that the report says, as numbers; made once, shown as a page and as tables."""
+"""All numbers of the report, computed once and shown as a page and as tables."""
 
 from __future__ import annotations
 
@@ -44,10 +44,10 @@ class Modelled:
     """A measure with comparisons.
 
     Attributes:
-        described: By condition and level.
-        model: The mixed model, or why there is none; of shares, there is none.
-        differences: Of the mixed model.
-        shares: Of a measure of 0 and 1.
+        described: Summaries by condition and level.
+        model: The mixed model, or the reason why there is none; shares have none.
+        differences: Differences by the mixed model.
+        shares: Shares of a measure of 0 and 1.
     """
 
     described: Described
@@ -61,19 +61,19 @@ class Analysis:
     """All results of a study.
 
     Attributes:
-        data: Of the study.
-        time: Of trials that succeeded; None without one.
-        censored: The model that knows of trials without success, or why there is none.
+        data: Data of the study.
+        time: Completion time of successful trials; None without one.
+        censored: The model that includes trials without success, or the reason why there is none.
         unseen: Its differences, in log time.
-        success: None without trials.
-        odds: Log odds ratios, or why there are none.
-        asked: Measures that were asked for.
-        rest: All others, described only.
-        scales: Of questionnaires.
-        places: By factor: the measure at every place in the order.
-        learning: From trial to trial.
-        main: The factor that is in colours: the first one with several levels that is not the
-            session, if there is one.
+        success: Success; None without trials.
+        odds: Log odds ratios, or the reason why there are none.
+        asked: The requested measures.
+        rest: All other measures, described only.
+        scales: Scales of questionnaires.
+        places: The measure at every place in the order, by factor.
+        learning: The measure from trial to trial.
+        main: The factor shown in colours: the first one with several levels, except the session, if
+            there is one.
     """
 
     data: StudyData
@@ -98,14 +98,14 @@ class Analysis:
 
 
 def analyse(data: StudyData, measures: Sequence[str] = ()) -> Analysis:
-    """Works everything out.
+    """Computes all results.
 
     Args:
-        data: Of the study.
-        measures: Names of measures, besides time and success, that are to be compared.
+        data: Data of the study.
+        measures: Names of measures to be compared besides time and success.
 
     Raises:
-        StudyError: A measure is none.
+        StudyError: A measure is unknown.
     """
     asked, rest = other_quantities(data, measures)
     several = [f for f in data.factors if len(f.levels) > 1]

@@ -24,12 +24,12 @@ class Scale:
 
     Attributes:
         questionnaire, scale: Names.
-        score: It was computed from several answers; else it is one answer.
-        factor: The levels' factor; None for one asked once.
-        levels: That were answered about.
-        values: (people, levels); nan for what is missing.
-        means, within: As in `Summary`.
-        differences: Of all pairs of levels, within people or between.
+        score: True if it was computed from several answers; else it is one answer.
+        factor: The levels' factor; None for a scale asked once.
+        levels: Levels with answers.
+        values: (people, levels); nan if missing.
+        means, within: See `Summary`.
+        differences: Differences of all pairs of levels, within people or between.
     """
 
     questionnaire: str

@@ -1,11 +1,11 @@
-"""Completion times when some were not seen: a trial without success took longer than it lasted.
+"""Model of censored completion times: a trial without success would have taken longer than it
+lasted.
 
-Whoever leaves such trials out makes slow conditions look fast. Here log time is normal around a
-mean by condition and practice, and an unsuccessful trial says that its time is longer than its
-`time_s` (a Tobit or lognormal accelerated failure time model). People are the units of chance:
-errors are by the jackknife that leaves one person out, so that whatever goes on within a person is
-allowed for. In R: `survreg(Surv(time_s, success) ~ 0 + condition + log2_position,
-dist = "lognormal")`.
+Leaving out such trials would make slow conditions look fast. Here log time is normal around a mean
+by condition and practice, and the time of an unsuccessful trial is longer than its `time_s` (a
+Tobit or lognormal accelerated failure time model). People are the independent units: errors are by
+the jackknife that leaves one person out, which allows for any dependence within a person. In R:
+`survreg(Surv(time_s, success) ~ 0 + condition + log2_position, dist = "lognormal")`.
 
 The likelihood is concave in the parameters of Olsen 1978, and so has one maximum.
 """
@@ -33,12 +33,12 @@ class Censored:
     """A fitted model.
 
     Attributes:
-        present: Numbers of the conditions that it has: those in which somebody succeeded.
-        names: Of all coefficients, as in `Mixed`.
-        coefficients: On the log scale.
-        replicates: (people, coefficients) without each person; nan where they cannot be told.
+        present: Numbers of its conditions: those with a success.
+        names: Names of all coefficients, as in `Mixed`.
+        coefficients: Coefficients on the log scale.
+        replicates: (people, coefficients) without each person; nan where they cannot be estimated.
         sigma: Standard deviation of log time around its mean, between people and within.
-        people, trials, unseen: How many it saw; trials whose time is only known to be longer.
+        people, trials, unseen: Numbers of people, of trials, and of trials with a censored time.
     """
 
     present: tuple[int, ...]
@@ -116,7 +116,7 @@ def tobit(X: np.ndarray, y: np.ndarray, seen: np.ndarray, start: np.ndarray | No
 
 
 def fit_censored(data: StudyData) -> Censored | str:
-    """Fits the model to all used trials, or says why not."""
+    """Fits the model to all used trials, or returns the reason why it cannot."""
     rows = data.used[data.used["time_s"] > 0.0]
     succeeded = set(rows.loc[~rows["censored"], "cell"])
     # Where nobody succeeded, times have no upper end.

@@ -1,4 +1,4 @@
-"""Which conditions are compared: pairs of levels, averaged over what else was varied."""
+"""Comparisons of conditions: pairs of levels, averaged over the other factors."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from sandbox.study.report.models.intervals import Estimate, t_quantile
 
 @dataclass(frozen=True)
 class Pair:
-    """Two levels of a factor: `second` against `first`.
+    """Two levels of a factor: `second` compared with `first`.
 
     Attributes:
-        factor: That has them.
-        first, second: Levels; the first is the earlier one in the design.
-        cells: For each combination of the other factors that both occur with: the number of the
-            condition with the first level, and of that with the second.
+        factor: The factor.
+        first, second: The levels; the first is the earlier one in the design.
+        cells: For each combination of the other factors in which both occur: the numbers of the
+            conditions with the first and with the second level.
     """
 
     factor: Factor
@@ -44,11 +44,11 @@ class Pair:
 
 
 def pairs_of(data: StudyData, present: Collection[int] | None = None) -> list[Pair]:
-    """All pairs of levels that occur under equal circumstances.
+    """All pairs of levels that occur with equal levels of the other factors.
 
     Args:
-        data: Of the study.
-        present: Numbers of conditions that may be used; all unless told.
+        data: Data of the study.
+        present: Numbers of conditions that may be used; all by default.
     """
     names = [f.column for f in data.factors]
     seen = data.used[["cell", *names]].drop_duplicates("cell")
@@ -70,14 +70,14 @@ def pairs_of(data: StudyData, present: Collection[int] | None = None) -> list[Pa
 
 @dataclass(frozen=True)
 class Difference:
-    """How much a pair of levels differs.
+    """Difference between a pair of levels.
 
     Attributes:
-        pair: Which levels.
-        estimate: Of the second less the first, on the model's scale.
+        pair: The levels.
+        estimate: Second minus first, on the model's scale.
         error: Standard error.
         freedom: Degrees of freedom of the t distribution.
-        p: That there is no difference, for this pair alone; nan where it cannot be told.
+        p: P value of this pair alone; nan where it cannot be computed.
     """
 
     pair: Pair
@@ -102,8 +102,8 @@ def freedom_of(factor: Factor, people: Iterable[tuple[str, str]]) -> float:
     """Degrees of freedom of a comparison: those of a paired t test over people, or of one between.
 
     Args:
-        factor: That is compared.
-        people: Everybody's pseudonym and level, as often as wanted.
+        factor: The compared factor.
+        people: Pseudonym and level of all people; repetitions are allowed.
     """
     seen = set(people)
     count = len({ppid for ppid, _ in seen})

@@ -1,7 +1,7 @@
-"""A study's tables as they lie in a folder: who did what, and which trials are used.
+"""Reads a study's tables from a folder, and selects the used trials.
 
-Only the CSVs are read, so that a report can be made of anybody's copy; the one thing that is taken
-from `study.json`, where there is one, is the name and kind of a study without trials.
+Only the CSV files are read, so that a report can be made from any copy; `study.json`, if present,
+only gives the name and kind of a study without trials.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame, Series
 
 NEEDED = ("ppid", "trial_num", "counted", "practice", "excluded", "success", "time_s")
-"""Columns of `trial_results.csv` without which there is nothing to say."""
+"""Required columns of `trial_results.csv`."""
 NUMBERS = ("session_num", "trial_num", "counted", "practice", "excluded", "success", "time_s",
            "attempt", "block_num", "trial_num_in_block", "repetition")  # fmt: skip
 FACTOR = "factor_"
@@ -34,12 +34,12 @@ TIMEOUT = "timeout"
 
 @dataclass(frozen=True)
 class Factor:
-    """What was varied.
+    """A factor of the design.
 
     Attributes:
-        name: As in the design.
-        levels: In the design's order.
-        within: At least one participant did more than one of them.
+        name: Name as in the design.
+        levels: Levels in the design's order.
+        within: True if at least one participant did more than one of them.
     """
 
     name: str
@@ -57,15 +57,15 @@ class StudyData:
     """A study's tables.
 
     Attributes:
-        name: Of the study.
+        name: Name of the study.
         mode: real, pilot, simulated, or unknown.
-        factors: In the design's order.
-        trials: Every finished attempt, as it is in the table; numbers are numbers.
+        factors: Factors in the design's order.
+        trials: Every finished attempt, as in the table, with numbers converted.
         used: Attempts that count, neither practice nor excluded; with `condition`, `cell` (its
-            number), `position` (1, 2, ... of the participant's trials that are no practice) and
-            `censored` (no success: the time it would have taken is longer than `time_s`).
+            number), `position` (1, 2, ... of the participant's trials without practice) and
+            `censored` (no success: it would have taken longer than `time_s`).
         conditions: Names of all combinations of levels that were used, in the design's order.
-        people: `participants.csv`, or what the trials tell.
+        people: `participants.csv`, or participants derived from the trials.
         answers: `questionnaires.csv`; may be empty.
         scores: `questionnaire_scores.csv`; may be empty.
         codebook: Unit and meaning of columns of `trial_results.csv`.
@@ -95,17 +95,17 @@ class StudyData:
 
 
 def load_study(folder: Path) -> StudyData:
-    """A study's tables.
+    """Reads a study's tables.
 
     Args:
-        folder: Of the study: where `trial_results.csv` is.
+        folder: Folder of the study, which contains `trial_results.csv`.
 
     Raises:
-        StudyError: There is none, or it is not a table of trials.
+        StudyError: The table is missing, or is not a table of trials.
     """
     path = folder / "trial_results.csv"
     if not path.is_file():
-        raise StudyError("there is no trial_results.csv", where=str(folder),
+        raise StudyError("the folder has no trial_results.csv", where=str(folder),
                          expected="the folder of a study",
                          remedy="It is OUT/NAME, OUT/NAME-pilot or OUT/NAME-simulated")  # fmt: skip
     trials = read_table(path)
@@ -123,7 +123,7 @@ def load_study(folder: Path) -> StudyData:
     if _did_the_same_again(trials):
         for table in (trials, answers, scores):
             _name_sessions(table)
-        meanings[FACTOR + SESSION] = ("", "the how manyeth time that the participant came")
+        meanings[FACTOR + SESSION] = ("", "session number of this participant, from 1")
     factors = _factors(trials, meanings)
     used, conditions = _used(trials, factors)
     people = _optional(folder / "participants.csv")
@@ -145,17 +145,17 @@ def load_study(folder: Path) -> StudyData:
 
 
 def read_table(path: Path) -> DataFrame:
-    """A table of which every cell is text: a pseudonym like 12E345 is no number.
+    """Reads a table with all cells as text, since a pseudonym like 12E345 is not a number.
 
     Raises:
-        StudyError: It is no table.
+        StudyError: It is not a table.
     """
     import pandas as pd
 
     try:
         return pd.read_csv(path, dtype=str, keep_default_na=False, encoding="utf-8")
     except (ValueError, pd.errors.ParserError) as error:
-        raise StudyError("this is no table", where=str(path), got=str(error).strip()[:120],
+        raise StudyError("not a table", where=str(path), got=str(error).strip()[:120],
                          remedy="Opening the study again makes its tables anew: "
                                 "`sandbox study run`")  from None  # fmt: skip
     except OSError as error:
@@ -175,7 +175,7 @@ def to_numbers(column: Series, path: Path | None = None) -> Series:
     wrong = numbers.isna() & (column.astype(str).str.strip() != "")
     if path is not None and wrong.any():
         row = int(wrong.to_numpy().argmax())
-        raise StudyError("this is no number", where=f"{path}: {column.name}, row {row + 2}",
+        raise StudyError("not a number", where=f"{path}: {column.name}, row {row + 2}",
                          got=str(column.iloc[row])[:40])  # fmt: skip
     return numbers
 
@@ -221,8 +221,8 @@ def _codebook(folder: Path) -> dict[str, tuple[str, str]]:
 
 
 def _did_the_same_again(trials: DataFrame) -> bool:
-    """Whether anybody met the same levels in two sessions: then sessions can be compared. Where
-    each session has levels of its own they cannot, and the session is no factor."""
+    """True if a participant had the same levels in two sessions, so that sessions can be compared.
+    Otherwise each session has its own levels, and the session is not a factor."""
     factors = [name for name in trials.columns if name.startswith(FACTOR)]
     if "session_num" not in trials.columns or FACTOR + SESSION in factors:
         return False

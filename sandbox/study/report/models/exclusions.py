@@ -1,4 +1,4 @@
-"""What the report is not about: everything that was left out, why, and what remains."""
+"""Data left out of the report, with reasons, and the remaining data."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Step:
-    """A step from everything to what is used.
+    """A step from all data to the used data.
 
     Attributes:
-        what: Taken away, or there.
-        participants, trials: How many; a participant is gone with the last trial.
-        remains: It is a sum, not something taken away.
+        what: Description of the removed or remaining data.
+        participants, trials: Numbers; a participant is removed with the last trial.
+        remains: True for remaining data, False for removed data.
     """
 
     what: str
@@ -69,7 +69,7 @@ def unfinished(data: StudyData) -> list[str]:
 
 
 def endings(data: StudyData) -> dict[str, dict[str, int]]:
-    """How used trials ended: by condition, then by status."""
+    """Numbers of used trials by condition and status at their end."""
     used = data.used
     if "status" not in used.columns:
         status = used["success"].map({1.0: "success", 0.0: "no success"})

@@ -1,6 +1,6 @@
-"""Intervals of means over people and of shares of trials, with people as what varies.
+"""Confidence intervals of means over people and of shares of trials.
 
-Many trials of one person tell less than as many of different people; all intervals here know it.
+People are the independent units: all intervals allow for the dependence of one person's trials.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ LEVEL = 0.95
 
 @dataclass(frozen=True)
 class Estimate:
-    """A number with its interval; nan where it cannot be told."""
+    """A number with its interval; nan where it cannot be computed."""
 
     value: float
     low: float
@@ -25,7 +25,7 @@ class Estimate:
 
 
 def t_quantile(freedom: float) -> float:
-    """Of Student's t, two-sided, for `LEVEL`; infinite without degrees of freedom."""
+    """Two-sided quantile of Student's t for `LEVEL`; infinite without degrees of freedom."""
     from scipy import stats
 
     return float(stats.t.ppf(0.5 + LEVEL / 2, freedom)) if freedom > 0 else inf
@@ -44,13 +44,13 @@ def mean_interval(values: Sequence[float]) -> Estimate:
 
 
 def within_intervals(table: np.ndarray) -> list[Estimate]:
-    """Means of conditions with intervals for comparing them: differences between people taken out.
+    """Means of conditions with intervals for comparisons, without differences between people.
 
     Cousineau 2005, corrected as in Morey 2008. People who lack a condition are left out of the
     half-widths, not of the means.
 
     Args:
-        table: (people, conditions); nan for what somebody lacks.
+        table: (people, conditions); nan if missing.
     """
     means = [mean_interval(column[np.isfinite(column)]) for column in table.T]
     whole = table[np.isfinite(table).all(axis=1)]
@@ -71,7 +71,7 @@ class Share:
     Attributes:
         value: Mean over people of their own shares.
         low, high: Wilson's interval with `effective` trials.
-        effective: As many independent trials would tell as much.
+        effective: Effective number of independent trials.
     """
 
     value: float
@@ -87,9 +87,9 @@ def share(rates: Sequence[float], trials: Sequence[int], effect: float = 1.0) ->
     quantile is Student's, as people are few.
 
     Args:
-        rates: Everybody's own share.
-        trials: Everybody's trials.
-        effect: Design effect to be assumed where the rates do not tell: all 0 or all 1.
+        rates: Share of each person.
+        trials: Number of trials of each person.
+        effect: Design effect to be assumed if the rates do not determine it: all 0 or all 1.
     """
     x, n = np.asarray(rates, dtype=float), np.asarray(trials, dtype=float)
     people, total = len(x), float(n.sum())
@@ -129,13 +129,13 @@ def _wilson(p: float, n: float, z: float) -> tuple[float, float]:
 
 
 def difference(a: Share, b: Share, correlation: float = 0.0) -> Estimate:
-    """`a` less `b`, with the limits of both put together: Newcombe 1998, Zou and Donner 2008.
+    """Difference `a` minus `b`, with combined limits of both: Newcombe 1998, Zou and Donner 2008.
 
-    Never of width zero, also where everybody always succeeded.
+    Its interval never has width zero, even if all trials succeeded.
 
     Args:
         a, b: Shares.
-        correlation: Of people's shares; 0 for different people.
+        correlation: Correlation of people's shares; 0 for different people.
     """
     d = a.value - b.value
 

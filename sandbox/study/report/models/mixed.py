@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 FEWEST_PEOPLE = 3
-"""Below, a spread between people cannot be told."""
+"""Least spread between people that can be estimated."""
 PRACTICE = "log2_position"
 
 
@@ -38,13 +38,13 @@ class Mixed:
     """A fitted model.
 
     Attributes:
-        present: Numbers of the conditions that it has, in order of its coefficients.
-        names: Of all coefficients: conditions, then practice where it could be told.
-        coefficients, covariance: Of the fixed effects.
+        present: Numbers of its conditions, in order of its coefficients.
+        names: Names of all coefficients: conditions, then practice if it can be estimated.
+        coefficients, covariance: Fixed effects and their covariance.
         spreads: Standard deviations: person, person x factor, residual.
-        people, trials: How many it saw.
-        left_out: Terms that the data do not suffice for, in words.
-        converged: The optimiser was content.
+        people, trials: Numbers of people and trials.
+        left_out: Terms for which the data do not suffice, in words.
+        converged: True if the optimiser converged.
     """
 
     present: tuple[int, ...]
@@ -79,7 +79,7 @@ def fixed_effects(
 
 
 def random_factors(rows: DataFrame, factors: Sequence[Factor]) -> tuple[list[Factor], list[str]]:
-    """Factors whose effect can be told to vary from person to person, and what others lack."""
+    """Factors whose effect may vary from person to person, and reasons why others cannot."""
     usable, lacking = [], []
     for factor in factors:
         if not factor.within or len(factor.levels) < 2:
@@ -96,12 +96,12 @@ def fit_mixed(data: StudyData, rows: DataFrame, y: np.ndarray) -> Mixed | str:
     """Fits the model, with fewer random effects where the data do not suffice for all.
 
     Args:
-        data: Of the study.
-        rows: Those of `data.used` that are modelled.
-        y: (rows,) measure, on the scale on which effects add up.
+        data: Data of the study.
+        rows: Modelled rows of `data.used`.
+        y: (rows,) measure, on the scale on which effects are additive.
 
-    Returns:
-        The model, or why there is none.
+        Returns:
+            The model, or the reason why there is none.
     """
     people = rows["ppid"].nunique()
     if people < FEWEST_PEOPLE:
@@ -135,7 +135,7 @@ def _fit(
     import pandas as pd
     from statsmodels.regression.mixed_linear_model import MixedLM
 
-    # Names of people's own choice are no formula's business.
+    # Names chosen by users are not put into a formula.
     table = pd.DataFrame({"y": y, "who": rows["ppid"].to_numpy()})
     for i, column in enumerate(X.T):
         table[f"x{i}"] = column

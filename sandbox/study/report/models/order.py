@@ -1,4 +1,4 @@
-"""Whether the order mattered: where levels came, how times change with practice."""
+"""Effects of order: places of levels, and change of times with practice."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from sandbox.study.report.models.intervals import Estimate, mean_interval
 from sandbox.study.report.models.quantities import Quantity, rows_with
 
 POINTS = 24
-"""Of a learning curve at most; more trials are put together."""
+"""Maximum points of a learning curve; more trials are averaged."""
 
 
 @dataclass(frozen=True)
 class Place:
-    """A level at a place.
+    """A level at a place in the order.
 
     Attributes:
-        factor, level: Which.
-        place: 1, 2, ...: how many levels of the factor came up to this one, within those around.
-        times: How often it was there.
-        mean: Of the measure, other conditions' differences taken out.
+            factor, level: The factor and its level.
+            place: 1, 2, ..., place of the level in the order, within the outer factors.
+            times: Number of times that it was there.
+        mean: Mean of the measure, without differences between other conditions.
     """
 
     factor: str
@@ -63,14 +63,14 @@ def _place(data: StudyData, factor: Factor, outer: list[str]) -> np.ndarray:
 
 
 def balanced(found: list[Place], factor: Factor) -> bool:
-    """Whether every level was equally often at every place."""
+    """True if every level was equally often at every place."""
     counts = {(p.level, p.place): p.times for p in found}
     number = len(factor.levels)
     return len(counts) == number * number and len(set(counts.values())) == 1
 
 
 def neighbours(data: StudyData, factor: Factor) -> dict[tuple[str, str], int]:
-    """How often a level came right after another one."""
+    """Number of times that a level came right after another one."""
     count: Counter[tuple[str, str]] = Counter()
     for _, levels in data.used.groupby("ppid", sort=False)[factor.column]:
         runs = [x for i, x in enumerate(levels) if i == 0 or x != levels.iloc[i - 1]]
@@ -83,10 +83,10 @@ class Learned:
     """A point of a learning curve.
 
     Attributes:
-        level: Of the factor.
-        first, last: Trials with this level, 1, 2, ..., that are put together.
-        mean: Of the measure, other conditions' differences taken out.
-        people: That it is from.
+        level: Level of the factor.
+        first, last: First and last of the averaged trials with this level, counted from 1.
+        mean: Mean of the measure, without differences between other conditions.
+        people: Number of people.
     """
 
     level: str

@@ -1,4 +1,4 @@
-"""What is measured of a trial, and on which scale: one list for tables, models and plots."""
+"""Measures of a trial and their scales: one list for tables, models and plots."""
 
 from __future__ import annotations
 
@@ -16,8 +16,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 SHARE, LOG, PLAIN = "share", "log", "plain"
-"""How values are put together: shares of 0 and 1; logarithms, so that effects are factors; as they
-are."""
+"""Scales: shares of 0 and 1; logarithms, so that effects are factors; plain values."""
 RATIO_UNITS = ("s", "m", "mm", "m/s", "bit/s", "ms")
 """Units of what cannot be negative and is thought of in per cent; their logarithms are modelled."""
 MAIN = ("time_s", "success")
@@ -32,8 +31,8 @@ class Quantity:
 
     Attributes:
         name: Column of `trial_results.csv`.
-        title: For people.
-        unit: Of its values; empty for counts and indices.
+        title: Title for people.
+        unit: Unit of its values; empty for counts and indices.
         means: Its definition in a line.
         better: high, low, or empty.
         scale: `SHARE`, `LOG` or `PLAIN`.

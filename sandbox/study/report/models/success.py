@@ -1,8 +1,8 @@
 """Success: shares of trials, their differences between levels, and odds.
 
-The differences are in shares of trials, which always exist. Everybody's own shares are what
-varies; limits come from Wilson's intervals for clustered trials, and so have a width even where
-everybody always succeeded. P values are of exact or drawn permutations: signs of people's own
+The differences are in shares of trials, which always exist. The shares of single people are the
+independent values; limits come from Wilson's intervals for clustered trials, and so have a width
+even if all trials succeeded. P values are of exact or drawn permutations: signs of people's own
 differences, or people's groups. Odds ratios are by generalised estimating equations, where no
 condition is all success or all failure.
 """
@@ -35,14 +35,14 @@ DRAWS = 10_000
 
 @dataclass(frozen=True)
 class Successes:
-    """How much a pair of levels differs in success.
+    """Difference in success between a pair of levels.
 
     Attributes:
-        pair: Which levels.
-        first, second: Shares over the circumstances in which both occur.
-        estimate: Second less first.
-        p: Of the permutation test; nan with fewer than two people.
-        people: Who did both, or either.
+        pair: The levels.
+        first, second: Shares over the conditions in which both occur.
+        estimate: Second minus first.
+        p: P value of the permutation test; nan with fewer than two people.
+        people: Number of people who did both, or either.
     """
 
     pair: Pair
@@ -54,14 +54,14 @@ class Successes:
 
 
 def rates(data: StudyData, name: str = "success") -> tuple[list[str], np.ndarray, np.ndarray]:
-    """Everybody's successes in every condition.
+    """Share of success of every person in every condition.
 
     Args:
-        data: Of the study.
-        name: Of the measure, whose values are 0 and 1.
+        data: Data of the study.
+        name: Name of the measure, whose values are 0 and 1.
 
     Returns:
-        Pseudonyms; (people, conditions) shares, nan where there was no trial; numbers of trials.
+        Pseudonyms; shares (people, conditions), nan without a trial; numbers of trials.
     """
     people = data.ppids
     row = {ppid: i for i, ppid in enumerate(people)}

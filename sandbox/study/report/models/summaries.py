@@ -29,10 +29,10 @@ class Summary:
     """A condition's, or a level's, mean.
 
     Attributes:
-        name: Of the condition or level.
-        people, trials: That it is from.
-        mean: With the interval of the mean over people.
-        within: With the interval for comparing conditions, without differences between people.
+        name: Name of the condition or level.
+        people, trials: Numbers of people and trials.
+        mean: Mean with its interval over people.
+        within: Mean with the interval for comparisons, without differences between people.
     """
 
     name: str
@@ -71,9 +71,9 @@ def summaries(data: StudyData, what: Quantity, factor: Factor | None = None) -> 
     """Means by condition, or by level of a factor.
 
     Args:
-        data: Of the study.
+        data: Data of the study.
         what: The measure.
-        factor: Its levels; without one, all conditions.
+        factor: The factor; None uses all conditions.
     """
     if not len(data.used):
         return []

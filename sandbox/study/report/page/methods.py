@@ -1,4 +1,4 @@
-"""What was done, in words that can go into a paper, and with which software."""
+"""Description of methods and software, in words that can go into a paper."""
 
 from __future__ import annotations
 

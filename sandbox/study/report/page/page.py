@@ -60,7 +60,7 @@ class _Safe(str):
 
 
 def head(found: Analysis) -> dict[str, Any]:
-    """What stands above the sections: title, warning, facts and findings."""
+    """Head of the page above the sections: title, warning, facts and findings."""
     data = found.data
     mode = data.mode if data.mode in KINDS else "unknown"
     kind, title, warning = UNKNOWN

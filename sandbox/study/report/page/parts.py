@@ -1,4 +1,4 @@
-"""What a page is made of: sections with paragraphs, tables, and pictures with their numbers."""
+"""Parts of a page: sections with paragraphs, tables, and pictures with their numbers."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ class Table:
     """A table of texts.
 
     Attributes:
-        caption: What it is.
-        head: Of the columns.
-        rows: Texts; the first of each row is its name.
-        note: Below it.
+        caption: Caption of the table.
+        head: Headings of the columns.
+        rows: Texts of the cells; the first of each row is its name.
+        note: Note below the table.
     """
 
     caption: str
@@ -26,12 +26,12 @@ class Table:
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture, and beside it a table with the same.
+    """A picture with a table of the same numbers.
 
     Attributes:
         svg: The picture.
-        caption: What it shows and how to read it.
-        table: The same in numbers.
+        caption: Content of the picture, and how to read it.
+        table: The same values as numbers.
     """
 
     svg: str
@@ -62,7 +62,7 @@ class Section:
     """A section of the page.
 
     Attributes:
-        id: Of its anchor.
+        id: Id of its anchor.
         title: Its heading.
         parts: In order.
     """

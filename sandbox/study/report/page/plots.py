@@ -69,7 +69,7 @@ def _figure(
     body: float, left: float = 0.75, above: float = 0.1, below: float = 0.55, columns: int = 1,
     **how: Any,
 ) -> Iterator[tuple[Any, list[Any]]]:  # fmt: skip
-    """A figure with margins that are told, in: finding them out takes longer than drawing."""
+    """A figure with given margins, inches: computing them would take longer than drawing."""
     from matplotlib import rc_context
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
@@ -109,9 +109,9 @@ def svg_of(figure: Any, name: str, title: str) -> str:
     """A figure as SVG for a page that may hold several.
 
     Args:
-        figure: Of matplotlib.
-        name: Before all ids, so that those of two pictures differ.
-        title: For those who do not see it.
+        figure: Figure of matplotlib.
+        name: Prefix of all ids, so that those of two pictures differ.
+        title: Text for readers who cannot see it.
     """
     from html import escape
 
@@ -141,12 +141,12 @@ def dots(name: str, title: str, label: str, rows: Sequence[str], series: Sequenc
 
     Args:
         name, title: See `svg_of`.
-        label: Of the measure's axis.
-        rows: From the top; one empty name where there is nothing to tell apart.
+        label: Label of the measure's axis.
+        rows: Names of the rows, from the top; one empty name for a single row.
         series: Levels, in colours.
-        values: By row and series.
-        log: The axis is logarithmic.
-        limits: Of the axis.
+        values: Values by row and series.
+        log: True for a logarithmic axis.
+        limits: Limits of the axis.
     """
     rows = [_short(r, 34) for r in rows]
     values = {(_short(r, 34), one): dot for (r, one), dot in values.items()}
@@ -187,12 +187,12 @@ def forest(name: str, title: str, label: str, rows: Sequence[str],
 
     Args:
         name, title: See `svg_of`.
-        label: Of the axis.
+        label: Label of the axis.
         rows: Pairs of levels, from the top.
         values: (series, rows) estimates.
-        series: Names of the ways of estimating.
-        none: Where there is no difference.
-        log: The axis is logarithmic.
+        series: Names of the methods of estimation.
+        none: Value that means no difference.
+        log: True for a logarithmic axis.
     """
     rows = [_short(r, 40) for r in rows]
     body = 0.3 + len(rows) * (0.16 + 0.22 * len(series))
@@ -219,16 +219,16 @@ def forest(name: str, title: str, label: str, rows: Sequence[str],
 def lines_by_person(name: str, title: str, label: str, panels: Sequence[str],
                     levels: Sequence[Sequence[str]], values: Sequence[np.ndarray],
                     means: Sequence[Sequence[Estimate]], log: bool = False) -> str:  # fmt: skip
-    """A line for everybody from level to level, and the mean over people.
+    """A line for each person from level to level, and the mean over people.
 
     Args:
         name, title: See `svg_of`.
-        label: Of the measure's axis.
+        label: Label of the measure's axis.
         panels: Factors, side by side.
-        levels: Of each panel.
-        values: Of each panel, (people, levels); nan for what somebody lacks.
-        means: Of each panel, with intervals.
-        log: The axis is logarithmic.
+        levels: Levels of each panel.
+        values: Values of each panel, (people, levels); nan if missing.
+        means: Means of each panel, with intervals.
+        log: True for a logarithmic axis.
     """
     tilted = any(len(some) > 4 for some in levels)
     with _figure(2.8, above=0.3, below=0.95 if tilted else 0.4, columns=len(panels),
@@ -267,10 +267,10 @@ def curves(name: str, title: str, label: str, along: str, series: Sequence[str],
 
     Args:
         name, title: See `svg_of`.
-        label, along: Of both axes.
+        label, along: Labels of both axes.
         series: Levels.
-        x, values: Of each series.
-        log: The measure's axis is logarithmic.
+        x, values: Coordinates of each series.
+        log: True for a logarithmic axis of the measure.
     """
     with _figure(2.6, above=_above(series)) as (figure, (axes,)):
         for j, one in enumerate(series):

@@ -193,9 +193,9 @@ def test_scores_of_questionnaires_are_compared_within_people(tmp_path: Path) -> 
 
 @pytest.mark.parametrize(("text", "said"), [
     (b"ppid,time_s\nA,1\n", "columns are missing"),
-    (b"", "no table"),
-    (b"\xff\xfe\x00", "no table"),
-    (b'a,b\n"', "no table|columns are missing"),
+    (b"", "not a table"),
+    (b"\xff\xfe\x00", "not a table"),
+    (b'a,b\n"', "not a table|columns are missing"),
 ])  # fmt: skip
 def test_what_is_no_table_of_trials_is_refused_in_one_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], text: bytes, said: str

@@ -1,4 +1,4 @@
-"""What a hand feels and how sure its labels are, for a page; read in the session's own thread."""
+"""Contact forces and label probability of hands, for a page; read in the session's thread."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ NOTHING = (0.0,) * len(FINGERS)
 
 @dataclass(frozen=True)
 class HandSense:
-    """One hand.
+    """Contact forces and label probability of one hand.
 
     Attributes:
-        forces: N, what each finger's last link presses things with, thumb first.
-        probability: How sure the labels are, 0 to 1.
+        forces: N, force of each finger's last link on objects, thumb first.
+        probability: Probability of the labels, 0 to 1.
     """
 
     forces: tuple[float, ...] = NOTHING
@@ -30,7 +30,7 @@ class HandSense:
 
 
 def senses(session: Session) -> list[HandSense]:
-    """Of every hand of a session, now."""
+    """Current contact forces and label probabilities of all hands of a session."""
     return [
         HandSense(tuple(forces), reconstruction.probability)
         for forces, reconstruction in zip(
@@ -40,7 +40,7 @@ def senses(session: Session) -> list[HandSense]:
 
 
 def press(scene: Scene, data: mujoco.MjData) -> list[list[float]]:
-    """N, what each finger of each hand presses things with, in a state that was just reached."""
+    """Force in N of each finger of each hand on objects, in the state just reached."""
     model = scene.model
     forces = [[0.0] * len(FINGERS) for _ in scene.spec.hands]
     if not data.ncon:

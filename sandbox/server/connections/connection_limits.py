@@ -1,9 +1,9 @@
-"""How many may stand at the server's door at once: no flood of connections uses up this machine.
+"""Connection limits: a flood of unauthenticated connections cannot exhaust this machine.
 
-Whoever has not shown the token yet is a stranger. There is room for a few of them, and when one
-more comes, the one that has stood there longest goes: a page of ours needs milliseconds to show
-its token, those who only want to keep others out do not show any. Who has shown it is a guest. An
-address that connects all the time is not even listened to, since listening takes a millisecond.
+A connection that has not sent the token yet is unauthenticated. A few of them are allowed; when one
+more comes, the oldest is closed: our page sends its token within milliseconds, an attacker who only
+occupies connections never does. Connections with the token have a limit of their own. An address
+that connects too often is rejected before its request is read, since reading takes a millisecond.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ MOST_GUESTS = 32
 ARRIVALS_PER_SECOND, ARRIVALS_AT_ONCE = 50.0, 150.0
 """Connections from one address; a page that loads needs five."""
 MOST_ADDRESSES = 256
-"""Whose arrivals are remembered; the one that came first is forgotten first."""
+"""Number of addresses whose connections are counted; the oldest is forgotten first."""
 
 
-class Door:
-    """Knows who stands there; all of it runs in the server's thread.
+class ConnectionLimits:
+    """Tracks unauthenticated connections; runs in the server's thread.
 
     Args:
-        counters: Of those who are sent away.
+        counters: Counters of rejected connections.
     """
 
     def __init__(self, counters: Counters) -> None:
@@ -46,7 +46,7 @@ class Door:
         return len(self._strangers) + len(self._guests)
 
     def answers(self, address: str, now: float) -> bool:
-        """Whether somebody from an address who has just connected, at s, is listened to at all."""
+        """True if a new connection from an address, at a time in s, is accepted for reading."""
         allowance = self._arrivals.get(address)
         if allowance is None:
             if len(self._arrivals) >= MOST_ADDRESSES:
@@ -88,29 +88,29 @@ class Door:
         self._guests.discard(connection)
         if connection in self._strangers:
             del self._strangers[connection]
-            # A request that was refused has been counted with its reason.
+            # A refused request has been counted with its reason.
             if connection.request is None:
                 self._counters.add("failed handshake")
 
 
-def watched(door: Door) -> type[Attentive]:
-    """A kind of connection that goes through a door, for `websockets.serve`."""
+def watched(limits: ConnectionLimits) -> type[Attentive]:
+    """A connection class for `websockets.serve` that keeps these limits."""
 
     class Watched(Attentive):
         _heard = True
 
         def connection_made(self, transport: asyncio.BaseTransport) -> None:
             peer = transport.get_extra_info("peername") or ("",)
-            self._heard = door.answers(str(peer[0]), time.monotonic())
+            self._heard = limits.answers(str(peer[0]), time.monotonic())
             if self._heard:
                 super().connection_made(transport)
-                door.come(self)
+                limits.come(self)
             else:
                 transport.abort()  # type: ignore[attr-defined]
 
         def connection_lost(self, exc: Exception | None) -> None:
             if self._heard:
-                door.leave(self)
+                limits.leave(self)
                 super().connection_lost(exc)
 
     return Watched

@@ -1,4 +1,4 @@
-"""What somebody is told whose screen has no room for a task: things keep their true size on it."""
+"""Message for a screen too small for a task, whose objects keep their true size on it."""
 
 from __future__ import annotations
 
