@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import replace
 from typing import Any
 
@@ -170,17 +171,27 @@ def build(
         reconstructors.append(wear(touched) if wear else touched)
     rules = SolidityRules(settings.ghost_until_clear, settings.distal_only)
     air_rules = replace(rules, **IN_AIR)
-    rigs = [
-        Rig(make(task, surface), reconstructor, model_hand, None, air_rules)
-        if hand.in_air
-        else Rig(make(task, surface), reconstructor, model_hand, _yaw_watch(model))
-        for hand, make, surface, reconstructor, model_hand in zip(
-            settings.hands, makers, surfaces, reconstructors, _hands(settings, task_type),
-            strict=True,
-        )
-    ]  # fmt: skip
     friction = settings.variation.friction
-    session = Session(task, rigs, rules, settings.timestep, recorder, settings.contact, friction)
+    with ExitStack() as undo:
+        rigs = []
+        for hand, make, surface, reconstructor, model_hand in zip(
+            settings.hands,
+            makers,
+            surfaces,
+            reconstructors,
+            _hands(settings, task_type),
+            strict=True,
+        ):
+            device = make(task, surface)
+            undo.callback(device.close)
+            yaw = None if hand.in_air else _yaw_watch(model)
+            own_rules = air_rules if hand.in_air else None
+            rigs.append(Rig(device, reconstructor, model_hand, yaw, own_rules))
+        session = Session(
+            task, rigs, rules, settings.timestep, recorder, settings.contact, friction
+        )
+        # The session closes them from now on.
+        undo.pop_all()
     if isinstance(recorder, Told):
         recorder.watch(session)
     return session

@@ -154,9 +154,15 @@ def test_objects_that_just_touch_are_no_overlap():
 )
 def test_a_measure_that_gives_none_is_refused_before_the_trial_begins(measure, says, monkeypatch):
     monkeypatch.setitem(TASKS, "test-broken", broken(measure=measure))
+    closed = []
+
+    class Closes(Script):
+        def close(self):
+            closed.append(self)
+
     with pytest.raises(InputError, match=says) as error:
-        build(RunSettings(task="test-broken"), (lambda task, surface: Script(),))
-    assert "\n" not in str(error.value)
+        build(RunSettings(task="test-broken"), (lambda task, surface: Closes(),))
+    assert "\n" not in str(error.value) and len(closed) == 1
 
 
 def test_a_measure_that_gives_none_later_ends_the_trial_in_a_line(monkeypatch):
