@@ -24,8 +24,9 @@ from sandbox.options.leap_devices import over_one
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.device_makers import DeviceMaker
+from sandbox.trial.driver import View
 from sandbox.trial.hand_input import UNDER, HandInput
-from sandbox.trial.headless import View, run_trial
+from sandbox.trial.headless import run_trial
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import HandSettings, RunSettings
 from tasks.registry import find_task, hands_of

@@ -35,13 +35,14 @@ from sandbox.server.publishing import publish
 from sandbox.server.web import WebDevice
 from sandbox.session.messages import Snapshot
 from sandbox.trial.assembly import build
-from sandbox.trial.live import LiveSession
+from sandbox.trial.driver import Trial
+from sandbox.trial.live import LiveTrial
 from sandbox.trial.settings import RunSettings
 from sandbox.trial.timing import TimedDevice, Timing
 from tasks.task import Task
 
 
-def served(server: PageServer) -> LiveSession:
+def served(server: PageServer) -> tuple[Trial, LiveTrial]:
     """A session whose touches come from the server's page; not yet started."""
     settings = replace(RunSettings(), surface_in=(1024 / PX_PER_IN, 768 / PX_PER_IN))
     timing = Timing(server.latency)
@@ -62,7 +63,8 @@ def served(server: PageServer) -> LiveSession:
         timing.stepped(snapshot)
         publish(server, session, snapshot)
 
-    return LiveSession(session, on_step, news=device[0].news)
+    trial = Trial(session, [on_step])
+    return trial, LiveTrial(trial, news=device[0].news)
 
 
 def main() -> None:
@@ -74,7 +76,7 @@ def main() -> None:
 
     cores = sorted(os.sched_getaffinity(0))
     server = PageServer()
-    live = served(server)
+    trial, live = served(server)
     live.start()
     context = multiprocessing.get_context("spawn")
     out = context.Queue()
@@ -99,7 +101,7 @@ def main() -> None:
     for name, kind in (("received to step", "waited"), ("control step", "stepped")):
         p = step[kind]
         _row(name, np.array([p.p50, p.p95, p.p99]), p.n)
-    print(f"simulated {live.session.time:.1f} s, given up {live.lost:.2f} s")
+    print(f"simulated {trial.session.time:.1f} s, given up {live.lost:.2f} s")
 
 
 def _row(name: str, found: np.ndarray, n: int) -> None:

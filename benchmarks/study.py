@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from benchmarks.machine import describe_machine
 from sandbox.devices.simulated.simulated import SimulatedDevice
@@ -36,7 +35,7 @@ from sandbox.study.tables.frames import FrameTable
 from sandbox.study.tables.tables import rebuild_session, rebuild_study
 from sandbox.trial.assembly import build
 from sandbox.trial.device_makers import DeviceMaker
-from sandbox.trial.headless import no_search_for_garbage, trial_header
+from sandbox.trial.driver import trial_header, undisturbed
 from sandbox.trial.keeping import Keeping
 from sandbox.trial.pacing import RealTime
 from sandbox.trial.replay import replay, settings_of
@@ -62,7 +61,7 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=10.0, help="of touches, each time")
     seconds = parser.parse_args().seconds
     print(describe_machine())
-    with tempfile.TemporaryDirectory() as folder, no_search_for_garbage():
+    with tempfile.TemporaryDirectory() as folder, undisturbed():
         logging(Path(folder), seconds)
         difference(Path(folder))
         replaying(Path(folder))
@@ -160,7 +159,7 @@ def difference(folder: Path, rounds: int = 5) -> None:
                         keeping.recorder if logged else None)  # fmt: skip
         table.watch(session)
         began, steps = time.thread_time(), 0
-        with threadpool_limits(1), no_search_for_garbage():
+        with undisturbed():
             while not session.over:
                 snapshot = session.advance()
                 steps += 1
@@ -189,7 +188,7 @@ def replaying(folder: Path) -> None:
         told = []
         for _ in range(3):
             began, worked = time.perf_counter(), time.process_time()
-            with threadpool_limits(1), no_search_for_garbage():
+            with undisturbed():
                 again, found = replay(load_recording(record))
             told.append((time.perf_counter() - began, time.process_time() - worked))
             assert found.exact and found.complete

@@ -128,7 +128,7 @@ def parts_of_trial(seed: int, fingers: int) -> dict[str, float]:
     from sandbox.options.scene_options import SceneOptions, plan
     from sandbox.recording.dump import BlackBox
     from sandbox.trial.assembly import build
-    from sandbox.trial.headless import play
+    from sandbox.trial.driver import Trial
 
     chosen = plan(SceneOptions(seed=seed, fingers=fingers))
     box = BlackBox({})
@@ -155,7 +155,7 @@ def parts_of_trial(seed: int, fingers: int) -> dict[str, float]:
         (box, "input", "what a diverged trial keeps"),
     ]
     with timed(clock, places):
-        play(session, [])
+        Trial(session, []).run()
     steps = session.step / session.scene.substeps
     return {part: spent / steps for part, spent in clock.spent.items()}
 

@@ -19,8 +19,8 @@ from sandbox.recording.recording import load_recording
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build
-from sandbox.trial.headless import play
-from sandbox.trial.live import LiveSession
+from sandbox.trial.driver import Trial
+from sandbox.trial.live import LiveTrial
 from sandbox.trial.settings import RunSettings
 from sandbox.views.display import has_display
 from sandbox.views.errors import GraphicsError
@@ -103,7 +103,7 @@ def _live(session: Session, kept: list[Snapshot], console: Console) -> bool:
     except GraphicsError as error:
         console.print(f"[yellow]no window: {error}[/]")
         return False
-    live = LiveSession(session, lambda snapshot: _keep(kept, snapshot))
+    live = LiveTrial(Trial(session, [lambda snapshot: _keep(kept, snapshot)]))
     live.start()
     try:
         while window.pump(live.newest) and not live.over:
@@ -131,7 +131,7 @@ def _headless(
                 last = phase
                 progress.console.print(f"[dim]{snapshot.time:5.2f} s[/]  {_WORDS[phase]}")
 
-        play(session, [show])
+        Trial(session, [show]).run()
 
 
 def _pictures(session: Session, kept: list[Snapshot], out: Path, console: Console) -> None:

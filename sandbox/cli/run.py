@@ -24,8 +24,9 @@ from sandbox.session.device import Device
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.device_makers import DeviceMaker
+from sandbox.trial.driver import View
 from sandbox.trial.events import EventLog, NoticeEvents
-from sandbox.trial.headless import View, run_trial
+from sandbox.trial.headless import run_trial
 from sandbox.trial.lift import with_lift
 from sandbox.trial.pacing import RealTime
 from sandbox.trial.result import TrialResult

@@ -10,7 +10,7 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import ArrayLike, NDArray
 
-from models.errors import DivergenceError, InputError
+from models.errors import InputError
 from models.scene import CONTROL_PERIOD
 from models.skeleton import ADULT
 from sandbox.gym.actions import Hands, PoseHands, TouchHands
@@ -18,6 +18,7 @@ from sandbox.gym.observation import observation_space, observe
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build, place_surface
 from sandbox.trial.device_makers import DeviceMaker
+from sandbox.trial.driver import Trial
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import HandSettings, RunSettings
 from sandbox.trial.surfaces import place_all
@@ -160,6 +161,7 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
             tuple(_given(hand) for hand in self._hands),
             wear=lambda touched: next(wearing).worn(touched),
         )
+        self._trial = Trial(self.session)
         self._snapshot = self.session.snapshot()
         sensing = Sensing(self.session.scene, self.session.data)
         self._progress = measure(self.session.task, sensing).progress
@@ -180,12 +182,11 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
         for hand, own in zip(self._hands, np.split(whole, len(self._hands)), strict=True):
             hand.act(own)
         won = session.scorer.score.success
-        try:
-            self._snapshot = session.advance()
+        # After a divergence the trial is marked, and its last sound observation stands.
+        if self._trial.step():
+            assert self._trial.newest is not None
+            self._snapshot = self._trial.newest
             self._seen = self._observed(session)
-        except DivergenceError:
-            # The trial is marked; its last sound observation stands.
-            assert session.over
         score = session.scorer.score
         gained = float(score.success and not won)
         if self.reward == "progress":

@@ -24,7 +24,7 @@ from sandbox.session.device import Device
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.device_makers import DeviceMaker
-from sandbox.trial.headless import View
+from sandbox.trial.driver import View
 from sandbox.trial.headless import run_trial as play_trial
 from sandbox.trial.lift import with_lift
 from sandbox.trial.pacing import RealTime

@@ -11,7 +11,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from models.errors import DivergenceError
 from models.motion.armature import Armature
 from models.motion.sampling import Poses
 from models.scene import CONTROL_PERIOD
@@ -19,7 +18,8 @@ from sandbox.export.sources import Source, Take, commanded_poses, poses_of, toge
 from sandbox.export.view import simulated_poses
 from sandbox.session.newest import Newest
 from sandbox.session.session import Session
-from sandbox.trial.pacing import RealTime
+from sandbox.trial.driver import Trial
+from sandbox.trial.pacing import Pace, RealTime
 
 
 def source_of_session(session: Session, stop: threading.Event, of: str = "commanded") -> Source:
@@ -46,18 +46,8 @@ def source_of_session(session: Session, stop: threading.Event, of: str = "comman
 
 def _with_physics(session: Session, stop: threading.Event, of: str, take: Take) -> str:
     poses: Callable[..., Poses] = commanded_poses if of == "commanded" else simulated_poses
-    looking = [rig.device.show for rig in session.rigs if rig.device.looks]
-    clock = RealTime()
-    while not (session.over or stop.is_set()):
-        try:
-            snapshot = session.advance()
-        except DivergenceError as error:
-            return f"the simulation diverged: {error.what}"
-        for show in looking:
-            show(snapshot)
-        take(poses(snapshot))
-        clock.wait(snapshot.time)
-    return ""
+    Trial(session, [lambda snapshot: take(poses(snapshot))]).run(Pace(), stop=stop.is_set)
+    return f"the simulation diverged: {session.diverged}" if session.diverged else ""
 
 
 def _without_physics(session: Session, stop: threading.Event, of: str, take: Take) -> str:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import threading
 import time
 
+from models.scene import CONTROL_PERIOD
+
 LEEWAY = 0.10
 """s behind real time from which on the lost time is given up: the session then runs slower than
 real time and says so, rather than hurrying after a moment that has passed."""
@@ -58,6 +60,43 @@ class RealTime:
         elif ahead < -LEEWAY:
             self._origin -= ahead
             self.lost -= ahead
+
+
+class Pace:
+    """Keeps a trial at real time, also when its speed changes or its time stands still.
+
+    Args:
+        speed: Simulated seconds per second.
+        news: See `RealTime.wait`; the step that takes news in may be one control period early.
+
+    Attributes:
+        speed: As given; may be changed at any time, from any thread.
+    """
+
+    def __init__(self, speed: float = 1.0, news: threading.Event | None = None) -> None:
+        self.speed = speed
+        self._news = news
+        self._clock: RealTime | None = None
+        self._given_up = 0.0
+
+    @property
+    def lost(self) -> float:
+        """s of real time given up so far because the machine was too slow."""
+        return self._given_up + (self._clock.lost if self._clock else 0.0)
+
+    def begin(self, simulated: float) -> None:
+        """Starts at a simulated time, s: time that stood still is not caught up with."""
+        self._given_up = self.lost
+        self._clock = RealTime(self.speed, simulated)
+
+    def wait(self, simulated: float) -> None:
+        """Returns when a simulated time, s, is due."""
+        clock = self._clock
+        if clock is None or clock.speed != self.speed:
+            # The step that was just made began at the old speed; the next one keeps to the new.
+            self.begin(simulated)
+            return
+        clock.wait(simulated, self._news, CONTROL_PERIOD / clock.speed)
 
 
 def clear_of(due: float, expected: float) -> float:

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from models.errors import DivergenceError, RecordingError
+from models.errors import RecordingError
 from sandbox.recording.recorded_device import RecordedDevice
 from sandbox.recording.recorded_task import recorded_task
 from sandbox.recording.recording import Recording
 from sandbox.recording.versions import versions
+from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build, digests
 from sandbox.trial.device_makers import DeviceMaker, DeviceMakers
-from sandbox.trial.headless import ViewMaker, no_views
+from sandbox.trial.driver import Trial, ViewMaker, no_views
 from sandbox.trial.recorded_encoder import recorded_encoder
 from sandbox.trial.recorded_poses import RecordedPoses
 from sandbox.trial.settings import RunSettings
@@ -95,6 +96,13 @@ def replay(recording: Recording, make_views: ViewMaker = no_views) -> tuple[Sess
     poses = RecordedPoses(session, recording) if recording.track.qpos and not same else None
     views = make_views(session)
     compared, difference = 0, None
+
+    def show(snapshot: Snapshot) -> None:
+        shown = poses.show(snapshot, scored=difference is None) if poses else snapshot
+        for view in views:
+            view(shown)
+
+    trial = Trial(session, [show])
     while True:
         if session.step in recording.hashes:
             compared += 1
@@ -103,14 +111,7 @@ def replay(recording: Recording, make_views: ViewMaker = no_views) -> tuple[Sess
         # A score may be won earlier or later elsewhere; what is shown goes on to its end.
         if session.diverged or (session.over and not (poses and session.step < poses.last)):
             break
-        try:
-            snapshot = session.advance()
-        except DivergenceError:
-            continue
-        if poses:
-            snapshot = poses.show(snapshot, scored=difference is None)
-        for view in views:
-            view(snapshot)
+        trial.step()
     complete = recording.end is not None and session.step == recording.end["step"]
     return session, Verification(
         compared, difference, complete, same, poses is not None, session.diverged

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import time
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 from rich.console import Console
 
@@ -23,12 +23,11 @@ from sandbox.server.protocol.rectangle import common, rectangle
 from sandbox.server.publishing import publish
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
-from sandbox.trial.assembly import build
 from sandbox.trial.device_makers import with_first
+from sandbox.trial.driver import Trial, View, open_trial
 from sandbox.trial.events import EventLog, NoticeEvents
-from sandbox.trial.headless import looking_devices, trial_header
-from sandbox.trial.keeping import Keeping
-from sandbox.trial.live import LiveSession
+from sandbox.trial.live import LiveTrial
+from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import RunSettings
 from sandbox.trial.timing import Timing, timed
 from tasks.registry import TASKS
@@ -147,29 +146,45 @@ class PagePlay:
         wishes.seated = self._seated
         chosen = self._chosen(wishes)
         record = self.options.record
-        keeping = Keeping(
-            trial_header(chosen.settings, chosen.about),
-            numbered(record, wishes.trial) if record else None,
-            self.options.dump,
-        )
-        latency = self.servers[0].latency
-        timing = Timing(latency)
-        try:
-            makers = chosen.makers
-            if chosen.live:
-                makers = with_first(makers, lambda maker: timed(maker, timing))
-            session = build(chosen.settings, makers, keeping.recorder)
-        except InputError as error:
-            keeping.close()
-            self._refuse(error, chosen.settings)
-            return
+        timing = Timing(self.servers[0].latency)
+        makers = chosen.makers
+        if chosen.live:
+            makers = with_first(makers, lambda maker: timed(maker, timing))
+        ended: list[TrialResult] = []
+        with ExitStack() as closing:
+            # Told once the recording is closed, also where the person interrupts the program.
+            closing.callback(self._tell_end, ended)
+            try:
+                trial = closing.enter_context(
+                    open_trial(
+                        chosen.settings,
+                        makers,
+                        lambda session: self._views(session, timing),
+                        numbered(record, wishes.trial) if record else None,
+                        chosen.about,
+                        self.options.dump,
+                    )
+                )
+            except InputError as error:
+                self._refuse(error, chosen.settings)
+                return
+            self._play(trial, chosen, wishes, ended)
+        report_end(ended[0], self.console)
+
+    def _tell_end(self, ended: list[TrialResult]) -> None:
+        for result in ended:
+            self.events.tell("trial_end", **result.as_json())
+
+    def _play(self, trial: Trial, chosen: Plan, wishes: Wishes, ended: list[TrialResult]) -> None:
+        """Plays until the trial is over or another one is wanted; adds its result to `ended`."""
+        session = trial.session
         touched = [device for _, device in touched_pages(session)]
         for device in touched:
             # Whichever page is touched, its step is made at once.
             device.news = touched[0].news
         # Fingers elsewhere, as over TUIO, are seen on the page, and are no later for that.
         hears = touched[0] if touched else session.rigs[0].device
-        live = LiveSession(session, self._on_step(session, timing), news=hears.news)
+        live = LiveTrial(trial, news=hears.news)
         self._show(session, chosen)
         # A person's time begins with their first touch: before, they look at the scene.
         waiting = bool(touched)
@@ -186,16 +201,11 @@ class PagePlay:
                 time.sleep(TICK)
         finally:
             live.stop()
-            result = keeping.end(session, latency=latency.as_json())
-            keeping.close()
-            session.close()
-            # Told here, since most sessions on the page end by being interrupted.
-            self.events.tell("trial_end", **result.as_json())
+            ended.append(trial.end(latency=self.servers[0].latency.as_json()))
         for server in self.servers:
             server.publish(session.snapshot())
         if live.failure:
             raise live.failure
-        report_end(result, self.console)
 
     def _chosen(self, wishes: Wishes) -> Plan:
         chosen = plan(replace(self.options, record=None))
@@ -214,21 +224,16 @@ class PagePlay:
             show_session(server, session, hands[own or 0].side, caption, device, own)
         self.events.tell("trial_start", task=session.task.name, seed=session.task.seed)
 
-    def _on_step(self, session: Session, timing: Timing) -> Any:
+    def _views(self, session: Session, timing: Timing) -> list[View]:
         notices = NoticeEvents(
             self.events, lambda notice: self.console.print(f"[yellow]{notice}[/]")
         )
-        looking = looking_devices(session)
 
-        def on_step(snapshot: Snapshot) -> None:
-            timing.stepped(snapshot)
-            notices.show(snapshot)
-            for look in looking:
-                look(snapshot)
+        def on_pages(snapshot: Snapshot) -> None:
             for server in self.servers:
                 publish(server, session, snapshot)
 
-        return on_step
+        return [timing.stepped, notices.show, on_pages]
 
     def _refuse(self, error: InputError, settings: RunSettings) -> None:
         """A task that this screen has no room for: said on the page; another can be chosen."""

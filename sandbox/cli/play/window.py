@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 from rich.console import Console
 
@@ -33,13 +32,11 @@ from sandbox.session.device import Device
 from sandbox.session.latency import LatencyLog
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
-from sandbox.trial.assembly import build
 from sandbox.trial.device_makers import DeviceMaker, DeviceMakers, with_first
+from sandbox.trial.driver import View, open_trial
 from sandbox.trial.events import EventLog, NoticeEvents
-from sandbox.trial.headless import looking_devices, trial_header
-from sandbox.trial.keeping import Keeping
 from sandbox.trial.lift import with_lift
-from sandbox.trial.live import LiveSession
+from sandbox.trial.live import LiveTrial
 from sandbox.trial.timing import Timing, timed
 from sandbox.views.window.window import SIZE, Window
 from tasks.score import Status
@@ -145,40 +142,35 @@ class WindowPlay:
         record = self.options.record
         # A second trial is another file: nothing recorded is ever written over.
         kept = numbered(record, wishes.trial) if record else None
-        keeping = Keeping(trial_header(chosen.settings, chosen.about), kept, self.options.dump)
         timing = Timing(self.latency)
-        try:
-            session = build(chosen.settings, self._device_makers(chosen, timing), keeping.recorder)
-        except InputError:
-            keeping.close()
-            raise
-        again = False
-        live: LiveSession | None = None
-        try:
-            window = self._open_window(session, chosen)
-            live = LiveSession(
-                session,
-                self._on_step(session, timing),
-                window.speed,
-                session.rigs[0].device.news,
-            )
-            self._show_on_page(session, chosen)
-            live.pause(_waiting(session))
-            live.start()
-            again = self._watch(session, live, wishes, timing)
-        finally:
-            if live is not None:
-                live.stop()
-            result = keeping.end(session, latency=self.latency.as_json())
-            keeping.close()
-            session.close()
+        with open_trial(
+            chosen.settings,
+            self._device_makers(chosen, timing),
+            lambda session: self._views(session, timing),
+            kept,
+            chosen.about,
+            self.options.dump,
+        ) as trial:
+            session = trial.session
+            try:
+                window = self._open_window(session, chosen)
+                live = LiveTrial(trial, window.speed, session.rigs[0].device.news)
+                try:
+                    self._show_on_page(session, chosen)
+                    live.pause(_waiting(session))
+                    live.start()
+                    again = self._watch(session, live, wishes, timing)
+                finally:
+                    live.stop()
+            finally:
+                result = trial.end(latency=self.latency.as_json())
         if live.failure:
             raise live.failure
         self.events.tell("trial_end", **result.as_json())
         report_end(result, self.console)
         return again
 
-    def _watch(self, session: Session, live: LiveSession, wishes: Wishes, timing: Timing) -> bool:
+    def _watch(self, session: Session, live: LiveTrial, wishes: Wishes, timing: Timing) -> bool:
         """Draws until the window is closed (False) or another trial is wanted (True)."""
         window = self.window
         assert window is not None
@@ -274,22 +266,14 @@ class WindowPlay:
             side = chosen.settings.hands[own or 0].side
             show_session(self.server, session, side, caption, web, own)
 
-    def _on_step(self, session: Session, timing: Timing) -> Any:
+    def _views(self, session: Session, timing: Timing) -> list[View]:
         notices = NoticeEvents(
             self.events, lambda notice: self.console.print(f"[yellow]{notice}[/]")
         )
-        looking = looking_devices(session)
-        server = self.server
-
-        def on_step(snapshot: Snapshot) -> None:
-            timing.stepped(snapshot)
-            notices.show(snapshot)
-            for look in looking:
-                look(snapshot)
-            if server:
-                publish(server, session, snapshot)
-
-        return on_step
+        views: list[View] = [timing.stepped, notices.show]
+        if server := self.server:
+            views.append(lambda snapshot: publish(server, session, snapshot))
+        return views
 
     def _tell(self, text: str) -> None:
         if self.server:

@@ -11,7 +11,6 @@ from typing import Annotated, Literal
 import tyro
 from rich.console import Console
 from rich.progress import Progress
-from threadpoolctl import threadpool_limits
 
 from models.errors import InputError
 from sandbox.cli.common.films import open_film
@@ -21,7 +20,7 @@ from sandbox.recording.recording import Recording, load_recording
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.study.record.trial_files import find_recordings
-from sandbox.trial.headless import View, no_search_for_garbage
+from sandbox.trial.driver import View, undisturbed
 from sandbox.trial.replay import Verification, replay
 from sandbox.trial.result import TrialResult
 from tasks.score import ending
@@ -125,7 +124,7 @@ def _replay(file: Path, options: ReplayOptions, brief: bool, console: Console) -
                 views.append(closing.enter_context(open_film(film, session, caption)).show)
             return views
 
-        with threadpool_limits(1), no_search_for_garbage():
+        with undisturbed():
             session, found = replay(recording, make_views)
     took = time.perf_counter() - began
     if brief:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from dataclasses import replace
 
 import msgspec
@@ -15,15 +14,12 @@ from sandbox.server.protocol.rectangle import rectangle
 from sandbox.server.protocol.skins import pack_skin
 from sandbox.server.publishing import publish
 from sandbox.server.web import WebDevice
-from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.study.design.showing import Showing
-from sandbox.study.run.players import Ask, Played, Trial
+from sandbox.study.run.players import Ask, Attempt, Played
 from sandbox.study.run.study_page import TICK, StudyPage, inches, lacks_room
-from sandbox.trial.assembly import build
-from sandbox.trial.headless import no_search_for_garbage, trial_header
-from sandbox.trial.keeping import Keeping
-from sandbox.trial.live import LiveSession
+from sandbox.trial.driver import View
+from sandbox.trial.live import LiveTrial
 from sandbox.trial.settings import RunSettings
 
 AFTER = 1.2
@@ -47,37 +43,33 @@ class PagePlayer:
     def play(self, ask: Ask) -> Played:
         self._page.server.latency.reset()
         self._page.device = None  # trials over a Leap have none
-        keeping = Keeping(trial_header(ask.settings, ask.about), ask.record)
-        trial = Trial(ask)
+        attempt = Attempt(ask)
         try:
-            session = build(ask.settings, ask.makers, keeping.recorder)
-            device = self._page.device
-            news = device.news if device else None
-            live = LiveSession(session, self._on_step(session, trial), news=news)
-            watching = _Watching(self._page, device, self._showing)
-            live.pause(True)
-            self._show(session, ask)
-            live.start()
-            try:
-                with no_search_for_garbage():
-                    while not live.over and not trial.broken:
-                        still = watching.still(trial)
+            with attempt.open(self._views) as trial:
+                session = trial.session
+                device = self._page.device
+                live = LiveTrial(trial, news=device.news if device else None)
+                watching = _Watching(self._page, device, self._showing)
+                live.pause(True)
+                self._show(session, ask)
+                live.start()
+                try:
+                    while not live.over and not attempt.broken:
+                        still = watching.still(attempt)
                         live.pause(still)
                         if still:
                             self._page.server.publish(session.snapshot(), True)
                         time.sleep(TICK)
-            finally:
-                live.stop()
-                session.close()
-            if live.failure:
-                raise live.failure
-            played = trial.end(session, keeping, live.lost, watching.measures())
+                finally:
+                    live.stop()
+                if live.failure:
+                    raise live.failure
+                played = attempt.end(trial, live.lost, watching.measures())
             self._page.server.publish(session.snapshot(), False)
             if not played.broken:
                 time.sleep(AFTER)
             return played
         finally:
-            keeping.close()
             self._page.wait()
 
     def close(self) -> None:
@@ -95,12 +87,8 @@ class PagePlayer:
         server.show_scene(told, scene, self._page.device, [pack_skin(h) for h in scene.spec.hands])
         self._page.reveal()
 
-    def _on_step(self, session: Session, trial: Trial) -> Callable[[Snapshot], None]:
-        def on_step(snapshot: Snapshot) -> None:
-            trial.step(session, snapshot)
-            publish(self._page.server, session, snapshot)
-
-        return on_step
+    def _views(self, session: Session) -> list[View]:
+        return [lambda snapshot: publish(self._page.server, session, snapshot)]
 
 
 class _Watching:
@@ -115,15 +103,15 @@ class _Watching:
         self._last, self._times = self._shown, 0
         self._silent = self._halted = False
 
-    def still(self, trial: Trial) -> bool:
+    def still(self, attempt: Attempt) -> bool:
         """Whether time is to stand still now; may break the trial off."""
         self._page.look()
-        self._pause(trial.halted())
+        self._pause(attempt.halted())
         now = time.monotonic()
         self._count(now)
         if self._page.gone:
             if self._showing.when_gone == "repeat" and self._waited is not None:
-                trial.broken = trial.broken or "the participant's page was gone"
+                attempt.broken = attempt.broken or "the participant's page was gone"
             elif self._showing.when_gone == "pause":
                 self._waiting = True
         elif self._waiting and not self._halted and (not self._device or self._device.touched):

@@ -4,22 +4,18 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
 
-from threadpoolctl import threadpool_limits
-
-from models.errors import DivergenceError
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.study.tables.frames import FrameTable
-from sandbox.trial.assembly import build
 from sandbox.trial.device_makers import DeviceMakers
-from sandbox.trial.headless import no_search_for_garbage, trial_header
-from sandbox.trial.keeping import Keeping
-from sandbox.trial.live import LiveSession
-from sandbox.trial.pacing import RealTime
+from sandbox.trial.driver import Trial, View, ViewMaker, open_trial
+from sandbox.trial.live import LiveTrial
+from sandbox.trial.pacing import Pace
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import RunSettings
 from tasks.score import Status
@@ -90,31 +86,11 @@ class HeadlessPlayer:
     paced: bool = False
 
     def play(self, ask: Ask) -> Played:
-        keeping = Keeping(trial_header(ask.settings, ask.about), ask.record)
-        trial = Trial(ask)
-        try:
-            session = build(ask.settings, ask.makers, keeping.recorder)
-            try:
-                clock = RealTime()
-                with threadpool_limits(1), no_search_for_garbage():
-                    while not session.over and not trial.broken:
-                        if trial.halted():
-                            clock = RealTime(1.0, session.time)
-                            time.sleep(TICK)
-                            continue
-                        try:
-                            snapshot = session.advance()
-                        except DivergenceError:
-                            # The trial is marked, and its recording holds how.
-                            break
-                        trial.step(session, snapshot)
-                        if self.paced:
-                            clock.wait(snapshot.time)
-                return trial.end(session, keeping, clock.lost if self.paced else 0.0)
-            finally:
-                session.close()
-        finally:
-            keeping.close()
+        attempt = Attempt(ask)
+        pace = Pace() if self.paced else None
+        with attempt.open() as trial:
+            trial.run(pace, attempt.stands_still, lambda: bool(attempt.broken))
+            return attempt.end(trial, pace.lost if pace else 0.0)
 
     def close(self) -> None:
         """Nothing to give back."""
@@ -135,34 +111,27 @@ class WindowPlayer:
     def play(self, ask: Ask) -> Played:
         from sandbox.views.window.window import Window
 
-        keeping = Keeping(trial_header(ask.settings, ask.about), ask.record)
-        trial = Trial(ask)
-        try:
-            session = build(ask.settings, ask.makers, keeping.recorder)
+        attempt = Attempt(ask)
+        with attempt.open() as trial:
+            session = trial.session
             self.close()
             self._window = Window(session.scene, session.whole_surface, title=session.task.name,
                                   caption=self.caption,
                                   in_air=ask.settings.in_air)  # fmt: skip
             device = session.rigs[0].device
             self._window.attach(device)
-            live = LiveSession(
-                session, lambda snapshot: trial.step(session, snapshot), news=device.news
-            )
+            live = LiveTrial(trial, news=device.news)
             live.start()
             try:
-                with no_search_for_garbage():
-                    while not live.over and not trial.broken:
-                        live.pause(trial.halted())
-                        if not self._window.pump(live.newest):
-                            trial.broken = "the window was closed"
+                while not live.over and not attempt.broken:
+                    live.pause(attempt.halted())
+                    if not self._window.pump(live.newest):
+                        attempt.broken = "the window was closed"
             finally:
                 live.stop()
-                session.close()
             if live.failure:
                 raise live.failure
-            return trial.end(session, keeping, live.lost)
-        finally:
-            keeping.close()
+            return attempt.end(trial, live.lost)
 
     def close(self) -> None:
         """Closes the window."""
@@ -171,48 +140,80 @@ class WindowPlayer:
             self._window = None
 
 
-class Trial:
-    """What all players do at every step, and at the end."""
+class Attempt:
+    """One attempt at a trial of a study: its tables and measures, whoever plays it.
+
+    Attributes:
+        table: The 60 Hz table, made while the trial is played.
+        broken: Why the attempt was broken off; empty while it was not.
+    """
 
     def __init__(self, ask: Ask) -> None:
         self._ask = ask
         self.table = FrameTable()
         self.broken = ""
 
+    def open(self, *views: ViewMaker) -> AbstractContextManager[Trial]:
+        """The trial, ready for its first step.
+
+        Args:
+            views: Make further views.
+        """
+
+        def make_views(session: Session) -> list[View]:
+            more = [view for make in views for view in make(session)]
+            return [lambda snapshot: self._watch(session, snapshot), *more]
+
+        ask = self._ask
+        return open_trial(ask.settings, ask.makers, make_views, ask.record, ask.about)
+
     def halted(self) -> bool:
-        """Hears the experimenter; whether time is to stand still."""
+        """Hears the experimenter; True where time is to stand still."""
         self.broken = self.broken or self._ask.watch()
         return self._ask.paused() and not self.broken
 
-    def step(self, session: Session, snapshot: Snapshot) -> None:
-        """After every control period."""
+    def stands_still(self) -> bool:
+        """As `halted`, and waits a little where time stands still."""
+        halted = self.halted()
+        if halted:
+            time.sleep(TICK)
+        return halted
+
+    def _watch(self, session: Session, snapshot: Snapshot) -> None:
         self.table.watch(session)
         self.table.show(snapshot)
-        session.rigs[0].device.show(snapshot)
         if session.time >= self._ask.time_limit - 1e-9:
             session.scorer.abort(Status.TIMEOUT, "the study's time limit")
 
-    def end(
-        self, session: Session, keeping: Keeping, lost: float, more: dict[str, Any] | None = None
-    ) -> Played:
-        """Ends the recording; `more` goes to the measures."""
-        found: dict[str, Any] = {
-            "measures": {"first_contact_s": self.table.first_contact, "lost_s": round(lost, 6),
-                         **(more or {})}
-        }  # fmt: skip
+    def end(self, trial: Trial, lost: float, more: dict[str, Any] | None = None) -> Played:
+        """Ends the recording.
+
+        Args:
+            trial: Was played.
+            lost: s of real time given up.
+            more: Further measures by name.
+        """
+        session = trial.session
+        fields: dict[str, Any] = {
+            "measures": {
+                "first_contact_s": self.table.first_contact,
+                "lost_s": round(lost, 6),
+                **(more or {}),
+            }
+        }
         latency = session.rigs[0].device.latency
         if latency is not None:
             told = latency.as_json()
-            found["latency"] = told
+            fields["latency"] = told
             waited = told.get("waited", {})
-            found["measures"] |= {f"latency_{p}_ms": waited.get(f"{p}_ms") for p in
-                                  ("p50", "p95", "p99")}  # fmt: skip
+            fields["measures"] |= {
+                f"latency_{p}_ms": waited.get(f"{p}_ms") for p in ("p50", "p95", "p99")
+            }
         truth = session.rigs[0].device.truth
         if truth:
             self.table.truth, self.table.truth_by = dict(truth), "simulated user"
-            found |= {"fingers": sorted(truth.items()), "fingers_by": "simulated user"}
+            fields |= {"fingers": sorted(truth.items()), "fingers_by": "simulated user"}
         if self.broken:
             session.scorer.abort(Status.INPUT_ENDED, self.broken)
-            found["broken_off"] = self.broken
-        result = keeping.end(session, **found)
-        return Played(result, self.table, self.broken)
+            fields["broken_off"] = self.broken
+        return Played(trial.end(**fields), self.table, self.broken)

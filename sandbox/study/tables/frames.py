@@ -250,7 +250,7 @@ def rebuild(recording: Path, folder: Path) -> None:
         InputError: It cannot be played here, or they cannot be written.
     """
     from sandbox.recording.recording import load_recording
-    from sandbox.trial.headless import View
+    from sandbox.trial.driver import View
     from sandbox.trial.replay import replay
 
     table, loaded = FrameTable(), load_recording(recording)

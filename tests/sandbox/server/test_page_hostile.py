@@ -31,7 +31,8 @@ from sandbox.server.connections.connection_limits import (
 from sandbox.server.connections.counters import Counters
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.protocol import CREDIT
-from sandbox.trial.live import LiveSession
+from sandbox.trial.driver import Trial
+from sandbox.trial.live import LiveTrial
 from tests.sandbox.server.test_page_server import Stage, opened, wait_for
 from tests.support.page_client import Page
 from tests.support.processes import PATIENCE
@@ -52,12 +53,12 @@ def stage() -> Iterator[Stage]:
 
 
 @pytest.fixture
-def live(stage: Stage) -> Iterator[LiveSession]:
+def live(stage: Stage) -> Iterator[LiveTrial]:
     """The stage's session, running in real time."""
     # It must outlast the test, whatever the time limit of its task.
     scorer = stage.session.scorer
     scorer.update = lambda *_: scorer.score  # type: ignore[method-assign]
-    live = LiveSession(stage.session, stage.server.publish, news=stage.device.news)
+    live = LiveTrial(Trial(stage.session, [stage.server.publish]), news=stage.device.news)
     live.start()
     yield live
     live.stop()
@@ -118,7 +119,7 @@ class Weathered(NamedTuple):
     memory: int
 
 
-def weathered(stage: Stage, live: LiveSession, count: int) -> Weathered:
+def weathered(stage: Stage, live: LiveTrial, count: int) -> Weathered:
     """A page plays while so many strangers come."""
     url, counters = stage.server.url, stage.server.counters
 

@@ -15,7 +15,8 @@ import pytest
 
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.session.session import Session
-from sandbox.trial.headless import View, run_trial
+from sandbox.trial.driver import View
+from sandbox.trial.headless import run_trial
 from tasks.registry import task_names
 
 

@@ -22,10 +22,10 @@ from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.run.controls import Controls
 from sandbox.study.run.page_forms import PageForms
 from sandbox.study.run.page_player import PagePlayer
-from sandbox.study.run.players import Trial
 from sandbox.study.run.run_device import fitting, person_devices
 from sandbox.study.run.runner import Outcome, SessionRunner
 from sandbox.study.run.study_page import StudyPage, study_view
+from sandbox.trial.driver import View
 from tasks.user import UserConfiguration
 from tests.support.study_files import design
 
@@ -107,14 +107,11 @@ class Watched(PagePlayer):
         super().__init__(*arguments)
         self.moments: SimpleQueue[tuple[Session, Snapshot]] = SimpleQueue()
 
-    def _on_step(self, session: Session, trial: Trial) -> Callable[[Snapshot], None]:
-        step = super()._on_step(session, trial)
-
-        def on_step(snapshot: Snapshot) -> None:
-            step(snapshot)
-            self.moments.put((session, snapshot))
-
-        return on_step
+    def _views(self, session: Session) -> list[View]:
+        return [
+            *super()._views(session),
+            lambda snapshot: self.moments.put((session, snapshot)),
+        ]
 
 
 class OnPage:

@@ -11,7 +11,8 @@ from models.frames import TouchFrame
 from models.surface import Surface
 from sandbox.session.device import Device
 from sandbox.trial.assembly import build
-from sandbox.trial.live import LiveSession
+from sandbox.trial.driver import Trial
+from sandbox.trial.live import LiveTrial
 from sandbox.trial.settings import RunSettings
 from tests.support.processes import until
 
@@ -47,7 +48,7 @@ def test_a_device_that_breaks_ends_the_session_and_is_no_trial_that_was_played(
         return Breaking(error)
 
     session = build(RunSettings(), (breaks,))
-    live = LiveSession(session)
+    live = LiveTrial(Trial(session))
     assert not live.over and live.failure is None
     live.start()
     until(lambda: live.over)

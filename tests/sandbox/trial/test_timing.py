@@ -20,7 +20,8 @@ from sandbox.devices.wrappers.lift_keys import LiftKeys
 from sandbox.devices.wrappers.merged import MergedDevice
 from sandbox.session.latency import LatencyLog
 from sandbox.trial.assembly import build
-from sandbox.trial.live import LiveSession
+from sandbox.trial.driver import Trial
+from sandbox.trial.live import LiveTrial
 from sandbox.trial.settings import RunSettings
 from sandbox.trial.timing import TimedDevice, Timing, timed
 from tests.support.processes import PATIENCE, Sender
@@ -171,7 +172,9 @@ def test_slower_time_changes_no_state() -> None:
         session, mouse, surface = mouse_session()
         mouse.hand(3, surface.to_surface(session.task.objects[0].position))
         snapshots: list[str] = []
-        live = LiveSession(session, lambda s, to=snapshots, of=session: to.append(of.state_hash))  # type: ignore[misc]
+        live = LiveTrial(
+            Trial(session, [lambda s, to=snapshots, of=session: to.append(of.state_hash)])
+        )
         live.start()
         for speed in speeds:
             live.set_speed(speed)

@@ -20,7 +20,8 @@ from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording.recording import load_recording
 from sandbox.session.session import STATE, Rig, Session
 from sandbox.trial.assembly import build
-from sandbox.trial.headless import play, run_trial
+from sandbox.trial.driver import Trial
+from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import RunSettings
@@ -234,7 +235,7 @@ def test_the_session_plays_a_closed_device_to_its_end():
     device = Script(lambda now: [])
     device.finished = True
     session = build(RunSettings(), (lambda task, surface: device,))
-    play(session, [])
+    Trial(session, []).run()
     assert session.scorer.score.status == "input_ended" and session.scorer.score.reason
 
 

@@ -23,6 +23,7 @@ from sandbox.views.window import plainness
 from sandbox.views.window.window import Window
 from tests.support.processes import ROOT
 from tests.support.screen import Screen, screen
+from tests.support.scripted import Script
 from tests.support.viewed import Viewed, viewed, with_contacts
 
 pytestmark = pytest.mark.skipif(
@@ -231,7 +232,7 @@ def test_pause_reset_contact_and_help_are_asked_for_with_keys(desk: Desk) -> Non
 
 def test_without_a_mouse_device_clicks_and_keys_do_no_harm(display: Screen) -> None:
     desk = Desk(display, viewed())
-    desk.window.attach(object())  # type: ignore[arg-type]
+    desk.window.attach(Script())
     desk.do("mousemove", *desk.at((0.5, 0.5)), "click", 1, "key", "3", "key", "space", "click", 4)
     assert desk.touches() == [] and desk.alive
     desk.window.close()

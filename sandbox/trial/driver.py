@@ -1,0 +1,188 @@
+"""The one driver of trials: it builds a session, steps it, shows it, records it, ends it, frees it.
+
+Headless runs, windows, pages, studies, replays, gymnasium and streams drive trials through `Trial`.
+They give what differs: devices, views, pace, and when simulated time stands still.
+"""
+
+from __future__ import annotations
+
+import gc
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from threadpoolctl import threadpool_limits
+
+from encoders.regression.registry import origin as encoder_origin
+from models.errors import DivergenceError
+from sandbox.recording.versions import versions
+from sandbox.session.messages import Snapshot
+from sandbox.session.session import Session
+from sandbox.trial.assembly import build, digests
+from sandbox.trial.device_makers import DeviceMakers
+from sandbox.trial.keeping import Keeping
+from sandbox.trial.pacing import Pace
+from sandbox.trial.result import TrialResult
+from sandbox.trial.settings import RunSettings
+from tasks.registry import origin
+
+View = Callable[[Snapshot], None]
+"""Receives every snapshot of a trial, in order."""
+
+ViewMaker = Callable[[Session], Sequence[View]]
+"""Makes the views of a session before its first step."""
+
+
+def no_views(session: Session) -> Sequence[View]:
+    """Makes no view."""
+    return ()
+
+
+def never() -> bool:
+    """Says no."""
+    return False
+
+
+class Trial:
+    """One trial while it is played.
+
+    Args:
+        session: Ready for its first step.
+        views: Receive every snapshot. Devices that look at the scene receive them as well.
+        keeping: Records the session; None records nothing.
+
+    Attributes:
+        session: As given.
+        newest: The latest snapshot; None before the first step. After a divergence it is the last
+            sound one, with the score that says so.
+    """
+
+    def __init__(
+        self, session: Session, views: Sequence[View] = (), keeping: Keeping | None = None
+    ) -> None:
+        self.session = session
+        self.newest: Snapshot | None = None
+        self._keeping = keeping
+        self._views = [*views, *(rig.device.show for rig in session.rigs if rig.device.looks)]
+
+    def step(self) -> bool:
+        """Makes one control period and shows it; False where the simulation diverged.
+
+        After a divergence the session is over and its score says why: nothing is raised, and the
+        recording holds all that led there.
+        """
+        try:
+            snapshot = self.session.advance()
+        except DivergenceError:
+            if self.newest is not None:
+                self.newest = replace(self.newest, score=self.session.scorer.score)
+            return False
+        self.newest = snapshot
+        for view in self._views:
+            view(snapshot)
+        return True
+
+    def run(
+        self,
+        pace: Pace | None = None,
+        still: Callable[[], bool] = never,
+        stop: Callable[[], bool] = never,
+    ) -> None:
+        """Steps until the trial is over.
+
+        Args:
+            pace: Waits after every step; None goes as fast as it can.
+            still: True while simulated time is to stand still. It is asked before every step and
+                should wait a little, or until time may go on, before it returns True.
+            stop: True ends the run before the trial is over.
+        """
+        if pace:
+            pace.begin(self.session.time)
+        while not (self.session.over or stop()):
+            if still():
+                if pace:
+                    pace.begin(self.session.time)
+                continue
+            if not self.step():
+                break
+            if pace:
+                pace.wait(self.session.time)
+
+    def end(self, **more: Any) -> TrialResult:
+        """Ends the recording and gives the result.
+
+        Args:
+            more: Further fields of the result by name, JSON values.
+        """
+        assert self._keeping is not None, "a trial that is not kept has no result"
+        return self._keeping.end(self.session, **more)
+
+
+@contextmanager
+def open_trial(
+    settings: RunSettings,
+    makers: DeviceMakers,
+    make_views: ViewMaker = no_views,
+    record: Path | None = None,
+    about: dict[str, Any] | None = None,
+    dump: Path | None = None,
+) -> Iterator[Trial]:
+    """A trial that is ready for its first step; its devices and files are closed afterwards.
+
+    Args:
+        settings: Task, seed, encoder and all else that decides how the trial goes.
+        makers: Open the devices, one for every hand.
+        make_views: Makes the views.
+        record: File of the recording; None writes none.
+        about: More for the header and the result, such as who the simulated user is.
+        dump: Folder for the last states of a simulation that diverges, where nothing is recorded;
+            beside a recording they are written in any case.
+
+    Raises:
+        InputError: The task has no room on the surface, a device cannot be opened, or the recording
+            exists or cannot be written.
+    """
+    keeping = Keeping(trial_header(settings, about), record, dump)
+    try:
+        with undisturbed():
+            session = build(settings, makers, keeping.recorder)
+            try:
+                yield Trial(session, make_views(session), keeping)
+            finally:
+                session.close()
+    finally:
+        keeping.close()
+
+
+@contextmanager
+def undisturbed() -> Iterator[None]:
+    """Keeps linear algebra in one thread, and Python's garbage collector out of a trial.
+
+    More threads gain nothing on matrices this small, and would wait for each other. A trial leaves
+    no garbage, but makes thousands of objects: every so often the collector would look through all
+    that was ever imported, for milliseconds in which a person's touch would have to wait.
+    """
+    was = gc.isenabled()
+    gc.disable()
+    try:
+        with threadpool_limits(1):
+            yield
+    finally:
+        if was:
+            gc.enable()
+
+
+def trial_header(settings: RunSettings, about: dict[str, Any] | None = None) -> dict[str, Any]:
+    """The header of a recording: all that must be known to run the trial again."""
+    task_from, encoder_from = origin(settings.task), encoder_origin(settings.encoder)
+    return {
+        "settings": settings.as_json(),
+        "encoder": settings.encoder,
+        "digests": digests(settings),
+        "versions": versions(),
+        **({"task_from": task_from} if task_from else {}),
+        **({"encoder_from": encoder_from} if encoder_from else {}),
+        **(about or {}),
+    }
