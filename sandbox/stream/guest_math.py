@@ -118,12 +118,23 @@ def between(a: Sequence[float], b: Sequence[float]) -> Quaternion:
     return ((1.0 + cosine) / size, axis[0] / size, axis[1] / size, axis[2] / size)
 
 
+POLE = 1e-7
+"""Cosine of the turn about y under which the turns about x and z cannot be told apart."""
+
+
 def angles_of(q: Quaternion, before: Sequence[float]) -> Vector:
     """Degrees about x, then y, then z (still axes), nearest to those before."""
     m = rows_of(q)
-    x = math.degrees(math.atan2(m[2][1], m[2][2]))
-    y = math.degrees(math.asin(max(-1.0, min(1.0, -m[2][0]))))
-    z = math.degrees(math.atan2(m[1][0], m[0][0]))
+    if math.hypot(m[2][1], m[2][2]) < POLE:
+        # Only the sum or the difference of the outer turns is known there: one stays as it was.
+        about_x = math.radians(before[0])
+    else:
+        about_x = math.atan2(m[2][1], m[2][2])
+    s, c = math.sin(about_x), math.cos(about_x)
+    x = math.degrees(about_x)
+    y = math.degrees(math.atan2(-m[2][0], math.hypot(m[0][0], m[1][0])))
+    # Whatever the turn about x is, this one makes up for it.
+    z = math.degrees(math.atan2(s * m[0][2] - c * m[0][1], c * m[1][1] - s * m[1][2]))
     angles = []
     for triple in ((x, y, z), (x + 180.0, 180.0 - y, z + 180.0)):
         near = [v + 360.0 * round((b - v) / 360.0) for v, b in zip(triple, before)]

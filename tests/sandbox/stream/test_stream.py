@@ -9,7 +9,7 @@ import time
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from models.errors import InputError
@@ -107,6 +107,10 @@ unit_vectors = st.tuples(*[st.floats(-1, 1)] * 4).filter(lambda q: 0.1 < np.lina
 
 
 @given(unit_vectors, st.tuples(*[st.floats(-1000, 1000)] * 3))
+@example((0.0, 0.7071, 0.0, 0.7071), (0.0, 0.0, 0.0))
+@example((1.0, 0.0, 1.0, 0.0), (30.0, 0.0, 200.0))
+@example((1.0, 0.0, -1.0, 0.0), (30.0, 0.0, 200.0))
+@example((1.0, 1.0, 1.0, 1.0), (0.0, 0.0, 0.0))
 def test_turns_survive_matrices_and_angles_however_many_times_round(q, before):
     q = tuple((np.array(q) / np.linalg.norm(q)).tolist())
     again = product(quaternion_of(rows_of(q)), inverse(q))

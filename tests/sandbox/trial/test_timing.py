@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import io
 import time
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -166,15 +167,18 @@ def test_the_table_has_every_kind_that_was_measured_and_says_what_is_not() -> No
     assert said(to).count("12.3") == 3 * len(KINDS) and "display" in said(to)
 
 
+def _note_hash(hashes: list[str], session: Session, _: Snapshot) -> None:
+    hashes.append(session.state_hash)
+
+
 def test_slower_time_changes_no_state() -> None:
     hashes = []
     for speeds in ((1.0,), (0.5, 4.0, 0.25)):
         session, mouse, surface = mouse_session()
         mouse.hand(3, surface.to_surface(session.task.objects[0].position))
         snapshots: list[str] = []
-        live = LiveTrial(
-            Trial(session, [lambda s, to=snapshots, of=session: to.append(of.state_hash)])
-        )
+        note = partial(_note_hash, snapshots, session)
+        live = LiveTrial(Trial(session, [note]))
         live.start()
         for speed in speeds:
             live.set_speed(speed)
