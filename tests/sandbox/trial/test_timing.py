@@ -20,6 +20,8 @@ from sandbox.devices.tuio.tuio import TuioDevice
 from sandbox.devices.wrappers.lift_keys import LiftKeys
 from sandbox.devices.wrappers.merged import MergedDevice
 from sandbox.session.latency import LatencyLog
+from sandbox.session.messages import Snapshot
+from sandbox.session.session import Session
 from sandbox.trial.assembly import build
 from sandbox.trial.driver import Trial
 from sandbox.trial.live import LiveTrial
