@@ -14,11 +14,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from encoders.capture import Capture
 from encoders.store import load_capture
 from models.errors import InputError, RecordingError
+from models.json_input import checked, decoded_record
 from models.motion.armature import CHUNK, Armature
 from models.motion.sampling import Poses
 from models.pose import ROOT_POSITION, ROOT_ROTATION, joint_vectors
@@ -234,6 +236,12 @@ def _lines(path: Path) -> Iterator[bytes]:
             yield from text
 
 
+class _End(Struct):
+    """The field of a recording's last line that tells its length, in steps."""
+
+    step: int
+
+
 def _length(path: Path, timestep: float) -> float:
     """s, from the end line where there is one: the last few bytes tell. 0 where they do not, as
     those of a compressed recording."""
@@ -241,7 +249,10 @@ def _length(path: Path, timestep: float) -> float:
     with file_path.open("rb") as file:
         file.seek(max(0, file_path.stat().st_size - 8192))
         last = file.read().rstrip().rpartition(b"\n")[2]
+    what, where = "the end is damaged", str(path)
     try:
-        return float(json.loads(last)["step"]) * timestep
-    except (ValueError, KeyError, TypeError):
+        record = decoded_record(last, RecordingError, what=what, where=where)
+        end = checked(record, _End, RecordingError, what=what, where=where)
+    except RecordingError:
         return 0.0
+    return end.step * timestep

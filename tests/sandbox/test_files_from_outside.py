@@ -27,6 +27,8 @@ from sandbox.study.record.folder import participants_of
 from sandbox.study.record.folder import read_about as read_study
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.state import SessionState
+from sandbox.study.share.privacy_records import Disguise, disguised_line
+from sandbox.study.tables.frames import read_measures
 from tests.support.json_values import VALUES, damaged
 
 
@@ -108,6 +110,25 @@ def played_journal(path: Path) -> object:
     return SessionState.of(records), participants_of(records)
 
 
+RECORDING = [
+    {"kind": "header", "settings": {"profile": "/home/me/p.json"}, "study": {"ppid": "AB12CD"}},
+    {"kind": "event", "step": 3, "event": "note"},
+    {"kind": "end", "step": 9, "result": {"study": {"ppid": "AB12CD"}, "broken_off": "why"}},
+]
+
+
+def anonymous(path: Path) -> list[bytes]:
+    """The lines of a recording without what tells who somebody was."""
+    disguise = Disguise("NEW", "study")
+    return [disguised_line(x, disguise, str(path)) for x in path.read_bytes().split(b"\n") if x]
+
+
+def measures_of(path: Path) -> dict[str, Any]:
+    """The measures in a file."""
+    path.with_name("measures_T1.json").write_bytes(path.read_bytes())
+    return read_measures(path.parent, "T1")
+
+
 def lines(values: list[dict[str, Any]]) -> str:
     """Values as JSON lines."""
     return "".join(json.dumps(value) + "\n" for value in values)
@@ -139,6 +160,8 @@ READERS = {
     "session": Reader(lambda path: read_about(folder_of(path)), json.dumps(ABOUT), RecordingError),
     "journal": Reader(played_journal, lines(JOURNAL), StudyError),
     "study": Reader(read_study, json.dumps(STUDY), StudyError),
+    "anonymous recording": Reader(anonymous, lines(RECORDING), StudyError),
+    "measures": Reader(measures_of, json.dumps({"version": 1, "truth": "t"}), StudyError),
     "any calibration": Reader(is_calibration, "{}", EncoderError),
 }
 

@@ -11,6 +11,9 @@ Leap: millimetres, microseconds, x right, y up, z towards the person. HandFrame:
 right, y away from the person, z up. Both are right-handed, so nothing is mirrored. Where joints are
 given, a finger's length is the sum of its bones, which is what v2 and v3 mean by it and what the
 bridge gets wrong.
+
+Fields are checked by hand and not by structs: of a finger with a wrong optional field (side, hand,
+confidence) everything else is used, and a struct would refuse the whole finger.
 """
 
 from __future__ import annotations
