@@ -80,7 +80,10 @@ FRAMES: list[dict[str, Any]] = [
     },
     {"time": 0.75, "contacts": [], "cancelled": [3], "host": 13},
 ]
-PACKETS = [{"t": 1.5, "hex": "23627564", "from": "tablet"}, {"t": 2, "closed": "tablet"}]
+PACKETS: list[dict[str, Any]] = [
+    {"t": 1.5, "hex": "23627564", "from": "tablet"},
+    {"t": 2, "closed": "tablet"},
+]
 MAPPING = {
     "points": {"a": "index_tip", "b": {"bone": "palm", "at": [0, 0.1, 0], "spread": 0.01}},
     "surface": {"top_left": "a", "top_right": [1, 2, 3.5], "bottom_left": "b"},
@@ -88,7 +91,7 @@ MAPPING = {
 ABOUT = {"side": "left", "subject": "p1", "simulated": True, "touches": "tuio"}
 
 
-JOURNAL = [
+JOURNAL: list[dict[str, Any]] = [
     {"n": 0, "time": "t", "clock": 1.5, "kind": "session_start", "ppid": "AB12CD"},
     {"n": 1, "kind": "participant", "ppid": "AB12CD", "number": 0, "hand_size": 1},
     {"n": 2, "kind": "trial_start", "step": "t1", "trial": 1, "attempt": 1},
@@ -110,7 +113,7 @@ def played_journal(path: Path) -> object:
     return SessionState.of(records), participants_of(records)
 
 
-RECORDING = [
+RECORDING: list[dict[str, Any]] = [
     {"kind": "header", "settings": {"profile": "/home/me/p.json"}, "study": {"ppid": "AB12CD"}},
     {"kind": "event", "step": 3, "event": "note"},
     {"kind": "end", "step": 9, "result": {"study": {"ppid": "AB12CD"}, "broken_off": "why"}},
