@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from contextlib import ExitStack
 from dataclasses import replace
 from typing import Any
 
@@ -172,8 +171,8 @@ def build(
     rules = SolidityRules(settings.ghost_until_clear, settings.distal_only)
     air_rules = replace(rules, **IN_AIR)
     friction = settings.variation.friction
-    with ExitStack() as undo:
-        rigs = []
+    rigs: list[Rig] = []
+    try:
         for hand, make, surface, reconstructor, model_hand in zip(
             settings.hands,
             makers,
@@ -182,16 +181,16 @@ def build(
             _hands(settings, task_type),
             strict=True,
         ):
-            device = make(task, surface)
-            undo.callback(device.close)
             yaw = None if hand.in_air else _yaw_watch(model)
             own_rules = air_rules if hand.in_air else None
-            rigs.append(Rig(device, reconstructor, model_hand, yaw, own_rules))
+            rigs.append(Rig(make(task, surface), reconstructor, model_hand, yaw, own_rules))
         session = Session(
             task, rigs, rules, settings.timestep, recorder, settings.contact, friction
         )
-        # The session closes them from now on.
-        undo.pop_all()
+    except BaseException:
+        for rig in rigs:
+            rig.device.close()
+        raise
     if isinstance(recorder, Told):
         recorder.watch(session)
     return session
