@@ -1,1 +1,1 @@
-"""What this machine can do, and what to do about the rest (`sandbox doctor`)."""
+"""Checks of this machine, with remedies for failed ones (`sandbox doctor`)."""

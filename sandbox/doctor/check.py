@@ -1,4 +1,4 @@
-"""One thing that was looked at, and asking another process where asking may end this one."""
+"""Result of a check, and probes in another process for checks that may crash."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ PATIENCE = 60.0
 
 @dataclass(frozen=True)
 class Check:
-    """What was found.
+    """Result of a check.
 
     Attributes:
-        group: Under which heading it stands.
-        name: Of the thing.
-        ok: It is there and works.
-        found: What exactly was found, or why it does not work.
-        needed_for: What cannot be done without it.
-        remedy: The next step where it is missing; else empty.
+        group: Heading in the list.
+        name: Name of the checked item.
+        ok: True if it exists and works.
+        found: Details, or the reason why it does not work.
+        needed_for: Functions that need it.
+        remedy: Next step if it is missing; else empty.
     """
 
     group: str
@@ -43,7 +43,7 @@ class Check:
 
 @dataclass(frozen=True)
 class Answer:
-    """Of a probe: whether it ended well, and its last line."""
+    """Result of a probe: whether it succeeded, and its last line."""
 
     ok: bool
     text: str

@@ -12,7 +12,7 @@ from models.errors import DeviceError
 from sandbox.doctor.check import Check
 
 TUIO_PORT = 3333
-"""Of TUIO over UDP and TCP, by its specification."""
+"""Ports of TUIO over UDP and TCP, by its specification."""
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
 
@@ -24,11 +24,11 @@ def device_checks() -> list[Check]:
 
 
 def port_check(kind: str, port: int) -> Check:
-    """Whether a port of this machine is free.
+    """Checks whether a port of this machine is free.
 
     Args:
         kind: `UDP` or `TCP`.
-        port: Of 127.0.0.1.
+        port: Port of 127.0.0.1.
     """
     stream = kind == "TCP"
     with socket.socket(

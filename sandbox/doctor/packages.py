@@ -34,11 +34,11 @@ _BOUND = re.compile(r"\s*(>=|<=|==|<|>)\s*([\d.]+)\s*")
 
 @dataclass(frozen=True)
 class Requirement:
-    """A package with the versions of it that are meant.
+    """A package with its allowed versions.
 
     Attributes:
-        package: As package indexes call it.
-        bounds: Such as `>=4.0,<4.1`; empty takes any.
+        package: Name in package indexes.
+        bounds: Version bounds such as `>=4.0,<4.1`; empty allows any.
     """
 
     package: str
@@ -58,7 +58,7 @@ class Requirement:
 
 
 def within(found: str, bounds: str) -> bool:
-    """Whether a version lies within bounds; only its leading numbers count."""
+    """True if a version is within bounds; only its leading numbers count."""
     for sign, limit in _BOUND.findall(bounds):
         a, b = _numbers(found), _numbers(limit)
         length = max(len(a), len(b))
@@ -69,9 +69,9 @@ def within(found: str, bounds: str) -> bool:
 
 
 def declared() -> dict[str, list[Requirement]]:
-    """What is declared, by extra; what is always needed has the key ``.
+    """Declared requirements by extra; those that are always needed have the key ``.
 
-    A checkout's own file comes first: what an older installation said of it may have changed.
+    A checkout's own file is preferred, since the metadata of an older installation may be outdated.
     """
     file = _checkout() / "pyproject.toml"
     if file.is_file():
@@ -133,7 +133,7 @@ def _parsed(lines: list[str]) -> list[Requirement]:
 
 
 def _here(marker: str) -> bool:
-    """Whether a requirement is meant for this system."""
+    """True if a requirement applies to this system."""
     named = re.search(r"""sys_platform\s*==\s*["'](\w+)["']""", marker)
     return named is None or named[1] == sys.platform
 

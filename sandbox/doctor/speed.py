@@ -1,4 +1,4 @@
-"""Whether this machine simulates as fast as time goes by."""
+"""Checks whether this machine simulates in real time."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ WAITS = 20
 
 
 def system_checks() -> list[Check]:
-    """Everything that is no package, no picture and no device."""
+    """Checks of the system other than packages, graphics and devices."""
     return [_python(), _mujoco(), _versions(), _clock(), _ffmpeg(), folder_check(Path.cwd()),
             _profile_folder(), _profile()]  # fmt: skip
 
@@ -53,7 +53,7 @@ def _versions() -> Check:
 
 
 def _clock() -> Check:
-    """Whether this machine wakes up in time; 1 ms of sleep, the median of a few."""
+    """Checks the accuracy of timers: median of several sleeps of 1 ms."""
     late = []
     for _ in range(WAITS):
         begun = time.monotonic()
@@ -85,7 +85,7 @@ def _ffmpeg() -> Check:
 def folder_check(
     folder: Path, name: str = "this folder", use: str = "films and recordings"
 ) -> Check:
-    """Whether a file can be written in a folder, or in what has to be made for it."""
+    """True if a file can be written in a folder, or in its nearest existing parent."""
     there = folder
     while not there.exists() and there != there.parent:
         there = there.parent

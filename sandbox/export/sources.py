@@ -1,6 +1,6 @@
-"""Where poses to export come from: recordings, simulated or commanded, and captures.
+"""Sources of poses for an export: recordings (simulated or commanded hands) and captures.
 
-Recordings are read line by line, so that an hour needs no more memory than a second.
+Recordings are read line by line, so that memory does not grow with their length.
 """
 
 from __future__ import annotations
@@ -48,12 +48,12 @@ class Source:
     """Poses of hands over time.
 
     Attributes:
-        armatures: Of the hands.
-        names: Of the hands, `right`, `left` or `right_too`.
-        duration: s, as far as it is known beforehand; 0 where it is not.
-        what: In words, for people.
-        play: Gives all poses, a few at a time, to who takes them; tells what was wrong with the
-            rest, or nothing.
+        armatures: Armatures of the hands.
+        names: Names of the hands, `right`, `left` or `right_too`.
+        duration: s, if it is known beforehand; else 0.
+        what: Description for people.
+        play: Passes all poses, in batches, to a callback; returns an error text for the rest, or an
+            empty text.
     """
 
     armatures: tuple[Armature, ...]
@@ -64,13 +64,13 @@ class Source:
 
 
 def open_source(path: Path, of: str = "simulated", take: int = 1) -> Source:
-    """A recording or a capture, told apart by content.
+    """Opens a recording or a capture, distinguished by content.
 
     Args:
         path: The file.
-        of: `simulated` hands of a recording, as they were; or `commanded`, what they were told to
-            do, for which the recording is played again.
-        take: Which one of a capture, from 1.
+        of: `simulated` hands of a recording; or `commanded` poses, for which the recording is
+            played again.
+        take: Take of a capture, from 1.
 
     Raises:
         InputError: It is neither, or has no poses.
@@ -168,7 +168,7 @@ def _commanded(path: Path) -> Source:
 
 
 def commanded_poses(snapshot: Snapshot) -> Poses:
-    """What all hands are told to do at one moment."""
+    """Commanded poses of all hands at one moment."""
     return together([poses_of(np.array([snapshot.time]), h.target[None]) for h in snapshot.hands])
 
 
@@ -201,9 +201,9 @@ def _capture(capture: Capture, where: str, take: int) -> Source:
 
 
 def _tracks(path: Path) -> Iterator[tuple[Array, Array, str]]:
-    """Steps (n,) and joint positions (n, nq) of each line of a recording that has some.
+    """Steps (n,) and joint positions (n, nq) of each line of a recording that has them.
 
-    Where the file is damaged, the last item says so, and has no poses.
+    In a damaged file, the last item has the error text and no poses.
     """
     nothing, number, ended, any_track = np.zeros(0), 0, False, False
     try:
@@ -243,8 +243,8 @@ class _End(Struct):
 
 
 def _length(path: Path, timestep: float) -> float:
-    """s, from the end line where there is one: the last few bytes tell. 0 where they do not, as
-    those of a compressed recording."""
+    """Duration in s from the end line in the last bytes of the file; 0 without one, as in a
+    compressed recording."""
     file_path = stored(path)
     with file_path.open("rb") as file:
         file.seek(max(0, file_path.stat().st_size - 8192))

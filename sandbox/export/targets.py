@@ -1,4 +1,4 @@
-"""Files to export to: which writer makes which, told by the end of the name."""
+"""Target files of an export; the writer follows from the ending of the name."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ from models.motion.write.vsk import VskWriter
 
 @dataclass(frozen=True)
 class ExportSettings:
-    """How motion is written.
+    """Settings of written motion.
 
     Attributes:
         rate: Hz of the keys.
-        euler: Order of Euler angles, where the format leaves the choice.
-        points: `tips`, or `joints` with them: what points files hold.
-        fingers: Labels of the fingers that points files hold.
+        euler: Order of Euler angles, for formats that allow a choice.
+        points: Content of points files: `tips`, or `joints` with the tips.
+        fingers: Labels of the fingers in points files.
     """
 
     rate: float = 60.0
@@ -136,15 +136,15 @@ def format_of(path: Path) -> Format:
 
 
 class Exporter:
-    """Takes poses and writes keys, into one file or one for every hand.
+    """Resamples poses and writes keys, to one file or one per hand.
 
-    Used as a context; the files appear when it ends without an error.
+    Used as a context manager; the files appear when the block ends without an error.
 
     Args:
-        path: Of the file; with two hands and a format of one, each name gets its hand's.
-        armatures: Of the hands.
-        names: Of the hands.
-        settings: How.
+        path: Path of the file; with two hands and a format for one, the hand's name is added.
+        armatures: Armatures of the hands.
+        names: Names of the hands.
+        settings: Settings of written motion.
 
     Raises:
         InputError: The file cannot be written there, or in this way.

@@ -19,20 +19,20 @@ Of = Literal["simulated", "commanded"]
 
 
 def simulated_poses(snapshot: Snapshot) -> Poses:
-    """Where all hands are at one moment."""
+    """Poses of all hands at one moment."""
     return poses_of_qpos(np.array([snapshot.time]), snapshot.qpos[None], len(snapshot.hands))
 
 
 class MotionView:
     """Writes the motion of a session's hands; the files appear when it is closed.
 
-    A session that somebody stops (Ctrl-C) keeps what was written so far.
+    If a session is stopped (Ctrl-C), the motion written so far is kept.
 
     Args:
-        path: Of the file; its ending chooses the format.
-        session: That it will be shown.
-        settings: How it is written.
-        of: The hands as they move, or what they are told to do.
+        path: Path of the file; its ending chooses the format.
+        session: The session to be written.
+        settings: Settings of written motion.
+        of: Simulated or commanded motion of the hands.
 
     Raises:
         InputError: The file cannot be written there.

@@ -25,13 +25,13 @@ def draw_all(
     """Draws everything into a folder, each picture as PNG and SVG.
 
     Args:
-        folder: It exists.
-        report: Of `encoders.evaluation.report`.
-        results: Of the same methods; the hands are drawn from their poses.
-        tests: What they were measured on.
+        folder: An existing folder.
+        report: Report from `encoders.evaluation.report`.
+        results: Results of the same methods; hands are drawn from their poses.
+        tests: The test captures.
 
-    Returns:
-        The files.
+        Returns:
+            Paths of the files.
 
     Raises:
         InputError: matplotlib is not installed.

@@ -73,7 +73,7 @@ def save(made: Figure, stem: Path) -> list[Path]:
 
 
 def source(report: dict[str, Any]) -> str:
-    """Whose frames were measured, for the foot of a picture."""
+    """Description of the measured frames, for the foot of a picture."""
     frames, tests = report["test_frames"]["all"], report["tests"]
     takes = sum(test["takes"] for test in tests)
     kind = "SIMULATED captures" if report["simulated"] else "captures"

@@ -163,7 +163,7 @@ def _bars(
 
 
 def _marks(axis: Axes, known: Sequence[tuple[float, float]], half: float) -> None:
-    """The paper's numbers as lines across the bars: they are no bars of the same kind."""
+    """Draws the paper's numbers as lines across the bars, since they are from other data."""
     for i, (x, y) in enumerate(known):
         axis.plot(
             [x - half, x + half],

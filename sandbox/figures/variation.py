@@ -1,4 +1,4 @@
-"""Success against what is varied: a panel for each thing, a line for each task."""
+"""Plots success against variations: a panel for each variation, a line for each task."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def check_plot(path: Path) -> None:
 
     where = f"--plot {path}"
     if path.suffix.lower() not in SUFFIXES:
-        raise InputError("this is no picture", where=where, expected=" or ".join(SUFFIXES))
+        raise InputError("not a picture's name", where=where, expected=" or ".join(SUFFIXES))
     if not path.absolute().parent.is_dir():
         raise InputError("no such folder", where=where)
     if find_spec("matplotlib") is None:

@@ -42,7 +42,7 @@ def register_task(task: str) -> tuple[str, str]:
         Its ids, with touches and with poses as actions.
 
     Raises:
-        InputError: There is no such task, or it cannot be used.
+        InputError: The task is unknown, or cannot be used.
     """
     kind = find_task(task)
     name = "".join(word.capitalize() for word in kind.name.split("-"))

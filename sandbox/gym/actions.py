@@ -1,4 +1,4 @@
-"""What an agent does in one control period: touch the surface, or command the hand's pose."""
+"""Actions of an agent in one control period: touches on the surface, or the hand's pose."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ REACH = ((-0.40, -0.40, -0.05), (0.40, 0.40, 0.50))
 
 
 class Hands(Device):
-    """The device of an agent: its actions become what the session takes in.
+    """Device of an agent, which converts its actions to the session's input.
 
     Attributes:
         low: Least values of an action.
@@ -54,13 +54,13 @@ class Hands(Device):
 class TouchHands(Hands):
     """Five touches, and the lift control where the task has one.
 
-    An action is (15,): for every slot whether it touches (0.5 or more), x and y in metres on the
+    An action is (15,): for every slot a touch flag (0.5 or more touches), x and y in metres on the
     surface, right and down of its top left corner; or (16,) with the lift, 0 (down) to 1. A slot
-    that touches again after a pause is a new contact, as of a finger that was lifted.
+    that touches again after a pause is a new contact, like a lifted finger.
 
     Args:
         surface: The screen.
-        task: Whether it has a lift control.
+        task: The task, which may have a lift control.
     """
 
     def __init__(self, surface: Surface, task: type[Task]) -> None:
@@ -107,7 +107,7 @@ class PoseHands(Hands):
     within those of any session, and a finger turns solid only outside of things.
 
     Args:
-        skeleton: Of the hand.
+        skeleton: The hand's skeleton.
     """
 
     def __init__(self, skeleton: Skeleton) -> None:
@@ -142,7 +142,7 @@ class PoseHands(Hands):
 
 
 class _Followed:
-    """A reconstructor that reconstructs nothing: the pose is told."""
+    """A reconstructor that passes through the agent's pose."""
 
     def __init__(self, hands: PoseHands, touched: Reconstructor) -> None:
         self._hands, self._touched = hands, touched

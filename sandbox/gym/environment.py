@@ -81,12 +81,13 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
         render_mode: None, or `rgb_array`, for which this machine needs OpenGL.
         size: px, width and height of pictures.
         hand: `right` or `left`; in a task for two hands, that of the first half of an action.
-        hand_size: Length of the hands against the trained one.
-        turn: degrees, where the person sits (see `models.person.Person`).
-        settings: More of `sandbox.trial.settings.RunSettings`, such as `encoder="cubic"`.
+        hand_size: Length of the hands relative to the trained one.
+        turn: degrees, side of the screen where the person sits (see `models.person.Person`).
+        settings: Further settings of `sandbox.trial.settings.RunSettings`, such as
+            `encoder="cubic"`.
 
     Raises:
-        InputError: There is no such task, setting, kind of action or reward.
+        InputError: The task, setting, kind of action or reward is unknown.
     """
 
     metadata = {  # noqa: RUF012 as the base class has it
@@ -118,9 +119,7 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
         try:
             chosen = RunSettings(task=task, hands=(first,), **settings)
         except TypeError as error:
-            raise InputError(
-                "this is no setting of a run", where="settings", got=str(error)
-            ) from None
+            raise InputError("not a setting of a run", where="settings", got=str(error)) from None
         self.action, self.reward = action, reward
         self.render_mode, self.size = render_mode, size
         self._kind = find_task(task)
@@ -144,11 +143,11 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:
-        """A new trial.
+        """Starts a new trial.
 
         Args:
-            seed: Of the trial; None draws one.
-            options: There are none.
+            seed: Seed of the trial; None draws one.
+            options: Not used.
         """
         super().reset(seed=seed)
         trial = int(self.np_random.integers(SEEDS)) if seed is None else seed
@@ -229,7 +228,7 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
     def _checked(self, action: ArrayLike) -> Array:
         values = np.asarray(action, float)
         if values.shape != self.action_space.shape or not np.all(np.isfinite(values)):
-            raise InputError("this is no action", where="step", got=f"shape {values.shape}",
+            raise InputError("not an action", where="step", got=f"shape {values.shape}",
                              expected=f"{self.action_space.shape} finite numbers")  # fmt: skip
         assert isinstance(self.action_space, spaces.Box)
         return np.clip(values, self.action_space.low, self.action_space.high)

@@ -1,4 +1,4 @@
-"""What an agent sees of a session."""
+"""Observations of an agent in a session."""
 
 from __future__ import annotations
 
@@ -55,13 +55,13 @@ def observe(
     touch_ids: Sequence[Sequence[int | None]],
     space: spaces.Dict,
 ) -> dict[str, Array]:
-    """What an agent sees now; nothing of it changes later.
+    """The current observation, as new arrays.
 
     Args:
-        session: With one hand, or two.
-        snapshot: Of the session now.
+        session: Session with one or two hands.
+        snapshot: Current snapshot of the session.
         touch_ids: Contact of every slot, hand by hand.
-        space: Its bounds.
+        space: Bounds of the observation.
     """
     hands = [_hand(session, snapshot, i, ids) for i, ids in enumerate(touch_ids)]
     observation = {
@@ -81,7 +81,7 @@ def observe(
 def _hand(
     session: Session, snapshot: Snapshot, i: int, touch_ids: Sequence[int | None]
 ) -> dict[str, Array]:
-    """What is seen of a hand: its pose, fingertips, solid fingers, and labels of its touches."""
+    """Observation of one hand: its pose, fingertips, solid fingers, and labels of its touches."""
     hand, joints = snapshot.hands[i], session.data.qpos[session.scene.qpos_slice(i)]
     turns = quaternion_log(joints[3:].reshape(15, 4)).ravel()
     solid, labels = np.zeros(SLOTS), np.full(SLOTS, -1.0)

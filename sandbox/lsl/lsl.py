@@ -6,8 +6,8 @@ Three streams, and two more where there is a second hand:
 - `sandbox_hand`, 62.5 Hz: the commanded pose of every control period;
 - `sandbox_markers`, irregular: JSON texts.
 
-The session's loop only puts things on a queue; another thread sends them. Stamps are taken in the
-loop, by our monotonic clock, and moved to LSL's by an offset that is measured again and again.
+The session's loop only puts samples on a queue; another thread sends them. Time stamps are taken in
+the loop, by our monotonic clock, and converted to LSL's by an offset that is measured repeatedly.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from sandbox.recording.versions import versions
 Array = NDArray[np.float64]
 
 CONTACTS = 10
-"""Contacts of one touch sample; more than ten fingers are not told."""
+"""Contacts of one touch sample; more than ten are not sent."""
 PER_CONTACT = ("id", "x", "y", "size", "finger")
 TOUCH_CHANNELS = ("step", "time", *(f"{name}_{i}" for i in range(CONTACTS) for name in PER_CONTACT))
 HAND_CHANNELS = ("step", "time", *(f"q_{i}" for i in range(POSE_SIZE)))
@@ -86,7 +86,7 @@ class LslOutlets:
         self._thread.start()
 
     def wait_for_consumers(self, seconds: float) -> bool:
-        """Waits until somebody listens to the markers; whether somebody does."""
+        """Waits for a receiver of the markers; returns true if there is one."""
         return bool(self._streams[NAMES[-1]].wait_for_consumers(seconds))
 
     def close(self) -> None:
@@ -111,7 +111,7 @@ class LslOutlets:
         self.event("trial_start", {**about, **header.get("study", {})})
 
     def input(self, step: int, time: float, hand: int, frame: Frame) -> None:
-        """See `Listener`; hands in the air have no touches, and are told by their poses alone."""
+        """See `Listener`; for hands in the air only poses are sent, since they have no touches."""
         if isinstance(frame, TouchFrame):
             self._put(_named("touch", hand), (touch_sample, step, time, frame))
 
@@ -206,7 +206,7 @@ def _pylsl() -> Any:
 
 
 def _settings_files() -> list[Path]:
-    """Where liblsl looks for its settings."""
+    """Environment variable and files with liblsl's settings."""
     name = "lsl_api.cfg"
     given = os.environ.get("LSLAPICFG")
     return [*([Path(given)] if given else []), Path(name), Path.home() / "lsl_api" / name,

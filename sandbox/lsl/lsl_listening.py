@@ -1,7 +1,7 @@
-"""Who else is told what a recording is told: other instruments, while a session runs.
+"""Forwards recorder calls to other instruments while a session runs.
 
-A listener hears exactly what the recorder hears, from the same calls. It must return at once: the
-session's loop waits for it.
+A listener gets exactly the calls of the recorder. It must return at once, since the session's loop
+waits for it.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class Listener(Protocol):
         ...
 
     def clock(self) -> dict[str, float]:
-        """How the listener's clock stands against ours; JSON values for the recording."""
+        """Offset of the listener's clock from ours; JSON values for the recording."""
         ...
 
 
@@ -55,7 +55,7 @@ _LISTENERS: list[Listener] = []
 
 @contextmanager
 def listened_to(listener: Listener) -> Iterator[None]:
-    """All trials that are kept inside of this are told to a listener, too."""
+    """Context in which all recorded trials are forwarded to a listener, too."""
     _LISTENERS.append(listener)
     try:
         yield
@@ -70,17 +70,18 @@ def tell(what: str, details: Mapping[str, Any]) -> None:
 
 
 def with_listeners(recorder: Recorder, header: Mapping[str, Any]) -> Recorder:
-    """A recorder that also tells the listeners of now; the same one where there are none."""
+    """Wraps a recorder to forward calls to the current listeners; returns it unchanged without
+    any."""
     return Told(recorder, tuple(_LISTENERS), header) if _LISTENERS else recorder
 
 
 class Told:
-    """A recorder, and listeners beside it.
+    """Recorder that forwards all calls to listeners.
 
     Args:
-        recorder: Gets everything first.
-        listeners: Hear of it.
-        header: Of the recording.
+        recorder: The recorder, which is called first.
+        listeners: The listeners.
+        header: Header of the recording.
     """
 
     def __init__(
@@ -93,7 +94,7 @@ class Told:
             listener.begin(header)
 
     def watch(self, session: Session) -> None:
-        """Says whose poses are told."""
+        """Sets the session whose poses are sent."""
         self._session = session
 
     def input(self, step: int, hand: int, frame: Frame, state_hash: str) -> None:

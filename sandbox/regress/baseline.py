@@ -20,7 +20,7 @@ SCHEMA = 1
 KIND = "baseline of sandbox regress"
 
 _NAMES_ONLY = {"encoder", "settings.encoder"}
-"""Ways to call an encoder, such as the place of its file; its digest tells which it is."""
+"""Settings that name an encoder, such as its file's path; its digest identifies it."""
 _ENCODER = {"digests.encoder"}
 
 
@@ -36,12 +36,12 @@ class Kept:
 
 @dataclass(frozen=True)
 class KeptTask:
-    """What a baseline remembers of a task.
+    """A task's results in a baseline.
 
     Attributes:
-        version: Of the task.
-        fingerprint: Of the machine and libraries; empty where they were several.
-        trials: By seed.
+        version: Version of the task.
+        fingerprint: Fingerprint of machine and libraries; empty if there were several.
+        trials: Results by seed.
     """
 
     version: int
@@ -66,12 +66,12 @@ class _BaselineFile(Struct):
 
 @dataclass(frozen=True)
 class Baseline:
-    """What was.
+    """Results of an earlier run.
 
     Attributes:
         configuration: See `RegressionPlan.configuration`.
-        tasks: By name.
-        path: The file.
+        tasks: Tasks by name.
+        path: Path of the file.
     """
 
     configuration: Mapping[str, Any]
@@ -84,15 +84,15 @@ class Baseline:
         versions: Mapping[str, int],
         across_encoders: bool = False,
     ) -> None:
-        """Refuses what would be compared with something else.
+        """Checks that a run can be compared with this baseline.
 
         Args:
-            configuration: Of the run.
-            versions: Of its tasks.
-            across_encoders: Another encoder is what is to be compared.
+            configuration: Configuration of the run.
+            versions: Versions of its tasks.
+            across_encoders: True allows another encoder.
 
         Raises:
-            InputError: Another encoder, another version of a task, other settings, no task alike.
+            InputError: Encoder, version of a task or settings differ, or no task is in both.
         """
         ignored = _NAMES_ONLY | (_ENCODER if across_encoders else set())
         there, here = flat(self.configuration), flat(configuration)
@@ -176,7 +176,7 @@ class Baseline:
         return Baseline(configuration, tasks, self.path)
 
     def text(self) -> str:
-        """As written: JSON with a line for every trial."""
+        """The text of the file: JSON with a line for every trial."""
         tasks = []
         for name, task in self.tasks.items():
             rows = [
@@ -225,7 +225,7 @@ def load_baseline(path: Path) -> Baseline:
         KIND,
         SCHEMA,
         InputError,
-        what="this is no baseline of `sandbox regress`",
+        what="not a baseline of `sandbox regress`",
         where=where,
         remedy="--update-baseline makes it anew",
     )
@@ -262,7 +262,7 @@ def flat(values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def write_whole(path: Path, text: str, option: str) -> None:
-    """Writes a file beside its place and moves it there: nobody ever reads half of it.
+    """Writes a temporary file and renames it, so that incomplete content is never read.
 
     Raises:
         InputError: It cannot be written.

@@ -1,4 +1,4 @@
-"""Ctrl-C in a regression run: heard between results, so that none is lost on its way."""
+"""Handles Ctrl-C in a regression run between results, so that none is lost."""
 
 from __future__ import annotations
 
@@ -10,12 +10,13 @@ from sandbox.session.closing import Closing
 
 
 class BreakOff(Closing):
-    """In its `with` block Ctrl-C is a wish that whoever works asks for; the second one interrupts.
+    """In its `with` block the first Ctrl-C only sets a flag that workers check; the second one
+    interrupts.
 
-    Elsewhere than in a program's main thread, and where Ctrl-C is ignored, all stays as it was.
+    Outside of a program's main thread, and where Ctrl-C is ignored, it changes nothing.
 
     Attributes:
-        asked: Whether somebody wishes to break off.
+        asked: True once the user has pressed Ctrl-C.
     """
 
     def __init__(self) -> None:

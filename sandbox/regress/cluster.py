@@ -38,13 +38,14 @@ class Cluster:
     """Trials as tasks of Ray, one core each, on this machine or on a cluster.
 
     Every machine needs the same version of the sandbox, and the encoder's file where it is one.
-    Machines of several kinds give states of several kinds: every trial tells its own fingerprint.
+    Different kinds of machines may give different states: every trial has its own fingerprint.
     Ray opens ports that the network can reach, and whoever reaches them may run code: not for
     machines without a firewall.
 
     Args:
-        workers: Of a Ray started here; a cluster has as many as it has.
-        address: Of a running cluster, such as `ray://host:10001` or `auto`; None starts one here.
+        workers: Number of workers of a Ray started here; a cluster uses all its workers.
+        address: Address of a running cluster, such as `ray://host:10001` or `auto`; None starts Ray
+            here.
     """
 
     name = "ray"
@@ -94,7 +95,7 @@ class Cluster:
 
 
 def _reachable(address: str) -> str:
-    """The address, where somebody listens: Ray itself ends this process where nobody does."""
+    """Checks that a server listens at the address: Ray itself would end this process if not."""
     host, colon, port = address.removeprefix("ray://").rpartition(":")
     if not colon:
         # `auto` and `local` are for Ray to find.

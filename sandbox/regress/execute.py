@@ -49,14 +49,14 @@ class Executor(Protocol):
     name: str
 
     def run(self, jobs: Sequence[TrialJob], stopped: Stopped = never) -> Iterator[Trial]:
-        """The trials; whoever stops asking stops the work.
+        """Yields the trials; closing the generator stops the work.
 
         Args:
-            jobs: What is to be run.
-            stopped: Asked often; once it says so, what is done is given back and no more.
+            jobs: The trials to run.
+            stopped: Called often; once it returns true, only finished trials are returned.
 
         Raises:
-            HandSandboxError: What is to be run cannot be run at all.
+            HandSandboxError: The trials cannot be run at all.
         """
         ...
 
@@ -79,7 +79,7 @@ def run_job(job: TrialJob) -> Trial:
 
 
 def crashed(job: TrialJob, why: str) -> Trial:
-    """What stands for a trial without a result; it counts as a failure."""
+    """A trial without a result, which counts as a failure."""
     names = (name for name in kept_fields(KeptIn.REGRESS) if name not in ("dump", "dump_error"))
     return {
         **dict.fromkeys(names),
@@ -126,10 +126,10 @@ class _Worker:
 
 
 class Processes:
-    """As many processes as asked for, each with one trial at a time.
+    """Runs trials in a given number of processes, each with one trial at a time.
 
-    A process that dies takes one trial along, which is reported with its seed; another process
-    takes its place. They leave Ctrl-C to this process and end with it.
+    If a process dies, its trial is lost and reported with its seed, and another process replaces
+    it. The processes ignore Ctrl-C and end with this process.
     """
 
     name = "processes"

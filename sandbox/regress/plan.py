@@ -1,4 +1,4 @@
-"""What a regression run consists of: tasks, seeds, and one configuration for all trials."""
+"""Plan of a regression run: tasks, seeds, and one configuration for all trials."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ MOST_SEEDS = 100_000
 
 @dataclass(frozen=True)
 class TrialJob:
-    """One trial to run, in whatever process.
+    """One trial to run, in any process.
 
     Attributes:
         task: Name of the task, or its place.
-        seed: Of the trial.
+        seed: Seed of the trial.
         scene: Options of `sandbox run` that differ from its defaults.
-        record: Folder for a recording, kept where the trial fails; None records nothing.
-        own_task: The task's class where the registry does not know it.
+        record: Folder for a recording, which is kept if the trial fails; None does not record.
+        own_task: The task's class if the registry does not know it.
     """
 
     task: str
@@ -47,7 +47,7 @@ class TrialJob:
 
     @property
     def recording(self) -> Path | None:
-        """Where the recording of a failed trial is."""
+        """Path of the recording of a failed trial."""
         return None if self.record is None else self.record / f"{self.name}-{self.seed}.jsonl"
 
     @property
@@ -58,11 +58,11 @@ class TrialJob:
 
 @dataclass(frozen=True)
 class RegressionPlan:
-    """Tasks times seeds, all run alike.
+    """All combinations of tasks and seeds, with equal settings.
 
     Attributes:
         tasks: Names, places such as `FILE.py:Class`, or classes that the registry does not know.
-        seeds: Of every task.
+        seeds: Seeds of every task.
         scene: Options of `sandbox run` that differ from its defaults.
         record: Folder for recordings of failed trials.
     """
@@ -84,7 +84,7 @@ class RegressionPlan:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the tasks, in order."""
+        """Names of the tasks, in order."""
         return tuple(_name(t) for t in self.tasks)
 
     def jobs(self) -> list[TrialJob]:
@@ -102,10 +102,11 @@ class RegressionPlan:
         ]
 
     def configuration(self) -> dict[str, Any]:
-        """What results depend on beside task and seed; results of two of these do not compare.
+        """All settings besides task and seed that affect results; results compare only if they are
+        equal.
 
         Raises:
-            InputError: An option has a value that it cannot have.
+            InputError: An option has an invalid value.
         """
         job = self.jobs()[0]
         with registered(job.own_task):
@@ -182,7 +183,7 @@ def options(scene: Mapping[str, Any]) -> Iterator[str]:
 def differing(values: Mapping[str, Any]) -> dict[str, Any]:
     """Those options of a scene that are not what `sandbox run` takes by itself."""
     plain = SceneOptions()
-    # What is no option at all is left for the plan to refuse.
+    # The plan refuses texts that are not options.
     return {name: value for name, value in values.items() if value != getattr(plain, name, ...)}
 
 
@@ -214,17 +215,17 @@ def parse_seeds(text: str) -> tuple[int, ...]:
             seeds += range(low, high)
     except ValueError:
         raise InputError(
-            "these are no seeds", where="--seeds", got=text, expected="such as 0:120 or 3,17,40:50"
+            "not seeds", where="--seeds", got=text, expected="such as 0:120 or 3,17,40:50"
         ) from None
     return tuple(dict.fromkeys(seeds))
 
 
 @contextmanager
 def registered(own_task: type[Task] | None) -> Iterator[None]:
-    """The registry knows a task of somebody's own for a while.
+    """Registers a custom task for a while.
 
     Raises:
-        InputError: Its name is taken.
+        InputError: Its name is in use.
     """
     if own_task is None or TASKS.get(own_task.name) is own_task:
         yield

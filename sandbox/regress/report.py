@@ -1,4 +1,4 @@
-"""What a run found: every task's success, what was lost and won, and whether the gate holds."""
+"""Report of a run: success of every task, lost and won seeds, and whether the gate holds."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ SCHEMA = 1
 
 @dataclass(frozen=True)
 class TaskResult:
-    """How a task went.
+    """Results of a task.
 
     Attributes:
-        name: Of the task.
-        version: Of the task.
-        trials: By seed.
+        name: Name of the task.
+        version: Version of the task.
+        trials: Trials by seed.
     """
 
     name: str
@@ -74,15 +74,15 @@ class TaskResult:
 
 @dataclass(frozen=True)
 class Comparison:
-    """A task beside its baseline, seed by seed.
+    """Comparison of a task with its baseline, seed by seed.
 
     Attributes:
         both, lost, won, neither: Seeds that succeeded in both, before only, now only, in none.
-        changed: Seeds whose states are others although machine and libraries are the same.
-        same_machine: Pairs whose machine and libraries are the same.
-        p: Of the exact one-sided McNemar test.
-        p_holm: The same, adjusted for all tasks of the run.
-        progress: Mean progress now less mean progress before.
+        changed: Seeds with different states although machine and libraries are the same.
+        same_machine: Number of pairs with the same machine and libraries.
+        p: P value of the exact one-sided McNemar test.
+        p_holm: The p value, adjusted for all tasks of the run.
+        progress: Mean progress now minus mean progress before.
     """
 
     both: list[int] = field(default_factory=list)
@@ -102,7 +102,7 @@ class Comparison:
 
     @property
     def significant(self) -> bool:
-        """Whether it is a loss beyond chance."""
+        """True if it is a significant loss."""
         return self.p_holm <= statistics.ALPHA
 
     def as_json(self, tests: int) -> dict[str, Any]:
@@ -128,16 +128,16 @@ class Comparison:
 
 @dataclass(frozen=True)
 class Report:
-    """A run, and what it is beside its baseline.
+    """A run and its comparison with a baseline.
 
     Attributes:
-        plan: What was run.
+        plan: The plan of the run.
         configuration: See `RegressionPlan.configuration`.
-        tasks: In order.
-        complete: Every trial was run.
-        comparisons: By task, for those that the baseline has.
-        notes: What a reader should know, in words.
-        reasons: Why the gate does not hold; empty when it does.
+        tasks: Results of tasks, in order.
+        complete: True if every trial was run.
+        comparisons: Comparisons by task, for those in the baseline.
+        notes: Notes for the reader.
+        reasons: Reasons why the gate does not hold; empty if it does.
     """
 
     plan: RegressionPlan
@@ -155,7 +155,7 @@ class Report:
 
     @property
     def passed(self) -> bool:
-        """Whether the gate holds; what broke off proves nothing and fails nothing."""
+        """True if the gate holds; an interrupted run cannot fail it."""
         return not self.reasons
 
     def command(self, trial: Trial) -> str:
@@ -165,7 +165,7 @@ class Report:
         return self.plan.command(trial["task"], trial["seed"])
 
     def noise_floor(self) -> dict[str, Any]:
-        """What a comparison of all these tasks and seeds, pair by pair, can notice at best."""
+        """Smallest loss that a paired comparison of all these tasks and seeds can detect."""
         pairs, tests = len(self.plan.seeds), len(self.tasks)
         return {
             "pairs": pairs,
@@ -209,17 +209,17 @@ def make_report(
     exact: bool = False,
     across_encoders: bool = False,
 ) -> Report:
-    """Puts the trials of a run in order and compares them.
+    """Sorts the trials of a run and compares them with a baseline.
 
     Args:
-        plan: What was to be run.
-        trials: What was run; less than all where it broke off.
-        baseline: What was.
-        exact: States must be equal where machine and libraries are.
-        across_encoders: The baseline may be another encoder's.
+        plan: The plan.
+        trials: The finished trials; fewer than planned after an interruption.
+        baseline: The baseline.
+        exact: True requires equal states if machine and libraries are equal.
+        across_encoders: True allows a baseline of another encoder.
 
     Raises:
-        InputError: The baseline is of something else.
+        InputError: The baseline cannot be compared with this run.
     """
     configuration, versions = plan.configuration(), plan.versions()
     tasks = tuple(
@@ -292,7 +292,7 @@ def _pairs(task: TaskResult, kept: KeptTask) -> Comparison:
 
 
 def _exact(comparisons: dict[str, Comparison]) -> tuple[list[str], list[str]]:
-    """(why the gate does not hold, what to say) where states were to be equal."""
+    """Pair (reasons why the gate does not hold, notes) for a run whose states must be equal."""
     reasons, notes = [], []
     for name, c in comparisons.items():
         if c.changed:

@@ -33,7 +33,7 @@ def show_sweep(found: Sweep, console: Console) -> None:
 
 
 def said(curve: Curve) -> list[str]:
-    """Where it breaks, in words."""
+    """Text of the values at which a task breaks."""
     kind = curve.kind
     lines = [f"{kind.text(p.value)}: {p.refused}" for p in curve.points if p.refused]
     below, above = curve.breaks_below, curve.breaks_above

@@ -1,8 +1,8 @@
-"""What may be said from successes over seeds: intervals, paired tests, and what they can notice.
+"""Statistics of success over seeds: intervals, paired tests and their power.
 
-The same seeds are run before and after a change, so that trials come in pairs. A pair that went the
-same way twice says nothing; of the pairs that differ, about half should be lost and half won if the
-change did no harm. That is McNemar's test, here exact and one-sided, for only losses are feared.
+The same seeds are run before and after a change, so that trials come in pairs. Only pairs that
+differ are informative: without an effect, about half of them should be lost and half won. This is
+McNemar's test, here exact and one-sided, since only losses matter.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ def falls_short(successes: int, n: int, rate: float) -> float:
 
 
 def holm(p_values: Mapping[str, float]) -> dict[str, float]:
-    """Adjusted p-values; those up to alpha are significant, whatever the number of tests.
+    """P values adjusted for multiple tests; those up to alpha are significant.
 
     Source: Holm (1979), step down.
     """

@@ -1,8 +1,8 @@
-"""Success while one thing after the other gets worse, until it breaks.
+"""Success under increasing variations, until a task breaks.
 
-The same seeds are run with nothing varied and with every value, so that trials come in pairs. A
-value breaks a task where success is lower beyond chance (exact one-sided McNemar test, alpha 0.05,
-each value on its own). Without values of one's own, a direction ends where it breaks.
+The same seeds are run without variation and with every value, so that trials come in pairs. A value
+breaks a task if success is significantly lower (exact one-sided McNemar test, alpha 0.05, each
+value on its own). Without given values, each direction ends at the first value that breaks.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ SCHEMA = 1
 """Version of the report's JSON."""
 
 Runner = Callable[[RegressionPlan], list[Trial]]
-"""Runs a plan's trials; gives fewer where somebody broke off."""
+"""Runs a plan's trials; returns fewer after an interruption."""
 
 
 @dataclass(frozen=True)
 class Wanted:
-    """What to vary.
+    """A requested variation.
 
     Attributes:
-        kind: Of variation.
-        values: Of it, in its own unit; none: its own ones, until it breaks.
+        kind: Kind of variation.
+        values: Values in its unit; empty uses default values until it breaks.
     """
 
     kind: Kind
@@ -81,12 +81,12 @@ class Point:
 
     @property
     def p(self) -> float:
-        """Of the exact one-sided McNemar test."""
+        """P value of the exact one-sided McNemar test."""
         return statistics.mcnemar(len(self.lost), len(self.won))
 
     @property
     def breaks(self) -> bool:
-        """Whether success is lower beyond chance."""
+        """True if success is significantly lower."""
         return self.p <= statistics.ALPHA
 
     def as_json(self) -> dict[str, Any]:
@@ -106,11 +106,11 @@ class Point:
 
 @dataclass(frozen=True)
 class Curve:
-    """A task against one thing that is varied.
+    """Success of a task under one kind of variation.
 
     Attributes:
-        task: Its name.
-        kind: What is varied.
+        task: Name of the task.
+        kind: Kind of variation.
         points: From the lowest value to the highest, the neutral one among them.
     """
 
@@ -150,12 +150,12 @@ class Curve:
 
 @dataclass(frozen=True)
 class Sweep:
-    """What a run with variations found.
+    """Results of a run with variations.
 
     Attributes:
-        plan: Of the trials with nothing varied.
-        curves: By task, then by what is varied.
-        complete: Nobody broke off.
+        plan: Plan of the unvaried trials.
+        curves: Curves by task, then by kind of variation.
+        complete: True if the run was not interrupted.
     """
 
     plan: RegressionPlan
@@ -209,7 +209,7 @@ def sweep(plan: RegressionPlan, wanted: Sequence[Wanted], run: Runner) -> Sweep:
 
 
 def varied(plan: RegressionPlan, kind: Kind, value: float) -> RegressionPlan:
-    """The same trials with one thing varied, beside what is varied in all of them."""
+    """The plan with one variation in addition to those of all its trials."""
     asked = [*filter(None, [plan.scene.get("vary", "")]), f"{kind.name}={value:.12g}"]
     return replace(plan, scene={**plan.scene, "vary": ",".join(asked)})
 

@@ -1,1 +1,1 @@
-"""Hands in motion, live, into Maya, Blender or whatever else reads lines."""
+"""Streams moving hands live to Maya, Blender or other programs that read lines."""

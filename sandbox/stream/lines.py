@@ -1,4 +1,4 @@
-"""What is sent: one moment of a hand as a short line of text that needs no memory of others.
+"""The stream's format: one moment of a hand as a short, self-contained line of text.
 
     hs1 RUN SIDE SEQ TIME p X Y Z W X Y Z [c K DX DY DZ PX PY PZ L]... [j J W X Y Z]...
     hs1 RUN SIDE rig b NAME PARENT X Y Z W X Y Z ... e PARENT X Y Z ...
@@ -65,11 +65,11 @@ class HandLines:
     """Writes the lines of one hand.
 
     Args:
-        armature: Of the hand.
+        armature: Armature of the hand.
         side: Its name, `right` or `left`.
-        target: Who reads them.
-        limit: Bytes that a command must stay below.
-        run: Tells one start of the program from another; drawn unless given.
+        target: The receiving program.
+        limit: Upper limit of a command's bytes.
+        run: Id of this start of the program; random unless given.
     """
 
     def __init__(

@@ -1,7 +1,6 @@
-"""Where streamed hands come from: a session whose hands are told what to do, without its physics.
+"""Source of streamed hands: a session whose hands are commanded, without physics.
 
-Devices that look at the scene before they move, simulated people, need one that moves: for them the
-physics runs, too.
+Simulated people look at the scene before they move, so for them the physics runs, too.
 """
 
 from __future__ import annotations
@@ -23,13 +22,12 @@ from sandbox.trial.pacing import Pace, RealTime
 
 
 def source_of_session(session: Session, stop: threading.Event, of: str = "commanded") -> Source:
-    """The hands of a session at real time, until it is over or `stop` is set.
+    """Yields the hands of a session in real time, until it is over or `stop` is set.
 
     Args:
         session: Ready for its first step.
         stop: Ends it.
-        of: `commanded`, what the devices tell the hands to do; or `simulated`, how they move, for
-            which the physics runs.
+        of: `commanded` poses from the devices; or `simulated` motion, for which the physics runs.
     """
     looking = [rig.device.show for rig in session.rigs if rig.device.looks]
     physics = bool(looking) or of == "simulated"

@@ -17,7 +17,7 @@ from sandbox.trial.pacing import RealTime
 
 
 class Receiver(Protocol):
-    """What takes commands: a `Sender`, or what prints them."""
+    """Contract of receivers of commands: a `Sender`, or a printer."""
 
     def show(self, hand: str, moment: Moment, wait: float = 0.0) -> bool:
         """Takes a moment of a hand."""
@@ -29,12 +29,12 @@ class Receiver(Protocol):
 
 
 class Stopped(Exception):  # noqa: N818
-    """Raised through a source to end it early; nobody sees it."""
+    """Raised inside a source to end it early, and caught by the player."""
 
 
 @dataclass(frozen=True)
 class Pace:
-    """How fast moments go.
+    """Pace of the moments.
 
     Attributes:
         rate: Hz of the moments.
@@ -51,13 +51,13 @@ class Player:
     """Streams the hands of a source.
 
     Args:
-        source: Of poses.
-        target: Who reads.
-        pace: How fast.
+        source: Source of poses.
+        target: Receiver of commands.
+        pace: Pace of the moments.
 
     Attributes:
         hands: Writers of lines, one for each hand.
-        moments: Sent or dropped so far, of all hands together.
+        moments: Number of moments sent or dropped so far, of all hands together.
         work: s of processor time that writing lines took, in the sender's thread.
     """
 

@@ -1,13 +1,13 @@
-"""Sends commands to a program that may be slow, away, rude, or gone tomorrow; never waits for it.
+"""Sends commands to another program, which may be slow or not running, without blocking.
 
-A thread of its own holds one socket. Of what shows one moment only the newest waits (older ones are
-dropped and counted); orders, which are few, wait in a row. After a lost connection it tries again,
-at once where the other side took something first, else after ever longer pauses.
+A separate thread owns one socket. Of the commands for moments only the newest is queued (older ones
+are dropped and counted); orders, which are few, are all queued. After a lost connection it
+reconnects, at once if the other side had accepted data, else after increasing pauses.
 
 Maya's command port, as far as it is known: it may answer every command or none, end answers with a
 newline and a zero byte, and up to Maya 2025 its thread can die *while answering*, after the command
-was carried out. Answers are therefore read and thrown away; that one came, or that the connection
-ended, only tells that the next command may go. With nothing heard, it goes after `patience`.
+was carried out. So answers are read and discarded; an answer, or the end of the connection, only
+means that the next command may be sent. Without an answer, it is sent after `patience`.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ SEND_TIMEOUT = 2.0
 CONNECT_TIMEOUT = 2.0
 """s."""
 SMALL_BUFFER = 8192
-"""Bytes that the system may keep for us; what is kept longer is only older."""
+"""Size of the system's send buffer in bytes; a larger one would only delay data."""
 MOST_ORDERS = 16
 """Orders that wait; a session has one for each hand."""
 _GREETING, _ORDER = "greeting", "order"
@@ -62,16 +62,16 @@ def parse_address(text: str, default_host: str = "127.0.0.1") -> tuple[str, int]
 
 
 class Sender:
-    """A connection that is made again and again.
+    """A connection that is restored after every loss.
 
     Args:
-        host: Of the other program.
-        port: TCP.
+        host: Host of the other program.
+        port: TCP port.
         greeting: Commands sent first on every connection.
         patience: s, see `PATIENCE`.
 
     Attributes:
-        trouble: What went wrong last; empty while all is well.
+        trouble: The last error; empty while all is well.
     """
 
     def __init__(
@@ -222,8 +222,8 @@ class Sender:
             self._done(key, commands)
 
     def _take(self) -> tuple[str, Moment]:
-        """Whose turn it is, and what to send: moments before orders, since an order may end what
-        they show."""
+        """Chooses the next command to send: moments before orders, since an order may end the
+        display."""
         self._busy = True
         if self._greeted < len(self._greeting):
             self._greeted += 1
@@ -273,10 +273,10 @@ class Sender:
         return self._drain(channel, self._patience if self._answers else 0.0)
 
     def _drain(self, channel: socket.socket, wait: float = 0.0, linger: float = 0.0) -> bool:
-        """Reads answers and forgets them; False where the connection has ended.
+        """Reads and discards answers; returns False if the connection has ended.
 
         Args:
-            channel: Where from.
+            channel: The socket.
             wait: s for the first of them.
             linger: s, once one has come, for the connection's end.
         """

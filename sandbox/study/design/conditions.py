@@ -1,4 +1,4 @@
-"""What a combination of levels means for a run: settings of `sandbox run`, by the same names."""
+"""Converts a combination of levels to settings of `sandbox run`, by the same names."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ SETTINGS: dict[str, type | tuple[type, ...]] = {
     "vary": str,
     "leap_at": str,
 }
-"""What a design may set, with the kinds of values."""
+"""Settings that a design may contain, with their types."""
 
 CHOICES = {
     "device": ("touch", "leap"),
@@ -41,16 +41,16 @@ CHOICES = {
 def run_settings(
     values: Mapping[str, Any], seed: int, hand: str = "right", hand_size: float = 1.0
 ) -> RunSettings:
-    """Settings of one trial.
+    """Creates the settings of one trial.
 
     Args:
-        values: By the names of `SETTINGS`.
-        seed: Of the trial.
-        hand: Which hand the participant uses.
-        hand_size: Its length against the trained one.
+        values: Values by the names of `SETTINGS`.
+        seed: Seed of the trial.
+        hand: The participant's hand.
+        hand_size: Its length relative to the trained one.
 
     Raises:
-        InputError: A value is none of those there are.
+        InputError: A value is not allowed.
     """
     from sandbox.options.scene_options import SceneOptions, plan
 

@@ -14,7 +14,7 @@ SCHEMA = 1
 """Version of the file's layout."""
 
 ORDERS = ("latin", "blocked", "random", "factorial", "between")
-"""How a factor's levels follow each other. `latin`: a balanced Latin square (each level equally
+"""Orders of a factor's levels. `latin`: a balanced Latin square (each level equally
 often at each place and after each other one); `blocked`: as listed, for everybody; `random`: by
 seed; `factorial`: every possible order equally often; `between`: everybody gets one level only."""
 
@@ -33,15 +33,15 @@ class Level:
 
 @dataclass(frozen=True)
 class Factor:
-    """What is varied.
+    """A factor of the design.
 
     Attributes:
         name: Column in tables.
         order: One of `ORDERS`.
-        levels: All of them; of a nested factor, those of all outer levels.
+        levels: All levels; for a nested factor, those in all outer levels.
         outer: Name of the factor in whose levels this one's are nested; empty for a crossed one.
         nested: Levels by name of the outer factor's level; empty for a crossed one.
-        one_a_session: Every session has one of its levels, in the order's order.
+        one_a_session: True if every session has one of its levels, in the factor's order.
     """
 
     name: str
@@ -66,13 +66,13 @@ class Item:
         name: Column or row in tables.
         kind: One of `ITEMS`.
         ask: The question.
-        choices: Of a choice, as they are kept.
-        low, high, step: Of a scale or a number.
-        ends: What both ends of a scale mean.
-        optional: It may be left out.
-        means: What the choices are called, in their order; none: by what is kept.
-        shuffle: It changes places with its neighbours that are shuffled, too, and its choices with
-            each other, by chance and anew for everybody.
+        choices: Values of a choice as stored.
+        low, high, step: Limits and step of a scale or a number.
+        ends: Meanings of both ends of a scale.
+        optional: True if it may be left out.
+        means: Texts of the choices, in their order; empty uses the stored values.
+        shuffle: True puts it, among its neighbours that are shuffled, too, and its choices in a
+            random order for each participant.
     """
 
     name: str
@@ -88,7 +88,7 @@ class Item:
     shuffle: bool = False
 
     def called(self, choice: str, language: str) -> str:
-        """What a choice is called in a language."""
+        """Text of a choice in a language."""
         return self.means[self.choices.index(choice)][language] if self.means else choice
 
 
@@ -97,13 +97,13 @@ class Form:
     """Questions that are asked together.
 
     Attributes:
-        name: Of the instrument.
-        title: For the participant.
-        items: In order.
-        at: `start`, `end`, or the factor after each of whose levels it is asked.
-        scales: How answers become scores.
-        source: Name and text of the file with its items; None where they are in the design.
-        sessions: In which it is asked; none: in all.
+        name: Name of the instrument.
+        title: Title for the participant.
+        items: Items in order.
+        at: `start`, `end`, or a factor, after each of whose levels it is asked.
+        scales: Scales, which compute scores from answers.
+        source: Name and text of the file with its items; None if they are in the design.
+        sessions: Sessions in which it is asked; empty means all.
     """
 
     name: str
@@ -144,7 +144,7 @@ class Exclusion:
     above: float | None = None
 
     def holds(self, value: float) -> bool:
-        """Whether a value is to be left out."""
+        """True if a value is to be excluded."""
         return (self.below is not None and value < self.below) or (
             self.above is not None and value > self.above
         )
@@ -152,33 +152,33 @@ class Exclusion:
 
 @dataclass(frozen=True)
 class Design:
-    """A study as it was designed, without a mistake.
+    """A valid design of a study.
 
     Attributes:
-        name: Of the experiment and its folder.
-        title: For people.
-        seed: Every chance follows from it.
-        participants: How many are wanted.
-        sessions: How often everybody comes.
+        name: Name of the experiment and its folder.
+        title: Title for people.
+        seed: Seed of all random choices.
+        participants: Number of participants wanted.
+        sessions: Number of sessions of every participant.
         languages: The first is the default.
-        settings: Of all trials, as options of `sandbox run`.
-        factors: From the outermost to the innermost.
-        repetitions: Of every combination.
-        repeat_inside: Factor inside of whose levels the repetitions go round; empty: innermost.
-        practice: Trials before each new level of `practice_each`.
+        settings: Settings of all trials, as options of `sandbox run`.
+        factors: Factors from the outermost to the innermost.
+        repetitions: Repetitions of every combination.
+        repeat_inside: Factor inside whose levels the repetitions are made; empty: innermost.
+        practice: Number of practice trials before each new level of `practice_each`.
         practice_each: A factor, or empty: once at the start.
-        practice_sessions: In which there is practice; none: in all.
-        seeds: `own` starts and goals for everybody, or `shared` ones.
-        time_limit: s of a trial; the task's own is shorter or counts.
+        practice_sessions: Sessions with practice; empty means all.
+        seeds: `own` starts and goals for each participant, or `shared` ones.
+        time_limit: s, limit of a trial; a shorter limit of the task applies.
         expected: s that a trial takes, for plans.
-        break_every: Trials; 0: none.
+        break_every: Number of trials between breaks; 0 for no breaks.
         break_time: s, shortest break.
-        showing: How trials on the page go.
-        consent: Text, and its version; no text: none is asked for.
-        instructions, demographics, questionnaires, exclusions: As named.
-        digest: Of the file.
-        text: The file itself.
-        path: Where it was.
+        showing: Settings of trials on the page.
+        consent: Text of the consent form, and its version; empty asks for none.
+        instructions, demographics, questionnaires, exclusions: See their types.
+        digest: Digest of the file.
+        text: Text of the file.
+        path: Path of the file.
     """
 
     name: str

@@ -36,7 +36,7 @@ def load_design(path: Path, try_out: bool = True) -> Design:
     """Reads a design; see `parse_design`.
 
     Raises:
-        DesignError: It has mistakes; all of them are told, with line and remedy.
+        DesignError: It has mistakes; the error lists all of them, with line and remedy.
         StudyError: It cannot be read.
     """
     try:
@@ -50,12 +50,12 @@ def load_design(path: Path, try_out: bool = True) -> Design:
 
 
 def parse_design(text: str, path: Path, try_out: bool = True) -> Design:
-    """The design in a text that stands in a file.
+    """Parses the text of a design file.
 
     Args:
-        text: All of it.
-        path: Of the file.
-        try_out: Whether every combination of levels is tried; not where a study is only read.
+        text: The whole text.
+        path: Path of the file.
+        try_out: True tries every combination of levels; False if a study is only read.
 
     Raises:
         DesignError: It has mistakes.
@@ -136,7 +136,7 @@ def _design(top: Table, text: str, path: Path) -> Design:
 
 
 def _digest(text: str, forms: tuple[Form, ...]) -> str:
-    """Of the design and of all files that belong to it."""
+    """Digest of the design and of all files that belong to it."""
     digest = blake2b(text.encode(), digest_size=16)
     for name, content in sorted({form.source for form in forms if form.source}):
         digest.update(b"\0" + name.encode() + b"\0" + content.encode())

@@ -41,13 +41,13 @@ def every_order(n: int) -> tuple[Row, ...]:
 
 
 def order_of(rule: str, n: int, row: int, seed: tuple[int, ...]) -> Row:
-    """The order in which one participant meets n levels.
+    """The order of n levels for one participant.
 
     Args:
         rule: One of `design.ORDERS`.
         n: Number of levels.
-        row: Counts participants, and places in outer factors.
-        seed: Of a random order.
+        row: Row of the square, which counts participants and places in outer factors.
+        seed: Seed of a random order.
     """
     if rule == "latin":
         rows = balanced_latin_square(n)

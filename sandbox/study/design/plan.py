@@ -1,7 +1,7 @@
-"""What one participant does, step by step, and how long it takes.
+"""Plan of a participant's sessions, step by step, with durations.
 
-A plan follows from the design and the participant's number alone: nothing of it need be stored, and
-an interrupted session goes on with the very same steps.
+A plan follows from the design and the participant's number alone: it need not be stored, and an
+interrupted session continues with the same steps.
 """
 
 from __future__ import annotations
@@ -82,11 +82,11 @@ class TrialStep(Step):
         block: 1, 2, ...; a block ends where a level changes.
         in_block: 1, 2, ...
         repetition: 1, 2, ... of the combination; 0 in practice.
-        practice: It does not count.
-        levels: By factor.
-        values: Settings, by the names of `conditions.SETTINGS`.
-        seed: Of the trial.
-        session: 1, 2, ...
+        practice: True for a trial that does not count.
+        levels: Levels by factor.
+        values: Settings by the names of `conditions.SETTINGS`.
+        seed: Seed of the trial.
+        session: Session number, from 1.
     """
 
     number: int
@@ -103,13 +103,13 @@ class TrialStep(Step):
 def session_plan(design: Design, participant: int, session: int = 1) -> list[Step]:
     """All steps of one of a participant's sessions.
 
-    Consent and what is asked about the person are parts of the first one. In a later one orders by
-    rows are those that the next participant had in the session before, random ones are drawn anew,
-    and starts and goals are others, unless all share them.
+    Consent and demographics belong to the first session. In a later one orders by rows are those of
+    the next participant in the session before, random ones are drawn again, and starts and goals
+    differ, unless all share them.
 
     Args:
-        design: Of the study.
-        participant: 0, 1, ... in order of arrival; decides on orders.
+        design: Design of the study.
+        participant: 0, 1, ... in order of arrival; determines orders.
         session: 1, 2, ... up to `design.sessions`.
     """
     steps = list(_Plan(design, participant, session).steps())
@@ -119,7 +119,7 @@ def session_plan(design: Design, participant: int, session: int = 1) -> list[Ste
 
 
 def in_the_air(values: Mapping[str, Any]) -> bool:
-    """Whether a trial with such settings is played over a Leap."""
+    """True if a trial with these settings is played over a Leap."""
     return values.get("device") == "leap"
 
 
@@ -185,7 +185,7 @@ class _Plan:
         yield from self._instructions(END)
 
     def _now(self, sessions: tuple[int, ...]) -> bool:
-        """Whether something belongs to this session."""
+        """True if something belongs to this session."""
         return not sessions or self._session in sessions
 
     def _first_place(self, depth: int) -> int:

@@ -1,4 +1,4 @@
-"""What effect so many people detect: the smallest difference that a paired t test finds."""
+"""Power of a study: the smallest difference that a paired t test detects."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ logarithm of completion time; a guess until a pilot has measured it."""
 
 
 POINTS = 2000
-"""Of the integral over the estimated spread; its error is below 0.0005."""
+"""Points of the integral over the estimated spread; its error is below 0.0005."""
 
 
 @dataclass(frozen=True)
 class Detectable:
-    """The smallest effect found with a given probability.
+    """The smallest effect that is detected with a given probability.
 
     Attributes:
-        effect: Difference in standard deviations: of the differences over people where everybody
-            does both, of people where each does one.
+        effect: Difference in standard deviations: of the differences over people if each person
+            does both, of people if each does one.
         change: Change of completion time, as a share, for an assumed spread.
     """
 
@@ -60,10 +60,10 @@ def detectable(
     """The smallest effect that n people detect with probability `wanted`.
 
     Args:
-        n: People.
-        comparisons: How many pairs of levels are compared; alpha 0.05 is shared among them.
-        between: Two groups instead of pairs.
-        wanted: Power.
+        n: Number of people.
+        comparisons: Number of compared pairs of levels, among which alpha 0.05 is divided.
+        between: True for two groups instead of pairs.
+        wanted: The power.
         spread: Standard deviation of the difference in log time over people.
     """
     from scipy.optimize import brentq

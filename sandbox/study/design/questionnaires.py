@@ -24,12 +24,12 @@ def instruments() -> dict[str, str]:
 
 
 def read_form(table: Table, factors: list[str], folder: Path) -> Form:
-    """A questionnaire of a design: `use` names one of the package, `file` one of its own.
+    """Reads a questionnaire of a design: `use` names one of the package, `file` a file.
 
     Args:
-        table: Its mistakes are remembered there.
-        factors: Names; after each level of one a form can be asked.
-        folder: Of the design.
+        table: Table of the design, which collects the mistakes.
+        factors: Names of factors; a form can be asked after each level of one.
+        folder: Folder of the design.
     """
     use, file = table.string("use", ""), table.string("file", "")
     name = table.name("name") if not use or table.has("name") else use
@@ -89,12 +89,12 @@ def read_item(table: Table) -> Item:
 
 
 def arranged(form: Form, seed: int) -> Form:
-    """A form as one participant gets it: items that are to be shuffled, and their choices, in an
-    order by chance; those that are not stay where they are.
+    """A form as one participant gets it: shuffled items and choices in a random order, others in
+    their places.
 
     Args:
-        form: As it was designed.
-        seed: Of the participant and the place in their session.
+        form: The form of the design.
+        seed: Seed of the participant and the place in their session.
     """
     if not any(item.shuffle for item in form.items):
         return form
@@ -119,7 +119,7 @@ def _turned(item: Item, rng: np.random.Generator) -> Item:
 
 
 def _means(table: Table, choices: tuple[str, ...]) -> tuple[Text, ...]:
-    """What choices are called in each language."""
+    """Texts of choices in each language."""
     if not table.has("means"):
         return ()
     given = table.raw("means")
@@ -132,7 +132,7 @@ def _means(table: Table, choices: tuple[str, ...]) -> tuple[Text, ...]:
 
 
 def _scale(table: Table, items: tuple[Item, ...]) -> Scale:
-    """How answers are scored; what cannot be computed is a mistake now, not after the study."""
+    """Reads a scale; a score that cannot be computed is a mistake now, not after the study."""
     known = {item.name: item for item in items}
     name, rule = table.name("name"), table.choice("rule", RULES, "sum")
     wanted, pairs = table.strings("items"), table.strings("pairs")

@@ -33,12 +33,12 @@ class Mistake:
 
 
 class DesignError(StudyError):
-    """A design with mistakes, all of which it tells.
+    """A design with mistakes; the message lists all of them.
 
     Args:
         file: Name of the file.
-        mistakes: At least one.
-        tried: Whether levels were tried, too.
+        mistakes: The mistakes, at least one.
+        tried: True if levels were tried, too.
     """
 
     def __init__(self, file: str, mistakes: Sequence[Mistake], tried: bool = True) -> None:
@@ -52,7 +52,8 @@ class DesignError(StudyError):
 
 
 class Reader:
-    """What all tables of one file share: its lines, languages, sessions and mistakes so far."""
+    """State shared by all tables of one file: its lines, languages, sessions and mistakes so
+    far."""
 
     def __init__(self, text: str) -> None:
         self.lines = TomlLines(text)
@@ -69,12 +70,12 @@ class Reader:
 
 
 class Table:
-    """One table: values are taken out of it one by one, and what is left over was a mistake.
+    """Reader of one table: values are taken out one by one, and remaining ones are mistakes.
 
     Args:
-        reader: Of the file.
-        values: As they were read.
-        path: Where the table stands.
+        reader: Reader of the file.
+        values: The parsed values.
+        path: Path of the table in the file.
     """
 
     def __init__(self, reader: Reader, values: dict[str, Any], path: Path = ()) -> None:
@@ -83,7 +84,7 @@ class Table:
         self._known: list[str] = []
 
     def has(self, key: str) -> bool:
-        """Whether a value is given and not yet taken."""
+        """True if a value is given and not yet taken."""
         return key in self._values
 
     def wrong(self, key: str, what: str, remedy: str) -> None:

@@ -1,7 +1,7 @@
 """Scores of questionnaires: pure functions of the answers, by rules that stand in a file.
 
-An answer that is missing gives no score, and the score says how many are missing: nothing is
-guessed or filled in.
+With a missing answer there is no score, only the number of missing answers: missing values are not
+guessed.
 """
 
 from __future__ import annotations
@@ -17,16 +17,16 @@ chosen in the scale's pairwise comparisons (NASA-TLX: Hart and Staveland 1988)."
 
 @dataclass(frozen=True)
 class Scale:
-    """How some answers become one number.
+    """A scale, which computes one number from answers.
 
     Attributes:
-        name: In tables.
+        name: Name in tables.
         rule: One of `RULES`.
         items: Items that are numbers.
         bounds: Lowest and highest answer of each item.
-        reverse: Items of which high + low - answer is taken.
-        from_zero: What counts is how far an answer is above its item's lowest.
-        factor: The result is multiplied by this.
+        reverse: Items that are reversed: high + low - answer.
+        from_zero: True uses the difference of an answer from its item's lowest.
+        factor: Factor on the result.
         pairs: For `weighted`: items whose answers are names of `items`.
     """
 
@@ -56,7 +56,7 @@ class Scale:
 
 @dataclass(frozen=True)
 class Score:
-    """What a scale says: a number, or None where answers are missing, and how many of them."""
+    """Score of a scale: a number, or None with missing answers, and the number of these."""
 
     scale: str
     value: float | None
@@ -86,7 +86,7 @@ def scores(scales: Sequence[Scale], answers: Mapping[str, Any]) -> list[Score]:
 
 
 def tally(scale: Scale, answers: Mapping[str, Any]) -> dict[str, int]:
-    """How often each item of a weighted scale was chosen in its comparisons."""
+    """Number of times that each item of a weighted scale was chosen in its comparisons."""
     chosen = [answers.get(name) for name in scale.pairs]
     return {name: chosen.count(name) for name in scale.items}
 

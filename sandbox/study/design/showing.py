@@ -1,4 +1,4 @@
-"""What a trial on the page shows, when its time begins, and what happens if the tablet is gone."""
+"""Settings of a trial on the page: display, start of time, and loss of the tablet."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ off and the trial begins anew; `mark`: time goes on. The results say how long it
 
 @dataclass(frozen=True)
 class Showing:
-    """How trials on the page go.
+    """Settings of trials on the page.
 
     Attributes:
-        shows: Which of `SHOWS` participants see, or hear.
+        shows: Items of `SHOWS` that participants see or hear.
         starts: One of `STARTS`.
         when_gone: One of `WHEN_GONE`.
-        names, goals: What a task is called, and what is to be done, by task.
+        names, goals: Names of tasks and instructions, by task.
     """
 
     shows: tuple[str, ...] = ("task", "goal")

@@ -1,4 +1,4 @@
-"""On which line of a TOML file something stands: the standard reader does not tell."""
+"""Finds the lines of keys in a TOML file, which the standard reader does not report."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class TomlLines:
     """Lines of tables and keys of a TOML text.
 
     Args:
-        text: Of the file, known to be TOML.
+        text: Text of the file, known to be TOML.
     """
 
     def __init__(self, text: str) -> None:
@@ -39,7 +39,7 @@ class TomlLines:
                 fence = "" if mark == fence else fence or mark
 
     def of(self, path: Path) -> int:
-        """The line of a value, or of the nearest thing around it."""
+        """Line of a value, or of the nearest enclosing table or key."""
         while path not in self._lines:
             path = path[:-1]
         return self._lines[path]

@@ -344,7 +344,7 @@ def test_what_cannot_be_made_is_refused_with_what_can(wrong):
 @pytest.mark.parametrize("wrong", [np.zeros(14), np.full(15, np.nan), np.zeros((15, 1))])
 def test_what_is_no_action_is_refused_and_the_episode_goes_on(env, wrong):
     env.reset(seed=0)
-    with pytest.raises(InputError, match="no action"):
+    with pytest.raises(InputError, match="not an action"):
         env.step(wrong)
     env.step(np.zeros(15))
 
