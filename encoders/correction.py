@@ -49,7 +49,7 @@ class Corrected(NamedTuple):
 
 @dataclass(frozen=True)
 class CorrectionSettings:
-    """How the correction works.
+    """Settings of the correction.
 
     Attributes:
         tip_sigma: m, how exactly the tips are to meet the touches.
@@ -73,7 +73,7 @@ class FingertipCorrection:
     """Moves poses so that labelled fingertips meet their touches, within the joints' ranges.
 
     Args:
-        kinematics: Of the hand whose fingertips are to meet the touches.
+        kinematics: Kinematics of the hand whose fingertips should meet the touches.
         covariance: (48, 48) of the guess's error, m and rad.
         settings: See there.
     """

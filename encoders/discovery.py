@@ -65,7 +65,7 @@ def load_offered(name: str) -> type[Encoder] | None:
 
 
 def is_place(text: str) -> bool:
-    """Whether a text is `FILE.py`, `FILE.py:CLASS` or `MODULE:CLASS`."""
+    """True for a text of the form `FILE.py`, `FILE.py:CLASS` or `MODULE:CLASS`."""
     return bool(_FILE.fullmatch(text) or _MODULE.fullmatch(text))
 
 
@@ -73,13 +73,13 @@ def load_place(text: str) -> type[Encoder]:
     """The encoder at a place; see `is_place`.
 
     Raises:
-        EncoderError: There is no such file or module, or no encoder in it.
+        EncoderError: The file or module does not exist, or contains no encoder.
     """
     in_file, in_module = _FILE.fullmatch(text), _MODULE.fullmatch(text)
     if in_file:
         path = Path(in_file["file"])
         if not path.is_file():
-            raise EncoderError("there is no such file", where="the encoder's file", got=str(path))
+            raise EncoderError("no such file", where="the encoder's file", got=str(path))
         with guarded("this encoder cannot be loaded", str(path)):
             module = load_file(path.resolve())
         member = in_file["member"] or _only_encoder(module, str(path))
@@ -97,14 +97,14 @@ def load_place(text: str) -> type[Encoder]:
 
 
 def checked(found: Any, where: str) -> type[Encoder]:
-    """What was loaded, if it is a class of encoders that can be made.
+    """Checks that a loaded object is an encoder class that can be instantiated.
 
     Raises:
         EncoderError: It is something else, lacks a method, or wants arguments.
     """
     if not (inspect.isclass(found) and issubclass(found, Encoder)):
         raise EncoderError(
-            "this is no encoder",
+            "not an encoder",
             where=where,
             got=repr(found)[:80],
             expected="a class that inherits from encoders.encoder.Encoder",
@@ -156,7 +156,7 @@ _REQUIRED = ("fit", "predict")
 
 
 def _open(method: Any) -> bool:
-    """Whether a method is the contract's own, which does nothing."""
+    """True if a method is the contract's own, which does nothing."""
     return method in (Encoder.fit, Encoder.predict)
 
 

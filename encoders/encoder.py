@@ -64,7 +64,7 @@ class Encoder(Protocol):
         return {}
 
     def arrays(self) -> dict[str, NDArray[Any]]:
-        """What was learned, by name, as numbers in the precision in which they are to be stored.
+        """The learned numbers by name, in the precision in which they are stored.
 
         The default stores nothing: `restore` then learns again from the training frames.
         """
@@ -84,7 +84,8 @@ class Encoder(Protocol):
         return self.fit(U, Q)
 
     def for_contacts(self, fast: bool = False) -> Predictor:
-        """What predicts contact vectors most quickly; the encoder itself unless it has such a form.
+        """The quickest predictor for contact vectors; the encoder itself unless it has a quicker
+        form.
 
         Args:
             fast: Whether to compile it where it can be compiled (extra `fast`: numba).

@@ -23,7 +23,7 @@ _LEAST_TURN = 1e-12
 
 
 class Motion(NamedTuple):
-    """What touches have done together since the frame before."""
+    """Common motion of the touches since the previous frame."""
 
     carried: tuple[float, float]
     """m, on the surface: the way of their middle (y down)."""

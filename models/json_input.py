@@ -231,7 +231,7 @@ def decoded_record(
 
 
 class _Fault(NamedTuple):
-    """What is wrong with a value.
+    """Describes the error in a value.
 
     Attributes:
         clause: Is added to the message; may be empty.
@@ -328,8 +328,8 @@ def _found(value: Any, path: str, text: str, form: Any, key: bool) -> tuple[str,
 
     Args:
         value: The whole value; it is changed and put back.
-        path: Of msgspec's error, without `$`.
-        text: Of msgspec's error.
+        path: Path in msgspec's error, without `$`.
+        text: Text of msgspec's error.
         form: The type that the value does not fit.
         key: The name of a field is wrong, and not its value.
     """
@@ -395,7 +395,7 @@ def _plain(expected: str) -> str:
 
 
 def _name(field: str) -> str:
-    """The name of a field in an error, quoted where it is no plain word."""
+    """The name of a field in an error, quoted unless it is a plain word."""
     return field[:_SHOWN] if field.isidentifier() else repr(field[:_SHOWN])
 
 

@@ -46,7 +46,7 @@ def _place_of(name: str) -> str | None:
 
 
 def _same_place(place: str, folder: str) -> bool:
-    """Whether `place` is the package that lives in `folder`, links and letter case resolved."""
+    """True if `place` is the package in `folder`, with links and letter case resolved."""
     head, tail = os.path.split(place)
     package = head if os.path.splitext(tail)[0] == "__init__" else place
     return os.path.normcase(os.path.realpath(package)) == os.path.normcase(os.path.realpath(folder))
@@ -79,7 +79,7 @@ def _refuse_shadowed_neighbours() -> None:
 
 
 def _is_own_command() -> bool:
-    """Whether this process is `sandbox ...` itself, not a program that imports us."""
+    """True if this process is `sandbox ...` itself, not a program that imports us."""
     if sys.argv[:1] == ["-m"]:
         # runpy is still looking for the module to run; only orig_argv has its name.
         return any(

@@ -34,7 +34,7 @@ class Regression:
     """Runs a task over seeds and asserts that nothing was lost.
 
     Args:
-        folder: Of the test; baselines are found from there.
+        folder: Folder of the test, from which baselines are searched.
         scratch: Folder for what has to be a file.
         update: Baselines are made rather than compared with.
         workers: Processes; one runs everything in the test's own.

@@ -71,7 +71,7 @@ def check_chance(task: Task, again: Task, where: str) -> None:
 
 
 def _drawn(task: Task) -> dict[str, tuple[object, ...]]:
-    """What chance decides, by object and by goal."""
+    """The random values of a draw, by object and by goal."""
     objects = {
         thing.name: (*map(float, thing.position), float(thing.yaw), float(thing.mass))
         for thing in task.objects

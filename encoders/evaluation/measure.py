@@ -69,7 +69,7 @@ class Tests:
         return np.concatenate([c.xy for c in self.captures])
 
     def smoothness(self, q: Array) -> Smoothness:
-        """Of poses (T, 48)."""
+        """Smoothness of poses (T, 48)."""
         parts = np.split(q, np.cumsum([len(c) for c in self.captures])[:-1])
         return joined([smoothness(p, c) for p, c in zip(parts, self.captures, strict=True)])
 

@@ -138,7 +138,7 @@ class CorrectedMethod(BestMethod):
 
 
 def _shown(name: str) -> str:
-    """What tables call a method: a file by its stem, an encoder at a place by its class."""
+    """Name of a method in tables: a file's stem, or the class of an encoder at a place."""
     if is_place(name):
         return find_encoder(name).__qualname__
     return Path(name).stem if Path(name).suffix == ".npz" else name

@@ -120,7 +120,7 @@ class YawWatch:
         self.reset()
 
     def reset(self) -> None:
-        """As at the start."""
+        """Returns to the initial state."""
         self.notice, self.warnings = "", 0
         self._since: float | None = None
         self._warned = -np.inf

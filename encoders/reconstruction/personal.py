@@ -52,7 +52,7 @@ class PersonalReconstructor:
 
     @property
     def notice(self) -> str:
-        """As the trained hand's reconstructor says."""
+        """See the trained hand's reconstructor."""
         return self.trained.notice
 
     @property

@@ -31,12 +31,12 @@ class FrameReconstructor(Protocol[Taken_contra]):
 
     @property
     def commanded(self) -> Array:
-        """(48,) the pose last commanded, in the world."""
+        """The pose last commanded (48,), in the world."""
         ...
 
     @property
     def counts(self) -> dict[str, int]:
-        """How often contacts, frames or hands were ignored or repaired, by reason."""
+        """Number of ignored or repaired contacts, frames or hands, by reason."""
         ...
 
     @property
@@ -45,11 +45,11 @@ class FrameReconstructor(Protocol[Taken_contra]):
         return ""
 
     def reset(self) -> None:
-        """Back to a hand that waits for its first frame."""
+        """Returns to the initial state, a hand that waits for its first frame."""
         ...
 
     def step(self, frame: Taken_contra) -> Reconstruction:
-        """Takes in a frame; called once per control step, also when nothing has changed."""
+        """Processes a frame; called once per control step, even if nothing has changed."""
         ...
 
 
@@ -57,4 +57,4 @@ Reconstructor = FrameReconstructor[TouchFrame]
 """Reconstructs a hand from its touches."""
 
 HandFrameReconstructor = FrameReconstructor[HandFrame]
-"""Reconstructs a hand from what a 3-D device sees of it."""
+"""Reconstructs a hand from the frames of a 3-D device."""

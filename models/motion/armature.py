@@ -75,7 +75,7 @@ class Armature:
 
     @cached_property
     def names(self) -> tuple[str, ...]:
-        """Of the joints."""
+        """Names of the joints."""
         return (WRIST, *(bone.name for bone in self.skeleton.bones))
 
     @cached_property
@@ -89,7 +89,7 @@ class Armature:
 
     @cached_property
     def children(self) -> tuple[tuple[int, ...], ...]:
-        """Of each joint."""
+        """Children of each joint."""
         return tuple(
             tuple(j for j, parent in enumerate(self.parents) if parent == i)
             for i in range(len(self.parents))

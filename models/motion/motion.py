@@ -56,7 +56,7 @@ class Motion:
         """Index of a joint.
 
         Raises:
-            MotionError: There is no such joint.
+            MotionError: The joint does not exist.
         """
         if name not in self.names:
             raise MotionError("no such joint", got=name, expected=", ".join(self.names))

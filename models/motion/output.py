@@ -112,7 +112,7 @@ class MotionWriter(ABC):
 
     @property
     def paths(self) -> list[Path]:
-        """What is written."""
+        """Paths of the written files."""
         return [output.path for output in self._outputs]
 
     @abstractmethod
@@ -141,7 +141,7 @@ class MotionWriter(ABC):
             return
         try:
             if not self.frames:
-                raise MotionError("there is no motion to write", where=str(self.paths[0]))
+                raise MotionError("no motion to write", where=str(self.paths[0]))
             self.finish()
             # All files are completed before the first of them appears.
             for output in self._outputs:

@@ -118,9 +118,9 @@ def main(argv: list[str]) -> int:
     frame = PersonFrame(asked, surface)
     size = builtin_sizes().estimate([frame.inwards(xy) for xy in layouts])
     _report(size, console)
-    found = replace(asked, hand_size=round(size.ratio, 4))
+    measured = replace(asked, hand_size=round(size.ratio, 4))
     played = simulated or chosen.about.get("user") is not None
-    profile = Profile(found, _rounded(size, found), options.device, simulated=played)
+    profile = Profile(measured, _rounded(size, measured), options.device, simulated=played)
     path = options.out or default_path()
     save_profile(profile, path)
     console.print(f"{profile.line}; written to {path}", soft_wrap=True)

@@ -53,9 +53,9 @@ def main(argv: list[str]) -> int:
 
 def examine() -> list[Check]:
     """Every check, in the order of its group."""
-    found = [*system_checks(), speed_check(), *package_checks()]
-    found += [*graphics_checks(), *device_checks()]
-    return sorted(found, key=lambda check: GROUPS.index(check.group))
+    checks = [*system_checks(), speed_check(), *package_checks()]
+    checks += [*graphics_checks(), *device_checks()]
+    return sorted(checks, key=lambda check: GROUPS.index(check.group))
 
 
 def as_json(checks: list[Check]) -> dict[str, Any]:

@@ -58,7 +58,7 @@ def fake(
         seconds: Stop after this many seconds.
     """
     if not 0.0 < rate <= 10_000.0:
-        raise InputError("this is no rate", where="--rate", got=rate, expected="above 0, Hz")
+        raise InputError("not a rate", where="--rate", got=rate, expected="above 0, Hz")
     if not 0 <= port <= 65535:
         raise InputError("no such port", where="--port", got=port, expected="0 to 65535")
     recording = read_leap(file)

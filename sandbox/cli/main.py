@@ -52,8 +52,12 @@ def main(argv: list[str] | None = None) -> int:
         if name == "--version":
             from sandbox.recording.versions import versions
 
-            found = versions()
-            print(", ".join(f"{of} {found[of]}" for of in ("hand-sandbox", "mujoco", "python")))
+            version_numbers = versions()
+            print(
+                ", ".join(
+                    f"{of} {version_numbers[of]}" for of in ("hand-sandbox", "mujoco", "python")
+                )
+            )
             return EXIT_DONE
         if name not in COMMANDS:
             raise InputError(

@@ -13,7 +13,7 @@ from sandbox.views.display import has_display
 
 
 def overview(commands: Mapping[str, str]) -> str:
-    """What the program can do, one line each.
+    """Overview of the program's functions, one line each.
 
     Args:
         commands: Command -> what it does.
@@ -54,7 +54,7 @@ def _columns(rows: Mapping[str, str]) -> list[str]:
 
 
 def _own_tasks() -> list[str]:
-    """What installed packages add to the tasks, and why not where they cannot."""
+    """Tasks of installed packages, with the reason for those that cannot be used."""
     if not entry_points(group="hand_sandbox.tasks"):
         return []
     from tasks.registry import TASKS, task_names, unusable_tasks
@@ -65,7 +65,7 @@ def _own_tasks() -> list[str]:
 
 
 def _own_devices() -> list[str]:
-    """What installed packages add to the devices; whether they work is said when they are used."""
+    """Devices of installed packages, which are checked only when they are used."""
     names = sorted({entry.name for entry in entry_points(group="hand_sandbox.devices")})
     return [f"  {name}" for name in names]
 
@@ -75,8 +75,8 @@ def _sentence_of(module: str, name: str) -> str:
     spec = importlib.util.find_spec(module)
     assert spec is not None and spec.origin is not None
     tree = ast.parse(Path(spec.origin).read_text(encoding="utf-8"))
-    found = next(n for n in tree.body if isinstance(n, ast.ClassDef) and n.name == name)
-    return _first_sentence(ast.get_docstring(found) or "")
+    definition = next(n for n in tree.body if isinstance(n, ast.ClassDef) and n.name == name)
+    return _first_sentence(ast.get_docstring(definition) or "")
 
 
 def _first_sentence(text: str) -> str:

@@ -149,7 +149,7 @@ def main(argv: list[str]) -> int:
 
 def parse_known(argv: list[str]) -> tuple[RegressOptions, list[str]]:
     """Our options, and those that are left for `sandbox run`."""
-    found: tuple[RegressOptions, list[str]] = in_one_line(
+    parsed: tuple[RegressOptions, list[str]] = in_one_line(
         lambda: tyro.cli(
             RegressOptions,
             prog="sandbox regress",
@@ -159,7 +159,7 @@ def parse_known(argv: list[str]) -> tuple[RegressOptions, list[str]]:
         ),
         "sandbox regress",
     )
-    return found
+    return parsed
 
 
 def _scene(options: RegressOptions, more: Sequence[str]) -> dict[str, Any]:
@@ -190,7 +190,7 @@ def _check(options: RegressOptions) -> None:
         for name in ("update_baseline", "exact", "across_encoders"):
             if getattr(options, name):
                 option = "--" + name.replace("_", "-")
-                raise InputError("there is no baseline", where=option, remedy="Add --baseline FILE")
+                raise InputError("no baseline is given", where=option, remedy="Add --baseline FILE")
     if options.exact and options.across_encoders:
         raise InputError("two encoders never give equal states", where="--exact --across-encoders")
     if options.across_encoders and options.update_baseline:
@@ -338,7 +338,7 @@ def run_vary(
 
     Args:
         options: Checked.
-        plan: Of the trials with nothing varied.
+        plan: Plan of the unvaried trials.
         executor: Its name goes into the report.
         run: Runs a plan's trials.
         console: For people.
@@ -348,12 +348,12 @@ def run_vary(
     from sandbox.regress.sweep import parse_wanted, sweep
 
     began = perf_counter()
-    found = sweep(plan, parse_wanted(options.vary), run)
+    result = sweep(plan, parse_wanted(options.vary), run)
     wall_s = perf_counter() - began
-    show_sweep(found, console)
+    show_sweep(result, console)
     if options.json is not None:
         ran: dict[str, Any] = {"executor": executor.name, "workers": options.workers}
-        report = {**found.as_json(), **ran, "wall_s": round(wall_s, 3)}
+        report = {**result.as_json(), **ran, "wall_s": round(wall_s, 3)}
         text = json.dumps(report, indent=1, allow_nan=False)
         if options.json == Path("-"):
             print(text)
@@ -362,5 +362,5 @@ def run_vary(
     if options.plot is not None:
         from sandbox.figures.variation import draw, save_plot
 
-        save_plot(draw(found), options.plot)
-    return found.complete
+        save_plot(draw(result), options.plot)
+    return result.complete

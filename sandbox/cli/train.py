@@ -189,7 +189,7 @@ def _builtin(folder: Path, console: Console) -> int:
 
 
 def _capture_agrees(console: Console, capture: Capture) -> bool:
-    """Whether a capture is the shipped one but for rounding."""
+    """True if a capture equals the shipped one except for rounding."""
     shipped = builtin_capture()
     if not np.array_equal(capture.ids, shipped.ids):
         return _verdict(console, "capture", False, "other contacts")
@@ -202,7 +202,7 @@ def _capture_agrees(console: Console, capture: Capture) -> bool:
 
 
 def _model_agrees(console: Console, model: TrainedModel) -> bool:
-    """Whether a model predicts what the shipped one of its name predicts."""
+    """True if a model predicts the same as the shipped one of its name."""
     shipped = builtin(model.name)
     if model.digest == shipped.digest:
         return _verdict(console, model.name, True, "identical")

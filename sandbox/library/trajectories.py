@@ -101,7 +101,7 @@ class Trajectories:
         step: (T,) physics steps since the trial's start.
         objects: By name.
         hands: One for each hand.
-        touches: Of all hands.
+        touches: Touches of all hands.
     """
 
     time: Array

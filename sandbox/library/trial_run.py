@@ -142,7 +142,7 @@ def replay_recording(
         The run; `verification.exact` is True if all states were equal.
 
     Raises:
-        RecordingError: The file is no recording, or cannot be played with what is installed here.
+        RecordingError: The file is not a recording, or cannot be played with this installation.
         GraphicsError: A film or pictures are asked for and this machine has no OpenGL.
     """
     _warn_if_states_depend_on_the_processor()
@@ -159,7 +159,7 @@ def _opens(device: OpenDevice) -> DeviceMaker:
 
 
 class _Views:
-    """What looks on while a trial is played, and the run that comes of it."""
+    """Views of a trial while it is played, and the resulting run."""
 
     def __init__(
         self,
@@ -228,7 +228,7 @@ def _scene_options(**values: Any) -> SceneOptions:
     """Options of `sandbox run`, by name.
 
     Raises:
-        InputError: There is no option of a name.
+        InputError: A name is not an option.
     """
     known = {f.name for f in fields(SceneOptions)}
     unknown = sorted(set(values) - known)

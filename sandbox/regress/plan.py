@@ -52,7 +52,7 @@ class TrialJob:
 
     @property
     def name(self) -> str:
-        """Of the task."""
+        """Name of the task."""
         return self.own_task.name if self.own_task else _name(self.task)
 
 

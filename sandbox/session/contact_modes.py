@@ -18,7 +18,7 @@ from models.scene import CONTROL_PERIOD, Scene
 
 
 class ContactMode(StrEnum):
-    """How hands and objects touch."""
+    """Contact modes of hands and objects."""
 
     HARD = "hard"
     SOFT = "soft"
@@ -94,12 +94,12 @@ class ContactModes:
 
     @property
     def ghost(self) -> bool:
-        """Whether hands pass through everything."""
+        """True if hands pass through everything."""
         return self.mode is ContactMode.NONE
 
     @property
     def signature(self) -> bytes:
-        """What decides the next step beside MuJoCo's state; empty where all is hard."""
+        """State besides MuJoCo's that affects the next step; empty for hard contacts."""
         if self.mode is ContactMode.HARD and self.softness == 0.0:
             return b""
         return self.mode.encode() + struct.pack("<d", self.softness)

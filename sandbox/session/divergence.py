@@ -28,7 +28,7 @@ _WARNINGS = {
 
 
 def nonsense_commanded(data: mujoco.MjData) -> str:
-    """What is wrong with the pose that hands are to go to, in words; empty where nothing is."""
+    """Error in the commanded pose, in words; empty if it is valid."""
     ctrl = data.ctrl
     if isfinite(ctrl.dot(ctrl)) or np.all(np.isfinite(ctrl)):
         return ""
@@ -36,7 +36,7 @@ def nonsense_commanded(data: mujoco.MjData) -> str:
 
 
 def nonsense(scene: Scene, data: mujoco.MjData) -> str:
-    """What is wrong with a simulation, in words; empty where nothing is."""
+    """Error in the state of a simulation, in words; empty if it is valid."""
     # Nearly always nothing is, which a few sums tell: whatever is not finite makes one of them so,
     # and nothing is fast where no joint is.
     qpos, qvel = data.qpos, data.qvel

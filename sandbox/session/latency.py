@@ -1,4 +1,4 @@
-"""How long touches take: from the page to the session, and back to the page's picture."""
+"""Latency of touches: from the page to the session, and back to the page's picture."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ KEPT = 100_000
 
 @dataclass(frozen=True)
 class Percentiles:
-    """Of one kind of latency, ms."""
+    """Percentiles of one kind of latency, ms."""
 
     n: int
     p50: float

@@ -1,4 +1,4 @@
-"""What a session tells its views: snapshots, of which the latest wins and any may be dropped.
+"""Messages of a session to its views: snapshots, of which the latest wins and any may be dropped.
 
 A snapshot is all that a window, a film or a simulated user gets to see. Events, which are ordered
 and never lost, are in `sandbox.trial.events`.
@@ -24,7 +24,7 @@ class ContactView:
     """A contact as it is drawn.
 
     Attributes:
-        id: Of the contact.
+        id: Id of the contact.
         position: (3,) m, in the world, on the touch surface.
         label: Its finger, or None while it has none.
         state: `active`; `lost` while it lives on for a moment; `ignored`: drawn grey.

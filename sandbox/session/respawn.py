@@ -84,7 +84,7 @@ class Respawn:
         return back
 
     def _within(self, data: mujoco.MjData, place: _Place, surface: Surface) -> bool:
-        """Whether a finger on a surface could reach an object where it is now."""
+        """True if a finger on a surface could reach an object at its current place."""
         position = data.xpos[place.body]
         reach = place.radius + FINGERTIP
         away = position - surface.corner

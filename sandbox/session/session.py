@@ -69,7 +69,7 @@ class Rig:
 
 
 class Recorder(Protocol):
-    """What writes a session down. It must not block, and never lose what it was given."""
+    """Contract of recorders of a session, which must not block and never lose data."""
 
     def input(self, step: int, hand: int, frame: Frame, state_hash: str) -> None:
         """A frame that takes effect at a physics step, and the state's hash before it."""
@@ -160,7 +160,7 @@ class Session:
 
     @property
     def over(self) -> bool:
-        """Whether the trial has ended."""
+        """True once the trial has ended."""
         return self.scorer.over
 
     @property
@@ -170,12 +170,12 @@ class Session:
 
     @property
     def contact(self) -> ContactMode:
-        """How hands and objects touch now."""
+        """The current contact mode."""
         return self._contact.mode
 
     @property
     def respawned(self) -> int:
-        """How often an object came back to the workspace."""
+        """Number of times that an object was returned to the workspace."""
         return sum(self._respawn.counts.values())
 
     def solid(self, hand: int) -> frozenset[int]:
@@ -239,7 +239,7 @@ class Session:
         return snapshot
 
     def snapshot(self) -> Snapshot:
-        """What a view may see now; most of it is worked out only where a view looks."""
+        """Snapshot for views; most of its fields are computed only on access."""
         poses = StillPoses(self.data.xpos.copy(), self.data.xmat.copy())
         # Devices keep what they were shown: were the session in it, each would keep the other, and
         # with them MuJoCo's memory, after the trial.

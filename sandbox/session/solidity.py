@@ -37,7 +37,7 @@ STUCK_TIME = 1.0
 
 @dataclass(frozen=True)
 class SolidityRules:
-    """What may collide, and when.
+    """Collision gating: decides which links of a hand may collide, and when.
 
     Attributes:
         ghost_until_clear: A hand that is down stays a ghost until its tips are outside all objects.

@@ -67,7 +67,7 @@ class TrackWriter:
         self._told.append((step, solid))
 
     def take(self) -> Callable[[], dict[str, Any]] | None:
-        """What makes a line of all that was collected since the last time; None where that is
+        """Function that makes a line of everything collected since the last call; None if that is
         nothing. It takes a millisecond, and may be called at any time, from any thread."""
         if not self._told:
             return None

@@ -57,7 +57,7 @@ class Keyed:
         self.last: Dict[str, Quaternion] = {}
 
     def begin(self, line: Line) -> bool:
-        """Whether the stream has begun anew with this line."""
+        """True if the stream has begun again with this line."""
         if line.run == self.run:
             return False
         self.run, self.start = line.run, (float(bpy.context.scene.frame_current), line.time)
@@ -167,7 +167,7 @@ class OtherRig(Keyed):
 
     def _chain(self, name: str) -> List[str]:
         if name not in self.armature.data.bones:
-            raise Refused("there is no bone %s" % name)
+            raise Refused("no bone has the name %s" % name)
         chain = [self.armature.data.bones[name]]
         while chain[-1].children:
             chain.append(chain[-1].children[0])
@@ -226,7 +226,7 @@ def bent(sizes: Sequence[float], way: Vector, back: Vector) -> List[Vector]:
     """Directions of bones that bend evenly, so that their end is where it should be.
 
     Args:
-        sizes: Of the bones.
+        sizes: Sizes of the bones.
         way: To the end, in lengths of the chain.
         back: Where the chain bulges.
     """

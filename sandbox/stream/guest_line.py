@@ -19,7 +19,7 @@ class Line:
 
     def __init__(self, text: str) -> None:
         if len(text) >= LONGEST or not re.match(r"hs1( [A-Za-z0-9_.\-]+)+\Z", text):
-            raise Refused("this is no line of Hand Sandbox's")
+            raise Refused("not a line of Hand Sandbox")
         words = text.split(" ")
         self.run, self.side, self.kind = "", "", ""
         self.time = 0.0

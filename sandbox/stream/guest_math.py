@@ -40,7 +40,7 @@ def cross(a: Sequence[float], b: Sequence[float]) -> Vector:
 
 
 def length(a: Sequence[float]) -> float:
-    """Of a vector."""
+    """Length of a vector."""
     return math.sqrt(dot(a, a))
 
 
@@ -150,7 +150,7 @@ def palm_frame(
     fingers, z out of its back; x is towards the little finger of a right hand.
 
     Args:
-        places: Of the joints of every chain, from the palm outwards.
+        places: Positions of the joints of every chain, from the palm outwards.
         fingers: Which finger each chain is, thumb 0 .. little 4.
         side: `right` or `left`.
         up: Where the back of the hand is, should the chains not tell.

@@ -313,7 +313,7 @@ def _chain(joint: str) -> List[str]:
             break
         chain.append(below[0])
     if len(chain) < 2:
-        raise Refused("below %s there is no other joint" % joint)
+        raise Refused("%s has no joint below it" % joint)
     return chain
 
 

@@ -23,7 +23,7 @@ def script(program: str) -> str:
     """
     if program not in PARTS:
         raise InputError(
-            "there is no script for this program", where="--script", got=program,
+            "no script for this program", where="--script", got=program,
             expected=", ".join(PARTS),
         )  # fmt: skip
     parts = [(HERE / f"{part}.py").read_text(encoding="utf-8") for part in PARTS[program]]

@@ -184,7 +184,7 @@ def _osmesa_obstacle() -> str | None:
     """Why OSMesa cannot draw; None where it can."""
     name = ctypes.util.find_library("OSMesa")
     if name is None:
-        return "there is no libOSMesa"
+        return "libOSMesa is missing"
     try:
         ctypes.CDLL(name)
     except OSError as error:

@@ -214,8 +214,8 @@ def test_a_file_without_a_sound_encoder_is_refused_in_a_line(tmp_path, body, say
 @pytest.mark.parametrize(
     ("body", "says"),
     [
-        ("A = 5", "this is no encoder.*got '5'.*inherits from"),
-        ("class A:\n def fit(self, U, Q): return self", "this is no encoder"),
+        ("A = 5", "not an encoder.*got '5'.*inherits from"),
+        ("class A:\n def fit(self, U, Q): return self", "not an encoder"),
         ("B = 5", "nothing of this name.*no encoder"),
     ],
 )
@@ -413,7 +413,7 @@ def test_an_installed_package_s_encoder_is_run_recorded_and_replayed(installed, 
     ("name", "says"),
     [
         ("tiny-lab-missing", "No module named 'tiny_lab_nowhere'"),
-        ("tiny-lab-five", "this is no encoder"),
+        ("tiny-lab-five", "not an encoder"),
         ("tiny-lab-nothing", "tiny-lab-five, tiny-lab-mean, tiny-lab-missing"),
     ],
 )

@@ -48,7 +48,7 @@ class JointTrack:
 
     @cached_property
     def kinematics(self) -> Kinematics:
-        """Of the skeleton."""
+        """Kinematics of the skeleton."""
         return Kinematics(self.skeleton)
 
     @cached_property

@@ -60,7 +60,7 @@ class _MappingFile(Struct, forbid_unknown_fields=True):
 
 @dataclass(frozen=True)
 class Mapping:
-    """What a mapping file says.
+    """Content of a mapping file.
 
     Attributes:
         points: Recording's name -> site, or a table with bone and place; empty: recognise them.

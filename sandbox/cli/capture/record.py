@@ -219,7 +219,7 @@ def _apart(options: RecordOptions) -> tuple[float, float]:
 
 
 def _simulated(path: Path) -> bool:
-    """Whether a file that plays as a device belongs to a simulated session."""
+    """True if a file that plays as a device belongs to a simulated session."""
     if not (path.is_file() and (path.parent / ABOUT).is_file()):
         return False
     return read_about(path.parent).simulated

@@ -1,4 +1,4 @@
-"""How options look in `--help`: whole sentences, and nothing that nobody can type.
+"""Layout of options in `--help`: whole sentences, and only values that can be typed.
 
 tyro takes what is said of an option out of its class with the indentation of the source, so that
 lines end in odd places, offers the value None for what may be left out, and leaves it to the
@@ -28,21 +28,21 @@ _asking: list[type] = []
 
 @OPTIONS.struct_rule
 def tidy(info: StructTypeInfo) -> StructConstructorSpec | None:
-    """What tyro makes of a dataclass, its words put in order."""
+    """Tyro's specification of a dataclass, with its texts in order."""
     if not is_dataclass(info.type) or info.type in _asking:
         return None
     _asking.append(info.type)
     try:
-        found = ConstructorRegistry.get_struct_spec(info)
+        spec = ConstructorRegistry.get_struct_spec(info)
     finally:
         _asking.pop()
-    if not isinstance(found, StructConstructorSpec):
+    if not isinstance(spec, StructConstructorSpec):
         return None
     return replace(
-        found,
+        spec,
         fields=tuple(
             replace(f, helptext=_flowing(f.helptext), type=_typed(f.type, f.default))
-            for f in found.fields
+            for f in spec.fields
         ),
     )
 
@@ -55,16 +55,17 @@ class Screen(io.StringIO):
         self._stream = stream
 
     def isatty(self) -> bool:
-        """Whether the stream is one."""
+        """True if the stream is a terminal."""
         return self._stream.isatty()
 
     @property
     def encoding(self) -> str:  # type: ignore[override]
-        """Of the stream: tyro asks whether it can have boxes of lines."""
+        """Encoding of the stream, from which tyro decides whether to draw boxes."""
         return self._stream.encoding
 
     def show(self) -> None:
-        """What was taken goes to the stream: prose as wide as the terminal, no empty line twice."""
+        """Writes the collected text to the stream: prose as wide as the terminal, without double
+        empty lines."""
         width = shutil.get_terminal_size().columns
         for line in re.sub(r"\n\n\n+", "\n\n", self.getvalue()).splitlines():
             # What is indented is to be typed, and boxes are as wide as the terminal.

@@ -15,7 +15,7 @@ def check_output(path: Path | None, option: str = "--json") -> None:
     """Refuses, before anything is computed, a file that could not be written at the end.
 
     Args:
-        path: Of the file; None and `-` always can be written.
+        path: Path of the file; None and `-` can always be written.
         option: That named it, for the message.
 
     Raises:

@@ -1,4 +1,4 @@
-"""How long touches took: a table at the end of a session, and a limit for scripts."""
+"""Latency of touches: a table at the end of a session, and a limit for scripts."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ WHOLE_WAYS = ("window", "drawn")
 
 def say_latency(log: LatencyLog, console: Console) -> None:
     """The table; nothing where nothing was measured."""
-    found = log.percentiles()
-    shown = [kind for kind in KINDS if kind in found]
+    percentiles = log.percentiles()
+    shown = [kind for kind in KINDS if kind in percentiles]
     if not shown:
         return
     table = Table("latency (ms)", "n", "p50", "p95", "p99")
     for kind in shown:
-        p = found[kind]
+        p = percentiles[kind]
         table.add_row(KINDS[kind], str(p.n), *(f"{v:.1f}" for v in (p.p50, p.p95, p.p99)))
     console.print(table)
     console.print("[dim]What the display adds after a picture is drawn is not measured.[/]")
@@ -41,12 +41,10 @@ def checked_limit(limit: float | None) -> float | None:
     """A limit in ms.
 
     Raises:
-        InputError: It is no duration.
+        InputError: The text is not a duration.
     """
     if limit is not None and not 0.0 < limit < float("inf"):
-        raise InputError(
-            "this is no latency", where="--max-latency", got=limit, expected="ms above 0"
-        )
+        raise InputError("not a latency", where="--max-latency", got=limit, expected="ms above 0")
     return limit
 
 
@@ -57,14 +55,16 @@ def judge_latency(log: LatencyLog, limit: float | None, console: Console) -> int
     a limit.
 
     Args:
-        log: Of the session.
+        log: Log of the session.
         limit: ms; None judges nothing.
         console: Says which it is.
     """
     if limit is None:
         return 0
-    found = log.percentiles()
-    ways: dict[str, Percentiles] = {kind: found[kind] for kind in WHOLE_WAYS if kind in found}
+    percentiles = log.percentiles()
+    ways: dict[str, Percentiles] = {
+        kind: percentiles[kind] for kind in WHOLE_WAYS if kind in percentiles
+    }
     if not ways:
         console.print("[red]latency: no touch was answered by a picture, so none was measured[/]")
         return 1

@@ -45,7 +45,7 @@ def parse(options: type[T], prog: str, argv: list[str], append: bool = True) -> 
 
 
 def in_one_line(call: Callable[[], T], prog: str) -> T:
-    """What tyro parses; its errors, which are boxes of several lines, are one line of ours.
+    """Runs tyro's parser, and turns its errors, boxes of several lines, into one line.
 
     Raises:
         InputError: Instead of the box, and the exit with status 2.
@@ -97,24 +97,24 @@ def subcommand(
 
 
 def _wrong(box: str) -> str:
-    """What is wrong, out of the box."""
-    found: list[str] = []
+    """The error text from tyro's box."""
+    errors: list[str] = []
     # The first line of the box is its title.
     for line in box.strip().splitlines()[1:]:
         text = line.strip(_SIDES)
         if set(text) <= _RULE:
             continue
-        if text and found and found[-1].startswith(_MEANT):
+        if text and errors and errors[-1].startswith(_MEANT):
             # Of what follows only the option's name; the rest is its help.
-            found[-1] = f"- perhaps {text.split()[0]}"
+            errors[-1] = f"- perhaps {text.split()[0]}"
             break
         if text.startswith(_REST):
             break
         if text:
-            found.append(text)
-        if len(found) == 2 and found[0].startswith("Missing from"):
+            errors.append(text)
+        if len(errors) == 2 and errors[0].startswith("Missing from"):
             break
-    words = re.sub(r"one of \(([^()]*'None'[^()]*)\)", _without_none, " ".join(found))
+    words = re.sub(r"one of \(([^()]*'None'[^()]*)\)", _without_none, " ".join(errors))
     words = re.sub(r"no type matching .*Got errors:.* - <class '(int|float)'>: ", "", words)
     words = re.sub(
         r"invalid literal for int\(\) with base 10: ('.*')", r"\1 is no whole number", words

@@ -29,10 +29,10 @@ def show_session(
     """Shows a session that is about to begin on the page.
 
     Args:
-        server: Of the page.
+        server: Server of the page.
         session: To be shown.
         hand: `right` or `left`.
-        caption: Who plays, where it is no person.
+        caption: The player, unless it is a person.
         device: Takes the page's touches; None lets the page only look.
         own: The hand that touches this page, where others touch elsewhere.
     """
@@ -50,19 +50,19 @@ def show_session(
 
 
 def touched_pages(session: Session) -> list[tuple[int | None, WebDevice]]:
-    """What takes the touches of each page, and whose hand they are; None: of both hands."""
-    found: dict[int, tuple[int | None, WebDevice]] = {}
+    """Devices for the touches of each page, with the index of their hand; None for both hands."""
+    devices: dict[int, tuple[int | None, WebDevice]] = {}
     for hand, rig in enumerate(session.rigs):
         device = rig.device
         while isinstance(device, DeviceWrapper):
             device = device.device
         if isinstance(device, WebDevice):
-            found[id(device)] = (None if id(device) in found else hand, device)
-    return list(found.values())
+            devices[id(device)] = (None if id(device) in devices else hand, device)
+    return list(devices.values())
 
 
 def in_air(session: Session) -> bool:
-    """Whether all hands are in the air over 3-D devices, and nobody touches anything."""
+    """True if all hands are in the air over 3-D devices, without touches."""
     return all(isinstance(rig.reconstructor, HandReconstructor) for rig in session.rigs)
 
 

@@ -120,7 +120,7 @@ def main(argv: list[str]) -> int:
             learned = data.training.capture if options.copas else None
             results[method.name] = evaluate_method(method, tests, learned, shown)
             progress.update(bar, completed=1.0)
-        found = report(
+        document = report(
             results,
             tests,
             data.training.capture,
@@ -130,13 +130,13 @@ def main(argv: list[str]) -> int:
                 **data.configuration,
             },
         )
-    show(console, found)
-    write_json(options.json, found, sort_keys=True)
+    show(console, document)
+    write_json(options.json, document, sort_keys=True)
     if options.plots is not None:
         from sandbox.figures import draw_all
 
         with _writing(f"--plots {options.plots}"), console.status("drawing"):
-            paths = draw_all(options.plots, found, results, tests)
+            paths = draw_all(options.plots, document, results, tests)
         console.print(f"{len(paths)} pictures in {options.plots}")
     return 0
 

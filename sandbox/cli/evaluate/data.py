@@ -1,4 +1,5 @@
-"""What `sandbox evaluate` trains and tests on: a simulated subject's days, or captures in files."""
+"""Training and test data of `sandbox evaluate`: a simulated subject's days, or captures in
+files."""
 
 from __future__ import annotations
 
@@ -46,7 +47,7 @@ def gather(
     Args:
         places: `builtin`, captures, folders and lists of captures to test on.
         train: `builtin`, `split` or a capture.
-        subject_name: Of the simulated subject.
+        subject_name: Name of the simulated subject.
         days: How many judged days `builtin` means.
         day_seed: Which.
         progress: Gets a bar for every day that is simulated.

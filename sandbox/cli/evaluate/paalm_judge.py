@@ -82,17 +82,17 @@ def main(argv: list[str]) -> int:
             bar.update(job, completed=share)
 
         if options.readings and options.paalm == SIMULATED:
-            found = judge_readings(options.takes, shown)
+            judgements = judge_readings(options.takes, shown)
         elif options.paalm == SIMULATED:
-            found = _simulated(options.takes, shown)
+            judgements = _simulated(options.takes, shown)
         else:
-            found = _folder(Path(options.paalm), shown)
-    found = {"schema": SCHEMA, **found}
+            judgements = _folder(Path(options.paalm), shown)
+    judgements = {"schema": SCHEMA, **judgements}
     if options.readings:
-        show_readings(found)
+        show_readings(judgements)
     else:
-        _show(found)
-    write_json(options.json, found)
+        _show(judgements)
+    write_json(options.json, judgements)
     return 0
 
 
@@ -164,12 +164,12 @@ def _folder(folder: Path, shown: Callable[[float], None]) -> dict[str, Any]:
     if not angles and not names:
         why = "; ".join(f"{k}: {v}" for k, v in list(left_out.items())[:3]) or "it is empty"
         raise InputError("no recording can be judged", where=f"--paalm {folder}", got=why)
-    found = summary(angles or names)
+    figures = summary(angles or names)
     if names:
-        found["identity_percent"] = summary(names)["identity_percent"]
+        figures["identity_percent"] = summary(names)["identity_percent"]
     return {
         "source": str(folder),
-        **found,
+        **figures,
         "identity_recordings": [j.name for j in names],
         "couplings": {k: _short(j) for k, j in couplings.items()},
         "left_out": left_out,
@@ -223,8 +223,8 @@ def _by_coupling(
 
 
 def _short(judgements: list[Judgement]) -> dict[str, Any]:
-    found = summary(judgements)
-    return {k: found[k] for k in ("mcp_deg", "pip_deg", "dip_deg", "pip_dip_deg", "recordings")}
+    figures = summary(judgements)
+    return {k: figures[k] for k in ("mcp_deg", "pip_deg", "dip_deg", "pip_dip_deg", "recordings")}
 
 
 def _show(found: dict[str, Any]) -> None:

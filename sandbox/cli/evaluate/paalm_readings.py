@@ -76,10 +76,10 @@ def judge_readings(takes: int, shown: Callable[[float], None]) -> dict[str, Any]
 
 
 def _figures(judgements: list[Any]) -> dict[str, Any]:
-    found = summary(judgements)
+    figures = summary(judgements)
     keys = ("mcp_deg", "mcp_spread_deg", "pip_deg", "dip_deg", "pip_dip_deg", "thumb_cmc_deg")
-    kept = {k: found[k] for k in (*keys, "thumb_mcp_deg", "jitter_deg")}
-    return kept | {"seen_pip_deg": found["seen_fingers"]["pip_deg"]}
+    kept = {k: figures[k] for k in (*keys, "thumb_mcp_deg", "jitter_deg")}
+    return kept | {"seen_pip_deg": figures["seen_fingers"]["pip_deg"]}
 
 
 def show_readings(found: dict[str, Any]) -> None:

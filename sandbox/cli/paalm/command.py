@@ -162,14 +162,14 @@ def calibrate(
     source = _Source(file, address)
     paalm = Paalm()
     try:
-        found = _measure(paalm, source.frames(), hands, frames)
+        calibrations = _measure(paalm, source.frames(), hands, frames)
     finally:
         source.close()
     if own:
         known = read_calibration(own_path()) if own_path().exists() else {}
-        keep_hands({**known, **found}, own_path())
+        keep_hands({**known, **calibrations}, own_path())
     elif out is not None:
-        write_calibration(found, out)
+        write_calibration(calibrations, out)
     summary = {
         side: {
             "standard_mm": [round(1000 * v, 2) for v in c.standard.tolist()],
@@ -178,7 +178,7 @@ def calibrate(
             "seconds": round(c.seconds, 3),
             "left_out": c.left_out,
         }
-        for side, c in found.items()
+        for side, c in calibrations.items()
     }
     print(json.dumps({"schema": SCHEMA, "hands": summary}))
     return 0
@@ -194,7 +194,7 @@ class _Source:
 
     @property
     def caption(self) -> str:
-        """What a picture says of where it comes from."""
+        """Caption of a picture on the source of its frames."""
         if self._file is None:
             return f"live: {self._address}"
         made = str(self._file.metadata.get("generatedBy", ""))

@@ -26,7 +26,7 @@ def check_picture(path: Path | None) -> None:
     """Refuses, before anything is shown, a file that could not be written at the end.
 
     Raises:
-        InputError: Its folder is missing, or it is no picture's name.
+        InputError: Its folder is missing, or it is not a picture's name.
     """
     if path is None:
         return
@@ -62,7 +62,7 @@ def show_pictures(
         port: Of the page.
 
     Raises:
-        GraphicsError: There is no screen, or no OpenGL.
+        GraphicsError: The machine has no screen or no OpenGL.
     """
     sides = tuple(paalm.calibration)
     shown: Window | Page | File

@@ -81,7 +81,7 @@ def main(argv: list[str]) -> int:
             return play_on_page(options, options, console, limit)
     if not has_display():
         raise InputError(
-            "there is no display to open a window on",
+            "no display to open a window on",
             remedy="`--view web` plays in a browser, `sandbox run` without any view; on a remote "
             "machine try `xvfb-run`",
         )

@@ -41,7 +41,7 @@ WAITED = 2.0
 
 @dataclass
 class Wishes:
-    """What the person wants of the next trial, and of this one.
+    """The person's requests for this trial and the next one.
 
     Attributes:
         task: Name.
@@ -96,8 +96,8 @@ class PagePlay:
     """A server and what its trials are made from.
 
     Attributes:
-        options: Of the scene.
-        servers: Of the page, or of every hand's page where hands have pages of their own.
+        options: Options of the scene.
+        servers: Server of the page, or of every hand's page if hands have their own pages.
         events: Are told of trials.
         console: For words.
     """
@@ -132,7 +132,7 @@ class PagePlay:
                 start = time.monotonic()
 
     def _hear(self, wishes: Wishes) -> None:
-        """What the page wants; on the screen of somebody else, a trial is laid out anew."""
+        """Handles the page's requests; for another person's screen, the trial is laid out again."""
         for hand, server in enumerate(self.servers):
             wishes.hear(server.asked(), hand)
         if self._seated != wishes.seated:
@@ -283,7 +283,7 @@ def numbered(path: Path, trial: int) -> Path:
 
 
 def say_refusals(server: PageServer, console: Console) -> None:
-    """What the server refused, by reason; nothing where it refused nothing."""
+    """Prints the server's refusals by reason, if there were any."""
     refused = server.counters.as_dict()
     if refused:
         console.print("refused: " + ", ".join(f"{n} {reason}" for reason, n in refused.items()))

@@ -17,7 +17,7 @@ def in_plain_words(error: InputError, settings: RunSettings) -> str:
 
     Args:
         error: Was raised when the trial was made.
-        settings: Of the trial.
+        settings: Settings of the trial.
     """
     if "too small" not in error.what:
         return str(error)

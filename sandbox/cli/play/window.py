@@ -53,7 +53,7 @@ BEHIND = 0.05
 
 @dataclass
 class Footer:
-    """What is written at the bottom right: speed of drawing, lift, and the page's address."""
+    """Texts at the bottom right: speed of drawing, lift, and the page's address."""
 
     address: str = ""
     _since: float = 0.0
@@ -73,18 +73,18 @@ class Footer:
             rate = (window.pictures - self._pictures) / (now - self._since)
             self._since, self._pictures = now, window.pictures
             self._rate = f"{rate:.0f} pictures/s, {1000 * window.picture_time:.0f} ms each"
-        found = [self._rate]
+        texts = [self._rate]
         if lost > BEHIND:
-            found.append(f"{lost:.1f} s behind real time")
+            texts.append(f"{lost:.1f} s behind real time")
         # A hand in the air lifts itself.
         reach = 0.0 if in_air(session) else 1000.0 * session.task.lift_range
         if reach > 0.0:
-            found.append(f"lifted {reach * (session.lift(0) or 0.0):.0f} of {reach:.0f} mm")
+            texts.append(f"lifted {reach * (session.lift(0) or 0.0):.0f} of {reach:.0f} mm")
         if session.scorer.score.status is not Status.RUNNING:
-            found.append("r starts again")
+            texts.append("r starts again")
         if self.address:
-            found.append(f"in a browser: {self.address}")
-        return tuple(line for line in found if line)
+            texts.append(f"in a browser: {self.address}")
+        return tuple(line for line in texts if line)
 
 
 @dataclass
@@ -92,13 +92,13 @@ class WindowPlay:
     """A window, perhaps a page beside it, and what trials are made from.
 
     Attributes:
-        options: Of the scene.
-        server: Of the page; None serves none.
+        options: Options of the scene.
+        server: Server of the page; None without a page.
         share: Whether fingers on the page count, too.
         lan: Whether the page is for a tablet, which is shown its code until it comes.
         events: Are told.
         console: Is told.
-        latency: Of all trials.
+        latency: Latency log of all trials.
         window: Once one is open.
     """
 
@@ -202,14 +202,14 @@ class WindowPlay:
         return False
 
     def _before(self, session: Session) -> Snapshot:
-        """What there is to see before the first touch: the scene, what is to be done, and how."""
-        found = session.snapshot()
-        score = replace(found.score, reason=summary(type(session.task)))
+        """Snapshot before the first touch: the scene, the goal and instructions."""
+        snapshot = session.snapshot()
+        score = replace(snapshot.score, reason=summary(type(session.task)))
         how = WITH_MOUSE if self.options.device == "mouse" else ""
-        return replace(found, score=score, notices=(how + WAITING,))
+        return replace(snapshot, score=score, notices=(how + WAITING,))
 
     def _inviting(self) -> bool:
-        """Whether a tablet is still waited for."""
+        """True while the program waits for a tablet."""
         return self.lan and self.server is not None and not self.server.wait_for_player(0.0)
 
     def _chosen(self, wishes: Wishes) -> Plan:
@@ -237,7 +237,7 @@ class WindowPlay:
         return with_first(makers, _from_first_touch) if self._waits(chosen) else makers
 
     def _waits(self, chosen: Plan) -> bool:
-        """Whether time begins with the first touch: a person plays, with their fingers."""
+        """True if time begins with the first touch, because a person plays with their fingers."""
         of_person = self.options.device != "simulated" and not Path(self.options.device).is_file()
         return chosen.live and of_person and not chosen.settings.in_air
 
@@ -288,8 +288,8 @@ def play_in_window(
     """Plays until the window is closed; 1 where touches took longer than the limit allows.
 
     Args:
-        options: Of the scene. The page is the second hand's if that is its device; else its fingers
-            play along with the mouse, and beside any other device it only looks.
+        options: Options of the scene. The page is the second hand's if that is its device; else its
+            fingers play along with the mouse, and beside any other device it only looks.
         page: Where the page is.
         limit: ms, see `judge_latency`; None sets none.
         console: Is told.
@@ -319,7 +319,7 @@ def _from_first_touch(maker: DeviceMaker) -> DeviceMaker:
 
 
 def _waiting(session: Session) -> bool:
-    """Whether a person has not yet touched anything."""
+    """True while a person has not touched the surface yet."""
     device = session.rigs[0].device
     begun = any(page.touched for _, page in touched_pages(session))
     return isinstance(device, FirstTouch) and not device.came() and not begun

@@ -163,7 +163,7 @@ def _show(
 
 
 def _verdict(found: Verification) -> str:
-    """How it went, in a line."""
+    """Result of a replay, in a line."""
     if found.exact:
         whole = "" if found.complete else ", up to where it breaks off"
         return f"[green]exact[/]: {found.compared} states equal to the bit{whole}"
@@ -176,7 +176,7 @@ def _verdict(found: Verification) -> str:
 
 
 def _report(recording: Recording, session: Session, found: Verification, console: Console) -> None:
-    """How it went, and what the trial's result is."""
+    """Result of a replay and of the trial."""
     score = session.scorer.score
     console.print(_verdict(found))
     if found.exact and not found.same_machine:

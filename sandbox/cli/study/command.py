@@ -171,7 +171,7 @@ def _plan(options: PlanOptions, console: Console) -> int:
     if not options.power:
         return 0
     if not 0.0 < options.spread < 10.0:
-        raise InputError("this is no spread", where="--spread", got=options.spread,
+        raise InputError("not a spread", where="--spread", got=options.spread,
                          expected="between 0 and 10")  # fmt: skip
     for factor in design.factors:
         pairs = comb(len(factor.levels), 2)
@@ -179,13 +179,13 @@ def _plan(options: PlanOptions, console: Console) -> int:
             continue
         between = factor.order == "between"
         people = 2 * count // len(factor.levels) if between else count
-        found = detectable(people, pairs, between, spread=options.spread)
+        effect = detectable(people, pairs, between, spread=options.spread)
         console.print(
             f"{factor.name}: {people} people{' in two groups' if between else ''} detect, with "
-            f"probability 0.8, a difference of {found.effect:.2f} standard deviations between two "
+            f"probability 0.8, a difference of {effect.effect:.2f} standard deviations between two "
             f"of {len(factor.levels)} levels (two-sided t test, alpha 0.05"
             + (f" over {pairs} pairs" if pairs > 1 else "")
-            + f"); that is {100 * found.change:.0f} % of completion time if the difference in log "
+            + f"); that is {100 * effect.change:.0f} % of completion time if the difference in log "
             f"time varies by {options.spread:g} from person to person"
         )
     return 0
@@ -206,9 +206,9 @@ def _simulate(options: SimulateOptions, console: Console) -> int:
     design = _load(options.file)
     study = StudyFolder(options.out, design, SIMULATED, options.force_upgrade)
     count = options.participants or design.participants
-    found = simulate(study, count, options.resume, sayer(console))
-    console.print(f"{escape(str(study.path))}: {found['participants']} simulated participants, "
-                  f"{found['trials']} trials that count, {found['excluded']} excluded")  # fmt: skip
+    done = simulate(study, count, options.resume, sayer(console))
+    console.print(f"{escape(str(study.path))}: {done['participants']} simulated participants, "
+                  f"{done['trials']} trials that count, {done['excluded']} excluded")  # fmt: skip
     return 0
 
 

@@ -183,19 +183,19 @@ def withdraw(options: WithdrawOptions, console: Console) -> int:
         if answer.strip().lower() not in ("y", "yes"):
             console.print("nothing was deleted")
             return 1
-    found = delete(study, ppid, options.reason)
-    console.print(f"{ppid}: {found.files} files deleted"
-                  + (", what an earlier withdrawal had left" if found.before else ""))  # fmt: skip
-    if found.still:
+    deleted = delete(study, ppid, options.reason)
+    remains = ", what an earlier withdrawal had left" if deleted.before else ""
+    console.print(f"{ppid}: {deleted.files} files deleted{remains}")
+    if deleted.still:
         console.print("[yellow]these files still name the participant, or may, since they are "
                       "damaged; make them anew, or delete "
                       "them:[/]")  # fmt: skip
-    for path in found.still:
+    for path in deleted.still:
         console.print(f"  {escape(str(path))}")
-    if found.copies:
+    if deleted.copies:
         console.print("[yellow]copies were made with the data in them; deleting those is up to "
                       "you:[/]")  # fmt: skip
-    for copy in found.copies:
+    for copy in deleted.copies:
         there = "" if copy.there else "  (no longer there)"
         console.print(f"  {copy.time[:10]}  {copy.what}  {escape(str(copy.path))}{there}")
     return 0
@@ -208,17 +208,19 @@ def backup(options: BackupOptions, console: Console) -> int:
     from sandbox.study.share.export_log import remember_copy
 
     if options.check is not None:
-        found, path = check_backup(options.check), options.check
+        checked, path = check_backup(options.check), options.check
     elif options.folder is None or options.out is None:
         raise InputError("a study and an archive are needed", where="sandbox study backup",
                          expected="DIR --out FILE, or --check FILE")  # fmt: skip
     else:
         study = StudyFolder.at(options.folder)
-        found, path = back_up(study, options.out), options.out
-        remember_copy(study, "backup", options.out, found.ppids)
-    console.print(f"{escape(str(path))}: {len(found.ppids)} participants, {found.trials} finished "
-                  f"trials, {found.files} files, {found.bytes / 1e6:.1f} MB; every file is as it "
-                  "was written")  # fmt: skip
+        checked, path = back_up(study, options.out), options.out
+        remember_copy(study, "backup", options.out, checked.ppids)
+    size = f"{checked.bytes / 1e6:.1f} MB"
+    console.print(
+        f"{escape(str(path))}: {len(checked.ppids)} participants, {checked.trials} finished "
+        f"trials, {checked.files} files, {size}; every file is as it was written"
+    )
     return 0
 
 
@@ -231,20 +233,20 @@ def merge(options: MergeOptions, console: Console) -> int:
     sites = [StudyFolder.at(options.first), StudyFolder.at(options.second)]
     for study in sites:
         _outside(study, options.out)
-    found = join(sites[0], sites[1], options.out, options.force_different)
+    merged = join(sites[0], sites[1], options.out, options.force_different)
     for study in sites:
         ppids = [p.ppid for p in study.participants()]
         remember_copy(study, "merge", options.out, ppids)
         # Who withdraws from the merged study is still in the folders that it came from.
         remember_copy(StudyFolder.at(options.out), "site", study.path, ppids)
-    console.print(f"{escape(str(options.out))}: {found.people} participants; sites.csv says who "
+    console.print(f"{escape(str(options.out))}: {merged.people} participants; sites.csv says who "
                   "comes from where")  # fmt: skip
-    for old, new in found.renamed.items():
+    for old, new in merged.renamed.items():
         console.print(f"  {old} is {new} here: the other site has that pseudonym, too")
-    if found.both:
-        console.print(f"  in both folders, and taken once: {', '.join(found.both)}")
-    if found.left_out:
-        console.print(f"  withdrawn, and left out: {', '.join(found.left_out)}")
+    if merged.both:
+        console.print(f"  in both folders, and taken once: {', '.join(merged.both)}")
+    if merged.left_out:
+        console.print(f"  withdrawn, and left out: {', '.join(merged.left_out)}")
     return 0
 
 
@@ -255,17 +257,17 @@ def _outside(study: StudyFolder, out: Path) -> None:
 
 
 def _bins(given: Sequence[str]) -> dict[str, float]:
-    found = {}
+    widths = {}
     for text in given:
         name, _, width = text.partition(":")
         try:
-            found[name] = float(width)
+            widths[name] = float(width)
         except ValueError:
-            found[name] = 0.0
-        if not found[name] > 0:
-            raise InputError("this is no item and width", where="--bin", got=text,
+            widths[name] = 0.0
+        if not widths[name] > 0:
+            raise InputError("not an item and width", where="--bin", got=text,
                              expected="such as age:10")  # fmt: skip
-    return found
+    return widths
 
 
 def _anonymous_bids(study: StudyFolder, out: Path, masking: Masking, console: Console) -> None:
@@ -297,11 +299,11 @@ def _tell(done: Anonymised, out: Path, console: Console) -> None:
     if done.hands:
         console.print(f"  {done.hands} recordings of hands in the air are left out: they hold the "
                       "lengths of fingers; --keep-hands keeps them")  # fmt: skip
-    found = done.groups
-    if found.exposed:
+    group_sizes = done.groups
+    if group_sizes.exposed:
         console.print(
-            f"[yellow]k = {found.smallest}: {found.exposed} people share their "
-            f"{', '.join(found.columns)} with fewer than {SMALLEST - 1} others, and may be "
+            f"[yellow]k = {group_sizes.smallest}: {group_sizes.exposed} people share their "
+            f"{', '.join(group_sizes.columns)} with fewer than {SMALLEST - 1} others, and may be "
             "recognised by who knows them. --bin ITEM:WIDTH and --drop ITEM make groups "
             "larger[/]"
         )

@@ -1,4 +1,4 @@
-"""Who takes part in a session, and the how manyeth of theirs it is."""
+"""Participant and number of a session."""
 
 from __future__ import annotations
 
@@ -53,12 +53,12 @@ def next_session(study: StudyFolder, person: Participant) -> int:
 
 
 def has_begun(study: StudyFolder, person: Participant, number: int) -> bool:
-    """Whether somebody's session was begun."""
+    """True if a participant's session was begun."""
     return number in {session.number for session in sessions_of(study, person)}
 
 
 def _finished(study: StudyFolder, person: Participant) -> bool:
-    """Whether nothing more is to come of somebody."""
+    """True if a participant has no more sessions."""
     states = [session.state for session in sessions_of(study, person)]
     ended = sum(state.complete for state in states)
     return ended == study.design.sessions or any(state.excluded_participant for state in states)

@@ -124,14 +124,14 @@ class RunOptions:
 
     @property
     def leap_address(self) -> str:
-        """Of the Leap service."""
+        """Address of the Leap service."""
         from sandbox.devices.leap.leap import DEFAULT_ADDRESS
 
         return self.leap or DEFAULT_ADDRESS
 
     @property
     def has_page(self) -> bool:
-        """Whether the participant gets a page."""
+        """True if the participant gets a page."""
         auto = self.forms == "auto" and self.device != "simulated"
         return self.touches == "web" or self.forms == "page" or auto
 
@@ -150,7 +150,7 @@ def again(options: RunOptions, ppid: str) -> str:
 
 
 def check_options(options: RunOptions) -> None:
-    """What fits together, before anything is written."""
+    """Checks that options fit together, before anything is written."""
     from sandbox.devices.registry import built_in
     from sandbox.options.touch_devices import guessed_surface, live_maker
 
@@ -172,7 +172,7 @@ def check_options(options: RunOptions) -> None:
                              where="--forms terminal", remedy="Leave it out")  # fmt: skip
         return
     if options.view == "window" and not has_display():
-        raise InputError("there is no display to open a window on",
+        raise InputError("no display to open a window on",
                          remedy="--device web runs trials on a page, --view none without a view",
                          )  # fmt: skip
     if options.view == "none" and options.device == "mouse":
@@ -187,7 +187,7 @@ def check_options(options: RunOptions) -> None:
 
 
 def check_leap(options: RunOptions, design: Design) -> None:
-    """What is wrong with the Leap is told now, too, where the design has trials over it."""
+    """Checks the Leap, too, if the design has trials over it."""
     from sandbox.options.leap_devices import open_leap
     from sandbox.study.design.conditions import combinations, values_of
     from sandbox.study.design.plan import in_the_air

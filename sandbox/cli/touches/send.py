@@ -59,13 +59,11 @@ def send(options: Send) -> int:
             "where to is not clear", where="--to, --tuio", expected="one of the two: HOST:PORT"
         )
     if not 0.0 < options.speed < math.inf:
-        raise InputError(
-            "this is no speed", where="--speed", got=options.speed, expected="more than 0"
-        )
+        raise InputError("not a speed", where="--speed", got=options.speed, expected="more than 0")
     if options.tuio:
         return _send_tuio(options)
     if options.file is None:
-        raise InputError("there is no file to send", where="--to", expected="a capture of packets")
+        raise InputError("no file to send", where="--to", expected="a capture of packets")
     return _send_packets(options.file, options.to, options.speed)
 
 

@@ -1,4 +1,4 @@
-"""How `sandbox touches show` shows frames: JSON lines for programs, a table for people."""
+"""Output of `sandbox touches show`: JSON lines for programs, a table for people."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ class JsonView:
 
 
 class TextView:
-    """A table of the touches of this moment; one line a frame where stdout is no terminal."""
+    """A table of the current touches; one line per frame if stdout is not a terminal."""
 
     def __init__(self, seen: Device, surface: Surface) -> None:
         self._seen, self._surface = seen, surface
@@ -122,7 +122,7 @@ class TextView:
 
 
 def counts_of(seen: Device) -> Statistics | None:
-    """What a device that takes packets has counted."""
+    """Counts of a device that receives packets."""
     return seen.statistics if isinstance(seen, TuioDevice | CaptureDevice) else None
 
 

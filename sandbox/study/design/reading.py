@@ -109,7 +109,7 @@ class Table:
         return value
 
     def string(self, key: str, default: str | None = None) -> str:
-        """A string; it must be given where there is no default."""
+        """A string; required if it has no default."""
         if default is None and not self.has(key):
             self._known.append(key)
             self.wrong("", f"`{key}` is missing", f'Add a line such as {key} = "..."')
@@ -203,7 +203,7 @@ class Table:
         """A list of tables."""
         value = self.raw(key, [])
         if not isinstance(value, list) or not all(isinstance(v, dict) for v in value):
-            self.wrong(key, "this is no list of tables", f"Begin each with [[{key}]]")
+            self.wrong(key, "not a list of tables", f"Begin each with [[{key}]]")
             return []
         return [Table(self.reader, v, (*self.path, key, i)) for i, v in enumerate(value)]
 

@@ -1,7 +1,6 @@
 """Scores of questionnaires: pure functions of the answers, by rules that stand in a file.
 
-With a missing answer there is no score, only the number of missing answers: missing values are not
-guessed.
+A missing answer leaves the score empty, with the number of missing answers: they are not guessed.
 """
 
 from __future__ import annotations

@@ -48,7 +48,7 @@ def back_up(study: StudyFolder, out: Path) -> Checked:
 
     Raises:
         StudyError: Something is there, it cannot be written, or what was read back is not what was
-            written; then there is no archive of that name.
+            written; then no archive of that name is left.
     """
     refuse_existing(out)
     if study.path.resolve() in out.resolve().parents:

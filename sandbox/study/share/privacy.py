@@ -1,9 +1,9 @@
 """An anonymous copy of a study: new pseudonyms, no dates, no words, no names of folders.
 
 The result is an ordinary study folder, made from the journals and recordings alone, so that its
-tables contain nothing else. It opens, replays and reports like the original. There is no list of
-old and new pseudonyms; but anyone with the original can match the two by seeds, hashes of states or
-the results themselves.
+tables contain nothing else. It opens, replays and reports like the original. No list of old and new
+pseudonyms exists; but anyone with the original can match the two by seeds, hashes of states or the
+results themselves.
 """
 
 from __future__ import annotations

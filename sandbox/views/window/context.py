@@ -36,7 +36,7 @@ class WindowContext:
         glfw.set_error_callback(lambda _code, text: said.append(_text(text)))
         if not glfw.init():
             raise GraphicsError(
-                "no window can be opened, since there is no screen",
+                "no window can be opened without a screen",
                 got="; ".join(said) or None,
                 remedy="`sandbox run` needs none; on a machine without a screen, try xvfb-run",
             )
@@ -89,7 +89,7 @@ class Loan:
         self.backend = context.backend
 
     def as_current(self) -> AbstractContextManager[None]:
-        """As the window's."""
+        """See the window."""
         return self._context.as_current()
 
     def free(self) -> None:

@@ -229,7 +229,7 @@ def test_whoever_hands_over_moments_never_waits_for_a_port_that_takes_nothing_in
 
 @pytest.mark.parametrize("text", ["", "host", "7002:x", ":0", ":70000", "a:-1", "a:1.5", "a:٣"])
 def test_what_is_no_address_is_refused(text):
-    with pytest.raises(InputError, match="no address"):
+    with pytest.raises(InputError, match="not an address"):
         parse_address(text)
 
 
@@ -348,7 +348,7 @@ def test_a_stream_to_nobody_ends_with_the_recording_and_says_that_nobody_was_tol
         ([], "say where the hand goes"),
         (["--maya", ":7002"], "say where the hand comes from"),
         (["--maya", ":7002", "--blender", ":7004", "--device", "tuio"], "say where the hand goes"),
-        (["--maya", "nowhere", "--device", "tuio"], "no address"),
+        (["--maya", "nowhere", "--device", "tuio"], "not an address"),
         (["--maya", ":7002", "--device", "tuio", "--rate", "0"], "out of range"),
         (["--maya", ":7002", "nothing.jsonl"], "nothing.jsonl"),
         (["--maya", ":7002", "--device", "mouse"], "needs a window"),

@@ -187,7 +187,7 @@ def test_a_palm_that_is_to_stay_stays_while_the_fingers_move():
     ("select", "said"),
     [
         (["a0", "a1"], "in the chain of another"),
-        (["a3"], "no other joint"),
+        (["a3"], "has no joint below it"),
         (["a0", "b0", "c0", "d0", "e0", "g0"], "1 to 5 chains"),
         (["still0"], "in one place"),
     ],

@@ -93,7 +93,7 @@ def test_two_folders_are_merged_by_a_command(
     [
         (["export", "{}", "--out", "x"], "what kind of copy is missing"),
         (["export", "{}", "--anonymise", "--out", "{}/inside"], "inside of what it is a copy of"),
-        (["export", "{}", "--anonymise", "--bin", "age", "--out", "x"], "no item and width"),
+        (["export", "{}", "--anonymise", "--bin", "age", "--out", "x"], "not an item and width"),
         (["export", "{}", "--anonymise", "--drop", "wage", "--out", "x"], "nobody was asked"),
         (["export", "{}", "--bids", "--drop", "age", "--out", "x"], "are for --anonymise"),
         (["export", "{}/..", "--bids", "--out", "x"], "not a folder of a study"),

@@ -21,7 +21,7 @@ from sandbox.study.report.page.section_results import means_picture
 
 
 def exclusions_section(found: Analysis) -> Section:
-    """What was left out, and how trials ended."""
+    """Section on left out data, and on how trials ended."""
     section = Section("exclusions", "What was left out")
     data = found.data
     rows = [

@@ -264,5 +264,5 @@ def _factor(e: Estimate) -> Estimate:
 
 
 def unseen_model(found: Analysis) -> bool:
-    """Whether trials without success take part in the comparison that is read first."""
+    """True if the main comparison includes trials without success."""
     return isinstance(found.censored, Censored) and found.censored.unseen > 0

@@ -37,7 +37,7 @@ def points(difference: float) -> str:
 
 
 def p_value(p: float) -> str:
-    """As journals print it."""
+    """Text of a value in the format of journals."""
     if not isfinite(p):
         return UNKNOWN
     return "< 0.001" if p < 0.001 else f"{p:.3f}" if p < 0.1 else f"{p:.2f}"
