@@ -54,8 +54,8 @@ class NaturalLayout:
         places: (5,) complex, m, positions relative to their middle.
         turns: (n,) rad, yaw of every given layout.
 
-        Raises:
-            CaptureError: No layout is given.
+    Raises:
+        CaptureError: No layout is given.
     """
 
     def __init__(self, layouts: ArrayLike) -> None:

@@ -30,8 +30,8 @@ def draw_all(
         results: Results of the same methods; hands are drawn from their poses.
         tests: The test captures.
 
-        Returns:
-            Paths of the files.
+    Returns:
+        Paths of the files.
 
     Raises:
         InputError: matplotlib is not installed.

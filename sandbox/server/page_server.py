@@ -79,7 +79,7 @@ class PageServer:
     Raises:
         DeviceError: The address or port is not available.
 
-        Attributes:
+    Attributes:
         access: Access rules, and the link.
         counters: Counters of refusals.
         latency: Log of the latency of touches.

@@ -36,8 +36,8 @@ class PicturePage(Closing):
         title: Title of the page.
         port: TCP port; 0 uses a free one.
 
-        Raises:
-            DeviceError: The port is not available.
+    Raises:
+        DeviceError: The port is not available.
     """
 
     def __init__(self, title: str, port: int = 0) -> None:

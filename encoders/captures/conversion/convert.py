@@ -86,7 +86,7 @@ def capture_from_poses(
         report: Receives the counts of dropped ones.
         meta: Metadata of the capture.
 
-        Raises:
+    Raises:
         CaptureError: No finger comes near the surface, or never two at a time.
     """
     if not 0 < threshold < 0.05:

@@ -51,8 +51,8 @@ def host_clock(device: Array, arrived: Array, where: str) -> HostClock:
         arrived: (n,) s, arrival times on the host's clock.
         where: Name of the stream, for messages.
 
-        Raises:
-            CaptureError: The two clocks do not match.
+    Raises:
+        CaptureError: The two clocks do not match.
     """
     if len(device) < 2 or np.ptp(device) <= 0.0:
         raise CaptureError("too few frames to tell its clock", where=where, got=len(device))

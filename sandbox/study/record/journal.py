@@ -80,9 +80,9 @@ class Journal:
             durable: True ensures that it is on the disk when this returns.
             values: JSON values.
 
-            Raises:
-                StudyError: It cannot be written, and the journal is unchanged; or, for a durable
-                    record, it was written but may not be on the disk.
+        Raises:
+            StudyError: It cannot be written, and the journal is unchanged; or, for a durable
+                record, it was written but may not be on the disk.
         """
         record = {"n": len(self.records), "time": now(), "clock": round(time.monotonic(), 6),
                   "kind": kind, **values}  # fmt: skip

@@ -58,8 +58,8 @@ def export_bids(study: StudyFolder, out: Path, say: Say) -> int:
         out: The data set's folder, which must not exist.
         say: Callback for progress messages.
 
-        Returns:
-            Number of runs written.
+    Returns:
+        Number of runs written.
 
     Raises:
         StudyError: A table is missing or there is nothing to write, or it cannot be written.

@@ -84,9 +84,9 @@ def anonymise(study: StudyFolder, out: Path, masking: Masking, say: Say) -> Anon
         masking: See `Masking`.
         say: Callback for progress messages.
 
-        Raises:
-            StudyError: A journal is damaged, there are no participants, or the copy cannot be
-                written.
+    Raises:
+        StudyError: A journal is damaged, there are no participants, or the copy cannot be
+            written.
     """
     _check(study.design, masking)
     sessions = {person.ppid: kept_session for person, kept_session in all_sessions(study)}

@@ -100,8 +100,8 @@ def fit_mixed(data: StudyData, rows: DataFrame, y: np.ndarray) -> Mixed | str:
         rows: Modelled rows of `data.used`.
         y: (rows,) measure, on the scale on which effects are additive.
 
-        Returns:
-            The model, or the reason why there is none.
+    Returns:
+        The model, or the reason why there is none.
     """
     people = rows["ppid"].nunique()
     if people < FEWEST_PEOPLE:
