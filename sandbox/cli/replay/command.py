@@ -125,13 +125,13 @@ def _replay(file: Path, options: ReplayOptions, brief: bool, console: Console) -
             return views
 
         with undisturbed():
-            session, found = replay(recording, make_views)
+            session, verification = replay(recording, make_views)
     took = time.perf_counter() - began
     if brief:
-        console.print(f"{file.stem}: {_verdict(found)}", highlight=False)
+        console.print(f"{file.stem}: {_verdict(verification)}", highlight=False)
     else:
-        _report(recording, session, found, console)
-        if not keeps and film is None and took > 0 and found.compared:
+        _report(recording, session, verification, console)
+        if not keeps and film is None and took > 0 and verification.compared:
             console.print(f"[dim]{session.time:.1f} s of trial compared in {took:.2f} s, "
                           f"{session.time / took:.1f} times faster than it was[/]",
                           highlight=False)  # fmt: skip
@@ -141,8 +141,8 @@ def _replay(file: Path, options: ReplayOptions, brief: bool, console: Console) -
         caption = f"replay; {caption}" if caption else "replay"
         _show(recording, session, kept, options, caption, console)
     if options.verify:
-        return 0 if found.exact and found.complete else 1
-    return 1 if found.first_difference is not None and found.same_machine else 0
+        return 0 if verification.exact and verification.complete else 1
+    return 1 if verification.first_difference is not None and verification.same_machine else 0
 
 
 def _show(
@@ -162,32 +162,39 @@ def _show(
         show_on_page(session, snapshots, options.speed, caption, hand, options.page, console)
 
 
-def _verdict(found: Verification) -> str:
+def _verdict(verification: Verification) -> str:
     """Result of a replay, in a line."""
-    if found.exact:
-        whole = "" if found.complete else ", up to where it breaks off"
-        return f"[green]exact[/]: {found.compared} states equal to the bit{whole}"
-    if found.compared == 0:
+    if verification.exact:
+        whole = "" if verification.complete else ", up to where it breaks off"
+        return f"[green]exact[/]: {verification.compared} states equal to the bit{whole}"
+    if verification.compared == 0:
         return "[yellow]nothing to compare: it holds no input[/]"
-    differs = f"differs[/] from physics step {found.first_difference} on"
-    if found.same_machine:
+    differs = f"differs[/] from physics step {verification.first_difference} on"
+    if verification.same_machine:
         return f"[red]{differs}"
     return f"[yellow]{differs}, as it may: {ELSEWHERE}"
 
 
-def _report(recording: Recording, session: Session, found: Verification, console: Console) -> None:
+def _report(
+    recording: Recording, session: Session, verification: Verification, console: Console
+) -> None:
     """Result of a replay and of the trial."""
     score = session.scorer.score
-    console.print(_verdict(found))
-    if found.exact and not found.same_machine:
+    console.print(_verdict(verification))
+    if verification.exact and not verification.same_machine:
         console.print(f"[yellow]{ELSEWHERE}; every state is the same here all the same[/]")
-    if not found.exact and found.compared and not found.same_machine and recording.end:
+    if (
+        not verification.exact
+        and verification.compared
+        and not verification.same_machine
+        and recording.end
+    ):
         score = TrialResult.from_json(recording.end["result"], str(recording.path)).score
-    if not found.same_machine:
-        shown = "its recorded poses" if found.shown_recorded else "what is simulated here"
-        why = "" if found.shown_recorded else ", since an older version recorded no poses"
+    if not verification.same_machine:
+        shown = "its recorded poses" if verification.shown_recorded else "what is simulated here"
+        why = "" if verification.shown_recorded else ", since an older version recorded no poses"
         console.print(f"shown: {shown}{why}")
-    if found.diverged:
-        console.print(f"[yellow]the simulation diverged: {found.diverged}[/]")
+    if verification.diverged:
+        console.print(f"[yellow]the simulation diverged: {verification.diverged}[/]")
     how = ending(score.status, score.success)
     console.print(f"{session.task.name}: {how} after {score.time:.1f} s")
