@@ -11,7 +11,6 @@ import ast
 import io
 import os
 import re
-import subprocess
 import sys
 import tokenize
 import tomllib
@@ -51,7 +50,6 @@ SHOWS_OR_SERVES = (
     "mujoco.osmesa",
 )
 """Modules that open a window, a socket or a picture; only `sandbox` has business with them."""
-HEAVY = ("mujoco", "glfw", "scipy", "OpenGL", "websockets", "matplotlib", "numba")
 MOST_FILES = 18
 """Python files in one folder, `__init__.py` aside."""
 GUESTS = {
@@ -382,15 +380,6 @@ def test_a_circle_is_seen_between_modules_and_between_folders(tmp_path: Path) ->
 @pytest.mark.parametrize("package", PACKAGES)
 def test_every_package_tells_type_checkers_that_it_is_typed(package: str) -> None:
     assert (ROOT / package / "py.typed").is_file()
-
-
-@pytest.mark.parametrize("module", ["sandbox", "sandbox.cli.main"])
-def test_starting_the_program_loads_nothing_heavy(module: str) -> None:
-    question = f"import sys, {module}; print(*(set({HEAVY}) & set(sys.modules)))"
-    answer = subprocess.run(
-        [sys.executable, "-c", question], cwd=ROOT, capture_output=True, text=True, check=True
-    )
-    assert answer.stdout.split() == []
 
 
 def test_what_the_packages_import_is_declared() -> None:

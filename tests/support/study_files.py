@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import csv
 import os
 import signal
 import time
 import traceback
 from collections.abc import Callable
 from pathlib import Path
+
+import numpy as np
 
 from sandbox.study.design.design import Design
 from sandbox.study.design.design_file import parse_design
@@ -53,6 +56,14 @@ ask = "How much effort was it?"
 """
 TRIALS = 6
 """Of every session of this design, practice included."""
+
+TWICE = DESIGN.replace("seed = 3", "seed = 3\nsessions = 2").replace(
+    "repetitions = 2\npractice = 1\n", "repetitions = 1\npractice = 1\npractice_sessions = [1]\n"
+)
+"""The same study in two sessions."""
+
+FIRST, SECOND = 4, 2
+"""Trials of both sessions: the first one has practice before each of two levels."""
 
 
 def design(text: str = DESIGN) -> Design:
@@ -142,3 +153,20 @@ def check_session(study: StudyFolder, number: int, at_least: int, nth: int = 1) 
     planned = [t.number for t in trials_of(session_plan(study.design, number, nth))]
     assert planned[: len(finished)] == sorted(finished), "they come in the order of the plan"
     return len(finished)
+
+
+def recordings(folder: Path, count: int) -> dict[Path, bytes]:
+    """Files that look like recordings, and what is in them."""
+    rng = np.random.default_rng(8)
+    made = {}
+    for i in range(count):
+        lines = [b'{"kind":"input","hash":"%s"}' % rng.bytes(16).hex().encode() for _ in range(900)]
+        path = folder / f"T{i:03d}.jsonl"
+        path.write_bytes(b"\n".join(lines) + b"\n")
+        made[path] = path.read_bytes()
+    return made
+
+
+def rows_of(path: Path) -> list[dict[str, str]]:
+    """The rows of a table."""
+    return list(csv.DictReader(path.open(encoding="utf-8")))

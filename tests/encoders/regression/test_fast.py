@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from typing import Any
 
 import numpy as np
@@ -144,21 +142,3 @@ def test_only_encoders_of_contact_vectors_can_be_prepared_for_them() -> None:
         LinearEncoder().fit(np.eye(3), np.eye(3)).for_contacts()
     with pytest.raises(EncoderError, match="learned nothing"):
         QuadraticEncoder().for_contacts()
-
-
-def test_without_numba_the_error_names_the_extra() -> None:
-    code = (
-        "import sys; sys.modules['numba'] = None\n"
-        "from encoders import LinearEncoder\n"
-        "import numpy as np\n"
-        "encoder = LinearEncoder().load(np.zeros((16, 2)), 15)\n"
-        "encoder.for_contacts()\n"
-        "try:\n"
-        "    encoder.for_contacts(fast=True)\n"
-        "except Exception as error:\n"
-        "    print(type(error).__name__, error)\n"
-    )
-    answer = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True
-    )
-    assert answer.stdout.startswith("EncoderError") and "hand-sandbox[fast]" in answer.stdout

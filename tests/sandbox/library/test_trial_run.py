@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import csv
 import math
-import platform
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +21,6 @@ from sandbox import (
     run_trial,
 )
 from tasks import Goal, OwnTask, judge, two_places
-from tests.support.processes import ROOT
 
 
 class Still(OwnTask):
@@ -183,24 +179,3 @@ def test_a_recording_that_breaks_off_is_exported_with_a_warning(recorded, tmp_pa
     assert load_recording(broken).damage
     with pytest.warns(UserWarning, match="breaks off"):
         export_motion(broken, tmp_path / "hand.csv")
-
-
-def test_numpy_before_sandbox_is_warned_of_and_after_it_is_not():
-    program = (
-        "import {}\nimport {}\nimport warnings\n"
-        "with warnings.catch_warnings(record=True) as seen:\n"
-        "    warnings.simplefilter('always')\n"
-        "    import sandbox.library.trial_run as runs\n"
-        "    runs._warn_if_states_depend_on_the_processor()\n"
-        "print(len(seen))"
-    )
-    counts = []
-    for order in (("numpy", "sandbox"), ("sandbox", "numpy")):
-        environment = {"PATH": "/usr/bin", "PYTHONPATH": str(ROOT)}
-        answer = subprocess.run(
-            [sys.executable, "-c", program.format(*order)],
-            cwd=ROOT, env=environment, capture_output=True, text=True, check=True,
-        )  # fmt: skip
-        counts.append(int(answer.stdout))
-    x86 = platform.machine().lower() in ("x86_64", "amd64")
-    assert counts == [int(x86), 0]

@@ -3,14 +3,9 @@
 from __future__ import annotations
 
 import json
-import multiprocessing
-import os
 import shlex
-import signal
-import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 from xml.etree import ElementTree
 
 import pytest
@@ -35,8 +30,8 @@ from sandbox.regress.plan import (
 )
 from sandbox.trial.headless import run_trial
 from tasks.registry import TASKS
-from tests.support.processes import PATIENCE, ROOT, until
-from tests.support.regress_tasks import Dying, Quick, Raising, Stopping, Worse
+from tests.support.processes import ROOT
+from tests.support.regress_tasks import Quick, Raising, Stopping, Worse
 
 
 def by_seed(trials) -> list[dict]:
@@ -69,14 +64,6 @@ def quick_run(*words: str | Path, seeds: str = "0:9") -> int:
     return regress("--tasks", "quick", "--seeds", seeds, "--executor", "serial", *words)
 
 
-def test_trials_in_processes_are_those_in_series_to_the_bit():
-    jobs = RegressionPlan((Quick,), (3, 4, 5, 6)).jobs()
-    one, two = list(Serial().run(jobs)), by_seed(Processes(2).run(jobs))
-    assert one == two
-    assert len({t["state_hash"] for t in one}) == 4
-    assert [t["success"] for t in one] == [False, True, True, False]
-
-
 def test_a_trial_is_that_of_the_run_command_to_the_bit():
     chosen = plan(SceneOptions(task="box-to-goal", seed=4, fingers=5))
     alone = run_trial(chosen.settings, chosen.makers, about=chosen.about)
@@ -84,14 +71,6 @@ def test_a_trial_is_that_of_the_run_command_to_the_bit():
     fingerprint = trial.pop("fingerprint")
     assert trial == {name: alone.as_json()[name] for name in trial}
     assert fingerprint == alone.fingerprint
-
-
-def test_a_worker_that_dies_is_reported_with_its_seed_and_the_others_are_run():
-    trials = by_seed(Processes(2).run(RegressionPlan((Dying,), tuple(range(6))).jobs()))
-    assert [t["seed"] for t in trials] == list(range(6))
-    assert [t["status"] == CRASHED for t in trials] == [False, True, True, False, False, False]
-    assert "SIGKILL" in trials[1]["reason"] and "status 7" in trials[2]["reason"]
-    assert not any(t["success"] for t in trials[1:4]) and trials[4]["success"]
 
 
 @pytest.mark.parametrize("executor", [Serial(), Processes(1)])
@@ -109,15 +88,6 @@ def test_what_cannot_be_run_at_all_ends_the_run(executor):
         list(executor.run(jobs))
 
 
-def test_whoever_stops_asking_leaves_no_process_behind():
-    before = set(multiprocessing.active_children())
-    trials: Any = Processes(2).run(RegressionPlan((Quick,), tuple(range(50))).jobs())
-    next(trials)
-    assert len(set(multiprocessing.active_children()) - before) == 2
-    trials.close()
-    assert set(multiprocessing.active_children()) <= before
-
-
 def test_a_run_that_is_stopped_keeps_what_is_done_and_judges_nothing(tmp_path, quick):
     path, base = tmp_path / "out.json", tmp_path / "base.json"
     with registered(Stopping):
@@ -127,34 +97,6 @@ def test_a_run_that_is_stopped_keeps_what_is_done_and_judges_nothing(tmp_path, q
     assert [t["seed"] for t in found["trials"]] == [0, 1]
     assert found["complete"] is False and found["passed"] is None
     assert not base.exists()
-
-
-def test_ctrl_c_in_a_terminal_keeps_what_is_done(tmp_path):
-    """All processes of a terminal get the signal, workers too; and they leave it to the first."""
-    path, record = tmp_path / "out.json", tmp_path / "failed"
-    command = [sys.executable, "-m", "sandbox.cli.main", "regress", "--tasks", "box-to-goal"]
-    more = ["--seeds", "0:500", "--workers", "1", "--json", path, "--record", record]
-    started = subprocess.Popen(
-        [*command, *map(str, more)],
-        cwd=ROOT,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-    )
-    try:
-        # Its recording begins when a trial does.
-        until((record / "box-to-goal-2.jsonl").exists)
-        os.killpg(started.pid, signal.SIGINT)
-        shown, errors = started.communicate(timeout=PATIENCE)
-    finally:
-        started.kill()
-        started.wait()
-    assert started.returncode == 130
-    assert "Traceback" not in errors and "stopped after 2 of 500" in errors
-    assert "box-to-goal" in shown
-    assert [t["seed"] for t in json.loads(path.read_text())["trials"]] == [0, 1]
 
 
 def test_the_json_has_every_task_and_every_trial(tmp_path, capsys):
@@ -276,15 +218,6 @@ def test_the_line_that_runs_a_trial_again_gives_its_state(tmp_path, monkeypatch)
         assert main([*again, "--json", "out.json"]) == 0 and main(replay) == 0
         found = json.loads(Path("out.json").read_text())
         assert found["state_hash"] == run_job(run.jobs()[0])["state_hash"]
-
-
-def test_the_line_of_a_task_of_ones_own_runs_in_python():
-    run = RegressionPlan((Quick,), (4,), {"fingers": 2})
-    _, *words = shlex.split(run.command("quick", 4))
-    answer = subprocess.run(
-        [sys.executable, *words], cwd=ROOT, capture_output=True, text=True, check=True
-    )
-    assert run_job(run.jobs()[0])["state_hash"] in answer.stdout
 
 
 scenes = st.fixed_dictionaries(

@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
-import subprocess
-import sys
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -22,7 +19,6 @@ from sandbox.regress.plan import RegressionPlan
 from sandbox.regress.report import Report, make_report
 from sandbox.regression import Regression
 from sandbox.trial.result import KeptIn, kept_fields
-from tests.support.processes import ROOT
 from tests.support.regress_tasks import Dying, Newer, Quick, Worse
 
 PLAN = RegressionPlan((Quick,), tuple(range(10)))
@@ -225,42 +221,3 @@ def test_the_fixture_asks_for_a_rate_only_beyond_chance(tmp_path):
         asking(Quick, "0:3", baseline="none.json")
     with pytest.raises(InputError, match="no such option"):
         asking(Quick, "0:3", finger=3)
-
-
-def failures(folder: Path, *more: str) -> str:
-    """Runs a folder's tests as a lab would; what pytest prints if not all of them pass."""
-    ran = subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", "-p", "sandbox.regression", *more, "."],
-        cwd=folder,
-        env={**os.environ, "PYTHONPATH": str(ROOT), "PYTEST_ADDOPTS": ""},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    return ran.stdout + ran.stderr if ran.returncode else ""
-
-
-PLUGIN_TEST = """
-pytest_plugins = ["sandbox.regression"]
-from tests.support.regress_tasks import Quick
-def test_ours(regression):
-    regression(Quick, "1:3", baseline="base.json")
-"""
-
-
-def test_the_plugin_makes_a_baseline_and_then_compares_in_processes(tmp_path):
-    (tmp_path / "test_ours.py").write_text(PLUGIN_TEST)
-    for more in (["--sandbox-update-baseline"], ["--sandbox-workers", "2"]):
-        assert not failures(tmp_path, *more)
-        assert load_baseline(tmp_path / "base.json").tasks["quick"].trials.keys() == {1, 2}
-
-
-@pytest.mark.full
-def test_the_example_for_a_lab_makes_its_baseline_and_passes_it(tmp_path):
-    source = (ROOT / "examples" / "test_my_lab.py").read_text()
-    (tmp_path / "test_my_lab.py").write_text(source)
-    assert not failures(tmp_path, "--sandbox-update-baseline")
-    assert load_baseline(tmp_path / "put-away.json").tasks["my-lab-put-away"].trials.keys() == {
-        *range(4)
-    }
-    assert not failures(tmp_path)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import gzip
 import shutil
 import tarfile
@@ -23,7 +22,7 @@ from sandbox.study.share.backup import back_up, check_backup
 from sandbox.study.share.export_log import copies, remember_copy
 from sandbox.study.share.merge import merge
 from sandbox.study.share.withdraw import withdraw, withdrawn
-from tests.support.study_files import DESIGN, TRIALS, check_session, design, in_child, killed_after
+from tests.support.study_files import DESIGN, TRIALS, check_session, design, rows_of
 
 
 def quiet(text: str) -> None:
@@ -41,10 +40,6 @@ def two(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def study(two: Path, tmp_path: Path) -> StudyFolder:
     shutil.copytree(two, tmp_path / "out")
     return StudyFolder.at(tmp_path / "out/quick-simulated")
-
-
-def rows_of(path: Path) -> list[dict[str, str]]:
-    return list(csv.DictReader(path.open(encoding="utf-8")))
 
 
 def mentions(folder: Path, ppid: str) -> list[Path]:
@@ -177,18 +172,6 @@ def test_a_backup_without_a_finished_trials_recording_is_refused(
     with pytest.raises(StudyError, match="recordings of finished trials are missing"):
         back_up(study, tmp_path / "a.tar.gz")
     assert not list(tmp_path.glob("*.tar.gz"))
-
-
-def test_backups_made_while_a_session_runs_hold_every_trial_they_tell_of(tmp_path: Path) -> None:
-    out = tmp_path / "out"
-    study = StudyFolder(out, design(), SIMULATED)
-    child = in_child(lambda say: run_simulated(study, 0, say))
-    trials = []
-    for i in range(12):
-        trials.append(back_up(StudyFolder.at(study.path), tmp_path / f"{i}.tar.gz").trials)
-    killed, _ = killed_after(child, 60.0)
-    assert not killed and trials == sorted(trials)
-    assert check_session(study, 0, TRIALS) == TRIALS
 
 
 def site(out: Path, people: list[int], seed: str = "seed = 3") -> StudyFolder:

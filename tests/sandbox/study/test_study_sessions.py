@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import csv
 import io
 import shutil
 from collections import Counter
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from models.errors import StudyError
@@ -30,19 +28,13 @@ from sandbox.study.share.privacy import Masking, anonymise
 from sandbox.study.share.withdraw import withdraw
 from sandbox.study.tables.tables import rebuild_study
 from tests.support.study_files import (
-    DESIGN,
-    check_session,
+    FIRST,
+    SECOND,
+    TWICE,
     design,
-    in_child,
-    killed_after,
-    told_finished,
+    rows_of,
 )
 
-TWICE = DESIGN.replace("seed = 3", "seed = 3\nsessions = 2").replace(
-    "repetitions = 2\npractice = 1\n", "repetitions = 1\npractice = 1\npractice_sessions = [1]\n"
-)
-FIRST, SECOND = 4, 2
-"""Trials of both sessions: the first one has practice before each of two levels."""
 CROSSED = """
 name = "crossed"
 seed = 5
@@ -78,10 +70,6 @@ def trials(plan: Design, person: int, session: int) -> list[TrialStep]:
 def order(steps: list[TrialStep], factor: str) -> list[str]:
     levels = [step.levels[factor] for step in steps]
     return [x for i, x in enumerate(levels) if i == 0 or x != levels[i - 1]]
-
-
-def rows_of(path: Path) -> list[dict[str, str]]:
-    return list(csv.DictReader(path.open(encoding="utf-8")))
 
 
 @pytest.fixture(scope="module")
@@ -209,34 +197,6 @@ def test_a_first_session_in_the_place_of_a_second_is_refused(study: StudyFolder)
     shutil.copytree(session_path(study.path, person.ppid), session_path(study.path, person.ppid, 2))
     with pytest.raises(StudyError, match="another study, participant or time"):
         SessionFolder(study, person, 2)
-
-
-def test_kills_in_both_sessions_lose_nothing_and_count_nothing_twice(tmp_path: Path) -> None:
-    study = StudyFolder(tmp_path, design(TWICE), SIMULATED)
-    rng = np.random.default_rng(4)
-    finished, kills, killed, in_second = [0, 0], 0, True, 0
-
-    def begun() -> bool:
-        """However fast this machine is, one kill is in the second session."""
-        return not in_second and any(study.path.glob("*/S002/trials/*"))
-
-    while killed:
-        wait = float(rng.uniform(0.0, 0.8)) if kills < 8 or not in_second else 120.0
-        child = in_child(lambda say: simulate(study, 1, True, say))
-        killed, said = killed_after(child, wait, begun)
-        kills += killed
-        at_least = finished[1] if finished[0] == FIRST else 0
-        if finished[0] < FIRST:
-            finished[0] = check_session(study, 0, finished[0])
-        finished[1] = check_session(study, 0, at_least, 2)
-        in_second += killed and finished[0] == FIRST and finished[1] < SECOND
-        assert finished[1] == 0 or finished[0] == FIRST
-        assert told_finished(said) <= max(finished)
-    assert finished == [FIRST, SECOND] and in_second
-    rows = rows_of(study.path / "trial_results.csv")
-    assert [(r["session_num"], r["trial_num"]) for r in rows if r["counted"] == "1"] == [
-        *(("1", str(n + 1)) for n in range(FIRST)), *(("2", str(n + 1)) for n in range(SECOND)),
-    ]  # fmt: skip
 
 
 def test_who_is_excluded_in_one_session_is_left_out_in_all(study: StudyFolder) -> None:

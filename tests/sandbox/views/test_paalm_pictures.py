@@ -3,52 +3,25 @@
 from __future__ import annotations
 
 import io
-import sys
 import urllib.error
 import urllib.request
 from dataclasses import replace
-from functools import cache
 from pathlib import Path
-from typing import Literal
 
-import glfw
 import numpy as np
 import pytest
 from PIL import Image
 
-from encoders.paalm import Paalm
 from models.errors import DeviceError
 from sandbox.cli.main import main
 from sandbox.devices.leap.leap_truth import write_take
 from sandbox.server.picture_page import PicturePage
 from sandbox.views.paalm.diagram import HandMemory, ball_radius, diagram
 from sandbox.views.paalm.picture import PaalmPicture
-from sandbox.views.paalm.window import PaalmWindow
-from sandbox.views.palette import FINGER_COLOURS
+from tests.sandbox.views.paalm_seen import colours, seen
 from tests.support.leap_hands import take
-from tests.support.screen import screen
 
 SIZE = (800, 800)
-
-
-@cache
-def seen(side: Literal["right", "left"] = "right"):
-    """A frame with five fingers, and what a calibrated PAALM made of it."""
-    frames = take(0, side=side).frames
-    paalm = Paalm()
-    paalm.calibrate(frames, side, 100)
-    frame = next(f for f in frames if len(f.hands[0].fingers) == 5)
-    return frame, paalm.step(frame)
-
-
-def colours(picture: Image.Image) -> set[int]:
-    """Labels whose finger's colour is in a picture."""
-    pixels = np.asarray(picture, float) / 255
-    return {
-        label
-        for label, colour in enumerate(FINGER_COLOURS)
-        if (np.abs(pixels - colour).max(axis=2) < 0.03).sum() > 5
-    }
 
 
 def test_every_finger_that_is_seen_has_its_colour():
@@ -134,20 +107,6 @@ def test_the_command_writes_a_picture(file, tmp_path):
     out = tmp_path / "hand.png"
     assert main(["paalm", "show", str(file), "--picture", str(out), "--seconds", "0.3"]) == 0
     assert Image.open(out).size == (1100, 620)
-
-
-@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="needs an X server in memory")
-def test_a_window_shows_the_same_and_closes_with_escape():
-    frame, result = seen()
-    with screen() as display:
-        with PaalmWindow(("right",)) as window:
-            still_open = [window.show(frame, result)]
-            assert window.picture is not None
-            assert colours(window.picture) == {0, 1, 2, 3, 4}
-            assert colours(Image.fromarray(display.picture().astype(np.uint8))) == {0, 1, 2, 3, 4}
-            display.do(lambda: still_open.append(window.rest()), "key", "--delay", 300, "Escape")
-            assert still_open[0] and not all(still_open)
-        glfw.terminate()
 
 
 @pytest.mark.parametrize(

@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import combinations
-from pathlib import Path
 from xml.etree import ElementTree
 
 import mujoco
@@ -33,7 +29,6 @@ from sandbox.views.overlay import Words, stickers
 from sandbox.views.renderer import Renderer
 from tasks.score import Score, Status
 from tests.support.needs import require
-from tests.support.processes import ROOT
 from tests.support.viewed import Viewed, model_bytes, viewed, with_contacts
 
 SIZE = (480, 270)
@@ -286,78 +281,3 @@ def test_names_of_fingers_never_hide_each_other(places: list[tuple[float, float]
 def test_a_picture_of_no_sensible_size_is_refused(v: Viewed, size: tuple[int, int]) -> None:
     with pytest.raises(InputError, match="cannot be drawn"):
         Renderer(v.scene, v.surface, size)
-
-
-_DRAW = """
-import json, sys
-import numpy as np
-from sandbox.views.errors import GraphicsError
-from sandbox.views.graphics import choose_backend
-from sandbox.views.renderer import Renderer
-from tests.support.viewed import viewed
-import os
-v = viewed()
-try:
-    with Renderer(v.scene, v.surface, (160, 90)) as r:
-        picture = np.asarray(r.frame(v.solid))
-except GraphicsError as error:
-    print(json.dumps({"error": str(error)}))
-else:
-    told = {"backend": choose_backend(), "leaked": os.environ.get("MUJOCO_GL", "")}
-    np.save(sys.argv[1], picture)
-    print(json.dumps(told))
-"""
-
-
-def _draw_elsewhere(folder: Path, **environment: str) -> tuple[str, Picture | None]:
-    """A picture drawn by a process with another environment."""
-    target = folder / "picture.npy"
-    clean = {k: x for k, x in os.environ.items() if k not in ("MUJOCO_GL", "PYOPENGL_PLATFORM")}
-    done = subprocess.run(
-        [sys.executable, "-c", _DRAW, str(target)],
-        env={**clean, **environment, "PYTHONPATH": str(ROOT)},
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=True,
-    )
-    return done.stdout.strip(), np.load(target).astype(float) if target.exists() else None
-
-
-@pytest.mark.needs("egl", "osmesa")
-@pytest.mark.skipif(sys.platform != "linux", reason="EGL and OSMesa are Linux's")
-def test_without_a_driver_for_egl_osmesa_draws_the_same_picture(tmp_path: Path) -> None:
-    (tmp_path / "a").mkdir()
-    (tmp_path / "b").mkdir()
-    egl, one = _draw_elsewhere(tmp_path / "a")
-    # No vendor's library is found there, so libEGL is present but can do nothing.
-    nothing = str(tmp_path)
-    osmesa, other = _draw_elsewhere(tmp_path / "b", __EGL_VENDOR_LIBRARY_DIRS=nothing)
-    assert '"backend": "egl", "leaked": ""' in egl
-    assert '"backend": "osmesa", "leaked": ""' in osmesa
-    assert one is not None and other is not None
-    assert np.abs(one - other).mean() < 4.0
-
-
-@pytest.mark.needs("egl")
-@pytest.mark.skipif(sys.platform != "linux", reason="EGL and OSMesa are Linux's")
-def test_where_there_is_no_opengl_one_error_says_what_to_install(tmp_path: Path) -> None:
-    told, picture = _draw_elsewhere(
-        tmp_path, MUJOCO_GL="egl", __EGL_VENDOR_LIBRARY_DIRS=str(tmp_path)
-    )
-    assert picture is None
-    assert "no OpenGL" in told and "apt-get install" in told and "libegl1" in told
-    told, picture = _draw_elsewhere(tmp_path, MUJOCO_GL="off")
-    assert picture is None and "MUJOCO_GL" in told
-
-
-def test_nothing_of_opengl_is_loaded_until_something_is_drawn() -> None:
-    code = (
-        "import sys, sandbox.views.film, sandbox.views.renderer, sandbox.session.session\n"
-        "print([m for m in ('OpenGL', 'mujoco.egl', 'mujoco.osmesa') if m in sys.modules])"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True
-    )
-    assert done.stdout.strip() == "[]"

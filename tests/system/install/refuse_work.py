@@ -1,6 +1,6 @@
 """A pytest plugin that refuses work: no model is loaded, trained or built while it is there.
 
-python -m pytest --collect-only -p tests.system.processes.refuse_work
+python -m pytest --collect-only -p tests.system.install.refuse_work
 """
 
 from __future__ import annotations

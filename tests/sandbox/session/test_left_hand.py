@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -285,13 +283,3 @@ def test_a_person_that_cannot_be_is_one_clear_error(wrong):
         Person(*wrong)
     with pytest.raises(InputError, match="expected"):
         HandSettings(*wrong)
-
-
-def test_the_command_line_knows_the_hand(tmp_path):
-    done = subprocess.run(
-        [sys.executable, "-m", "sandbox.cli.main", "run", "--hand", "left", "--hand-size", "9"],
-        cwd=tmp_path, capture_output=True, text=True, timeout=240, check=False,
-        env={"PYTHONPATH": str(Path(__file__).parents[3]), "PATH": "/usr/bin:/bin"},
-    )  # fmt: skip
-    assert done.returncode == 2 and "--hand-size" in done.stderr
-    assert len(done.stderr.splitlines()) == 1

@@ -11,7 +11,7 @@ ROOT = Path(__file__).resolve().parents[3]
 
 def collected(place: Path) -> subprocess.CompletedProcess[str]:
     """The outcome of a collection during which work is refused."""
-    plugins = ("-p", "tests.system.processes.refuse_work", "-p", "no:cacheprovider")
+    plugins = ("-p", "tests.system.install.refuse_work", "-p", "no:cacheprovider")
     return subprocess.run(
         [sys.executable, "-m", "pytest", "--collect-only", "-qq", "-n", "0", *plugins, str(place)],
         cwd=ROOT,

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parent.parent
+from tests.support.processes import ROOT
+
 EXAMPLES = ROOT / "examples"
 MOST_LINES = 60
 SHORT = (

@@ -1,0 +1,212 @@
+"""`sandbox calibrate` measures a hand, and its profile is used where it was asked for."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from encoders.person.spreads import REST, STILL, SpreadCollector
+from models.errors import InputError
+from models.frames import Contact, TouchFrame
+from models.person import HANDS, TURNS, Person
+from sandbox.cli import calibrate
+from sandbox.cli.play.command import PlayOptions
+from sandbox.devices.simulated.spreads import SimulatedSpreads
+from sandbox.options.profiles import Profile, default_path, find_profile, load_profile, save_profile
+from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.trial.headless import run_trial
+from sandbox.trial.settings import HandSettings, RunSettings
+
+LAYOUT = np.array([(0.03, 0.09), (0.06, 0.05), (0.08, 0.04), (0.10, 0.05), (0.12, 0.07)])
+
+
+def frame(now: float, xy: np.ndarray, first: int = 0) -> TouchFrame:
+    return TouchFrame(
+        now, tuple(Contact(first + i, float(x), float(y)) for i, (x, y) in enumerate(xy))
+    )
+
+
+def play(collector: SpreadCollector, *parts: tuple[float, np.ndarray, int]) -> None:
+    """Parts of a second in which touches (k, 2) with ids from a first one on are down."""
+    now = 0.0
+    for seconds, xy, first in parts:
+        for _ in range(round(seconds / 0.01)):
+            collector.step(frame(now, xy, first))
+            now += 0.01
+
+
+def test_each_rest_of_five_fingers_counts_once_and_at_its_place():
+    collector = SpreadCollector()
+    play(
+        collector,
+        (2.0, LAYOUT, 0),
+        (0.1, LAYOUT[:2], 0),
+        (1.0, LAYOUT + 0.01, 7),
+        (0.1, LAYOUT[:0], 0),
+    )
+    assert len(collector.layouts) == 2
+    np.testing.assert_allclose(collector.layouts[0], LAYOUT)
+    np.testing.assert_allclose(collector.layouts[1], LAYOUT + 0.01)
+
+
+@pytest.mark.parametrize(
+    "parts",
+    [
+        [(REST - 0.05, LAYOUT, 0)],
+        [(3.0, LAYOUT[:4], 0)],
+        [(3.0, np.vstack([LAYOUT, LAYOUT[:1] + 0.03]), 0)],
+        [(0.2, LAYOUT + i * 1.1 * STILL, 0) for i in range(9)],
+        [(0.3, LAYOUT, 0), (0.3, LAYOUT, 9), (0.3, LAYOUT, 18)],
+    ],
+    ids=["too short", "four fingers", "six touches", "moving", "other fingers"],
+)
+def test_what_is_no_rest_of_five_fingers_is_not_counted(parts):
+    collector = SpreadCollector()
+    play(collector, *parts)
+    assert not collector.layouts
+
+
+def test_a_hand_that_slides_into_another_spread_without_lifting_counts_once():
+    collector = SpreadCollector()
+    play(collector, (1.0, LAYOUT, 0), (1.0, LAYOUT * 1.2, 0))
+    assert len(collector.layouts) == 1
+
+
+@given(jitter=st.lists(st.floats(-0.45, 0.45), min_size=10, max_size=10))
+def test_trembling_fingers_rest(jitter):
+    collector = SpreadCollector()
+    shaken = LAYOUT + STILL * np.array(jitter).reshape(5, 2)
+    play(collector, *[(0.01, xy, 0) for _ in range(40) for xy in (LAYOUT, shaken)])
+    assert len(collector.layouts) == 1
+    assert np.abs(collector.layouts[0] - LAYOUT).max() < STILL
+
+
+def test_playing_with_ones_own_fingers_uses_ones_own_profile(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    monkeypatch.setattr(sys, "platform", "linux")
+    assert PlayOptions(device="tuio").with_own_profile().profile is None
+    save_profile(Profile(Person("left", 0.9), (0.8, 1.0), "tuio", False), default_path())
+    assert PlayOptions(device="tuio").with_own_profile().profile == "default"
+    for other in ("mouse", "simulated", str(default_path())):
+        assert PlayOptions(device=other).with_own_profile().profile is None
+    assert PlayOptions(device="tuio", profile="none").with_own_profile().profile == "none"
+    assert plan(SceneOptions(profile="default")).settings.hands[0].person == Person("left", 0.9)
+    assert plan(SceneOptions(profile="none")).settings.hands[0].person == Person()
+
+
+def test_what_is_asked_for_on_the_command_line_goes_before_the_profile(tmp_path):
+    path = tmp_path / "p.json"
+    save_profile(Profile(Person("left", 0.9, 180), (0.8, 1.0), "tuio", False), path)
+    settings = plan(SceneOptions(profile=str(path), hand_size=1.05)).settings
+    assert settings.hands[0].person == Person("left", 1.05, 180)
+
+
+def test_a_recording_of_five_fingers_in_three_spreads_gives_the_size_of_the_hand_in_it(tmp_path):
+    recorded = tmp_path / "spreads.jsonl"
+    person = Person("left", 1.12)
+    run_trial(
+        RunSettings(hands=(HandSettings("left"),)),
+        (lambda task, surface: SimulatedSpreads(person, surface, 3),),
+        record=recorded,
+        about={"device": "simulated", "user": {"kind": "spreads"}},
+    )
+    out = tmp_path / "p.json"
+    assert calibrate.main(["--device", str(recorded), "--out", str(out)]) == 0
+    profile = load_profile(out)
+    assert profile.person.hand == "left" and profile.simulated
+    assert profile.interval[0] < 1.12 < profile.interval[1]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["--device", "mouse"], "mouse"),
+        (["--device", "tuio"], "--surface"),
+        (["--device", "nothing-there"], "nothing-there"),
+        (["--device", "simulated", "--hand-size", "7"], "--hand-size"),
+        (["--device", "simulated", "--seconds", "nan"], "--seconds"),
+        (["--device", "simulated", "--out", "/dev/null/p.json"], "written"),
+        (["--device", "simulated", "--surface", "1x1in"], "spreads"),
+    ],
+)
+def test_what_cannot_be_calibrated_is_one_clear_error(arguments, says, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    with pytest.raises(InputError, match=says):
+        calibrate.main(arguments)
+
+
+def test_a_recording_with_fewer_fingers_is_refused_with_what_was_found(tmp_path):
+    demo = Path(__file__).parents[3] / "sandbox" / "data" / "demo.jsonl"
+    with pytest.raises(InputError, match="0 times, and at most 3 fingers"):
+        calibrate.main(["--device", str(demo), "--out", str(tmp_path / "p.json")])
+    assert not (tmp_path / "p.json").exists()
+
+
+@given(
+    hand=st.sampled_from(HANDS),
+    size=st.floats(0.6, 1.6),
+    turn=st.sampled_from(TURNS),
+    low=st.floats(0.1, 1.0),
+    high=st.floats(1.0, 3.0),
+    device=st.text(max_size=20),
+    simulated=st.booleans(),
+)
+def test_a_profile_survives_its_file(
+    tmp_path_factory, hand, size, turn, low, high, device, simulated
+):
+    path = tmp_path_factory.mktemp("profile") / "p.json"
+    person = Person(hand, size, turn)
+    profile = Profile(person, (low * size, high * size), device, simulated)
+    save_profile(profile, path)
+    assert load_profile(path) == profile
+
+
+SOUND = {
+    "kind": "hand-sandbox profile", "schema": 1, "hand": "left", "hand_size": 0.9, "turn": 0,
+    "hand_size_95": [0.8, 1.0], "device": "tuio", "simulated": False,
+}  # fmt: skip
+
+values = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=3), inner),
+    max_leaves=4,
+)
+
+
+@given(name=st.sampled_from(sorted(SOUND)), value=values)
+def test_a_profile_with_any_other_value_is_sound_or_one_clear_error(tmp_path_factory, name, value):
+    path = tmp_path_factory.mktemp("hostile") / "p.json"
+    path.write_text(json.dumps({**SOUND, name: value}))
+    try:
+        profile = load_profile(path)
+    except InputError as error:
+        assert str(path) in str(error) and len(str(error).splitlines()) == 1
+        assert "calibrate" in str(error)
+    else:
+        assert 0.6 <= profile.person.hand_size <= 1.6
+
+
+@pytest.mark.parametrize(
+    "data",
+    [b"", b"\xff\xfe", b"[]", b"{", b'{"kind": 1}', b"[" * 100_000, json.dumps(
+        {k: v for k, v in SOUND.items() if k != "turn"}).encode(),
+     json.dumps({**SOUND, "more": 1}).encode(), json.dumps({**SOUND, "schema": 2}).encode(),
+     json.dumps({**SOUND, "hand_size": 10**400}).encode()],
+)  # fmt: skip
+def test_a_file_that_is_no_profile_is_refused_with_its_name(data, tmp_path):
+    path = tmp_path / "p.json"
+    path.write_bytes(data)
+    with pytest.raises(InputError, match=r"p\.json"):
+        load_profile(path)
+
+
+def test_a_profile_that_is_not_there_is_one_clear_error(tmp_path):
+    with pytest.raises(InputError, match="calibrate"):
+        find_profile(str(tmp_path / "no.json"))

@@ -1,0 +1,243 @@
+"""The whole path: touches in, a task done, the same to the bit every time."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+
+from models.frames import Contact, TouchFrame
+from models.kinematics import Kinematics
+from sandbox.devices.wrappers.drop_outs import DropOuts
+from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.recording.recording import load_recording
+from sandbox.session.session import STATE, Rig, Session
+from sandbox.trial.assembly import build
+from sandbox.trial.driver import Trial
+from sandbox.trial.headless import run_trial
+from sandbox.trial.replay import replay
+from sandbox.trial.result import TrialResult
+from sandbox.trial.settings import RunSettings
+from tests.support.scripted import Script
+
+
+def trial(record: Path | None = None, **options) -> TrialResult:
+    chosen = plan(SceneOptions(**options))
+    return run_trial(chosen.settings, chosen.makers, record=record, about=chosen.about)
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    path = tmp_path_factory.mktemp("run") / "run.jsonl"
+    return trial(path, seed=11, fingers=3), path
+
+
+@pytest.mark.parametrize("fingers", [2, 3, 5])
+def test_the_simulated_user_brings_the_box_to_its_goal(fingers):
+    result = trial(seed=5, fingers=fingers)
+    assert result.success, result.reason
+    assert result.status == "held"
+    assert result.instant and result.progress == 1.0 and not result.reason
+
+
+@pytest.mark.parametrize("user", ["idle", "random"])
+def test_control_arms_do_not_succeed(user):
+    results = [trial(seed=seed, user=user) for seed in range(3)]
+    assert not any(r.success for r in results)
+    assert all(r.status == "timeout" and r.reason for r in results)
+
+
+def test_the_same_seed_gives_the_same_states_and_another_seed_others(recorded):
+    result, _ = recorded
+    assert trial(seed=11, fingers=3).state_hash == result.state_hash
+    assert trial(seed=12, fingers=3).state_hash != result.state_hash
+
+
+def test_a_recording_replays_to_the_same_hash_at_every_input(recorded):
+    result, path = recorded
+    session, found = replay(load_recording(path))
+    assert found.exact and found.complete and found.same_machine
+    assert session.state_hash == result.state_hash
+    assert found.compared > 100
+
+
+def test_a_stored_state_is_taken_back_to_the_bit_and_steps_on_alike(recorded):
+    _, path = recorded
+    recording = load_recording(path)
+    session = build(
+        RunSettings.from_json(recording.header["settings"]), (lambda t, s: Script(lambda now: []),)
+    )
+    model, data = session.scene.model, session.data
+    for step, state in recording.keyframes.items():
+        mujoco.mj_setState(model, data, state, STATE)
+        assert data.time == pytest.approx(step * 0.002)
+        ends = []
+        for _ in range(2):
+            mujoco.mj_setState(model, data, state, STATE)
+            again = np.empty_like(state)
+            mujoco.mj_getState(model, data, again, STATE)
+            assert again.tobytes() == state.tobytes()
+            mujoco.mj_step(model, data, 50)
+            ends.append(data.qpos.tobytes())
+            # Whatever was simulated in between must leave no trace.
+            data.qvel[:] = 1.0
+            mujoco.mj_step(model, data, 3)
+        assert ends[0] == ends[1]
+
+
+def test_without_touches_nothing_is_touched():
+    session = build(RunSettings(), (lambda task, surface: Script(lambda now: []),))
+    before = session.data.qpos.copy()
+    box = session.scene.model.joint("box").qposadr[0]
+    for _ in range(60):
+        snapshot = session.advance()
+    assert snapshot.hands[0].phase == "away" and not snapshot.hands[0].solid
+    assert np.abs(session.data.qpos - before)[box : box + 7].max() < 1e-4
+    assert np.abs(session.data.qpos - before).max() < 0.01
+
+
+def test_a_hand_put_down_inside_the_box_stays_a_ghost_until_its_fingers_are_out():
+    settings = RunSettings(seed=4)
+    place: dict[str, Any] = {}
+
+    def touch(now):
+        # Two fingers, both in the middle of the box at first, then moved apart and out of it.
+        apart = 0.01 + 0.05 * np.clip((now - 2.0) / 0.5, 0.0, 1.0)
+        x, y = place["box"]
+        return [
+            Contact(1, x - apart, y + apart, label=0),
+            Contact(2, x + apart, y - apart, label=1),
+        ]
+
+    session = build(replace(settings), (lambda task, surface: Script(touch),))
+    surface = session.rigs[0].reconstructor.surface
+    box = session.task.objects[0]
+    place["box"] = surface.to_surface(np.array(box.position)).tolist()
+    start = session.scene.object_pose(session.data, "box")[0]
+    for _ in range(125):
+        snapshot = session.advance()
+    assert snapshot.hands[0].phase == "down" and not snapshot.hands[0].solid
+    assert np.linalg.norm(snapshot.objects["box"].position - start) < 1e-4
+    for _ in range(63):
+        snapshot = session.advance()
+    assert snapshot.hands[0].solid == frozenset({0, 1})
+    assert np.linalg.norm(snapshot.objects["box"].position - start) < 1e-3
+
+
+def test_fingertips_are_within_a_millimetre_of_resting_touches():
+    places = [(0.05, 0.10), (0.07, 0.06), (0.09, 0.05), (0.11, 0.06), (0.13, 0.07)]
+    contacts = [Contact(i, x, y) for i, (x, y) in enumerate(places)]
+    session = build(RunSettings(seed=1), (lambda task, surface: Script(lambda now: contacts),))
+    for _ in range(130):
+        session.advance()
+    reconstruction = session.reconstructions[0]
+    assert reconstruction.down
+    tips = Kinematics(session.rigs[0].hand.skeleton).tips(reconstruction.q)
+    surface = session.rigs[0].reconstructor.surface
+    for contact in reconstruction.contacts:
+        off = surface.to_surface(tips[contact.label]) - [contact.xy[0], contact.xy[1]]
+        assert np.linalg.norm(off) < 1e-3
+
+
+def test_the_labels_of_a_hand_that_is_down_never_change_and_a_new_finger_gets_a_free_one():
+    def touch(now):
+        contacts = [Contact(1, 0.06, 0.10), Contact(2, 0.09, 0.05)]
+        return [*contacts, Contact(3, 0.11, 0.055)] if now > 1.5 else contacts
+
+    session = build(RunSettings(seed=1), (lambda task, surface: Script(touch),))
+    named: dict[int, int] = {}
+    for _ in range(180):
+        session.advance()
+        reconstruction = session.reconstructions[0]
+        for contact in reconstruction.contacts:
+            if contact.label is not None and reconstruction.down:
+                assert named.setdefault(contact.id, contact.label) == contact.label
+    assert len(named) == 3 and len(set(named.values())) == 3
+
+
+def test_a_contact_lost_for_a_moment_keeps_its_finger():
+    def touch(now):
+        both = [Contact(1, 0.06, 0.10), Contact(2, 0.09, 0.05)]
+        if 1.5 <= now < 1.6:
+            return both[:1]
+        return both if now < 1.5 else [both[0], Contact(9, 0.091, 0.051)]
+
+    session = build(RunSettings(seed=1), (lambda task, surface: Script(touch),))
+    seen = []
+    for _ in range(140):
+        session.advance()
+        seen.append(session.reconstructions[0])
+    before = {c.id: c.label for c in seen[90].contacts}
+    after = {c.id: c.label for c in seen[-1].contacts}
+    assert after == {1: before[1], 9: before[2]}
+    assert all(r.down and len(r.fingers) == 2 for r in seen[80:])
+
+
+def test_a_jump_of_all_touches_moves_the_hand_no_faster_than_allowed():
+    def touch(now):
+        x = 0.05 if now < 1.5 else 0.15
+        return [Contact(1, x, 0.10), Contact(2, x + 0.02, 0.05)]
+
+    session = build(RunSettings(seed=1), (lambda task, surface: Script(touch),))
+    poses = []
+    for _ in range(150):
+        session.advance()
+        poses.append(session.reconstructions[0].q)
+    speed = np.linalg.norm(np.diff(np.array(poses)[:, :3], axis=0), axis=1) / 0.016
+    assert speed.max() < 1.0 + 1e-6
+    assert speed.max() > 0.9
+
+
+def test_the_session_plays_a_closed_device_to_its_end():
+    device = Script(lambda now: [])
+    device.finished = True
+    session = build(RunSettings(), (lambda task, surface: device,))
+    Trial(session, []).run()
+    assert session.scorer.score.status == "input_ended" and session.scorer.score.reason
+
+
+def test_a_scene_holds_two_rigs_that_do_not_disturb_each_other():
+    settings = RunSettings(seed=1)
+    lone = build(settings, (lambda task, surface: Script(lambda now: []),))
+    one = build(settings, (lambda task, surface: Script(lambda now: [Contact(1, 0.05, 0.10)]),))
+    two = build(settings, (lambda task, surface: Script(lambda now: []),))
+    first: Any = two.rigs[0].hand
+    second = replace(first, name="second")
+    both = Session(
+        two.task, [one.rigs[0], Rig(two.rigs[0].device, two.rigs[0].reconstructor, second)]
+    )
+    for _ in range(60):
+        snapshot = both.advance()
+        alone = lone.advance()
+    touching, resting = snapshot.hands
+    assert touching.contacts and not resting.contacts
+    assert touching.phase != "away" and resting.phase == "away"
+    # The hand without touches rests as it does in a scene of its own.
+    np.testing.assert_allclose(resting.tips, alone.hands[0].tips, atol=1e-6)
+    assert both.scene.model.nu == 2 * 48
+
+
+def test_a_screen_that_loses_touches_changes_ids_only_and_costs_no_success():
+    lossy = trial(seed=5, fingers=3, drop_outs=1.0)
+    assert lossy.success, lossy.reason
+    assert lossy.state_hash != trial(seed=5, fingers=3).state_hash
+
+
+def test_lost_touches_come_back_after_a_moment_under_an_id_of_their_own():
+    screen = DropOuts(2.0, seed=0)
+    own = {1: Contact(1, 0.05, 0.06), 2: Contact(2, 0.07, 0.08)}
+    seen: dict[int, set[int]] = {1: set(), 2: set()}
+    gone = 0
+    for i in range(1000):
+        frame = screen.spoil(TouchFrame(0.016 * i, tuple(own.values())))
+        gone += 2 - len(frame.contacts)
+        for contact in frame.contacts:
+            whose = screen.own_id(contact.id)
+            assert (contact.x, contact.y) == (own[whose].x, own[whose].y)
+            seen[whose].add(contact.id)
+    assert gone > 50 and all(len(ids) > 5 for ids in seen.values())
+    assert not seen[1] & seen[2]

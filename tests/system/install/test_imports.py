@@ -1,0 +1,156 @@
+"""What a new process imports, and what it says where something is missing."""
+
+from __future__ import annotations
+
+import os
+import platform
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from tests.support.processes import ROOT
+
+
+def test_without_numba_the_error_names_the_extra() -> None:
+    code = (
+        "import sys; sys.modules['numba'] = None\n"
+        "from encoders import LinearEncoder\n"
+        "import numpy as np\n"
+        "encoder = LinearEncoder().load(np.zeros((16, 2)), 15)\n"
+        "encoder.for_contacts()\n"
+        "try:\n"
+        "    encoder.for_contacts(fast=True)\n"
+        "except Exception as error:\n"
+        "    print(type(error).__name__, error)\n"
+    )
+    answer = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
+    assert answer.stdout.startswith("EncoderError") and "hand-sandbox[fast]" in answer.stdout
+
+
+Picture = NDArray[np.float64]
+
+
+_DRAW = """
+import json, sys
+import numpy as np
+from sandbox.views.errors import GraphicsError
+from sandbox.views.graphics import choose_backend
+from sandbox.views.renderer import Renderer
+from tests.support.viewed import viewed
+import os
+v = viewed()
+try:
+    with Renderer(v.scene, v.surface, (160, 90)) as r:
+        picture = np.asarray(r.frame(v.solid))
+except GraphicsError as error:
+    print(json.dumps({"error": str(error)}))
+else:
+    told = {"backend": choose_backend(), "leaked": os.environ.get("MUJOCO_GL", "")}
+    np.save(sys.argv[1], picture)
+    print(json.dumps(told))
+"""
+
+
+def _draw_elsewhere(folder: Path, **environment: str) -> tuple[str, Picture | None]:
+    """A picture drawn by a process with another environment."""
+    target = folder / "picture.npy"
+    clean = {k: x for k, x in os.environ.items() if k not in ("MUJOCO_GL", "PYOPENGL_PLATFORM")}
+    done = subprocess.run(
+        [sys.executable, "-c", _DRAW, str(target)],
+        env={**clean, **environment, "PYTHONPATH": str(ROOT)},
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=True,
+    )
+    return done.stdout.strip(), np.load(target).astype(float) if target.exists() else None
+
+
+@pytest.mark.needs("egl", "osmesa")
+@pytest.mark.skipif(sys.platform != "linux", reason="EGL and OSMesa are Linux's")
+def test_without_a_driver_for_egl_osmesa_draws_the_same_picture(tmp_path: Path) -> None:
+    (tmp_path / "a").mkdir()
+    (tmp_path / "b").mkdir()
+    egl, one = _draw_elsewhere(tmp_path / "a")
+    # No vendor's library is found there, so libEGL is present but can do nothing.
+    nothing = str(tmp_path)
+    osmesa, other = _draw_elsewhere(tmp_path / "b", __EGL_VENDOR_LIBRARY_DIRS=nothing)
+    assert '"backend": "egl", "leaked": ""' in egl
+    assert '"backend": "osmesa", "leaked": ""' in osmesa
+    assert one is not None and other is not None
+    assert np.abs(one - other).mean() < 4.0
+
+
+@pytest.mark.needs("egl")
+@pytest.mark.skipif(sys.platform != "linux", reason="EGL and OSMesa are Linux's")
+def test_where_there_is_no_opengl_one_error_says_what_to_install(tmp_path: Path) -> None:
+    told, picture = _draw_elsewhere(
+        tmp_path, MUJOCO_GL="egl", __EGL_VENDOR_LIBRARY_DIRS=str(tmp_path)
+    )
+    assert picture is None
+    assert "no OpenGL" in told and "apt-get install" in told and "libegl1" in told
+    told, picture = _draw_elsewhere(tmp_path, MUJOCO_GL="off")
+    assert picture is None and "MUJOCO_GL" in told
+
+
+def test_nothing_of_opengl_is_loaded_until_something_is_drawn() -> None:
+    code = (
+        "import sys, sandbox.views.film, sandbox.views.renderer, sandbox.session.session\n"
+        "print([m for m in ('OpenGL', 'mujoco.egl', 'mujoco.osmesa') if m in sys.modules])"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    assert done.stdout.strip() == "[]"
+
+
+PACKAGES = ("models", "encoders", "tasks", "sandbox")
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_importing_a_package_loads_no_numpy_until_a_name_is_used(package: str) -> None:
+    question = f"import sys, {package}; print('numpy' in sys.modules)"
+    answer = subprocess.run(
+        [sys.executable, "-c", question], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    assert answer.stdout.split() == ["False"]
+
+
+def test_numpy_before_sandbox_is_warned_of_and_after_it_is_not():
+    program = (
+        "import {}\nimport {}\nimport warnings\n"
+        "with warnings.catch_warnings(record=True) as seen:\n"
+        "    warnings.simplefilter('always')\n"
+        "    import sandbox.library.trial_run as runs\n"
+        "    runs._warn_if_states_depend_on_the_processor()\n"
+        "print(len(seen))"
+    )
+    counts = []
+    for order in (("numpy", "sandbox"), ("sandbox", "numpy")):
+        environment = {"PATH": "/usr/bin", "PYTHONPATH": str(ROOT)}
+        answer = subprocess.run(
+            [sys.executable, "-c", program.format(*order)],
+            cwd=ROOT, env=environment, capture_output=True, text=True, check=True,
+        )  # fmt: skip
+        counts.append(int(answer.stdout))
+    x86 = platform.machine().lower() in ("x86_64", "amd64")
+    assert counts == [int(x86), 0]
+
+
+HEAVY = ("mujoco", "glfw", "scipy", "OpenGL", "websockets", "matplotlib", "numba")
+
+
+@pytest.mark.parametrize("module", ["sandbox", "sandbox.cli.main"])
+def test_starting_the_program_loads_nothing_heavy(module: str) -> None:
+    question = f"import sys, {module}; print(*(set({HEAVY}) & set(sys.modules)))"
+    answer = subprocess.run(
+        [sys.executable, "-c", question], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    assert answer.stdout.split() == []
