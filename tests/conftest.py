@@ -23,6 +23,7 @@ import models  # noqa: F401  (before NumPy: it pins the BLAS kernel)
 from tests.support.needs import require
 
 ROOT = Path(__file__).resolve().parent.parent
+SYSTEM = ROOT / "tests" / "system"
 DATA_ABSENT = "shared data absent"
 NODE_ABSENT = "device node absent"
 MOST_PROCESSES = 4
@@ -55,6 +56,15 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
     for library in ("OMP", "OPENBLAS", "MKL"):
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
     return min(processors, MOST_PROCESSES)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Puts tests of browsers, windows and processes first.
+
+    They wait, and their files have few tests: one of them at the end would keep one process busy
+    while the others have nothing left to do.
+    """
+    items.sort(key=lambda item: SYSTEM not in item.path.parents)
 
 
 def data_folder() -> Path:

@@ -88,7 +88,11 @@ def test_backups_made_while_a_session_runs_hold_every_trial_they_tell_of(tmp_pat
 
 
 def test_kills_in_both_sessions_lose_nothing_and_count_nothing_twice(tmp_path: Path) -> None:
-    study = StudyFolder(tmp_path, design(TWICE), SIMULATED)
+    # Children inherit what is loaded here, and get somewhere before they are killed.
+    simulate(
+        StudyFolder(tmp_path / "loaded", design(TWICE), SIMULATED), 1, False, lambda text: None
+    )
+    study = StudyFolder(tmp_path / "killed", design(TWICE), SIMULATED)
     rng = np.random.default_rng(4)
     finished, kills, killed, in_second = [0, 0], 0, True, 0
 
