@@ -24,8 +24,8 @@ from sandbox.session.session import Session
 from sandbox.study.design.design import Design
 from sandbox.study.design.design_file import load_design
 from sandbox.study.design.plan import TrialStep
-from sandbox.study.measures.measures import MEASURES
-from sandbox.study.measures.trial import VERSION
+from sandbox.study.measures.compute import VERSION
+from sandbox.study.measures.registry import measures
 from sandbox.study.record.files import sync_file
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.journal import Journal, Syncing
@@ -258,7 +258,7 @@ def fill(folder: Path, design: Design) -> StudyFolder:
                     session.write("step_done", step=step.id)
                     continue
                 file = session.begin(step)
-                values = {m.name: 0.123456 for m in MEASURES if not m.at_end}
+                values = {m.name: 0.123456 for m in measures() if m.of_trial is not None}
                 data = json.dumps({"version": VERSION, **values}).encode()
                 (session.path / "trackers" / f"measures_{file.stem}.json").write_bytes(data)
                 session.write("trial_end", step=step.id, trial=step.number, attempt=1,

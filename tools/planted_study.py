@@ -13,9 +13,10 @@ from pathlib import Path
 import numpy as np
 
 from sandbox.study.design.orders import order_of
-from sandbox.study.tables.tables import OURS, RESULTS, UXF, csv_bytes
+from sandbox.study.tables.column import csv_bytes, names_of
+from sandbox.study.tables.trial_table import RESULT, SESSION, UXF
 
-COLUMNS = (*UXF, *OURS, "factor_encoder", "factor_task", *RESULTS)
+COLUMNS = (*names_of([*UXF, *SESSION]), "factor_encoder", "factor_task", *names_of(RESULT))
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from sandbox.study.record.journal import read_journal
 from sandbox.study.record.kept_sessions import session_path
 from sandbox.study.record.session_folder import finished_result
 from sandbox.study.record.state import SessionState
-from sandbox.study.tables.tables import trial_rows
+from sandbox.study.tables.trial_table import trial_rows
 
 DESIGN = """
 name = "quick"

@@ -26,7 +26,7 @@ from sandbox.study.design.orders import MOST_FACTORIAL
 from sandbox.study.design.questionnaires import read_form, read_item
 from sandbox.study.design.reading import DesignError, Mistake, Reader, Table
 from sandbox.study.design.showing import read_showing
-from sandbox.study.measures.measures import OF_RULES
+from sandbox.study.measures.registry import rule_measures
 
 MOST_SESSIONS = 99
 """Of one person."""
@@ -272,7 +272,7 @@ def _exclusion(table: Table) -> Exclusion:
     exclusion = Exclusion(
         table.name("name"),
         table.choice("of", ("trial", "participant"), "trial"),
-        table.choice("measure", OF_RULES, OF_RULES[0]),
+        table.choice("measure", rule_measures(), rule_measures()[0]),
         _bound(table, "below"),
         _bound(table, "above"),
     )

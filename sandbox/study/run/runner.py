@@ -26,8 +26,8 @@ from sandbox.study.run.answers import Draft
 from sandbox.study.run.controls import Command, Controls
 from sandbox.study.run.forms import Forms, Ready
 from sandbox.study.run.players import TICK, Ask, Played, Player
-from sandbox.study.tables.frames import missing, rebuild
-from sandbox.study.tables.tables import rebuild_session, rebuild_study
+from sandbox.study.tables.frames import complete
+from sandbox.study.tables.tables import StudyTables, rebuild_session
 from sandbox.trial.device_makers import DeviceMakers
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import RunSettings
@@ -66,6 +66,7 @@ class SessionRunner:
         device: Name of the device, for recordings.
         fit: See `Fit`.
         calibrate: See `Calibrate`.
+        tables: Tables of the study, where they have been read before; None reads all journals.
     """
 
     session: SessionFolder
@@ -77,11 +78,13 @@ class SessionRunner:
     device: str = "simulated"
     fit: Fit = lambda trial, settings, ready: settings
     calibrate: Calibrate = lambda ready: None
+    tables: StudyTables | None = None
 
     def __post_init__(self) -> None:
         self._left = self._why = ""
         self._step: Step | None = None
         self._last: TrialStep | None = None
+        self._study_tables = self.tables or StudyTables(self.session.study, self.say)
 
     def run(self) -> Outcome:
         """From the first unfinished step to the end, or until somebody stops it.
@@ -89,8 +92,21 @@ class SessionRunner:
         Raises:
             StudyError: The journal or a recording cannot be written; what is written is safe.
         """
-        session = self.session
         self._tables()
+        disk_takes_more = True
+        try:
+            return self._steps()
+        except StudyError:
+            # Tables are made again when the session is opened.
+            disk_takes_more = False
+            raise
+        finally:
+            if disk_takes_more:
+                self._tables()
+
+    def _steps(self) -> Outcome:
+        """Does what is left of the plan."""
+        session = self.session
         while (step := session.state.next_step(session.steps)) is not None:
             self._step, self._left = step, ""
             self._hear()
@@ -100,15 +116,12 @@ class SessionRunner:
             elif not self._left:
                 self._do(step)
             if self._left == "q":
-                self._tables()
                 return Outcome.STOPPED
             if session.state.consent is False:
                 session.write("session_end", durable=True, complete=False, why="no consent")
-                self._tables()
                 return Outcome.NO_CONSENT
         if not session.state.complete:
             session.write("session_end", durable=True, complete=True)
-        self._tables()
         return Outcome.COMPLETE
 
     def _do(self, step: Step) -> None:
@@ -200,10 +213,10 @@ class SessionRunner:
         file = session.state.attempts[trial.number][-1].start["file"]
         stem = file.removeprefix("trials/").removesuffix(".jsonl")
         try:
-            played.table.write(session.path / "trackers", stem, played.result)
+            for notice in played.table.write(session.path / "trackers", stem, played.result):
+                self.say(f"  {notice}")
             pack(session.path / file)
-            rebuild_session(session)
-            rebuild_study(session.study)
+            rebuild_session(session, say=self.say)
         except StudyError as error:
             # The trial is safe in journal and recording; tables are made again from them.
             self.say(str(error))
@@ -216,7 +229,7 @@ class SessionRunner:
             self.say(str(error))
 
     def _tables(self) -> None:
-        """Makes all tables, those of trials too where a kill came between trial and table."""
+        """Makes the tables of the session and of the study; those of trials where they lack."""
         session = self.session
         trackers = session.path / "trackers"
         try:
@@ -225,11 +238,11 @@ class SessionRunner:
                     recording = session.path / attempt.start["file"]
                     if attempt.end is None:
                         continue
-                    if missing(trackers, recording.stem):
-                        rebuild(recording, trackers)
+                    for notice in complete(recording, trackers):
+                        self.say(notice)
                     pack(recording)
-            rebuild_session(session)
-            rebuild_study(session.study)
+            rebuild_session(session, say=self.say)
+            self._study_tables.update()
         except InputError as error:
             self.say(f"tables are not up to date: {error}")
 

@@ -23,7 +23,7 @@ from sandbox.study.run.controls import Controls
 from sandbox.study.run.forms import SimulatedForms
 from sandbox.study.run.players import HeadlessPlayer
 from sandbox.study.run.runner import OpenDevices, Outcome, SessionRunner
-from sandbox.study.tables.tables import rebuild_study
+from sandbox.study.tables.tables import StudyTables
 from sandbox.trial.device_makers import DeviceMaker, DeviceMakers
 from sandbox.trial.settings import RunSettings
 from sandbox.trial.surfaces import home
@@ -121,7 +121,11 @@ def simulated_hand(
 
 
 def run_simulated(
-    study: StudyFolder, number: int, say: Callable[[str], object], controls: Controls | None = None
+    study: StudyFolder,
+    number: int,
+    say: Callable[[str], object],
+    controls: Controls | None = None,
+    tables: StudyTables | None = None,
 ) -> Outcome:
     """All of a participant's sessions, or what is left of them, up to one that is not finished."""
     person = study.add(number, **simulated_person(study.design, number))
@@ -129,8 +133,15 @@ def run_simulated(
     for n in range(1, study.design.sessions + 1):
         with SessionFolder(study, person, n) as session:
             forms = SimulatedForms((study.design.seed % 2**31 + number) ^ ((n - 1) << DAYS))
-            outcome = SessionRunner(session, HeadlessPlayer(), simulated_devices(person), forms,
-                                    controls or Controls(say), say).run()  # fmt: skip
+            outcome = SessionRunner(
+                session,
+                HeadlessPlayer(),
+                simulated_devices(person),
+                forms,
+                controls or Controls(say),
+                say,
+                tables=tables,
+            ).run()
         if outcome is not Outcome.COMPLETE:
             break
     return outcome
@@ -142,7 +153,7 @@ def simulate(
     """Lets so many simulated participants go through a study, one after another.
 
     Returns:
-        See `rebuild_study`.
+        See `StudyTables.update`.
 
     Raises:
         StudyError: There are some already, and nobody said to go on with them.
@@ -150,7 +161,8 @@ def simulate(
     if study.participants() and not resume:
         raise StudyError("there are simulated participants already", where=str(study.path),
                          remedy="--resume goes on with them; or use another --out")  # fmt: skip
+    tables = StudyTables(study, say)
     for number in range(participants):
-        outcome = run_simulated(study, number, say)
+        outcome = run_simulated(study, number, say, tables=tables)
         say(f"participant {number + 1} of {participants}: {outcome}")
-    return rebuild_study(study)
+    return tables.update()

@@ -27,9 +27,10 @@ from sandbox.study.measures.columns import Columns
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.kept_sessions import KeptSession, all_sessions, planned_trials
 from sandbox.study.share.export_folder import new_folder
-from sandbox.study.tables.codebook import COLUMNS
+from sandbox.study.tables.column import Row, names_of
 from sandbox.study.tables.exclusions import exclude_person
-from sandbox.study.tables.tables import Row, person_columns, person_row, trial_rows
+from sandbox.study.tables.people_table import person_columns, person_row
+from sandbox.study.tables.trial_table import RESULT, SESSION, trial_rows
 
 TRACKSYS = "handsandbox"
 QUATERNION = ("quat_w", "quat_x", "quat_y", "quat_z")
@@ -188,7 +189,7 @@ def _table(path: Path) -> Columns:
 def _about(study: StudyFolder, work: Path, people: Sequence[Row]) -> None:
     _json(work / "dataset_description.json", dataset_description(study))
     (work / "README").write_text(readme(study), encoding="utf-8")
-    asked = person_columns(study.design)
+    asked = names_of(person_columns(study.design))
     used = [name for name in ("hand", "hand_size", "language", "simulated", "complete", "excluded")
             if name in asked] + [item.name for item in study.design.demographics]  # fmt: skip
     rows = [[f"sub-{p['ppid']}", *(p.get(name) for name in used)] for p in people]
@@ -292,14 +293,17 @@ def channel_frames() -> dict[str, Any]:
 
 def event_columns() -> dict[str, Any]:
     """Columns of `_events.tsv`, described."""
+    meanings = {column.name: column.meaning for column in (*SESSION, *RESULT)}
     return {
         "onset": {"Description": "since the first frame of the motion file", "Units": "s"},
         "duration": {"Description": "of the trial until it was decided, or of the touch",
                      "Units": "s"},
         "trial_type": {"Description": "what it is",
                        "Levels": {"trial": "the whole trial", "touch": "a finger on the surface"}},
-        "success": {"Description": COLUMNS["success"][1], "Levels": {"0": "no", "1": "yes"}},
-        "excluded": {"Description": COLUMNS["excluded"][1], "Levels": {"0": "no", "1": "yes"}},
+        **{
+            name: {"Description": meanings[name], "Levels": {"0": "no", "1": "yes"}}
+            for name in ("success", "excluded")
+        },
         "contact": {"Description": "id of the touch"},
         "finger": {"Description": "which finger it was taken for, at last"},
     }  # fmt: skip
@@ -307,5 +311,5 @@ def event_columns() -> dict[str, Any]:
 
 def participant_columns(design: Design, used: Sequence[str]) -> dict[str, Any]:
     """`participants.json`."""
-    asked = {item.name: item.ask[design.languages[0]] for item in design.demographics}
-    return {name: {"Description": asked.get(name) or COLUMNS[name][1]} for name in used}
+    meanings = {column.name: column.meaning for column in person_columns(design)}
+    return {name: {"Description": meanings[name]} for name in used}

@@ -31,8 +31,8 @@ from sandbox.study.share.export_folder import new_folder
 from sandbox.study.share.privacy import lines
 from sandbox.study.share.privacy_records import RecordingEnd
 from sandbox.study.share.withdraw import SITES, WITHDRAWN, withdrawn
+from sandbox.study.tables.column import csv_bytes
 from sandbox.study.tables.export_tables import rebuild_all
-from sandbox.study.tables.tables import csv_bytes
 
 Say = Callable[[str], object]
 

@@ -1,20 +1,19 @@
-"""Which trials are left out, by whom or by which rule; none is ever deleted."""
+"""Trials that are left out, by a rule or by the experimenter; none is ever deleted."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 from sandbox.study.design.design import Design
 from sandbox.study.record.state import SessionState
+from sandbox.study.tables.column import Row
 
-Row = dict[str, Any]
 PERSON = "participant: "
-"""What the reason begins with where all of a participant's trials are left out."""
+"""Beginning of the reason where all of a participant's trials are left out."""
 
 
 def excluded_by_rule(design: Design, row: Row) -> str:
-    """Why a rule about trials leaves this one out; empty if none does."""
+    """The rule about trials that leaves this one out, as a reason; empty where none does."""
     for rule in design.exclusions:
         value = row.get(rule.measure)
         if rule.of == "trial" and value is not None and rule.holds(float(value)):
@@ -24,12 +23,12 @@ def excluded_by_rule(design: Design, row: Row) -> str:
 
 def exclude_person(design: Design, states: Sequence[SessionState], rows: Sequence[Row]) -> None:
     """Leaves out all trials of a participant whom the experimenter excluded in any session, or to
-    whom a rule applies once all sessions are complete; doing it twice changes nothing.
+    whom a rule applies once all sessions are complete. Doing it twice changes nothing.
 
     Args:
-        design: Of the study.
-        states: Of the participant's sessions.
-        rows: Of `trial_results.csv`, of these sessions.
+        design: Design of the study.
+        states: States of the participant's sessions.
+        rows: Rows of `trial_results.csv` of these sessions.
     """
     reason = next((s.excluded_participant for s in states if s.excluded_participant), "")
     if not reason and len(states) == design.sessions and all(s.complete for s in states):

@@ -19,10 +19,13 @@ from models.json_input import decoded_record, read_bytes
 from models.pose import POSE_SIZE
 from models.rotations import matrix_to_quaternion
 from models.skeleton import ADULT
+from sandbox.recording.recording import load_recording
 from sandbox.study.measures.columns import Columns
+from sandbox.study.measures.compute import VERSION, measure_result, measure_trial
+from sandbox.study.measures.registry import measures
 from sandbox.study.measures.touching import Contacts, Pushes, Touching
-from sandbox.study.measures.trial import VERSION, measure_trial
 from sandbox.study.record.files import write_atomically
+from sandbox.study.tables.frame_columns import frame_column
 from sandbox.trial.result import TrialResult
 from tasks.goals import flat_yaw
 
@@ -30,8 +33,11 @@ if TYPE_CHECKING:
     from models.frames import Frame
     from sandbox.session.messages import ObjectView, Snapshot
     from sandbox.session.session import Session
+    from sandbox.trial.driver import View
     from tasks.task import Goal
 
+REASONS = "reasons"
+"""Key of a file of measures: why cells are empty, by measure."""
 STEMS = {"frames": "frames", "touches": "touches"}
 POSE_COLUMNS = tuple(
     f"q_{name}_{axis}" for name in ("position", "rotation", *(b.name for b in ADULT.bones))
@@ -79,13 +85,16 @@ class FrameTable:
         """Makes who pushes what unknown: what was simulated is not what is shown."""
         self._contacts = []
 
-    def write(self, folder: Path, stem: str, result: TrialResult | None = None) -> None:
+    def write(self, folder: Path, stem: str, result: TrialResult | None = None) -> list[str]:
         """Writes the tables of a recording `stem`, and the measures.
 
         Args:
-            folder: Where to.
-            stem: Of the recording's name.
-            result: What the recording ends with; None writes no measures.
+            folder: Folder of the tables.
+            stem: Stem of the recording's name.
+            result: Result that the recording ends with; None writes no measures.
+
+        Returns:
+            A line for every measure that failed.
 
         Raises:
             StudyError: One cannot be written.
@@ -96,14 +105,16 @@ class FrameTable:
         if find_spec("pyarrow"):
             write_atomically(folder / f"frames_{stem}.parquet", _parquet(frames), durable=False)
         columns = Columns.of(frames)
+        notices = []
         if result is not None:
-            write_measures(folder, stem, columns, result, self.truth_by)
+            notices = write_measures(folder, stem, columns, result, self.truth_by)
         touches = Columns.of(self._touches())
         for name, table in (
             (f"touches_{stem}.csv.gz", touches),
             (f"frames_{stem}.csv.gz", columns),
         ):
             write_atomically(folder / name, table.csv(), durable=False)
+        return notices
 
     def _believe_the_device(self) -> None:
         """Takes what a device says of its touches for true, where nobody knows better."""
@@ -210,19 +221,34 @@ def _yaw(rotation: Any) -> float:
 
 def write_measures(
     folder: Path, stem: str, table: Columns, result: TrialResult, truth: str
-) -> None:
-    """Writes the measures of a trial.
+) -> list[str]:
+    """Writes the measures of a trial, and why some are empty.
+
+    Returns:
+        A line for every measure that failed.
 
     Raises:
         StudyError: They cannot be written.
     """
-    values = {"version": VERSION, "truth": truth, **measure_trial(table, result, truth)}
+    measured, at_end = measure_trial(table, result, truth), measure_result(result)
+    values = {
+        "version": VERSION,
+        "truth": truth,
+        **measured.values,
+        REASONS: {**measured.reasons, **at_end.reasons},
+    }
     data = json.dumps(values, indent=1).encode() + b"\n"
     write_atomically(folder / f"measures_{stem}.json", data, durable=False)
+    return [*measured.notices, *at_end.notices]
 
 
 def read_measures(folder: Path, stem: str) -> dict[str, Any]:
-    """The measures of a trial; nothing where they are not made, or by other definitions."""
+    """The measures of a trial; empty where there are none, or another version made them."""
+    values = _stored_measures(folder, stem)
+    return {name: value for name, value in values.items() if name not in ("truth", REASONS)}
+
+
+def _stored_measures(folder: Path, stem: str) -> dict[str, Any]:
     path, what = folder / f"measures_{stem}.json", "the measures cannot be read"
     try:
         data = read_bytes(path, StudyError, what=what)
@@ -231,11 +257,11 @@ def read_measures(folder: Path, stem: str) -> dict[str, Any]:
         return {}
     if values.pop("version", None) != VERSION:
         return {}
-    return {name: value for name, value in values.items() if name != "truth"}
+    return values
 
 
 def missing(folder: Path, stem: str) -> bool:
-    """Whether a trial's tables have to be made."""
+    """Whether a trial's tables have to be made from its recording."""
     # The CSV of the frames is written last.
     lacks = not (folder / f"frames_{stem}.csv.gz").exists() or not read_measures(folder, stem)
     return lacks or (
@@ -243,14 +269,45 @@ def missing(folder: Path, stem: str) -> bool:
     )
 
 
-def rebuild(recording: Path, folder: Path) -> None:
-    """Makes a trial's tables from its recording, by playing it again.
+def complete(recording: Path, folder: Path) -> list[str]:
+    """Makes the tables and measures that a trial lacks.
+
+    Tables are made by playing the recording again; a measure that was added since is computed from
+    the table that there is.
+
+    Args:
+        recording: A finished trial's.
+        folder: Folder of the tables.
+
+    Returns:
+        A line for every measure that failed.
 
     Raises:
         InputError: It cannot be played here, or they cannot be written.
     """
-    from sandbox.recording.recording import load_recording
-    from sandbox.trial.driver import View
+    stem = recording.stem
+    if missing(folder, stem):
+        return rebuild(recording, folder)
+    stored = _stored_measures(folder, stem)
+    if all(m.name in stored for m in measures() if m.of_trial is not None):
+        return []
+    loaded = load_recording(recording)
+    if loaded.end is None:
+        return []
+    table = Columns.read((folder / f"frames_{stem}.csv.gz").read_bytes())
+    result = TrialResult.from_json(loaded.end["result"], str(recording))
+    return write_measures(folder, stem, table, result, str(stored["truth"]))
+
+
+def rebuild(recording: Path, folder: Path) -> list[str]:
+    """Makes a trial's tables from its recording, by playing it again.
+
+    Returns:
+        A line for every measure that failed.
+
+    Raises:
+        InputError: It cannot be played here, or they cannot be written.
+    """
     from sandbox.trial.replay import replay
 
     table, loaded = FrameTable(), load_recording(recording)
@@ -266,7 +323,7 @@ def rebuild(recording: Path, folder: Path) -> None:
     if result is not None:
         table.truth = dict(result.fingers or ())
         table.truth_by = result.fingers_by or ""
-    table.write(folder, recording.stem, result)
+    return table.write(folder, recording.stem, result)
 
 
 def _parquet(table: dict[str, Any]) -> bytes:
@@ -275,16 +332,9 @@ def _parquet(table: dict[str, Any]) -> bytes:
 
     columns = {
         name: pa.array(values.astype(np.float32)) if isinstance(values, np.ndarray)
-        else pa.array(values, type=getattr(pa, _type(name))())
+        else pa.array(values, type=pa.type_for_alias(frame_column(name).type))
         for name, values in table.items()
     }  # fmt: skip
     sink = pa.BufferOutputStream()
     parquet.write_table(pa.table(columns), sink, compression="zstd")
     return bytes(sink.getvalue())
-
-
-def _type(name: str) -> str:
-    """Type of a column that is a list, also where all of it is empty."""
-    if name == "step" or name.startswith(("touch_", "true_")):
-        return "int64"
-    return "float64" if name == "time_s" or name.endswith(("_N", "_rad")) else "string"

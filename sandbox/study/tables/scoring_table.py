@@ -3,32 +3,26 @@
 from __future__ import annotations
 
 from collections import Counter
-from typing import Any
 
 from sandbox.study.design.design import Design
 from sandbox.study.design.scoring import scores
 from sandbox.study.record.state import SessionState
+from sandbox.study.tables.answer_table import ASKED, FORM
+from sandbox.study.tables.column import Column, Row, factor_columns
 
-Row = dict[str, Any]
-
-BEFORE = ("experiment", "ppid", "session_num", "mode", "instrument", "block_num", "place")
-AFTER = ("scale", "score", "items_missing", "score_low", "score_high", "language", "time")
-
-COLUMNS = {
-    "place": ("", "1, 2, ...: the how manyeth time that this participant answered this "
-              "questionnaire"),
-    "scale": ("", "of the questionnaire; docs/questionnaires.md tells how it is computed"),
-    "score": ("", "empty where an answer is missing: nothing is filled in"),
-    "items_missing": ("", "answers that the score needs and that were not given"),
-    "score_low": ("", "the lowest score there can be"),
-    "score_high": ("", "the highest score there can be"),
-}  # fmt: skip
-"""For the codebook: unit and meaning of the columns that no other table has."""
+PLACE = Column("place", "", "number of this answer of the participant to the questionnaire, from 1")
+SCORE = (
+    Column("scale", "", "scale of the questionnaire; docs/questionnaires.md has its formula"),
+    Column("score", "", "score; empty where an answer is missing, since nothing is filled in"),
+    Column("items_missing", "", "answers that the score needs and that were not given"),
+    Column("score_low", "", "lowest possible score"),
+    Column("score_high", "", "highest possible score"),
+)
 
 
-def score_columns(design: Design) -> list[str]:
+def score_columns(design: Design) -> list[Column]:
     """Columns of `questionnaire_scores.csv`."""
-    return [*BEFORE, *(f"factor_{f.name}" for f in design.factors), *AFTER]
+    return [*FORM, PLACE, *factor_columns(design), *SCORE, *ASKED]
 
 
 def score_rows(design: Design, state: SessionState) -> list[Row]:

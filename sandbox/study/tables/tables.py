@@ -1,291 +1,209 @@
-"""Tables derived from journals: rebuilt whole and atomically, never the only place of anything."""
+"""The tables of a study, derived from journals: written whole and atomically, never the only place
+of anything.
+
+The tables of a session follow every trial, at a cost that does not depend on other participants.
+Those of the study are put together when a session begins and ends: each participant has a part in
+every table, and only parts whose journals or measures have changed are made again.
+"""
 
 from __future__ import annotations
 
-import csv
-import io
 import json
-from collections.abc import Iterable, Sequence
-from datetime import datetime
+import time
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from sandbox.recording.recording_file import stored
 from sandbox.study.design.design import Design
 from sandbox.study.design.plan import Step
-from sandbox.study.measures.measures import MEASURES
-from sandbox.study.measures.throughput import throughput
 from sandbox.study.record.files import write_atomically
-from sandbox.study.record.folder import StudyFolder
+from sandbox.study.record.folder import Participant, StudyFolder
 from sandbox.study.record.journal import Record
-from sandbox.study.record.kept_sessions import all_sessions, planned_trials
+from sandbox.study.record.kept_sessions import (
+    JOURNAL,
+    planned_trials,
+    session_folders,
+    sessions_of,
+)
 from sandbox.study.record.session_folder import SessionFolder
-from sandbox.study.record.state import Attempt, SessionState
+from sandbox.study.record.state import SessionState
+from sandbox.study.tables.answer_table import answer_columns, answer_rows
 from sandbox.study.tables.codebook import codebook
-from sandbox.study.tables.exclusions import PERSON, exclude_person, excluded_by_rule
-from sandbox.study.tables.frames import STEMS, read_measures
+from sandbox.study.tables.column import Row, csv_bytes, csv_rows, names_of
+from sandbox.study.tables.exclusions import exclude_person
+from sandbox.study.tables.people_table import person_columns, person_row
 from sandbox.study.tables.scoring_table import score_columns, score_rows
-from sandbox.trial.result import KeptIn, kept_fields
+from sandbox.study.tables.trial_table import FILE_NAMES, trial_columns, trial_rows
 
-UXF = ("experiment", "ppid", "session_num", "trial_num", "block_num", "trial_num_in_block",
-       "start_time", "end_time")  # fmt: skip
-"""The first columns, as users of UXF know them."""
-OURS = ("mode", "participant_number", "hand", "hand_size", "attempt", "counted", "practice",
-        "repetition", "excluded", "exclusion_reason")  # fmt: skip
-RESULTS = kept_fields(KeptIn.TABLE)
-MEASURED = tuple(m.name for m in MEASURES if m.name not in RESULTS)
-FILES = ("trial_recording_location_0", "hand_pose_location_0", "touches_location_0")
+MADE_FROM = ".tables.json"
+"""File of a study that tells what its tables were made from: bytes of each session's journal."""
+SETTLED = 1_000_000_000
+"""ns after which a second change of a file cannot have the same time as the first: file systems
+tell times in steps of a few milliseconds, some of them in steps of a second."""
 
-Row = dict[str, Any]
-
-QUESTIONNAIRE = ("experiment", "ppid", "session_num", "mode", "instrument", "block_num", "item",
-                 "answer", "language", "time")  # fmt: skip
-PEOPLE = ("ppid", "number", "hand", "hand_size", "language", "mode", "simulated", "consent",
-          "sessions_done", "trials_done", "trials_planned", "complete", "excluded",
-          "exclusion_reason")  # fmt: skip
+Say = Callable[[str], object]
 
 
-def trial_columns(design: Design) -> list[str]:
-    """Columns of `trial_results.csv`, the same in every session of a study."""
-    factors = [f"factor_{f.name}" for f in design.factors]
-    return [*UXF, *OURS, *factors, *RESULTS, *MEASURED, *FILES]
+def _silent(text: str) -> None:
+    """Says nothing."""
 
 
-def trial_rows(design: Design, state: SessionState, session: Path | None = None) -> list[Row]:
-    """One row for every finished attempt; exactly one of each trial counts.
+@dataclass(frozen=True)
+class _Part:
+    """A participant's part of the study's tables.
+
+    Attributes:
+        person: The participant, as the study's journal has them.
+        columns: Names of the columns of each table.
+        changed: Size and times of the files that the part was made from, by session.
+        settled: The files had not changed for `SETTLED` when they were read.
+        rows: The rows, as CSV without the first line, by table.
+        trials, excluded: Trials that count, and those of them that are left out.
+    """
+
+    person: Participant
+    columns: dict[str, list[str]]
+    changed: tuple[tuple[Any, ...], ...]
+    settled: bool
+    rows: dict[str, bytes]
+    trials: int
+    excluded: int
+
+
+class StudyTables:
+    """The tables of all participants together.
+
+    The first update reads every journal. Later ones read only those that changed, in this program
+    or in another one, so that what they cost hardly grows with the study.
 
     Args:
-        design: Of the study.
-        state: What the session's journal says.
-        session: Its folder, for the measures that are made of 60 Hz tables.
+        study: The study.
+        say: Called with a line for every measure that fails.
     """
-    if not state.start:
-        return []
-    rows = [
-        _trial_row(design, state, attempt, attempt is state.counted(trial), session)
-        for trial, attempts in sorted(state.attempts.items())
-        for attempt in attempts
-        if attempt.end is not None
-    ]
-    exclude_person(design, [state], rows)
-    _tell_throughput(rows)
-    return rows
 
+    def __init__(self, study: StudyFolder, say: Say = _silent) -> None:
+        self._study, self._say = study, say
+        self._parts: dict[str, _Part] = {}
 
-def _trial_row(
-    design: Design, state: SessionState, attempt: Attempt, counted: bool, folder: Path | None
-) -> Row:
-    start, end, result = attempt.start, attempt.end or {}, attempt.result
-    session = state.start
-    trial = start["trial"]
-    row: Row = {
-        "experiment": session["experiment"],
-        "ppid": session["ppid"],
-        "session_num": session["session"],
-        "trial_num": trial,
-        "block_num": start["block"],
-        "trial_num_in_block": start["in_block"],
-        "start_time": _seconds(session["time"], start["time"]),
-        "end_time": _seconds(session["time"], end["time"]),
-        "mode": session["mode"],
-        "participant_number": session["number"],
-        "hand": session["hand"],
-        "hand_size": session["hand_size"],
-        "attempt": start["attempt"],
-        "counted": counted,
-        "practice": start["practice"],
-        "repetition": start["repetition"],
-        **{f"factor_{k}": v for k, v in start["levels"].items()},
-        **dict.fromkeys(RESULTS),
-        **result.kept_in(KeptIn.TABLE),
-        **(result.measures or {}),
-        "trial_recording_location_0": start["file"],
-    }
-    stem = Path(start["file"]).stem
-    if folder is not None:
-        row |= read_measures(folder / "trackers", stem)
-        file = stored(folder / start["file"])
-        row["trial_recording_location_0"] = file.relative_to(folder).as_posix()
-    for column, kind in (("hand_pose_location_0", "frames"), ("touches_location_0", "touches")):
-        row[column] = f"trackers/{STEMS[kind]}_{stem}.csv.gz"
-    reason = state.excluded.get(trial, "") or excluded_by_rule(design, row)
-    return {**row, "excluded": bool(reason), "exclusion_reason": reason}
+    def update(self) -> dict[str, int]:
+        """Brings the tables up to date with all journals.
 
+        Returns:
+            Number of participants, of trials that count, and of those that are left out.
 
-def _tell_throughput(rows: list[Row]) -> None:
-    """Puts the effective throughput of each combination of levels into all of its rows."""
-    cells: dict[tuple[Any, ...], list[Row]] = {}
-    for row in rows:
-        levels = tuple(v for name, v in row.items() if name.startswith("factor_"))
-        cells.setdefault((row["task"], *levels), []).append(row)
-    for some in cells.values():
-        moves = [
-            r for r in some
-            if r["counted"] and not r["practice"] and not r["excluded"] and r["success"]
-            and r.get("move_error_m") is not None
-        ]  # fmt: skip
-        found = throughput([r["move_amplitude_m"] for r in moves],
-                           [r["move_error_m"] for r in moves],
-                           [r["time_s"] for r in moves])  # fmt: skip
-        for row in some:
-            row["throughput_bit_s"] = found
-
-
-def answer_rows(state: SessionState) -> list[Row]:
-    """One row for every answer."""
-    return [
-        {
-            "experiment": state.start["experiment"],
-            "ppid": state.start["ppid"],
-            "session_num": state.start["session"],
-            "mode": state.start["mode"],
-            "instrument": record["form"],
-            "block_num": record["block"],
-            **{f"factor_{k}": v for k, v in record["levels"].items()},
-            "item": item,
-            "answer": answer,
-            "language": state.start["language"],
-            "time": record["time"],
+        Raises:
+            StudyError: A journal is damaged, or a table cannot be written.
+        """
+        study, design = self._study, self._study.design
+        with study.lock():
+            tables = _columns(design)
+            people = study.participants()
+            found = {p.ppid: part for p in people if (part := self._part(p, tables)) is not None}
+            self._parts = found
+            for name, columns in tables.items():
+                rows = b"".join(part.rows[name] for part in found.values())
+                write_atomically(study.path / name, csv_bytes([], columns) + rows)
+            write_atomically(study.path / "codebook.csv", codebook(design))
+            sizes = {f"{ppid}/{c[0]}": c[1] for ppid, part in found.items() for c in part.changed}
+            write_atomically(study.path / MADE_FROM, json.dumps(sizes, indent=1).encode() + b"\n")
+        return {
+            "participants": len(found),
+            "trials": sum(part.trials for part in found.values()),
+            "excluded": sum(part.excluded for part in found.values()),
         }
-        for record in state.answers.values()
-        for item, answer in record["answers"].items()
-    ]
+
+    def _part(self, person: Participant, columns: dict[str, list[str]]) -> _Part | None:
+        """A participant's part; None for one who has not begun."""
+        changed = _changed(self._study.path / person.ppid)
+        part = self._parts.get(person.ppid)
+        made_of = (person, columns, changed)
+        if part and part.settled and (part.person, part.columns, part.changed) == made_of:
+            return part
+        newest = max((t for session in changed for t in session[2:]), default=0)
+        settled = time.time_ns() - newest > SETTLED
+        return _make_part(self._study, person, columns, changed, settled, self._say)
 
 
-def answer_columns(design: Design) -> list[str]:
-    """Columns of `questionnaires.csv`."""
-    factors = [f"factor_{f.name}" for f in design.factors]
-    return [*QUESTIONNAIRE[:6], *factors, *QUESTIONNAIRE[6:]]
+def rebuild_study(study: StudyFolder, say: Say = _silent) -> dict[str, int]:
+    """Makes the tables of all participants anew, from everybody's journals.
+
+    Returns, Raises: See `StudyTables.update`.
+    """
+    return StudyTables(study, say).update()
 
 
-def person_row(
-    design: Design, states: Sequence[SessionState], planned: int, rows: Sequence[Row],
-    sessions: int = 1,
-) -> Row:  # fmt: skip
-    """A participant's row in `participants.csv`, or in the one of a single session.
+def are_current(study: Path) -> bool:
+    """Whether a study's tables were made from its journals as they are now.
 
     Args:
-        design: Of the study.
-        states: Of the sessions that were begun, at least one.
-        planned: Trials of all sessions.
-        rows: Of `trial_results.csv`, of these sessions.
-        sessions: How many sessions there are to be.
+        study: Folder of a study.
     """
-    start = states[0].start
-    reasons = [r["exclusion_reason"] for r in rows if r["exclusion_reason"].startswith(PERSON)]
-    # Where nothing was finished there are no rows.
-    reasons += [s.excluded_participant for s in states if s.excluded_participant]
-    reason = reasons[0].removeprefix(PERSON) if reasons else ""
-    asked = [r for s in states for r in s.answers.values() if r["form"] == "demographics"]
-    ended = sum(state.complete for state in states)
-    return {
-        **{
-            name: start[name]
-            for name in ("ppid", "number", "hand", "hand_size", "language", "mode")
-        },
-        "simulated": start["user"] is not None,
-        "consent": next((s.consent for s in states if s.consent is not None), None),
-        "sessions_done": ended,
-        "trials_done": sum(s.counted(t) is not None for s in states for t in s.attempts),
-        "trials_planned": planned,
-        "complete": ended == sessions,
-        "excluded": bool(reason),
-        "exclusion_reason": reason,
-        **(asked[-1]["answers"] if asked else {}),
-    }
+    try:
+        sizes = json.loads((study / MADE_FROM).read_bytes())
+    except (OSError, ValueError):
+        return False
+    journals = study.glob(f"*/*/{JOURNAL}")
+    now = {f"{p.parent.parent.name}/{p.parent.name}": p.stat().st_size for p in journals}
+    return bool(sizes == now)
 
 
-def rebuild_session(session: SessionFolder, durable: bool = True) -> None:
-    """Writes a session's tables anew.
+def rebuild_session(session: SessionFolder, durable: bool = True, say: Say = _silent) -> None:
+    """Writes the tables of an open session anew.
 
     Raises:
         StudyError: One cannot be written; the older one is still there.
     """
     write_session(session.study, session.path, session.state, session.steps,
-                  session.journal.records, durable)  # fmt: skip
+                  session.journal.records, durable, say)  # fmt: skip
 
 
 def write_session(
-    study: StudyFolder, path: Path, state: SessionState, steps: Sequence[Step],
-    records: Sequence[Record], durable: bool = True,
-) -> None:  # fmt: skip
+    study: StudyFolder,
+    path: Path,
+    state: SessionState,
+    steps: Sequence[Step],
+    records: Sequence[Record],
+    durable: bool = True,
+    say: Say = _silent,
+) -> None:
     """Writes the tables of a session that need not be open.
 
     Args:
-        study: It belongs to.
-        path: Of the session.
-        state: What its journal says.
+        study: The study of the session.
+        path: Folder of the session.
+        state: State that its journal gives.
         steps: Its plan.
         records: Its journal.
         durable: They are on the disk when this returns.
+        say: Called with a line for every measure that fails.
 
     Raises:
         StudyError: One cannot be written; the older one is still there.
     """
     design = study.design
-    rows = trial_rows(design, state, path)
+    rows = trial_rows(design, state, path, say)
+    person = person_row(design, [state], state.done(steps)[1], rows)
+    tables = {
+        "trial_results.csv": rows,
+        "questionnaires.csv": answer_rows(state),
+        "questionnaire_scores.csv": score_rows(design, state),
+        "participants.csv": [person],
+    }
+    names = {"participants.csv": "session_info/participant_details.csv"}
     files = {
-        "trial_results.csv": csv_bytes(rows, trial_columns(design)),
-        "questionnaires.csv": csv_bytes(answer_rows(state), answer_columns(design)),
-        "questionnaire_scores.csv": csv_bytes(score_rows(design, state), score_columns(design)),
-        "codebook.csv": codebook(design, trial_columns(design), answer_columns(design)),
-        "session_info/settings.json": json.dumps(
-            {"settings": design.settings, "build": study.build, "design": design.digest},
-            indent=1, sort_keys=True,
-        ).encode() + b"\n",
-        "session_info/participant_details.csv": csv_bytes(
-            [person_row(design, [state], state.done(steps)[1], rows)], person_columns(design)
-        ),
+        names.get(table, table): csv_bytes(tables[table], columns)
+        for table, columns in _columns(design).items()
+    }
+    settings = {"settings": design.settings, "build": study.build, "design": design.digest}
+    files |= {
+        "codebook.csv": codebook(design),
+        "session_info/settings.json": json.dumps(settings, indent=1, sort_keys=True).encode()
+        + b"\n",
         "session_info/log.csv": log_bytes(records),
-    }  # fmt: skip
+    }
     for name, data in files.items():
         write_atomically(path / name, data, durable)
-
-
-def rebuild_study(study: StudyFolder) -> dict[str, int]:
-    """Writes the tables of all participants anew, reading everybody's journal.
-
-    Returns:
-        How many participants, trials that count, and trials left out there are.
-
-    Raises:
-        StudyError: A journal is damaged, or a table cannot be written.
-    """
-    design = study.design
-    trials: list[Row] = []
-    answers: list[Row] = []
-    scored: list[Row] = []
-    people: list[Row] = []
-    with study.lock():
-        for person, sessions in all_sessions(study):
-            mine: list[Row] = []
-            for session in sessions:
-                for row in trial_rows(design, session.state, session.path):
-                    inside = session.path.relative_to(study.path).as_posix()
-                    mine.append(row | {name: f"{inside}/{row[name]}" for name in FILES})
-                answers += answer_rows(session.state)
-                scored += score_rows(design, session.state)
-            states = [session.state for session in sessions]
-            exclude_person(design, states, mine)
-            trials += mine
-            people.append(person_row(design, states, planned_trials(study, person), mine,
-                                     design.sessions))  # fmt: skip
-        for name, data in {
-            "participants.csv": csv_bytes(people, person_columns(design)),
-            "trial_results.csv": csv_bytes(trials, trial_columns(design)),
-            "questionnaires.csv": csv_bytes(answers, answer_columns(design)),
-            "questionnaire_scores.csv": csv_bytes(scored, score_columns(design)),
-            "codebook.csv": codebook(design, trial_columns(design), answer_columns(design)),
-        }.items():
-            write_atomically(study.path / name, data)
-    counted = [row for row in trials if row["counted"] and not row["practice"]]
-    return {"participants": len(people), "trials": len(counted),
-            "excluded": sum(row["excluded"] for row in counted)}  # fmt: skip
-
-
-def person_columns(design: Design) -> list[str]:
-    """Columns of `participants.csv`."""
-    return [*PEOPLE, *(item.name for item in design.demographics)]
 
 
 def log_bytes(records: Iterable[Record]) -> bytes:
@@ -299,28 +217,71 @@ def log_bytes(records: Iterable[Record]) -> bytes:
     return csv_bytes(rows, ["timestamp", "log_type", "message"])
 
 
-def csv_bytes(rows: Iterable[Row], columns: Sequence[str]) -> bytes:
-    """A table as every program reads it: UTF-8, commas, points, 1 and 0, empty for nothing."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
-    for row in rows:
-        writer.writerow([_cell(row.get(name)) for name in columns])
-    return text.getvalue().encode()
+def _columns(design: Design) -> dict[str, list[str]]:
+    """Names of the columns of each table."""
+    return {
+        "participants.csv": names_of(person_columns(design)),
+        "trial_results.csv": names_of(trial_columns(design)),
+        "questionnaires.csv": names_of(answer_columns(design)),
+        "questionnaire_scores.csv": names_of(score_columns(design)),
+    }
 
 
-def _cell(value: Any) -> Any:
-    if value is None:
-        return ""
-    if isinstance(value, bool):
-        return int(value)
-    if isinstance(value, float):
-        return repr(round(value, 6))
-    if isinstance(value, str):
-        # A lone carriage return is put in quotation marks by nobody, and ends a row for many.
-        return value.replace("\r\n", "\n").replace("\r", "\n")
-    return value
+def _changed(folder: Path) -> tuple[tuple[Any, ...], ...]:
+    """Name, bytes of the journal, and times of change of each session of a participant.
+
+    The times are those of the journal, and of the folders of recordings and of measures, whose
+    files are only ever replaced.
+    """
+    found = []
+    for path in session_folders(folder):
+        journal = path / JOURNAL
+        if journal.exists():
+            size = journal.stat().st_size
+            watched = (journal, path / "trials", path / "trackers")
+            times = (p.stat().st_mtime_ns for p in watched if p.exists())
+            found.append((path.name, size, *times))
+    return tuple(found)
 
 
-def _seconds(start: str, then: str) -> float:
-    return (datetime.fromisoformat(then) - datetime.fromisoformat(start)).total_seconds()
+def _make_part(
+    study: StudyFolder,
+    person: Participant,
+    columns: dict[str, list[str]],
+    changed: tuple[tuple[Any, ...], ...],
+    settled: bool,
+    say: Say,
+) -> _Part | None:
+    """A participant's part of the tables, from their journals."""
+    design = study.design
+    sessions = sessions_of(study, person)
+    if not sessions:
+        return None
+    trials: list[Row] = []
+    answers: list[Row] = []
+    scores: list[Row] = []
+    for session in sessions:
+        inside = session.path.relative_to(study.path).as_posix()
+        for row in trial_rows(design, session.state, session.path, say):
+            trials.append(row | {name: f"{inside}/{row[name]}" for name in FILE_NAMES})
+        answers += answer_rows(session.state)
+        scores += score_rows(design, session.state)
+    states = [session.state for session in sessions]
+    exclude_person(design, states, trials)
+    planned = planned_trials(study, person)
+    rows = {
+        "participants.csv": [person_row(design, states, planned, trials, design.sessions)],
+        "trial_results.csv": trials,
+        "questionnaires.csv": answers,
+        "questionnaire_scores.csv": scores,
+    }
+    counted = [row for row in trials if row["counted"] and not row["practice"]]
+    return _Part(
+        person,
+        columns,
+        changed,
+        settled,
+        {name: csv_rows(rows[name], names) for name, names in columns.items()},
+        len(counted),
+        sum(row["excluded"] for row in counted),
+    )

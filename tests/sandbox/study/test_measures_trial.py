@@ -17,15 +17,15 @@ from models.surface import Surface
 from sandbox.devices.simulated.simulated import SimulatedDevice
 from sandbox.session.session import Session
 from sandbox.study.measures.columns import Columns
-from sandbox.study.measures.measures import BY_NAME, MEASURES
+from sandbox.study.measures.compute import measure_trial
+from sandbox.study.measures.registry import find_measure, measures
 from sandbox.study.measures.touching import Touching
-from sandbox.study.measures.trial import measure_trial
 from sandbox.study.record.folder import StudyFolder
 from sandbox.study.record.kept_sessions import session_path
 from sandbox.study.run.simulate import run_simulated
-from sandbox.study.tables.codebook import COLUMNS
 from sandbox.study.tables.frames import FrameTable, missing, rebuild, turn_off
-from sandbox.study.tables.tables import rebuild_study, trial_columns
+from sandbox.study.tables.tables import rebuild_study
+from sandbox.study.tables.trial_table import trial_columns
 from sandbox.trial.assembly import build
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import RunSettings
@@ -90,7 +90,7 @@ def test_a_half_circle_of_palm_and_box_has_the_measures_of_geometry() -> None:
         table(arc[::-1], arc, goal, box_digits=["ti"] * n, box_grip_N=[1.0] * n,
               box_off_rad=[0.1] * n),
         ended(n * PERIOD),
-    )  # fmt: skip
+    ).values  # fmt: skip
     for what in ("palm", "object"):
         assert found[f"{what}_path_m"] == pytest.approx(0.05 * np.pi, rel=1e-3)
         assert found[f"{what}_efficiency"] == pytest.approx(2 / np.pi, rel=1e-3)
@@ -131,7 +131,7 @@ def test_a_regrasp_or_a_drop_or_a_thing_put_back_is_no_success_at_the_first_atte
         made = table(
             still, box, still[0], **columns, box_grip_N=[1.0 if d else 0.0 for d in digits]
         )
-        found = measure_trial(made, ended(n * PERIOD, respawned=respawned))
+        found = measure_trial(made, ended(n * PERIOD, respawned=respawned)).values
         names = ("grasps", "regrasps", "drops", "first_attempt_success")
         assert tuple(found[name] for name in names) == told
 
@@ -142,12 +142,13 @@ def test_nothing_is_said_about_pushes_that_are_not_known_nor_about_ways_of_thing
     still = np.tile([0.1, 0.1, 0.025], (50, 1))
     unknown = table(still, still, still[0], box_grip_N=[None] * 50)
     result = ended(50 * PERIOD)
-    assert not {"grasps", "drops", "first_push_s", "first_attempt_success"} & set(
-        measure_trial(unknown, result)
-    )
+    found = measure_trial(unknown, result)
+    unknown_here = ("grasps", "drops", "first_push_s", "first_attempt_success")
+    assert all(found.values[name] is None for name in unknown_here)
+    assert all("tasks with objects to handle" in found.reasons[name] for name in unknown_here)
     back = np.array(still)
     back[25:, 0] += 0.2
-    found = measure_trial(table(still, back, still[0]), result)
+    found = measure_trial(table(still, back, still[0]), result).values
     assert found["object_path_m"] == 0.0 and found["object_peak_m_s"] == 0.0
 
 
@@ -159,16 +160,16 @@ def test_a_hand_that_rises_and_comes_down_elsewhere_goes_straight_there() -> Non
     found = measure_trial(
         table(palm, np.zeros((30, 3)), np.zeros(3), phase=phases),
         ended(1.0, success=False),
-    )
+    ).values
     assert found["palm_path_m"] == pytest.approx(0.04) and found["palm_peak_m_s"] == 0.0
     assert found["palm_efficiency"] == pytest.approx(1.0) and found["completion_s"] is None
 
 
 def test_an_empty_table_has_no_measures_but_the_time() -> None:
     none = np.zeros((0, 3))
-    assert measure_trial(table(none, none, np.zeros(3)), ended(0.0, success=False)) == {
-        "completion_s": None
-    }
+    found = measure_trial(table(none, none, np.zeros(3)), ended(0.0, success=False))
+    assert not found.failed and set(found.values.values()) == {None}
+    assert set(found.reasons) == set(found.values)
 
 
 @pytest.mark.parametrize(
@@ -235,9 +236,9 @@ def test_measures_of_the_file_are_those_of_the_trial_and_all_of_them_are_in_the_
     frames.write(tmp_path, "T001", result)
     told = json.loads((tmp_path / "measures_T001.json").read_bytes())
     read = Columns.read((tmp_path / "frames_T001.csv.gz").read_bytes())
-    again = measure_trial(read, result)
+    again = measure_trial(read, result).values
     assert again == {name: told[name] for name in again}
-    assert set(again) <= set(BY_NAME)
+    assert all(find_measure(name) for name in again)
     assert again["first_attempt_success"] and again["grasps"] == 1
     assert again["placement_error_m"] < 0.01 and again["placement_error_deg"] < 10
     assert 0 < again["object_efficiency"] <= 1 and again["label_accuracy"] is not None
@@ -273,10 +274,12 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
 
 
 def test_every_measure_is_a_column_with_unit_and_meaning_and_has_its_place_in_the_docs() -> None:
-    columns, docs = trial_columns(design()), DOCS.read_text(encoding="utf-8")
-    assert len(BY_NAME) == len(MEASURES)
-    for measure in MEASURES:
-        assert measure.name in columns and COLUMNS[measure.name][0] == measure.unit
+    columns = {column.name: column for column in trial_columns(design())}
+    docs = DOCS.read_text(encoding="utf-8")
+    assert len({measure.name for measure in measures()}) == len(measures())
+    for measure in measures():
+        column = columns[measure.name]
+        assert (column.unit, column.meaning) == (measure.unit, measure.meaning)
         assert f"`{measure.name}`" in docs, measure.name
         assert measure.better in ("high", "low", "") and measure.title and measure.means
 
@@ -290,7 +293,7 @@ def test_measures_are_in_the_results_of_a_study_and_made_again_where_they_are_mi
     rows = list(csv.DictReader((folder / "trial_results.csv").open()))
     told = json.loads(before)
     row = next(r for r in rows if r["trial_num"] == "2")
-    for name in BY_NAME.keys() & told.keys():
+    for name in told.keys() & {measure.name for measure in measures()}:
         value = told[name]
         if isinstance(value, float):
             assert float(row[name]) == pytest.approx(value, abs=1e-6)

@@ -23,7 +23,8 @@ from sandbox.study.record.kept_sessions import session_path
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.run.runner import Outcome
 from sandbox.study.run.simulate import run_simulated, simulated_person
-from sandbox.study.tables.tables import csv_bytes, rebuild_session, rebuild_study
+from sandbox.study.tables.column import csv_bytes
+from sandbox.study.tables.tables import rebuild_session, rebuild_study
 from sandbox.trial.replay import replay
 from tests.support.study_files import DESIGN, TRIALS, design, open_study
 

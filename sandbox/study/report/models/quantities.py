@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from models.errors import StudyError
-from sandbox.study.measures.measures import BY_NAME
+from sandbox.study.measures import registry
 from sandbox.study.report.models.data import StudyData, to_numbers
 
 if TYPE_CHECKING:
@@ -21,8 +21,6 @@ RATIO_UNITS = ("s", "m", "mm", "m/s", "bit/s", "ms")
 """Units of what cannot be negative and is thought of in per cent; their logarithms are modelled."""
 MAIN = ("time_s", "success")
 """Measures with a part of the report of their own."""
-SAME_AS_MAIN = ("held", "completion_s")
-"""Others' names for the main ones."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +63,7 @@ def quantity(data: StudyData, name: str) -> Quantity:
     Raises:
         StudyError: There is none, or it has no numbers.
     """
-    known = BY_NAME.get(name)
+    known = registry.find_measure(name)
     if name not in data.used.columns or name in ("cell", "position", "condition", "censored"):
         known_here = ", ".join(q.name for q in quantities(data))
         raise StudyError("no such measure in this study", where="--measure", got=name,
@@ -90,7 +88,7 @@ def quantity(data: StudyData, name: str) -> Quantity:
 
 def quantities(data: StudyData) -> list[Quantity]:
     """All measures of which a study has numbers that differ."""
-    names = [n for n in BY_NAME if n in data.used.columns and n not in SAME_AS_MAIN]
+    names = [m.name for m in registry.measures() if m.in_report and m.name in data.used.columns]
     measures = []
     for name in names:
         values = to_numbers(data.used[name])

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from sandbox.study.report.make import make_report
-from sandbox.study.tables.tables import csv_bytes
+from sandbox.study.tables.column import csv_bytes
 from tools.planted_study import COLUMNS, Truth, write_study
 
 SMALL = Truth(people=6, repetitions=2)

@@ -23,7 +23,7 @@ from sandbox.study.report.models.intervals import Estimate
 from sandbox.study.report.page.page import head
 from sandbox.study.report.page.plots import lines_by_person
 from sandbox.study.run.simulate import simulate
-from sandbox.study.tables.tables import csv_bytes
+from sandbox.study.tables.column import csv_bytes
 from tests.sandbox.study.report.study_reports import (
     FILES,
     LEAN,

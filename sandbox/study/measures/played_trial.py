@@ -1,7 +1,8 @@
-"""All measures of a trial, from its result and its 60 Hz table: a pure function of the two."""
+"""A finished trial as measures see it: its result, its 60 Hz table, and groups of measures."""
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -16,11 +17,8 @@ from sandbox.study.measures.movement import STILL, efficiency, path_length, spar
 from sandbox.study.measures.throughput import along
 from sandbox.trial.result import TrialResult
 
-VERSION = 1
-"""Of the definitions: measures that another version made are made again."""
-
 JUMP = 0.05
-"""m in one control period: no thing moves so far, but one that is put back does."""
+"""m in one control period: only an object that is put back moves this far."""
 
 DOWN = "down"
 
@@ -28,24 +26,53 @@ Array = NDArray[np.float64]
 Values = dict[str, Any]
 
 
-def measure_trial(table: Columns, result: TrialResult, truth: str = "") -> Values:
-    """The measures of a trial by name; those that do not apply are missing, or None.
+class PlayedTrial:
+    """A finished trial as measures see it; groups of measures are computed once, when first used.
 
     Args:
         table: Its 60 Hz table.
-        result: Its result, as its recording ends with it.
-        truth: Who tells the `true_*` columns.
+        result: Its result.
+        truth: Source of the `true_*` columns.
+
+    Attributes:
+        whole: The 60 Hz table.
+        table: Its rows up to `time_s`: what comes after success does not count.
+        result: The trial's result.
+        truth: Source of the `true_*` columns; empty where there is none.
     """
-    table = table.until(result.time_s)
-    found: Values = {"completion_s": result.time_s if result.success else None}
-    if len(table) == 0:
-        return found
-    found |= _palm(table) | _objects(table) | _labels(table, truth)
-    handling = _handling(table)
-    if handling:
-        clean = not (handling["regrasps"] or handling["drops"] or result.respawned)
-        handling["first_attempt_success"] = result.success and clean
-    return found | handling
+
+    def __init__(self, table: Columns, result: TrialResult, truth: str = "") -> None:
+        self.whole, self.result, self.truth = table, result, truth
+        self.table = table.until(result.time_s)
+
+    @cached_property
+    def palm(self) -> Values:
+        """Path, speed and smoothness of the commanded palm."""
+        return _palm(self.table) if len(self.table) else {}
+
+    @cached_property
+    def objects(self) -> Values:
+        """Path, speed, smoothness and place of the objects that have a goal."""
+        return _objects(self.table) if len(self.table) else {}
+
+    @cached_property
+    def handling(self) -> Values:
+        """Pushes, grasps and drops; empty where the contacts are unknown."""
+        return _handling(self.table) if len(self.table) else {}
+
+    @cached_property
+    def labels(self) -> Values:
+        """Changes and errors of the labels."""
+        return _labels(self.table, self.truth) if len(self.table) else {}
+
+    @property
+    def first_attempt_success(self) -> bool | None:
+        """Success without a regrasp, a drop or an object put back; None: contacts are unknown."""
+        handling = self.handling
+        if not handling:
+            return None
+        clean = not (handling["regrasps"] or handling["drops"] or self.result.respawned)
+        return self.result.success and clean
 
 
 def _palm(table: Columns) -> Values:
@@ -68,7 +95,7 @@ def _palm(table: Columns) -> Values:
 
 
 def _objects(table: Columns) -> Values:
-    """Path, speed, smoothness and place of the things that have a goal."""
+    """Path, speed, smoothness and place of the objects that have a goal."""
     names = [name for name in table.things() if f"{name}_goal_x" in table]
     if not names:
         return {}
@@ -101,7 +128,7 @@ def _objects(table: Columns) -> Values:
 
 
 def _move(places: Array, goals: Array) -> Values:
-    """How far a thing was moved along its way, where its goal stays where it is."""
+    """Distance that an object was moved along its way, where its goal does not move."""
     if np.ptp(goals, axis=0).max() > STILL:
         return {}
     move = along(places[0], goals[-1], places[-1])
@@ -109,7 +136,7 @@ def _move(places: Array, goals: Array) -> Values:
 
 
 def _unbroken(places: Array) -> list[Array]:
-    """The parts (n, 3) of a path between those moments at which a thing was put back."""
+    """The parts (n, 3) of a path between the moments at which an object was put back."""
     far = np.linalg.norm(np.diff(places, axis=0), axis=1) > JUMP
     return np.split(places, np.flatnonzero(far) + 1)
 
@@ -120,7 +147,7 @@ def _handled(table: Columns, name: str) -> list[tuple[int, int]]:
 
 
 def _known(table: Columns) -> list[str]:
-    """Things of which it is known who pushes them."""
+    """Objects whose contacts are known."""
     return [name for name in table.things() if all(table.words(f"{name}_grip_N"))]
 
 
@@ -131,7 +158,7 @@ def _first_push(table: Columns) -> int | None:
 
 
 def _handling(table: Columns) -> Values:
-    """Grasps and drops; nothing where it is not known who pushes what."""
+    """Pushes, grasps and drops; empty where the contacts are unknown."""
     names = _known(table)
     if not names:
         return {}
@@ -152,7 +179,7 @@ def _handling(table: Columns) -> Values:
 
 
 def _labels(table: Columns, truth: str) -> Values:
-    """How labels change, and how right they are."""
+    """Changes and errors of the labels."""
     named = _by_contact(table, "touch")
     found: Values = {"label_switches": label_switches(named)}
     errors = label_errors(named, _by_contact(table, "true"), CONTROL_PERIOD)

@@ -1,0 +1,106 @@
+"""Computes measures; one that fails gives an empty cell and a reason, and costs no trial."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from math import isfinite
+from typing import Any, TypeVar
+
+import numpy as np
+
+from models.outside import failure
+from sandbox.study.measures.columns import Columns
+from sandbox.study.measures.measure import Measure, Row, Value
+from sandbox.study.measures.played_trial import PlayedTrial
+from sandbox.study.measures.registry import measures
+from sandbox.trial.result import TrialResult
+
+VERSION = 1
+"""Version of the definitions; measures of another version are computed again from recordings."""
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Measured:
+    """Measures of a trial or of several.
+
+    Attributes:
+        values: By name; None for an empty cell.
+        reasons: Why a cell is empty, by name.
+        failed: Measures among these that failed, as opposed to those that do not apply.
+    """
+
+    values: dict[str, Value] = field(default_factory=dict)
+    reasons: dict[str, str] = field(default_factory=dict)
+    failed: tuple[str, ...] = ()
+
+    @property
+    def notices(self) -> list[str]:
+        """A line for every measure that failed."""
+        return [f"measure {name} is empty: {self.reasons[name]}" for name in self.failed]
+
+
+def measure_trial(table: Columns, result: TrialResult, truth: str = "") -> Measured:
+    """The measures of a trial that come from its 60 Hz table.
+
+    Args:
+        table: Its 60 Hz table.
+        result: Its result.
+        truth: Source of the `true_*` columns.
+    """
+    trial = PlayedTrial(table, result, truth)
+    return _compute([(m, m.of_trial, trial) for m in measures() if m.of_trial is not None])
+
+
+def measure_result(result: TrialResult) -> Measured:
+    """The measures of a trial that come from its result alone."""
+    return _compute([(m, m.of_result, result) for m in measures() if m.of_result is not None])
+
+
+def measure_trials(rows: Sequence[Row]) -> Measured:
+    """The measures of several trials together.
+
+    Args:
+        rows: Of `trial_results.csv`: see `Measure.of_trials`.
+    """
+    return _compute([(m, m.of_trials, rows) for m in measures() if m.of_trials is not None])
+
+
+def _compute(calls: Sequence[tuple[Measure, Callable[[T], Value], T]]) -> Measured:
+    values: dict[str, Value] = {}
+    reasons: dict[str, str] = {}
+    failed = []
+    for measure, compute, argument in calls:
+        name = measure.name
+        values[name] = None
+        try:
+            value = _plain(compute(argument))
+        except Exception as error:
+            # Code of somebody else's measure may raise anything; the reason is kept and said.
+            reasons[name] = failure(error)
+            failed.append(name)
+            continue
+        if value is None:
+            reasons[name] = f"it does not apply here; it applies to: {measure.tasks}"
+        elif (wrong := _wrong(value)) is not None:
+            reasons[name] = wrong
+            failed.append(name)
+        else:
+            values[name] = value
+    return Measured(values, reasons, tuple(failed))
+
+
+def _plain(value: Any) -> Any:
+    """A number of NumPy's as one of Python's."""
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _wrong(value: Any) -> str | None:
+    """Why a value cannot stand in a table; None where it can."""
+    if not isinstance(value, bool | int | float | str):
+        return f"it returned a {type(value).__name__}, not a number, yes or no, or a word"
+    if isinstance(value, float) and not isfinite(value):
+        return f"it returned {value}"
+    return None

@@ -1,0 +1,105 @@
+"""All measures of a trial: the built-in ones, those of installed packages, those registered here.
+
+A package offers a measure under the measure's name:
+
+    [project.entry-points."hand_sandbox.measures"]
+    palm_height_m = "my_lab.measures:PALM_HEIGHT"
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+from models.errors import InputError
+from models.outside import failure, offered, package
+from sandbox.study.measures.measure import Measure
+from sandbox.study.measures.measures import BUILT_IN
+from sandbox.trial.result import KeptIn, kept_fields
+
+GROUP = "hand_sandbox.measures"
+"""Group of the entry points; each is named after its measure."""
+
+_registered: list[Measure] = []
+
+
+def measures() -> tuple[Measure, ...]:
+    """All measures, in the order of their columns.
+
+    Raises:
+        InputError: A measure of an installed package cannot be used.
+    """
+    return (*BUILT_IN, *_offered(), *_registered)
+
+
+def register(measure: Measure) -> None:
+    """Adds a measure for as long as this program runs.
+
+    Raises:
+        InputError: Another measure has this name, or it does not say how it is computed.
+    """
+    _check(measure, "register")
+    if find_measure(measure.name) is not None:
+        raise InputError("another measure has this name", where="register", got=measure.name,
+                         remedy="Give it a name of its own")  # fmt: skip
+    _registered.append(measure)
+
+
+def unregister(name: str) -> None:
+    """Removes a measure that `register` added."""
+    _registered[:] = [measure for measure in _registered if measure.name != name]
+
+
+def find_measure(name: str) -> Measure | None:
+    """The measure of a name; None where there is none."""
+    return next((measure for measure in measures() if measure.name == name), None)
+
+
+def measure_columns() -> tuple[str, ...]:
+    """Columns of `trial_results.csv` for the measures that are not fields of the result."""
+    of_result = kept_fields(KeptIn.TABLE)
+    return tuple(m.name for m in measures() if m.name not in of_result)
+
+
+def rule_measures() -> tuple[str, ...]:
+    """Measures that an exclusion rule may use, the default first: numbers of a single trial."""
+    names = [m.name for m in measures() if not m.words and m.of_trials is None]
+    return ("time_s", *(name for name in names if name != "time_s"))
+
+
+@cache
+def _offered() -> tuple[Measure, ...]:
+    """Measures of installed packages, by name."""
+    loaded = []
+    for name, entries in sorted(offered(GROUP).items()):
+        where = f"entry point {name} = {entries[0].value} of {package(entries[0])}"
+        if len(entries) > 1 or name in {measure.name for measure in BUILT_IN}:
+            raise InputError("several measures have this name", where=where, got=name,
+                             remedy="Uninstall all but one of the packages")  # fmt: skip
+        try:
+            measure = entries[0].load()
+        except Exception as error:
+            raise InputError("a measure of an installed package cannot be loaded", where=where,
+                             got=failure(error), remedy="Mend or uninstall the package",
+                             ) from error  # fmt: skip
+        _check(measure, where)
+        if measure.name != name:
+            raise InputError("the entry point and its measure have different names", where=where,
+                             got=measure.name, expected=name)  # fmt: skip
+        loaded.append(measure)
+    return tuple(loaded)
+
+
+def _check(measure: object, where: str) -> None:
+    """Refuses what is not a complete measure."""
+    if not isinstance(measure, Measure):
+        raise InputError("this is not a measure", where=where, got=type(measure).__name__,
+                         expected="sandbox.study.measures.measure.Measure")  # fmt: skip
+    ways = [w for w in (measure.of_trial, measure.of_result, measure.of_trials) if w is not None]
+    if len(ways) != 1:
+        raise InputError("a measure is computed in exactly one way",
+                         where=f"{where}, {measure.name}", got=len(ways),
+                         expected="one of of_trial, of_result, of_trials")  # fmt: skip
+    if not measure.name.isidentifier():
+        raise InputError("a measure is named like a column", where=where, got=measure.name,
+                         expected="letters, digits and underscores, such as palm_height_m",
+                         )  # fmt: skip

@@ -1,0 +1,70 @@
+"""A column of a table, declared once with unit and meaning, and rows written as CSV."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from sandbox.study.design.design import Design
+
+Row = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of a study's table.
+
+    Attributes:
+        name: Name in the first line of the table.
+        unit: Unit of its numbers; `0/1` for yes or no; empty for words and counts.
+        meaning: Definition in a line, for the codebook.
+    """
+
+    name: str
+    unit: str
+    meaning: str
+
+
+def factor_columns(design: Design) -> list[Column]:
+    """The columns of a design's factors."""
+    return [
+        Column(f"factor_{f.name}", "", "level: " + ", ".join(x.name for x in f.levels))
+        for f in design.factors
+    ]
+
+
+def names_of(columns: Iterable[Column]) -> list[str]:
+    """Names of columns."""
+    return [column.name for column in columns]
+
+
+def csv_bytes(rows: Iterable[Row], columns: Sequence[str]) -> bytes:
+    """A table as every program reads it: UTF-8, commas, points, 1 and 0, empty for nothing."""
+    return _lines([columns]) + csv_rows(rows, columns)
+
+
+def csv_rows(rows: Iterable[Row], columns: Sequence[str]) -> bytes:
+    """The same without its first line."""
+    return _lines([_cell(row.get(name)) for name in columns] for row in rows)
+
+
+def _lines(rows: Iterable[Sequence[Any]]) -> bytes:
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(rows)
+    return text.getvalue().encode()
+
+
+def _cell(value: Any) -> Any:
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return int(value)
+    if isinstance(value, float):
+        return repr(round(value, 6))
+    if isinstance(value, str):
+        # A lone carriage return is not quoted by csv, and ends a row for many readers.
+        return value.replace("\r\n", "\n").replace("\r", "\n")
+    return value

@@ -1,0 +1,141 @@
+"""A measure declared in one place is in the tables, the codebook, the rules and the report."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from models.errors import InputError
+from sandbox.study.measures.measure import Measure
+from sandbox.study.measures.registry import find_measure, register, rule_measures, unregister
+from sandbox.study.record.folder import StudyFolder
+from sandbox.study.record.kept_sessions import session_path
+from sandbox.study.report.make import make_report
+from sandbox.study.run.simulate import run_simulated
+from tests.support.study_files import open_study
+
+HEIGHT = Measure(
+    "palm_height_m",
+    "m",
+    "Height of the palm",
+    "largest height of the commanded palm above the table",
+    better="low",
+    of_trial=lambda trial: trial.table.numbers("q_position_z").max(),
+)
+BROKEN = Measure("broken", "m", "Broken", "always fails", of_trial=lambda trial: 1 / 0)
+NOTHING = Measure("nothing", "m", "Nothing", "never applies", of_trial=lambda trial: None)
+ENDLESS = Measure("endless", "s", "Endless", "not finite", of_result=lambda result: float("inf"))
+SEVERAL = Measure("several", "", "Several", "fails over trials", of_trials=lambda rows: rows[99])
+WINS = Measure("wins", "", "Wins", "successes with these levels", of_trials=len)
+OWN = (HEIGHT, BROKEN, NOTHING, ENDLESS, SEVERAL, WINS)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def registered() -> Iterator[None]:
+    for measure in OWN:
+        register(measure)
+    yield
+    for measure in OWN:
+        unregister(measure.name)
+
+
+@pytest.fixture(scope="module")
+def said() -> list[str]:
+    return []
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory: pytest.TempPathFactory, said: list[str]) -> StudyFolder:
+    found = open_study(tmp_path_factory.mktemp("own"))
+    for number in range(2):
+        run_simulated(found, number, said.append)
+    return found
+
+
+def rows(path: Path) -> list[dict[str, str]]:
+    with path.open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def test_it_is_a_column_of_all_results_with_a_row_in_the_codebook(study: StudyFolder) -> None:
+    session = session_path(study.path, study.participants()[0].ppid)
+    for folder in (study.path, session):
+        values = [float(row["palm_height_m"]) for row in rows(folder / "trial_results.csv")]
+        assert len(values) >= 6 and min(values) > 0.0
+        described = [r for r in rows(folder / "codebook.csv") if r["column"] == "palm_height_m"]
+        assert [(r["table"], r["unit"], r["meaning"]) for r in described] == [
+            ("trial_results.csv", "m", HEIGHT.means)
+        ]
+
+
+def test_it_is_in_the_report_with_its_unit_and_meaning(study: StudyFolder, tmp_path: Path) -> None:
+    make_report(study.path, tmp_path)
+    assert all(float(row["palm_height_m"]) > 0.0 for row in rows(tmp_path / "trials.csv"))
+    described = [r for r in rows(tmp_path / "codebook.csv") if r["column"] == "palm_height_m"]
+    assert [(r["file"], r["unit"], r["meaning"]) for r in described] == [
+        ("trials.csv", "m", HEIGHT.means)
+    ]
+    assert any(row["measure"] == "palm_height_m" for row in rows(tmp_path / "means.csv"))
+    assert HEIGHT.title in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_a_measure_that_fails_or_has_no_value_costs_no_trial_and_its_reason_is_said(
+    study: StudyFolder, said: list[str]
+) -> None:
+    table = rows(study.path / "trial_results.csv")
+    assert len(table) == 12 and all(row["counted"] == "1" for row in table)
+    for name in ("broken", "nothing", "endless", "several"):
+        assert {row[name] for row in table} == {""}
+    session = session_path(study.path, study.participants()[0].ppid)
+    reasons = json.loads((session / "trackers" / "measures_T001.json").read_bytes())["reasons"]
+    assert "ZeroDivisionError" in reasons["broken"] and "all" in reasons["nothing"]
+    assert "inf" in reasons["endless"]
+    for name, error in (("broken", "ZeroDivisionError"), ("endless", "inf"), ("several", "Index")):
+        assert any(f"measure {name} is empty" in line and error in line for line in said)
+
+
+def test_a_measure_of_several_trials_is_the_same_in_all_rows_with_the_same_levels(
+    study: StudyFolder,
+) -> None:
+    cells: dict[tuple[str, str], set[str]] = {}
+    for row in rows(study.path / "trial_results.csv"):
+        cells.setdefault((row["ppid"], row["factor_contact"]), set()).add(row["wins"])
+    assert all(len(values) == 1 and int(min(values)) >= 0 for values in cells.values())
+
+
+def test_a_rule_may_look_at_it_but_not_at_one_of_several_trials() -> None:
+    assert "palm_height_m" in rule_measures() and rule_measures()[0] == "time_s"
+    assert not {"wins", "label_truth", "throughput_bit_s"} & set(rule_measures())
+
+
+def test_a_measure_that_is_added_later_is_computed_when_the_session_is_opened_again(
+    tmp_path: Path,
+) -> None:
+    unregister("palm_height_m")
+    study = open_study(tmp_path)
+    run_simulated(study, 0, lambda text: None)
+    assert "palm_height_m" not in rows(study.path / "trial_results.csv")[0]
+    register(HEIGHT)
+    run_simulated(study, 0, lambda text: None)
+    values = [float(row["palm_height_m"]) for row in rows(study.path / "trial_results.csv")]
+    assert len(values) == 6 and min(values) > 0.0
+
+
+@pytest.mark.parametrize(
+    "measure",
+    [
+        Measure("drops", "", "Drops", "again", of_trial=lambda trial: 1),
+        Measure("no way", "", "No way", "not a column", of_trial=lambda trial: 1),
+        Measure("unmade", "", "Unmade", "not computed"),
+    ],
+)
+def test_a_measure_with_a_name_that_is_taken_or_without_a_value_is_refused(
+    measure: Measure,
+) -> None:
+    with pytest.raises(InputError):
+        register(measure)
+    assert find_measure(measure.name) is not measure
