@@ -10,7 +10,7 @@ import tyro
 from rich.console import Console
 from rich.markup import escape
 
-from models.errors import InputError
+from models.errors import HandSandboxError, InputError
 
 
 @dataclass(frozen=True)
@@ -47,9 +47,25 @@ def report(options: ReportOptions, console: Console) -> int:
     if options.out is not None and options.out.is_file():
         raise InputError("this is a file", where="--out", got=str(options.out),
                          expected="a folder")  # fmt: skip
+    _bring_up_to_date(options.folder, console)
     with console.status("") as status:
         out = options.out or options.folder / "report"
         page = make_report(options.folder, out, options.measure,
                            lambda text: status.update(f"[dim]{text}[/]"))  # fmt: skip
     console.print(f"{escape(str(page))}: open it in a browser; tables and analysis.R are beside it")
     return 0
+
+
+def _bring_up_to_date(folder: Path, console: Console) -> None:
+    """Makes the tables anew where a program was killed in the middle of a session."""
+    from sandbox.study.record.folder import StudyFolder
+    from sandbox.study.tables.tables import are_behind, rebuild_study
+
+    if not are_behind(folder):
+        return
+    try:
+        rebuild_study(StudyFolder.at(folder), console.print)
+    except HandSandboxError as error:
+        console.print(f"[yellow]the newest trials are not in the tables: {escape(str(error))}[/]")
+    else:
+        console.print("[dim]the tables were made anew: some journals were newer[/]")

@@ -22,6 +22,7 @@ from sandbox.study.record.folder import Participant, StudyFolder
 from sandbox.study.record.journal import Record
 from sandbox.study.record.kept_sessions import (
     JOURNAL,
+    SESSIONS,
     planned_trials,
     session_folders,
     sessions_of,
@@ -133,8 +134,11 @@ def rebuild_study(study: StudyFolder, say: Say = _silent) -> dict[str, int]:
     return StudyTables(study, say).update()
 
 
-def are_current(study: Path) -> bool:
-    """Whether a study's tables were made from its journals as they are now.
+def are_behind(study: Path) -> bool:
+    """Whether a study has journals that its tables were not made from.
+
+    A program that was killed in the middle of a session leaves such tables. A copy that lacks a
+    journal that its tables were made from is not behind: it cannot be made anew.
 
     Args:
         study: Folder of a study.
@@ -143,9 +147,9 @@ def are_current(study: Path) -> bool:
         sizes = json.loads((study / MADE_FROM).read_bytes())
     except (OSError, ValueError):
         return False
-    journals = study.glob(f"*/*/{JOURNAL}")
+    journals = study.glob(f"*/{SESSIONS}/{JOURNAL}")
     now = {f"{p.parent.parent.name}/{p.parent.name}": p.stat().st_size for p in journals}
-    return bool(sizes == now)
+    return sizes.keys() <= now.keys() and bool(sizes != now)
 
 
 def rebuild_session(session: SessionFolder, durable: bool = True, say: Say = _silent) -> None:
