@@ -27,12 +27,12 @@ class Measured:
     """Measures of a trial or of several.
 
     Attributes:
-        values: By name; None for an empty cell.
+        values: `Value` by name; None for an empty cell.
         reasons: Why a cell is empty, by name.
         failed: Measures among these that failed, as opposed to those that do not apply.
     """
 
-    values: dict[str, Value] = field(default_factory=dict)
+    values: dict[str, Any] = field(default_factory=dict)
     reasons: dict[str, str] = field(default_factory=dict)
     failed: tuple[str, ...] = ()
 

@@ -148,8 +148,8 @@ def test_nothing_is_said_about_pushes_that_are_not_known_nor_about_ways_of_thing
     assert all("tasks with objects to handle" in found.reasons[name] for name in unknown_here)
     back = np.array(still)
     back[25:, 0] += 0.2
-    found = measure_trial(table(still, back, still[0]), result).values
-    assert found["object_path_m"] == 0.0 and found["object_peak_m_s"] == 0.0
+    moved = measure_trial(table(still, back, still[0]), result).values
+    assert moved["object_path_m"] == 0.0 and moved["object_peak_m_s"] == 0.0
 
 
 def test_a_hand_that_rises_and_comes_down_elsewhere_goes_straight_there() -> None:

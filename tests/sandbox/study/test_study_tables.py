@@ -172,11 +172,10 @@ def test_an_update_reads_only_the_journals_that_have_changed(
         sessions.do("new", 0, 1.5)
         sessions.do("trial", who, 1.5)
     read: list[str] = []
-    real = tables.sessions_of
 
     def counting(study: StudyFolder, person: Participant) -> list[KeptSession]:
         read.append(person.ppid)
-        return real(study, person)
+        return sessions_of(study, person)
 
     monkeypatch.setattr(tables, "sessions_of", counting)
     sessions.tables.update()
