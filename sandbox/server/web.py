@@ -18,7 +18,7 @@ QUEUE_FRAMES = 1024
 
 
 class WebDevice(Device):
-    """Device for fingers or a mouse on our page in a browser, on this machine or a tablet.
+    """Our page in a browser, on this machine or a tablet: fingers, or a mouse.
 
     The server's thread adds touches, and the session's thread removes them.
 
