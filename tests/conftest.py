@@ -30,6 +30,9 @@ MOST_PROCESSES = 4
 # A shell's background job ignores Ctrl-C, and so would every program that a test presses it in.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+# What somebody has set for terminals would change what programs print.
+for _name in ("COLUMNS", "LINES", "FORCE_COLOR", "NO_COLOR", "PYTHONUNBUFFERED", "TTY_COMPATIBLE"):
+    os.environ.pop(_name, None)
 IN_CI = os.environ.get("CI", "").lower() in ("true", "1")
 
 # A busy machine is no failure: no deadlines. CI searches from a fixed seed, people explore.
