@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 from typing import Any
 
 from sandbox.study.measures.played_trial import PlayedTrial
@@ -76,13 +77,14 @@ class Measure:
 def from_field(name: str, title: str, better: str = "", in_report: bool = True) -> Measure:
     """A measure that is a field of the trial's result; unit and meaning are declared there."""
     field = fields()[name]
-
-    def value(result: TrialResult) -> Value:
-        found: Value = result.as_json().get(name)
-        return found
-
     return Measure(
-        name, field.unit, title, field.meaning, better, of_result=value, in_report=in_report
+        name,
+        field.unit,
+        title,
+        field.meaning,
+        better,
+        of_result=attrgetter(name),
+        in_report=in_report,
     )
 
 
