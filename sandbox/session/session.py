@@ -149,6 +149,11 @@ class Session:
         ]
 
     @property
+    def first_rig(self) -> Rig:
+        """The rig of the first hand: that of the person before the window, or on the page."""
+        return self.rigs[0]
+
+    @property
     def time(self) -> float:
         """s of simulated time since the trial began."""
         return self.step * self.scene.spec.timestep

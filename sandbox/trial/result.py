@@ -196,6 +196,9 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
     fingers: Annotated[
         list[tuple[int, int]] | None, _field("", "true finger of each contact: (contact, finger)")
     ] = None
+    second_fingers: Annotated[
+        list[tuple[int, int]] | None, _field("", "true fingers of the second hand's contacts")
+    ] = None
     fingers_by: Annotated[str | None, _field("", "source of the true fingers")] = None
     broken_off: Annotated[
         str | None, _field("", "why the attempt was broken off and does not count")

@@ -183,7 +183,7 @@ class PagePlay:
             # Whichever page is touched, its step is made at once.
             device.news = touched[0].news
         # Fingers elsewhere, as over TUIO, are seen on the page, and are no later for that.
-        hears = touched[0] if touched else session.rigs[0].device
+        hears = touched[0] if touched else session.first_rig.device
         live = LiveTrial(trial, news=hears.news)
         self._show(session, chosen)
         # A person's time begins with their first touch: before, they look at the scene.

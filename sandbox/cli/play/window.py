@@ -154,7 +154,7 @@ class WindowPlay:
             session = trial.session
             try:
                 window = self._open_window(session, chosen)
-                live = LiveTrial(trial, window.speed, session.rigs[0].device.news)
+                live = LiveTrial(trial, window.speed, session.first_rig.device.news)
                 try:
                     self._show_on_page(session, chosen)
                     live.pause(_waiting(session))
@@ -249,8 +249,8 @@ class WindowPlay:
             self.window = Window(session.scene, surface, title, SIZE, caption, in_air(session))
         else:
             self.window.show_scene(session.scene, surface, title, caption, in_air(session))
-        self.window.attach(session.rigs[0].device)
-        address = session.rigs[0].device.address
+        self.window.attach(*(rig.device for rig in session.rigs))
+        address = session.first_rig.device.address
         if address:
             self.console.print(f"listening for TUIO on [bold]{address}[/]")
             self.events.tell("listening", address=address)
@@ -261,7 +261,7 @@ class WindowPlay:
         if self.server:
             caption = "simulated user" if chosen.about.get("user") is not None else ""
             # A page that is the second hand's, or one that plays along with the mouse.
-            beside = session.rigs[0].device.find(WebDevice)
+            beside = session.first_rig.device.find(WebDevice)
             own, web = next(iter(touched_pages(session)), (0, beside))
             side = chosen.settings.hands[own or 0].side
             show_session(self.server, session, side, caption, web, own)
@@ -320,6 +320,6 @@ def _from_first_touch(maker: DeviceMaker) -> DeviceMaker:
 
 def _waiting(session: Session) -> bool:
     """True while a person has not touched the surface yet."""
-    device = session.rigs[0].device
+    device = session.first_rig.device
     begun = any(page.touched for _, page in touched_pages(session))
     return isinstance(device, FirstTouch) and not device.came() and not begun

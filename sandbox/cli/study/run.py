@@ -19,6 +19,8 @@ from sandbox.cli.study.run_options import (
     check_leap,
     check_options,
     check_page,
+    check_second,
+    second_touch_options,
     touch_options,
     where_served,
 )
@@ -47,6 +49,7 @@ def run(options: RunOptions, console: Console) -> int:
     check_page(options)
     design = load_design(options.file)
     check_leap(options, design)
+    check_second(options, design)
     study = StudyFolder(options.out, design, PILOT if options.pilot else REAL,
                         options.force_upgrade)  # fmt: skip
     say = sayer(console)
@@ -130,7 +133,7 @@ def _play(
     from sandbox.study.run.runner import SessionRunner
 
     person, name = session.person, options.touches
-    touch = touch_options(options)
+    touch, second = touch_options(options), second_touch_options(options)
     forms: Forms
     if page is not None and options.forms != "terminal":
         forms = PageForms(page, lambda: controls.paused)
@@ -141,9 +144,11 @@ def _play(
     # Whoever simulates a hand in the air has another one in every trial: it is not measured.
     simulated = options.device == "simulated"
     calibrate = _average if simulated else hand_measurer(forms, person, leap, say)
+    other = second.device if second else name
     runner = SessionRunner(
-        session, player, person_devices(touch, person, page, leap), forms, controls, say,
-        name, fitting(name, page), calibrate,
+        session, player, person_devices(touch, person, page, leap, second), forms, controls,
+        say, name, fitting(name, page, other), calibrate,
+        second_device=other,
     )  # fmt: skip
     try:
         outcome = runner.run()

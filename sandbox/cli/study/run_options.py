@@ -58,6 +58,13 @@ class RunOptions:
     """Where touches come from. web: the page, which --tablet implies. evdev, evdev:NODE: a touch
     screen of this machine. simulated: in a pilot only."""
 
+    second_device: Annotated[str | None, tyro.conf.arg(metavar="{mouse,tuio,evdev,simulated}")] = (
+        None
+    )
+    """Where the second hand's touches come from, in trials of tasks for two hands. tuio, evdev: as
+    for --device. simulated: a simulated user moves it. Not needed where both hands are on one
+    surface (one_surface in the design) or over one Leap."""
+
     view: Literal["window", "none"] = "window"
     """none: trials without a window, as where another program shows them. With --device web they
     are on the page."""
@@ -197,6 +204,47 @@ def check_leap(options: RunOptions, design: Design) -> None:
         open_leap(options.leap_address).close()
 
 
+def check_second(options: RunOptions, design: Design) -> None:
+    """What is wrong with the second hand's device is told now, too, where the design has trials
+    for two hands.
+
+    Raises:
+        InputError: It is missing, of no trial, or cannot be used beside the first hand's.
+    """
+    from sandbox.options.touch_devices import guessed_surface, is_evdev, live_maker
+    from sandbox.study.design.conditions import PARTNER, combinations, run_settings, values_of
+    from sandbox.study.run.run_device import needs_second_device
+
+    given = [values_of(design, levels) for levels in combinations(design)]
+    wanted = any(needs_second_device(values, run_settings(values, 0)) for values in given)
+    name = options.second_device
+    if name is None:
+        if wanted and options.device != "simulated":
+            raise InputError("the design has trials for two hands, and there is a device for one",
+                             where="--second-device",
+                             expected="mouse, tuio, evdev, evdev:NODE or simulated",
+                             remedy="Or write one_surface = true or second_device = 'simulated' "
+                             "under [settings] of the design")  # fmt: skip
+        return
+    if not wanted:
+        raise InputError("no trial of the design needs a second device", where="--second-device",
+                         got=name, remedy="Leave it out")  # fmt: skip
+    if name not in ("mouse", "tuio", PARTNER) and not is_evdev(name):
+        raise InputError("this device cannot be a second hand's in a study",
+                         where="--second-device", got=name,
+                         expected="mouse, tuio, evdev, evdev:NODE or simulated")  # fmt: skip
+    if name == options.device and name not in ("tuio", PARTNER):
+        raise InputError("one device cannot be both hands'", where="--second-device", got=name,
+                         remedy="Name another one, such as evdev:NODE")  # fmt: skip
+    if name == "mouse" and (options.touches == "web" or options.view == "none"):
+        raise InputError("the mouse needs a window", where="--second-device mouse",
+                         remedy="Use tuio, evdev or simulated")  # fmt: skip
+    asked = second_touch_options(options)
+    maker = live_maker(asked) if asked and name not in ("mouse", PARTNER) else None
+    if maker is not None:
+        maker(guessed_surface()).close()
+
+
 def check_page(options: RunOptions) -> None:
     """Serves the page for a moment: a wrong address or certificate costs no participant."""
     if options.has_page:
@@ -218,3 +266,13 @@ def touch_options(options: RunOptions) -> TouchOptions:
     from sandbox.options.touch_devices import TouchOptions
 
     return TouchOptions(device=options.touches, bind=options.bind, port=options.port)
+
+
+def second_touch_options(options: RunOptions) -> TouchOptions | None:
+    """Where the second hand's touches come from; a second TUIO device listens one port higher."""
+    from sandbox.options.touch_devices import TouchOptions
+
+    if options.second_device is None:
+        return None
+    port = options.port + 1 if options.port and options.device == "tuio" else options.port
+    return TouchOptions(device=options.second_device, bind=options.bind, port=port)

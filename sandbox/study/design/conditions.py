@@ -6,16 +6,25 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from models.errors import HandSandboxError, InputError
+from models.errors import HandSandboxError
 from sandbox.study.design.design import Design, Level
 
 if TYPE_CHECKING:
     from sandbox.study.design.reading import Reader
     from sandbox.trial.settings import RunSettings
 
+PARTNER = "simulated"
+"""Value of `second_device`: a simulated user moves the second hand, beside a person, too."""
+
+_SIMULATED = {"touch": "simulated", "leap": "leap-simulated", PARTNER: "simulated"}
+"""Devices that stand for those of a design while it is decided what its settings mean."""
+
 SETTINGS: dict[str, type | tuple[type, ...]] = {
     "task": str,
     "device": str,
+    "second_device": str,
+    "second_hand": str,
+    "one_surface": bool,
     "encoder": str,
     "bare": bool,
     "without": (list, str),
@@ -32,6 +41,8 @@ SETTINGS: dict[str, type | tuple[type, ...]] = {
 
 CHOICES = {
     "device": ("touch", "leap"),
+    "second_device": ("touch", "leap", PARTNER),
+    "second_hand": ("right", "left"),
     "contact": ("hard", "soft", "none"),
     "servo": ("orientation", "position"),
     "turn": (0, 90, 180, 270),
@@ -61,8 +72,10 @@ def run_settings(
         some = given["without"]
         given["without"] = tuple([some] if isinstance(some, str) else some)
     # Who plays is decided later; what matters here is that hands in the air have other settings.
-    device = "leap-simulated" if given.pop("device", "touch") == "leap" else "simulated"
-    options = SceneOptions(seed=seed, hand=_hand(hand), device=device, **given)
+    given["device"] = _SIMULATED[given.get("device", "touch")]
+    if "second_device" in given:
+        given["second_device"] = _SIMULATED[given["second_device"]]
+    options = SceneOptions(seed=seed, hand=_hand(hand), **given)
     settings = plan(options).settings
     hands = tuple(replace(hand, size=hand.size * hand_size) for hand in settings.hands)
     return replace(settings, hands=hands)
@@ -100,7 +113,8 @@ def check_conditions(design: Design, reader: Reader) -> None:
     if kinds_wrong:
         return
     from sandbox.trial.assembly import load_encoder, place_surface
-    from tasks.registry import draw_task, find_task, hands_of
+    from sandbox.trial.surfaces import place_all
+    from tasks.registry import draw_task, find_task
 
     seen: set[str] = set()
     for levels in combinations(design):
@@ -108,10 +122,8 @@ def check_conditions(design: Design, reader: Reader) -> None:
         try:
             settings = run_settings(values, design.seed % 1000)
             kind = find_task(settings.task)
-            if hands_of(kind) > 1:
-                raise InputError("in a study everybody has one hand, and this task needs two",
-                                 where="task", got=settings.task)  # fmt: skip
-            draw_task(kind, settings.seed, place_surface(settings.surface, kind))
+            whole, _ = place_all(place_surface(settings.surface, kind), settings, kind)
+            draw_task(kind, settings.seed, whole)
             load_encoder(settings.encoder)
         except HandSandboxError as error:
             if str(error) in seen:

@@ -29,6 +29,10 @@ CHANGING = 4.0
 """s between two trials."""
 
 
+LEAP = "leap"
+"""Value of `device` and `second_device` of a hand in the air."""
+
+
 @dataclass(frozen=True)
 class Step:
     """Something that happens once, and is finished or not.
@@ -113,14 +117,14 @@ def session_plan(design: Design, participant: int, session: int = 1) -> list[Ste
         session: 1, 2, ... up to `design.sessions`.
     """
     steps = list(_Plan(design, participant, session).steps())
-    if any(in_the_air(step.values) for step in trials_of(steps)):
+    if any(step.values.get("device") == LEAP for step in trials_of(steps)):
         return steps
     return [step for step in steps if not isinstance(step, CalibrationStep)]
 
 
 def in_the_air(values: Mapping[str, Any]) -> bool:
-    """True if a trial with these settings is played over a Leap."""
-    return values.get("device") == "leap"
+    """True if a hand of a trial with these settings is over a Leap."""
+    return LEAP in (values.get("device"), values.get("second_device"))
 
 
 def trials_of(steps: list[Step]) -> list[TrialStep]:

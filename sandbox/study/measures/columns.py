@@ -16,6 +16,10 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
+SECOND = "hand2_"
+"""Begins the names of columns of a second hand, which are as those of the first."""
+
+
 class Columns:
     """Columns by name, every cell a text; empty where there is nothing.
 
@@ -62,6 +66,11 @@ class Columns:
     def whole(self, name: str) -> list[int | None]:
         """Cells of a column of whole numbers."""
         return [int(text) if text else None for text in self.texts[name]]
+
+    @property
+    def hands(self) -> tuple[str, ...]:
+        """What the names of each hand's columns begin with."""
+        return ("", SECOND) if f"{SECOND}phase" in self else ("",)
 
     def things(self) -> list[str]:
         """Names of the things in the table."""

@@ -49,10 +49,15 @@ def handled(digits: Sequence[str], grip: ArrayLike, period: float) -> list[tuple
 
 
 def grasps(digits: Sequence[str], runs: Sequence[tuple[int, int]]) -> int:
-    """How many of some stretches are grasps: two digits or more push at the same moment."""
-    return sum(
-        any(len(d.replace(PALM, "")) >= 2 for d in digits[first : last + 1]) for first, last in runs
-    )
+    """How many of some stretches are grasps: two digits of one hand push at the same moment."""
+    return sum(any(map(_grasped, digits[first : last + 1])) for first, last in runs)
+
+
+def _grasped(digits: str) -> bool:
+    """Whether two digits of one hand push; a second hand's are capital letters."""
+    fingers = digits.lower().replace(PALM, "")
+    second = sum(letter.isupper() for letter in digits.replace(PALM.upper(), ""))
+    return max(second, len(fingers) - second) >= 2
 
 
 def drops(free: ArrayLike, height: ArrayLike) -> int:

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from typing import Any
 
-Named = Mapping[int, int]
-"""Fingers (thumb 0 .. little 4) by contact."""
+Named = Mapping[Hashable, int]
+"""Fingers (thumb 0 .. little 4) by contact; by hand and contact where there may be two hands."""
 
 
 def label_switches(named: Sequence[Named]) -> int:
     """How often a contact that had a finger got another one, at once or after having had none."""
-    last: dict[int, int] = {}
+    last: dict[Hashable, int] = {}
     switches = 0
     for now in named:
         switches += sum(last.get(contact, finger) != finger for contact, finger in now.items())
@@ -38,7 +38,7 @@ def label_errors(named: Sequence[Named], true: Sequence[Named], period: float) -
     if not any(true):
         return {}
     looked_at = right = errors = 0
-    since: dict[int, int] = {}
+    since: dict[Hashable, int] = {}
     recoveries: list[float] = []
     for i, (now, truth) in enumerate(zip(named, true, strict=True)):
         for contact, finger in now.items():

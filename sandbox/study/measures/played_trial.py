@@ -76,20 +76,24 @@ class PlayedTrial:
 
 
 def _palm(table: Columns) -> Values:
-    """Path, speed and smoothness of the commanded palm."""
-    places = table.numbers("q_position_x", "q_position_y", "q_position_z")
-    stays = stretches([phase == DOWN for phase in table.words("phase")])
-    down = np.concatenate([places[first : last + 1] for first, last in stays] or [places[:0]])
-    if len(down) < 2:
+    """Path, speed and smoothness of the commanded palms, over all hands."""
+    found: list[tuple[list[Array], list[Array]]] = []
+    for hand in table.hands:
+        places = table.numbers(*(f"{hand}q_position_{axis}" for axis in "xyz"))
+        stays = stretches([phase == DOWN for phase in table.words(f"{hand}phase")])
+        parts = [places[first : last + 1] for first, last in stays]
+        if sum(len(part) for part in parts) >= 2:
+            found.append((parts, [speeds(part, CONTROL_PERIOD) for part in parts]))
+    if not found:
         return {}
-    parts = [speeds(places[first : last + 1], CONTROL_PERIOD) for first, last in stays]
-    length = path_length(down)
-    longest = max(parts, key=len)
+    ways = [np.concatenate(parts) for parts, _ in found]
+    lengths = [path_length(way) for way in ways]
+    longest = max((part for _, speed in found for part in speed), key=len)
     moves = longest.sum() * CONTROL_PERIOD >= STILL
     return {
-        "palm_path_m": length,
-        "palm_efficiency": efficiency(straight(down), length),
-        "palm_peak_m_s": float(max(part.max(initial=0.0) for part in parts)),
+        "palm_path_m": sum(lengths),
+        "palm_efficiency": efficiency(sum(straight(way) for way in ways), sum(lengths)),
+        "palm_peak_m_s": float(max(part.max(initial=0.0) for _, speed in found for part in speed)),
         "palm_sparc": sparc(longest, CONTROL_PERIOD) if moves else None,
     }
 
@@ -187,9 +191,17 @@ def _labels(table: Columns, truth: str) -> Values:
 
 
 def _by_contact(table: Columns, kind: str) -> list[Named]:
-    """Fingers by contact, row by row."""
-    columns = [table.whole(f"{kind}_{finger}") for finger in FINGERS]
+    """Fingers by hand and contact, row by row."""
+    columns = [
+        (hand, finger, table.whole(f"{hand}{kind}_{name}"))
+        for hand in table.hands
+        for finger, name in enumerate(FINGERS)
+    ]
     return [
-        {contact: finger for finger, contact in enumerate(row) if contact is not None}
-        for row in zip(*columns, strict=True)
+        {
+            (hand, contact): finger
+            for hand, finger, contacts in columns
+            if (contact := contacts[row]) is not None
+        }
+        for row in range(len(table))
     ]

@@ -24,13 +24,17 @@ Array = NDArray[np.float64]
 PALM = "p"
 """Stands for the palm among the letters of digits."""
 
+LETTERS = (str.lower, str.upper)
+"""Make the letters of the first hand and of the second out of a letter."""
+
 
 @dataclass(frozen=True)
 class Pushes:
     """What pushes a thing at one moment.
 
     Attributes:
-        digits: First letters of the digits that push it, thumb first, `p` for the palm.
+        digits: First letters of the digits that push it, thumb first, `p` for the palm; capital
+            letters for a second hand.
         grip: N, sum of the normal forces of all hands on it.
         by: What else pushes it: the table, names of things.
         on: Which of those bear it: push up most of its weight.
@@ -71,10 +75,12 @@ class Touching:
         # MuJoCo's sensors stay where they are; its contacts do not.
         self._data, self._readings = data, data.sensordata
         self._scene = scene
-        letters = {}
-        for hand in scene.spec.hands:
+        letters, palms = {}, {}
+        for hand, letter_of in zip(scene.spec.hands, LETTERS, strict=False):
             for link in hand.links:
-                letters[model.body(link.body).id] = FINGERS[link.finger][0]
+                body = model.body(link.body).id
+                letters[body] = letter_of(FINGERS[link.finger][0])
+                palms[int(model.body_rootid[body])] = letter_of(PALM)
         things = {body: name for name, body in scene.object_bodies.items()}
         # Of every geom: a thing's name, a digit's letter or the table.
         self._thing: dict[int, str] = {}
@@ -87,8 +93,8 @@ class Touching:
                 self._thing[geom] = things[body]
             elif body in letters:
                 self._digit[geom] = letters[body]
-            elif int(model.geom_bodyid[geom]) > 0:
-                self._digit[geom] = PALM
+            elif (body := int(model.geom_bodyid[geom])) > 0:
+                self._digit[geom] = palms.get(int(model.body_rootid[body]), PALM)
         hands = [hand.name for hand in scene.spec.hands]
         self._hands = [
             int(model.sensor(touching_sensor(thing, hand)).adr[0])
@@ -149,7 +155,8 @@ class Touching:
                 by.append(other)
                 if sign * force[2] > SUPPORT * self._weight[name]:
                     on.append(other)
-        order = "".join(f[0] for f in FINGERS) + PALM
+        one = "".join(f[0] for f in FINGERS) + PALM
+        order = one + one.upper()
         return Pushes(
             "".join(sorted(digits, key=order.index)),
             sum(sorted(digits.values())),

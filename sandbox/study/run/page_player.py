@@ -77,14 +77,17 @@ class PagePlayer:
 
     def _show(self, session: Session, ask: Ask) -> None:
         server, scene = self._page.server, session.scene
-        surface = session.whole_surface
+        # The page is the first hand's, or that of both where they share its surface.
+        surface = session.first_rig.reconstructor.surface
         side = ask.settings.hands[0].side
         told = describe_scene(server.next_scene(), scene, session.task, surface, side, "")
         showing, name = self._showing, ask.settings.task
         goal = showing.goals.get(name, {}).get(self._language, told.goal)
         title = showing.names.get(name, {}).get(self._language, _words(told.task))
         told = msgspec.structs.replace(told, task=title, goal=goal)
-        server.show_scene(told, scene, self._page.device, [pack_skin(h) for h in scene.spec.hands])
+        apart = len(session.rigs) > 1 and not ask.settings.one_surface
+        skins = [pack_skin(hand) for hand in scene.spec.hands]
+        server.show_scene(told, scene, self._page.device, skins, 0 if apart else None)
         self._page.reveal()
 
     def _views(self, session: Session) -> list[View]:
@@ -162,7 +165,8 @@ def page_settings(page: StudyPage, settings: RunSettings, designed: bool) -> Run
     screen = page.server.screen
     assert screen is not None, "the page is open"
     if not designed:
-        return replace(settings, **rectangle(screen))
+        hands = len(settings.hands) if settings.one_surface else 1
+        return replace(settings, **rectangle(screen, hands))
     wanted = settings.surface_in
     if lacks_room(screen, wanted):
         raise StudyError(

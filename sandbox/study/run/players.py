@@ -118,9 +118,8 @@ class WindowPlayer:
             self._window = Window(session.scene, session.whole_surface, title=session.task.name,
                                   caption=self.caption,
                                   in_air=ask.settings.in_air)  # fmt: skip
-            device = session.rigs[0].device
-            self._window.attach(device)
-            live = LiveTrial(trial, news=device.news)
+            self._window.attach(*(rig.device for rig in session.rigs))
+            live = LiveTrial(trial, news=session.first_rig.device.news)
             live.start()
             try:
                 while not live.over and not attempt.broken:
@@ -201,7 +200,7 @@ class Attempt:
                 **(more or {}),
             }
         }
-        latency = session.rigs[0].device.latency
+        latency = session.first_rig.device.latency
         if latency is not None:
             told = latency.as_json()
             fields["latency"] = told
@@ -209,10 +208,12 @@ class Attempt:
             fields["measures"] |= {
                 f"latency_{p}_ms": waited.get(f"{p}_ms") for p in ("p50", "p95", "p99")
             }
-        truth = session.rigs[0].device.truth
-        if truth:
-            self.table.truth, self.table.truth_by = dict(truth), "simulated user"
-            fields |= {"fingers": sorted(truth.items()), "fingers_by": "simulated user"}
+        truths = [dict(rig.device.truth or {}) for rig in session.rigs]
+        if any(truths):
+            self.table.truths, self.table.truth_by = truths, "simulated user"
+            names = ("fingers", "second_fingers")
+            fields |= {k: sorted(t.items()) for k, t in zip(names, truths, strict=False)}
+            fields["fingers_by"] = "simulated user"
         if self.broken:
             session.scorer.abort(Status.INPUT_ENDED, self.broken)
             fields["broken_off"] = self.broken

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import cast
+from typing import Any, cast
 
 from models.errors import StudyError
 from models.surface import Surface
 from sandbox.devices.leap.leap import DEFAULT_ADDRESS
+from sandbox.devices.simulated.simulated import NEXT_PERSON
 from sandbox.devices.wrappers.spoiled import SpoiledDevice
-from sandbox.options.leap_devices import open_leap
+from sandbox.options.leap_devices import open_leap, over_one
 from sandbox.options.touch_devices import (
     TouchOptions,
     guesses_size,
@@ -19,16 +20,19 @@ from sandbox.options.touch_devices import (
     native_surface,
 )
 from sandbox.session.device import Device
+from sandbox.study.design.conditions import PARTNER
 from sandbox.study.design.plan import TrialStep
 from sandbox.study.record.folder import Participant
+from sandbox.study.run.forms import Ready
 from sandbox.study.run.page_player import page_device, page_settings
-from sandbox.study.run.runner import OpenDevices
-from sandbox.study.run.simulate import simulated_devices
+from sandbox.study.run.runner import Fit, OpenDevices
+from sandbox.study.run.simulate import simulated_devices, simulated_hand
 from sandbox.study.run.study_page import StudyPage
-from sandbox.trial.device_makers import DeviceMakers
+from sandbox.trial.device_makers import DeviceMaker, DeviceMakers, sharing
 from sandbox.trial.lift import with_lift
 from sandbox.trial.settings import RunSettings
 from tasks.task import Task
+from tasks.user import UserConfiguration
 
 SLACK = 0.02
 """Share by which a design's surface may differ from the touch screen's own."""
@@ -39,6 +43,7 @@ def person_devices(
     person: Participant,
     page: StudyPage | None = None,
     leap: str = DEFAULT_ADDRESS,
+    second: TouchOptions | None = None,
 ) -> OpenDevices:
     """How the devices of every trial are opened.
 
@@ -47,15 +52,21 @@ def person_devices(
         person: Who touches, or moves a hand over a Leap in trials whose design says so.
         page: Of `web`.
         leap: Address of the Leap service.
+        second: Device of a second hand, none of `web`; None where no trial needs one.
     """
-    name = options.device
-    if name == "simulated":
+    if options.device == "simulated":
         return simulated_devices(person)
 
-    def of_trial(trial: TrialStep, settings: RunSettings) -> DeviceMakers:
+    def opens(
+        asked: TouchOptions, trial: TrialStep, settings: RunSettings, hand: int
+    ) -> DeviceMaker:
+        name = asked.device
+        if name == PARTNER:
+            return simulated_hand(UserConfiguration(), settings, hand, trial.seed)
+
         def make(task: Task, surface: Surface) -> Device:
             device: Device
-            if settings.in_air:
+            if settings.hands[hand].in_air is not None:
                 # What the design says counts: this trial is played over a Leap, and begins with the
                 # scene, not with a touch of the page.
                 if page is not None:
@@ -66,48 +77,96 @@ def person_devices(
             elif name == "mouse":
                 from sandbox.devices.mouse import MouseDevice
 
-                device = MouseDevice(surface, settings.hands[0].person)
+                device = MouseDevice(surface, settings.hands[hand].person)
             else:
-                maker = live_maker(options)
+                maker = live_maker(asked)
                 assert maker is not None, name
                 device = maker(surface)
             if settings.variation.spoils:
-                return SpoiledDevice(device, settings.variation, surface, trial.seed)
+                noise = trial.seed + hand * NEXT_PERSON
+                return SpoiledDevice(device, settings.variation, surface, noise)
             return device
 
-        return with_lift((make,), keys=name == "mouse")
+        return make
+
+    def of_trial(trial: TrialStep, settings: RunSettings) -> DeviceMakers:
+        first = opens(options, trial, settings, 0)
+        # The keys of the window lift every hand whose device has no lift control.
+        keys = "mouse" in (options.device, second.device if second else "")
+        if len(settings.hands) == 1:
+            return with_lift((first,), keys)
+        if settings.one_surface:
+            return with_lift(sharing(first, settings), keys)
+        if trial.values.get("second_device") == PARTNER:
+            asked = TouchOptions(device=PARTNER)
+        elif settings.in_air:
+            return over_one(None, first, settings)
+        elif second is not None or settings.hands[1].in_air is not None:
+            asked = second or options
+        else:
+            raise StudyError("the trial is for two hands, and there is a device for one",
+                             where=settings.task, remedy="Use --second-device")  # fmt: skip
+        return with_lift((first, opens(asked, trial, settings, 1)), keys)
 
     return of_trial
 
 
-def fitting(
-    name: str, page: StudyPage | None = None
-) -> Callable[[TrialStep, RunSettings, Callable[[], None]], RunSettings]:
+def needs_second_device(values: Mapping[str, Any], settings: RunSettings) -> bool:
+    """Whether a trial needs a touch device beside that of the first hand.
+
+    Args:
+        values: Of the trial, by the names of settings in designs.
+        settings: What they mean.
+    """
+    if len(settings.hands) == 1 or settings.one_surface:
+        return False
+    return values.get("second_device") != PARTNER and settings.hands[1].in_air is None
+
+
+def fitting(name: str, page: StudyPage | None = None, second: str = "") -> Fit:
     """How a trial's settings are fitted to what the participant touches.
 
     What is returned may wait for the page, and raises a StudyError where the design's surface is
-    not the device's.
+    not the device's, or the surfaces of two hands are not of one size.
+
+    Args:
+        name: The first hand's touch device.
+        page: Of `web`.
+        second: The second hand's touch device; empty where there is none.
     """
 
-    def fit(trial: TrialStep, settings: RunSettings, ready: Callable[[], None]) -> RunSettings:
+    def fit(trial: TrialStep, settings: RunSettings, ready: Ready) -> RunSettings:
+        fitted = fit_first(trial, settings, ready)
+        if needs_second_device(trial.values, settings):
+            check_size(second, fitted, "the second hand's surface is of another size")
+        return fitted
+
+    def check_size(device: str, settings: RunSettings, what: str) -> None:
+        native = native_surface(device) if is_evdev(device) else None
+        own = (native.width_in, native.height_in) if native else settings.surface_in
+        pairs = zip(own, settings.surface_in, strict=True)
+        if any(abs(a / b - 1.0) > SLACK for a, b in pairs):
+            raise StudyError(
+                what,
+                where="surface",
+                got=f"{own[0]:.2f} x {own[1]:.2f} in",
+                expected="{:g} x {:g} in".format(*settings.surface_in),
+                remedy="Write the device's own size into the design, or leave it out",
+            )
+
+    def fit_first(trial: TrialStep, settings: RunSettings, ready: Ready) -> RunSettings:
         designed = "surface" in trial.values
-        if settings.in_air:
+        if settings.hands[0].in_air is not None:
             return settings
         if page is not None and name == "web":
             page.await_somebody(ready)
             return page_settings(page, settings, designed)
         if is_evdev(name) and (native := native_surface(name)) is not None:
-            own = native.width_in, native.height_in
-            pairs = zip(own, settings.surface_in, strict=True)
-            if designed and any(abs(a / b - 1.0) > SLACK for a, b in pairs):
-                raise StudyError(
-                    "the touch device is not as large as the design's surface",
-                    where="surface",
-                    got=f"{own[0]:.2f} x {own[1]:.2f} in",
-                    expected="{:g} x {:g} in".format(*settings.surface_in),
-                    remedy="Write the device's own size into the design, or leave it out",
+            if designed:
+                check_size(
+                    name, settings, "the touch device is not as large as the design's surface"
                 )
-            return replace(settings, surface_in=own)
+            return replace(settings, surface_in=(native.width_in, native.height_in))
         if guesses_size(name):
             # Nobody tells sizes: without the design's, inches are a guess, and recordings say so.
             return settings if designed else replace(settings, surface_calibrated=False)

@@ -10,7 +10,7 @@ from hashlib import blake2b
 from typing import Any
 
 from models.errors import InputError, StudyError
-from sandbox.study.design.conditions import run_settings
+from sandbox.study.design.conditions import PARTNER, run_settings
 from sandbox.study.design.plan import (
     BreakStep,
     CalibrationStep,
@@ -31,6 +31,7 @@ from sandbox.study.tables.tables import StudyTables, rebuild_session
 from sandbox.trial.device_makers import DeviceMakers
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import RunSettings
+from tasks.user import UserConfiguration
 
 OpenDevices = Callable[[TrialStep, RunSettings], DeviceMakers]
 """How the devices of a trial are opened, one for every hand."""
@@ -67,6 +68,7 @@ class SessionRunner:
         fit: See `Fit`.
         calibrate: See `Calibrate`.
         tables: Tables of the study, where they have been read before; None reads all journals.
+        second_device: Name of the second hand's device, for recordings of trials with two hands.
     """
 
     session: SessionFolder
@@ -79,6 +81,7 @@ class SessionRunner:
     fit: Fit = lambda trial, settings, ready: settings
     calibrate: Calibrate = lambda ready: None
     tables: StudyTables | None = None
+    second_device: str = "simulated"
 
     def __post_init__(self) -> None:
         self._left = self._why = ""
@@ -182,6 +185,7 @@ class SessionRunner:
         about = {
             "device": self.device,
             **({"user": person.user} if person.user is not None else {}),
+            **({"second": self._second(trial)} if len(settings.hands) > 1 else {}),
             "study": {"experiment": session.study.design.name, "mode": session.study.mode,
                       "ppid": person.ppid, "session": session.number, "trial": trial.number,
                       "attempt": start["attempt"], "practice": trial.practice,
@@ -199,6 +203,15 @@ class SessionRunner:
             self._broken(trial, "interrupted")
             raise
         self._commit(trial, played)
+
+    def _second(self, trial: TrialStep) -> dict[str, Any]:
+        """The second hand's device and simulated user, for the recording."""
+        user = self.session.person.user
+        if user is not None:
+            return {"device": PARTNER, "user": user}
+        if PARTNER in (trial.values.get("second_device"), self.second_device):
+            return {"device": PARTNER, "user": UserConfiguration().as_json()}
+        return {"device": self.second_device}
 
     def _commit(self, trial: TrialStep, played: Played) -> None:
         session = self.session

@@ -23,7 +23,7 @@ from models.scene import CONTROL_PERIOD
 from models.skeleton import ADULT
 from sandbox.recording.versions import versions
 from sandbox.study.design.design import Design
-from sandbox.study.measures.columns import Columns
+from sandbox.study.measures.columns import SECOND, Columns
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.kept_sessions import KeptSession, all_sessions, planned_trials
 from sandbox.study.share.export_folder import new_folder
@@ -135,12 +135,16 @@ def _run(session: Path, folder: Path, stem: str, row: Row) -> None:
 
 def motion(frames: Columns) -> tuple[list[Channel], Array]:
     """Channels of a trial, and their (frames, channels) values: m, and 1 for quaternions."""
-    channels = [Channel(f"hand_pos_{a}", a, "POS", "hand", "m", "world") for a in "xyz"]
-    parts = [frames.numbers(*(f"q_position_{a}" for a in "xyz"))]
-    for bone in ("rotation", *(b.name for b in ADULT.bones)):
-        point, frame = ("hand", "world") if bone == "rotation" else (bone, "parent")
-        channels += _orientation(point, frame)
-        parts.append(quaternion_exp(frames.numbers(*(f"q_{bone}_{a}" for a in "xyz"))))
+    channels: list[Channel] = []
+    parts: list[Array] = []
+    for hand in frames.hands:
+        root = "hand2" if hand else "hand"
+        channels += [Channel(f"{root}_pos_{a}", a, "POS", root, "m", "world") for a in "xyz"]
+        parts.append(frames.numbers(*(f"{hand}q_position_{a}" for a in "xyz")))
+        for bone in ("rotation", *(b.name for b in ADULT.bones)):
+            point, frame = (root, "world") if bone == "rotation" else (hand + bone, "parent")
+            channels += _orientation(point, frame)
+            parts.append(quaternion_exp(frames.numbers(*(f"{hand}q_{bone}_{a}" for a in "xyz"))))
     for name in _things(frames):
         channels += [Channel(f"{name}_pos_{a}", a, "POS", name, "m", "world") for a in "xyz"]
         channels += _orientation(name, "world")
@@ -153,9 +157,12 @@ def touch_events(touches: Columns, start: float) -> list[Row]:
     """One event for every contact, from its first to its last moment; its last name counts."""
     times = touches.numbers("time_s")[:, 0]
     events: dict[str, Row] = {}
-    for i, (contact, finger) in enumerate(
-        zip(touches.words("contact"), touches.words("finger"), strict=True)
-    ):
+    contacts = touches.words("contact")
+    if "hand" in touches:
+        # Devices of two hands count their contacts each for itself.
+        hands = touches.words("hand")
+        contacts = [c if h == "1" else SECOND + c for c, h in zip(contacts, hands, strict=True)]
+    for i, (contact, finger) in enumerate(zip(contacts, touches.words("finger"), strict=True)):
         onset = events.setdefault(contact, {"onset": times[i] - start, "trial_type": "touch"})
         onset |= {"duration": times[i] - start - onset["onset"], "contact": contact,
                   "finger": finger or onset.get("finger")}  # fmt: skip

@@ -35,11 +35,16 @@ FRAMES = (
                 "touch", WHOLE),
     FrameColumn("true_*", "", "id of the contact that truly is this finger, where a simulated "
                 "user or a device tells it", WHOLE),
+    FrameColumn("hand2_phase", "", "phase of the second hand, in trials with two", WORDS),
+    FrameColumn("hand2_solid", "", "as solid, of the second hand", WORDS),
+    FrameColumn("hand2_q_*", "m, rad", "as q_*, of the second hand", POSE_NUMBER),
+    FrameColumn("hand2_touch_*", "", "as touch_*, of the second hand", WHOLE),
+    FrameColumn("hand2_true_*", "", "as true_*, of the second hand", WHOLE),
     FrameColumn("OBJECT_*", "m, 1", "position of an object, and its rotation as a quaternion "
                 "w x y z", POSE_NUMBER),
     FrameColumn("OBJECT_digits", "", "digits that push the object, as letters t i m r l, and p "
-                "for the palm; unknown where grip_N is empty", WORDS),
-    FrameColumn("OBJECT_grip_N", "N", "sum of the hand's normal forces on the object", NUMBER),
+                "for the palm, capitals for a second hand; unknown where grip_N is empty", WORDS),
+    FrameColumn("OBJECT_grip_N", "N", "sum of all hands' normal forces on the object", NUMBER),
     FrameColumn("OBJECT_by", "", "what else pushes the object: table, names of objects", WORDS),
     FrameColumn("OBJECT_on", "", "which of those bear the object: push up 60 percent of its "
                 "weight or more", WORDS),
@@ -54,6 +59,7 @@ TOUCHES = (
            "person, z up"),
     Column("finger", "", "thumb, index, middle, ring, little; empty while it has no label"),
     Column("state", "", "active; lost: kept for a moment after it ended; ignored"),
+    Column("hand", "", "1, or 2 for the second hand; only in trials with two"),
 )  # fmt: skip
 
 

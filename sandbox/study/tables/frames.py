@@ -20,7 +20,7 @@ from models.pose import POSE_SIZE
 from models.rotations import matrix_to_quaternion
 from models.skeleton import ADULT
 from sandbox.recording.recording import load_recording
-from sandbox.study.measures.columns import Columns
+from sandbox.study.measures.columns import SECOND, Columns
 from sandbox.study.measures.compute import VERSION, measure_result, measure_trial
 from sandbox.study.measures.registry import measures
 from sandbox.study.measures.touching import Contacts, Pushes, Touching
@@ -50,23 +50,23 @@ class FrameTable:
     """A view that keeps what the tables tell of every snapshot.
 
     Attributes:
-        truth: Which finger every contact truly was, where somebody knows: finger by contact.
+        truths: True finger by contact, hand by hand, where somebody knows.
         truth_by: Who knows; empty where nobody does.
     """
 
     def __init__(self) -> None:
         self._snapshots: list[Snapshot] = []
         self._contacts: list[Contacts] = []
-        self._heard: list[Frame] = []
+        self._heard: list[list[Frame]] = []
         self._session: Session | None = None
         self._touching: Touching | None = None
-        self.truth: dict[int, int] = {}
+        self.truths: list[dict[int, int]] = []
         self.truth_by = ""
 
     @property
     def first_contact(self) -> float | None:
         """s, when something first touched; None if nothing did."""
-        return next((s.time for s in self._snapshots if s.hands[0].contacts), None)
+        return next((s.time for s in self._snapshots if any(h.contacts for h in s.hands)), None)
 
     def watch(self, session: Session) -> None:
         """Says which session the snapshots come from; who pushes what is read there."""
@@ -78,7 +78,7 @@ class FrameTable:
         # It is taken apart after the trial: the session's loop has better things to do.
         self._snapshots.append(snapshot)
         if self._session is not None and self._touching is not None:
-            self._heard.append(self._session.heard(0))
+            self._heard.append([self._session.heard(k) for k in range(len(snapshot.hands))])
             self._contacts.append(self._touching.copy())
 
     def forget_contacts(self) -> None:
@@ -99,8 +99,8 @@ class FrameTable:
         Raises:
             StudyError: One cannot be written.
         """
-        if not self.truth:
-            self._believe_the_device()
+        if not any(self.truths):
+            self._believe_the_devices()
         frames = self._frames()
         if find_spec("pyarrow"):
             write_atomically(folder / f"frames_{stem}.parquet", _parquet(frames), durable=False)
@@ -116,33 +116,30 @@ class FrameTable:
             write_atomically(folder / name, table.csv(), durable=False)
         return notices
 
-    def _believe_the_device(self) -> None:
-        """Takes what a device says of its touches for true, where nobody knows better."""
-        told = {
-            contact.id: contact.label
-            for frame in self._heard
-            for contact in (frame.contacts if isinstance(frame, TouchFrame) else ())
-            if contact.label is not None
-        }
-        if told:
-            self.truth, self.truth_by = told, "device"
+    def _believe_the_devices(self) -> None:
+        """Takes what devices say of their touches for true, where nobody knows better."""
+        told = [
+            {
+                contact.id: contact.label
+                for frame in frames
+                for contact in (frame.contacts if isinstance(frame, TouchFrame) else ())
+                if contact.label is not None
+            }
+            for frames in zip(*self._heard, strict=True)
+        ]
+        if any(told):
+            self.truths, self.truth_by = told, "device"
 
     def _frames(self) -> dict[str, Any]:
         """Columns by name, a row for every snapshot."""
         shots = self._snapshots
-        hands = [s.hands[0] for s in shots]
-        poses = np.array([hand.target for hand in hands]).reshape(-1, POSE_SIZE)
-        named = [{c.label: c.id for c in hand.contacts} for hand in hands]
-        true = [{self.truth.get(c.id): c.id for c in hand.contacts} for hand in hands]
         columns: dict[str, Any] = {
             "time_s": [s.time for s in shots],
             "step": [s.step for s in shots],
-            "phase": [hand.phase for hand in hands],
-            "solid": ["".join(FINGERS[f][0] for f in sorted(hand.solid)) for hand in hands],
-            **{f"touch_{name}": [ids.get(i) for ids in named] for i, name in enumerate(FINGERS)},
-            **{f"true_{name}": [ids.get(i) for ids in true] for i, name in enumerate(FINGERS)},
-            **{name: poses[:, i] for i, name in enumerate(POSE_COLUMNS)},
+            **self._hand(0, ""),
         }
+        if shots and len(shots[0].hands) > 1:
+            columns |= self._hand(1, SECOND)
         for name in shots[0].objects if shots else ():
             views = [s.objects[name] for s in shots]
             places = np.array([view.position for view in views])
@@ -150,6 +147,22 @@ class FrameTable:
             columns |= {f"{name}_{part}": places[:, i] for i, part in enumerate("xyz")}
             columns |= {f"{name}_q{part}": turns[:, i] for i, part in enumerate("wxyz")}
         return columns | self._pushes() | self._goals()
+
+    def _hand(self, hand: int, prefix: str) -> dict[str, Any]:
+        """Columns of one hand."""
+        views = [s.hands[hand] for s in self._snapshots]
+        truth = self.truths[hand] if hand < len(self.truths) else {}
+        poses = np.array([view.target for view in views]).reshape(-1, POSE_SIZE)
+        named = [{c.label: c.id for c in view.contacts} for view in views]
+        true = [{truth.get(c.id): c.id for c in view.contacts} for view in views]
+        columns = {
+            "phase": [view.phase for view in views],
+            "solid": ["".join(FINGERS[f][0] for f in sorted(view.solid)) for view in views],
+            **{f"touch_{name}": [ids.get(i) for ids in named] for i, name in enumerate(FINGERS)},
+            **{f"true_{name}": [ids.get(i) for ids in true] for i, name in enumerate(FINGERS)},
+            **{name: poses[:, i] for i, name in enumerate(POSE_COLUMNS)},
+        }
+        return {prefix + name: values for name, values in columns.items()}
 
     def _pushes(self) -> dict[str, Any]:
         """Who pushes each thing; empty cells where that is not known."""
@@ -198,10 +211,13 @@ class FrameTable:
         """Columns by name, a row for every contact of every snapshot."""
         rows = [
             (s.time, c.id, *map(float, c.position),
-             "" if c.label is None else FINGERS[c.label], c.state)
-            for s in self._snapshots for c in s.hands[0].contacts
+             "" if c.label is None else FINGERS[c.label], c.state, number)
+            for s in self._snapshots for number, hand in enumerate(s.hands, start=1)
+            for c in hand.contacts
         ]  # fmt: skip
-        names = ("time_s", "contact", "x", "y", "z", "finger", "state")
+        names = ["time_s", "contact", "x", "y", "z", "finger", "state"]
+        if self._snapshots and len(self._snapshots[0].hands) > 1:
+            names.append("hand")
         return {name: [row[i] for row in rows] for i, name in enumerate(names)}
 
 
@@ -321,7 +337,7 @@ def rebuild(recording: Path, folder: Path) -> list[str]:
         table.forget_contacts()
     result = TrialResult.from_json(loaded.end["result"], str(recording)) if loaded.end else None
     if result is not None:
-        table.truth = dict(result.fingers or ())
+        table.truths = [dict(result.fingers or ()), dict(result.second_fingers or ())]
         table.truth_by = result.fingers_by or ""
     return table.write(folder, recording.stem, result)
 

@@ -147,9 +147,10 @@ class Window(Closing):
         if before is not None:
             self._renderer.shadows = before.shadows
 
-    def attach(self, device: AnyDevice) -> None:
-        """Lets mouse and keys drive a device, as far as it is one that they can drive."""
-        self._lift, self._mouse = device.find(LiftKeys), device.find(MouseDevice)
+    def attach(self, *devices: AnyDevice) -> None:
+        """Lets mouse and keys drive the first of the devices that they can drive."""
+        self._lift = next(filter(None, (device.find(LiftKeys) for device in devices)), None)
+        self._mouse = next(filter(None, (device.find(MouseDevice) for device in devices)), None)
         self._touched = self._mouse.surface if self._mouse else self._surface
 
     def pump(self, snapshot: Snapshot | None) -> bool:

@@ -1,0 +1,207 @@
+"""Studies with trials for two hands: simulated, with two devices, and what is refused."""
+
+from __future__ import annotations
+
+import csv
+import gzip
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from models.errors import InputError, StudyError
+from sandbox.cli.main import main
+from sandbox.cli.study.run_options import RunOptions, check_second
+from sandbox.options.touch_devices import TouchOptions
+from sandbox.recording.recording import load_recording
+from sandbox.study.design.conditions import run_settings
+from sandbox.study.design.plan import TrialStep, in_the_air
+from sandbox.study.design.reading import DesignError
+from sandbox.study.measures.columns import SECOND, Columns
+from sandbox.study.measures.handling import grasps
+from sandbox.study.record.folder import Participant, StudyFolder
+from sandbox.study.record.session_folder import SessionFolder
+from sandbox.study.run.controls import Controls
+from sandbox.study.run.forms import SimulatedForms
+from sandbox.study.run.players import HeadlessPlayer
+from sandbox.study.run.run_device import fitting, needs_second_device, person_devices
+from sandbox.study.run.runner import Outcome, SessionRunner
+from sandbox.study.run.simulate import run_simulated
+from sandbox.study.share.bids import motion, touch_events
+from sandbox.study.tables.frames import rebuild
+from sandbox.study.tables.tables import rebuild_study
+from sandbox.trial.settings import HandSettings, RunSettings
+from tests.support.study_files import design, open_study
+
+TASK = "carry-together"
+PAIRS = f"""
+name = "pairs"
+seed = 3
+participants = 1
+[settings]
+task = "{TASK}"
+encoder = "linear"
+[[factors]]
+name = "contact"
+order = "blocked"
+levels = ["hard"]
+[trials]
+time_limit_s = 4.0
+"""
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
+    """A study of one simulated participant with one trial, broken off after 4 s."""
+    found = open_study(tmp_path_factory.mktemp("pairs"), PAIRS)
+    assert run_simulated(found, 0, lambda text: None) is Outcome.COMPLETE
+    rebuild_study(found)
+    return found
+
+
+@pytest.fixture(scope="module")
+def session(study: StudyFolder) -> Path:
+    return next(study.path.glob("*/S001"))
+
+
+def table(session: Path, name: str) -> Columns:
+    return Columns.read((session / "trackers" / name).read_bytes())
+
+
+def test_a_simulated_trial_for_two_hands_has_tables_of_both_and_replays(
+    study: StudyFolder, session: Path
+) -> None:
+    frames, touches = (table(session, f"{kind}_T001.csv.gz") for kind in ("frames", "touches"))
+    assert frames.hands == ("", SECOND)
+    for hand in frames.hands:
+        assert any(frames.words(f"{hand}touch_index")) and any(frames.words(f"{hand}true_thumb"))
+    assert set(touches.words("hand")) == {"1", "2"}
+    (row,) = csv.DictReader((study.path / "trial_results.csv").open())
+    assert row["status"] == "timeout" and float(row["label_accuracy"]) > 0.9
+    assert float(row["palm_path_m"]) > 0.05
+    assert main(["replay", str(study.path), "--verify"]) == 0
+    assert main(["study", "report", str(study.path)]) == 0
+
+
+def test_the_recording_tells_both_hands_and_their_users(session: Path) -> None:
+    recording = load_recording(session / "trials" / "T001.jsonl")
+    settings = RunSettings.from_json(recording.header["settings"])
+    assert [hand.side for hand in settings.hands] in (["right", "left"], ["left", "right"])
+    assert len({hand.size for hand in settings.hands}) == 1
+    assert recording.header["second"]["user"] == recording.header["user"]
+    assert recording.end is not None and recording.end["result"]["second_fingers"]
+
+
+def test_tables_made_again_from_the_recording_are_the_same(session: Path, tmp_path: Path) -> None:
+    rebuild(session / "trials" / "T001.jsonl", tmp_path)
+    for kind in ("frames", "touches"):
+        name = f"{kind}_T001.csv.gz"
+        again = gzip.decompress((tmp_path / name).read_bytes())
+        assert again == gzip.decompress((session / "trackers" / name).read_bytes())
+    name = "measures_T001.json"
+    assert (tmp_path / name).read_bytes() == (session / "trackers" / name).read_bytes()
+
+
+def test_motion_bids_has_the_joints_and_touches_of_both_hands(session: Path) -> None:
+    channels, data = motion(table(session, "frames_T001.csv.gz"))
+    points = {channel.tracked_point for channel in channels}
+    assert {"hand", "hand2"} < points and data.shape[1] == len(channels)
+    assert len({channel.name for channel in channels}) == len(channels)
+    events = touch_events(table(session, "touches_T001.csv.gz"), 0.0)
+    second = [event for event in events if str(event["contact"]).startswith(SECOND)]
+    assert 0 < len(second) < len(events)
+
+
+def test_a_pilot_is_run_with_a_device_for_each_hand(tmp_path: Path) -> None:
+    text = PAIRS.replace("time_limit_s = 4.0", "time_limit_s = 0.5")
+    study = open_study(tmp_path, text)
+    person = study.add(hand="left", hand_size=1.1, language="en")
+    touch, second = (TouchOptions(device=device) for device in ("mouse", "simulated"))
+    with SessionFolder(study, person, 1) as session:
+        outcome = SessionRunner(
+            session, HeadlessPlayer(), person_devices(touch, person, second=second),
+            SimulatedForms(1), Controls(), lambda text: None, "mouse",
+            fitting("mouse", second="simulated"), second_device="simulated",
+        ).run()  # fmt: skip
+    assert outcome is Outcome.COMPLETE
+    recording = load_recording(next(study.path.glob("*/S001/trials/*.jsonl*")))
+    settings = RunSettings.from_json(recording.header["settings"])
+    assert settings.hands == (HandSettings("left", 1.1), HandSettings("right", 1.1))
+    assert recording.header["device"] == "mouse"
+    assert recording.header["second"]["device"] == "simulated"
+    assert recording.header["second"]["user"]["kind"] == "skilled"
+    assert {entry.step for entry in recording.inputs[1]}
+
+
+def step(**values: Any) -> tuple[TrialStep, RunSettings]:
+    """A trial of the task for two hands, and its settings."""
+    given = {"task": TASK, **values}
+    return TrialStep("trial:1", 1, 1, 1, 1, False, {}, given, 3), run_settings(given, 3, "left")
+
+
+@pytest.mark.parametrize(
+    ("values", "needed"),
+    [
+        ({}, True),
+        ({"second_device": "touch"}, True),
+        ({"second_device": "simulated"}, False),
+        ({"one_surface": True, "surface": "15.5x5.8in"}, False),
+        ({"device": "leap"}, False),
+        ({"device": "leap", "second_device": "touch"}, True),
+        ({"second_device": "leap"}, False),
+        ({"task": "box-to-goal"}, False),
+    ],
+)
+def test_a_design_decides_whether_a_second_touch_device_is_needed(
+    values: dict[str, Any], needed: bool
+) -> None:
+    trial, settings = step(**values)
+    assert needs_second_device(trial.values, settings) is needed
+    devices = person_devices(TouchOptions(device="mouse"), Participant("TEST", 1, "left", 1.0))
+    if needed:
+        with pytest.raises(StudyError, match="two hands"):
+            devices(trial, settings)
+    else:
+        assert len(devices(trial, settings)) == len(settings.hands)
+
+
+def test_a_second_hand_over_a_leap_is_a_hand_in_the_air_for_privacy() -> None:
+    trial, settings = step(second_device="leap")
+    assert in_the_air(trial.values)
+    assert [hand.in_air is None for hand in settings.hands] == [True, False]
+
+
+@pytest.mark.parametrize(
+    ("options", "what"),
+    [
+        ({}, "a device for one"),
+        ({"second_device": "web"}, "cannot be a second hand's"),
+        ({"second_device": "mouse"}, "cannot be both hands'"),
+    ],
+)
+def test_a_session_without_a_fitting_second_device_is_refused_before_it_begins(
+    options: dict[str, str], what: str
+) -> None:
+    asked = RunOptions(Path("design.toml"), **options)
+    with pytest.raises(InputError, match=what):
+        check_second(asked, design(PAIRS))
+    check_second(replace(asked, second_device="simulated"), design(PAIRS))
+    check_second(replace(asked, device="simulated", second_device=None), design(PAIRS))
+
+
+def test_a_second_device_that_no_trial_needs_is_refused() -> None:
+    one = PAIRS.replace(TASK, "box-to-goal")
+    with pytest.raises(InputError, match="no trial of the design"):
+        check_second(RunOptions(Path("design.toml"), second_device="simulated"), design(one))
+
+
+def test_a_design_whose_task_has_no_room_on_one_surface_is_refused() -> None:
+    with pytest.raises(DesignError, match="too small"):
+        design(PAIRS.replace("[settings]", "[settings]\none_surface = true"))
+
+
+def test_two_digits_grasp_only_where_they_are_of_one_hand() -> None:
+    assert [grasps([digits], [(0, 0)]) for digits in ("ti", "tT", "tTI", "tpP", "TM")] == [
+        1, 0, 1, 0, 1,
+    ]  # fmt: skip
