@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-Named = Mapping[Hashable, int]
+Named = Mapping[Any, int]
 """Fingers (thumb 0 .. little 4) by contact; by hand and contact where there may be two hands."""
 
 
 def label_switches(named: Sequence[Named]) -> int:
     """How often a contact that had a finger got another one, at once or after having had none."""
-    last: dict[Hashable, int] = {}
+    last: dict[Any, int] = {}
     switches = 0
     for now in named:
         switches += sum(last.get(contact, finger) != finger for contact, finger in now.items())
@@ -38,7 +38,7 @@ def label_errors(named: Sequence[Named], true: Sequence[Named], period: float) -
     if not any(true):
         return {}
     looked_at = right = errors = 0
-    since: dict[Hashable, int] = {}
+    since: dict[Any, int] = {}
     recoveries: list[float] = []
     for i, (now, truth) in enumerate(zip(named, true, strict=True)):
         for contact, finger in now.items():

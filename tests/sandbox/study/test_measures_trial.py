@@ -201,7 +201,7 @@ def played(task: str, seed: int, look: Callable[[Session], object]) -> tuple[Ses
         frames.show(snapshot)
         look(session)
         user.show(snapshot)
-    frames.truth = dict(user.truth)
+    frames.truths = [dict(user.truth)]
     return session, frames
 
 

@@ -310,8 +310,8 @@ def test_a_slip_in_a_pseudonym_is_seen(place: int, sign: str) -> None:
 @pytest.mark.parametrize(("sound", "wrong", "told"), [
     ("seed = 5", "seed = 5\nsessions = 0", "Write a whole number from 1 to 99"),
     ("seed = 5", 'seed = 5\nlanguages = ["en", "de"]\n[consent]\ntext = "?"', "one text, and the"),
-    ("[[factors]]", '[settings]\nsurface = "14x5.5in"\ntask = "carry-together"\n[[factors]]',
-     "this task needs two"),
+    ("[[factors]]", '[settings]\none_surface = true\ntask = "carry-together"\n[[factors]]',
+     "too small for this task"),
 ])  # fmt: skip
 def test_what_a_study_cannot_be_is_said_before_anybody_comes(
     sound: str, wrong: str, told: str

@@ -181,7 +181,7 @@ def test_a_second_hand_over_a_leap_is_a_hand_in_the_air_for_privacy() -> None:
     ],
 )
 def test_a_session_without_a_fitting_second_device_is_refused_before_it_begins(
-    options: dict[str, str], what: str
+    options: dict[str, Any], what: str
 ) -> None:
     asked = RunOptions(Path("design.toml"), **options)
     with pytest.raises(InputError, match=what):
