@@ -1,0 +1,88 @@
+"""Checks that judged trials still end in the states in which they once ended.
+
+    python -m benchmarks.same_states                 # ten judged seeds of every task
+    python -m benchmarks.same_states --seeds 600     # all that judged_states.json holds
+    python -m benchmarks.same_states --air 6         # also hands in the air, six seeds of each
+
+`judged_states.json` was made at the commit that it names, with the fingerprint that it names. With
+another fingerprint (MuJoCo, libm or architecture) states may differ, and the command says so.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+from concurrent.futures import ProcessPoolExecutor
+from itertools import chain
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import track
+
+from benchmarks.in_air import Depth
+from benchmarks.in_air import play as play_in_air
+from benchmarks.judged import judged_seeds
+from benchmarks.judged_air import air_seeds
+from benchmarks.success import trial
+from sandbox.devices.simulated.leap_trouble import LeapTrouble
+from sandbox.recording.versions import versions
+
+STATES = Path(__file__).with_name("judged_states.json")
+"""Commit, fingerprint, and 12 digits of each trial's state hash, by task (and dialect)."""
+
+Job = tuple[str, int, str]
+"""Task, or task and dialect of a Leap; seed; digits of the hash that is expected."""
+
+
+def touch_job(job: Job) -> bool:
+    """True where a trial of the simulated user on a tablet ends in the expected state."""
+    task, seed, expected = job
+    return bool(trial((task, "best", 3, seed))["state_hash"].startswith(expected))
+
+
+def air_job(job: Job) -> bool:
+    """True where a trial of the simulated user in the air ends in the expected state."""
+    task, dialect = job[0].split()
+    result, _ = play_in_air(task, job[1], dialect, "skilled", 1.0, Depth(), LeapTrouble())
+    return result.state_hash.startswith(job[2])
+
+
+def main() -> int:
+    """Runs the trials; exit status 1 where one ends in another state."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--seeds", type=int, default=10, help="the first N judged seeds")
+    parser.add_argument("--air", type=int, default=0, help="the first N judged seeds in the air")
+    parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
+    options = parser.parse_args()
+    known = json.loads(STATES.read_text())
+    here = versions()["fingerprint"]
+    if here != known["fingerprint"]:
+        print(f"made with fingerprint {known['fingerprint']}, this machine has {here}: "
+              "states may differ", file=sys.stderr)  # fmt: skip
+    touch: list[Job] = [
+        (task, seed, expected)
+        for task, states in known["touch"].items()
+        for seed, expected in zip(judged_seeds(options.seeds, task), states, strict=False)
+    ]
+    air: list[Job] = [
+        (key, seed, expected)
+        for key, states in known["air"].items()
+        for seed, expected in zip(air_seeds(options.air, key.split()[0]), states, strict=False)
+    ]
+    os.environ["OMP_NUM_THREADS"] = "1"
+    with ProcessPoolExecutor(options.workers) as pool:
+        results = chain(pool.map(touch_job, touch), pool.map(air_job, air))
+        same = list(track(results, console=Console(stderr=True), total=len(touch) + len(air)))
+    for (key, seed, _), equal in zip([*touch, *air], same, strict=True):
+        if not equal:
+            print(f"{key}, seed {seed}: another state")
+    print(f"{sum(same)} of {len(same)} trials end in the states of commit {known['commit']}")
+    return int(not all(same))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
