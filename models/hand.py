@@ -118,10 +118,10 @@ class Hand:
 
     def _link(self, bone: Bone, last: bool) -> Link:
         name = self.element_name(bone.name)
-        ends = last and self.solid_end is not None
-        start = max(0.0, 1.0 - self.solid_end / bone.length) if ends and self.solid_end else 0.0
-        tip = f"{name}_end" if ends else name
-        return Link(bone.finger, name, bone.length, bone.radius, name, tip, start)
+        if not last or self.solid_end is None:
+            return Link(bone.finger, name, bone.length, bone.radius, name, name)
+        start = max(0.0, 1.0 - self.solid_end / bone.length)
+        return Link(bone.finger, name, bone.length, bone.radius, name, f"{name}_end", start)
 
     def defaults(self) -> Element:
         """The default class that all hands of this kind share."""

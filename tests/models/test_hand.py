@@ -327,3 +327,11 @@ def test_a_rest_rotation_survives_the_file_as_a_quaternion():
 def test_a_hand_that_cannot_be_is_refused(wrong):
     with pytest.raises(SceneError):
         Hand(**wrong)
+
+
+@pytest.mark.parametrize(("end", "share"), [(None, 0.0), (0.0, 1.0), (0.01, None), (1.0, 0.0)])
+def test_a_link_says_where_its_solid_end_begins(end: float | None, share: float | None) -> None:
+    for link in Hand(solid_end=end).links:
+        last = link.tip_geom != link.geom
+        wanted = 1.0 - 0.01 / link.length if share is None else share
+        assert link.solid_from == (wanted if last else 0.0)
