@@ -83,7 +83,8 @@ def power(pairs: int, loss: float, win: float = 0.0, tests: int = 1) -> float:
         tests: Tasks that are tested together; the hardest of Holm's steps is assumed.
     """
     differ = loss + win
-    if differ <= 0.0:
+    # SciPy's binomial overflows at the smallest chances, with which hardly any pair ever differs.
+    if differ < 1e-12:
         return 0.0
     counts = np.arange(pairs + 1)
     called = binom.sf(_critical(pairs, tests) - 1, counts, loss / differ)

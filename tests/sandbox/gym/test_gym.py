@@ -94,9 +94,8 @@ def test_every_task_takes_steps_and_shows_all_its_things_and_goals(action):
 
 @pytest.mark.parametrize("id", [TOUCH, POSE])
 def test_gymnasium_s_own_check_finds_nothing(id):
-    env = RescaleAction(
-        gymnasium.make(f"sandbox.gym:{id}").unwrapped, np.float32(-1.0), np.float32(1.0)
-    )
+    unwrapped: Any = gymnasium.make(f"sandbox.gym:{id}").unwrapped
+    env: Any = RescaleAction(unwrapped, np.float64(-1.0), np.float64(1.0))
     with warnings.catch_warnings(record=True) as warned:
         warnings.simplefilter("always")
         check_env(env, skip_render_check=True)
