@@ -68,10 +68,10 @@ def test_a_device_of_an_installed_package_is_played_by_its_name(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     site = tmp_path / "site"
-    info = site / "lab_pads-1.0.dist-info"
+    info = site / "registry_pads-1.0.dist-info"
     info.mkdir(parents=True)
     # Written without any class of ours, and with the four required members only.
-    (site / "lab_pads.py").write_text(
+    (site / "registry_pads.py").write_text(
         "from models.frames import Contact, TouchFrame\n"
         "class Pad:\n"
         "    name, finished = 'lab pad', False\n"
@@ -84,8 +84,8 @@ def test_a_device_of_an_installed_package_is_played_by_its_name(
         "    def close(self):\n"
         "        self.finished = True\n"
     )
-    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: lab-pads\nVersion: 1.0\n")
-    (info / "entry_points.txt").write_text("[hand_sandbox.devices]\nlab-pad = lab_pads:Pad\n")
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: registry-pads\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text("[hand_sandbox.devices]\nlab-pad = registry_pads:Pad\n")
     monkeypatch.syspath_prepend(site)
     out, record = tmp_path / "out.json", tmp_path / "run.jsonl"
     arguments = ["--device", "lab-pad:3", "--json", str(out), "--record", str(record)]

@@ -21,6 +21,8 @@ from sandbox.study.record.kept_sessions import session_path
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.run.simulate import run_simulated, simulate
 from sandbox.study.tables.tables import rebuild_session, rebuild_study
+from sandbox.trial.result import TrialResult
+from tasks.score import Status
 from tests.support.study_files import (
     TRIALS,
     check_session,
@@ -171,6 +173,12 @@ def test_a_journal_on_a_full_device_says_so(tmp_path: Path) -> None:
     journal.close()
 
 
+HELD = TrialResult(
+    task="box-to-goal", encoder="best", seed=0, success=True, instant=True, held=True, final=True,
+    status=Status.HELD, progress=1.0, time_s=2.0, reason="", state_hash="00",
+)  # fmt: skip
+
+
 def test_a_session_whose_recording_never_reaches_the_disk_finishes_no_trial(
     tmp_path: Path,
 ) -> None:
@@ -183,7 +191,7 @@ def test_a_session_whose_recording_never_reaches_the_disk_finishes_no_trial(
         recording.unlink()
         recording.write_text("as if nothing had been")
         with pytest.raises(StudyError, match="the disk did not take"):
-            session.finish(trial, {"status": "held"})  # type: ignore[arg-type]
+            session.finish(trial, HELD)
         assert trial.id not in session.state.finished
         assert session.journal.records[-1]["kind"] == "trial_start"
 
