@@ -80,7 +80,7 @@ def main(argv: list[str] | None = None) -> int:
         print("sandbox: stopped", file=sys.stderr)
         return 130
     except BrokenPipeError:
-        # The reader of our output left, as `head` does; that is no error of ours. What is still in
+        # The reader of our output left, as `head` does: this is not an error. Text that is still in
         # the buffer goes nowhere: Python flushes it on its way out and would fail once more.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return EXIT_DONE
