@@ -16,20 +16,18 @@ from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from benchmarks.bullet_hand import BulletHand
 from benchmarks.machine import describe_machine
 from benchmarks.tracking import SEED, TIMESTEPS, Use, trajectory, use
+from models.arithmetic.arrays import Array
 from models.hand import SERVOS, Hand
 from models.kinematics import Kinematics
 from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION
 from models.rotations import geodesic_angle, quaternion_log
 from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT
-
-Array = NDArray[np.float64]
 
 RATE = 60
 """Commands a second."""

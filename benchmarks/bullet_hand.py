@@ -16,15 +16,13 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.hand import ROOT_INERTIA, ROOT_MASS, Hand
 from models.rotations import quaternion_exp, quaternion_log
 from models.scene import Scene, SceneSpec
-
-Array = NDArray[np.float64]
 
 LIGHT_MASS, LIGHT_INERTIA = 1e-6, 1e-9
 """kg and kg m2 of the two carriages that URDF needs between the three slides of the root."""
@@ -91,9 +89,16 @@ def hand_urdf(hand: Hand, loaded: bool = False) -> str:
         _link(robot, name, mass, np.zeros(3), np.eye(3), np.full(3, LIGHT_INERTIA))
         joint = _joint(robot, name, "prismatic", parent, name, np.zeros(3), np.eye(3))
         next(joint.iter("axis")).set("xyz", _text(axis))
-        SubElement(joint, "limit", {
-            "lower": "-10", "upper": "10", "effort": "1e6", "velocity": "1e3",
-        })  # fmt: skip
+        SubElement(
+            joint,
+            "limit",
+            {
+                "lower": "-10",
+                "upper": "10",
+                "effort": "1e6",
+                "velocity": "1e3",
+            },
+        )
         parent = name
     joints = [("root", "palm", parent, np.zeros(3), np.eye(3))]
     last: dict[int, str] = {}
@@ -212,15 +217,26 @@ class BulletHand:
         """Gives all motors the pose (48,) to go to."""
         for i, value in zip(self._slides, q[:3], strict=True):
             self._world.setJointMotorControl2(
-                self._body, i, self._mode, targetPosition=value, targetVelocity=0.0,
-                positionGain=self._gain, velocityGain=1.0, force=self._limit,
-            )  # fmt: skip
+                self._body,
+                i,
+                self._mode,
+                targetPosition=value,
+                targetVelocity=0.0,
+                positionGain=self._gain,
+                velocityGain=1.0,
+                force=self._limit,
+            )
         n = len(self._balls)
         self._world.setJointMotorControlMultiDofArray(
-            self._body, self._balls, self._mode, targetPositions=self._turns(q),
-            targetVelocities=[[0.0] * 3] * n, positionGains=[self._gain] * n,
-            velocityGains=[1.0] * n, forces=[[self._limit] * 3] * n,
-        )  # fmt: skip
+            self._body,
+            self._balls,
+            self._mode,
+            targetPositions=self._turns(q),
+            targetVelocities=[[0.0] * 3] * n,
+            positionGains=[self._gain] * n,
+            velocityGains=[1.0] * n,
+            forces=[[self._limit] * 3] * n,
+        )
 
     def step(self) -> tuple[Array, Array, Array]:
         """One step on: the pose (48,), forces (3,) N of slides, torques (15, 3) N m of balls."""

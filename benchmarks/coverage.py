@@ -37,8 +37,12 @@ from tools.planted_study import Truth, true_success, write_study
 
 FIRST, SECOND = "a", "c"
 """The planted pair that is told."""
-TIMES, SEEN, SHARES, ODDS = ("time, all trials", "time, successes only", "success, shares",
-                             "success, odds")  # fmt: skip
+TIMES, SEEN, SHARES, ODDS = (
+    "time, all trials",
+    "time, successes only",
+    "success, shares",
+    "success, odds",
+)
 SCENARIOS = {
     "effects, and trials without success": Truth(),
     "effects, every trial succeeds": Truth(limit=3600.0, losses=(1e-9, 1e-9, 1e-9)),
@@ -54,8 +58,9 @@ class Told:
     found: bool
 
 
-def studies(truth: Truth, count: int, mixed: bool = True, first: int = 0
-            ) -> Iterator[dict[str, Told]]:  # fmt: skip
+def studies(
+    truth: Truth, count: int, mixed: bool = True, first: int = 0
+) -> Iterator[dict[str, Told]]:
     """Makes and analyses studies.
 
     Args:
@@ -82,8 +87,9 @@ def _told(folder: Path, ratio: float, gain: float, mixed: bool) -> dict[str, Tol
     assert isinstance(model, Censored), model
     d = _pair(censored_differences(data, model))
     told[TIMES] = Told(d.estimate.low <= ratio <= d.estimate.high, d.p < 0.05)
-    s = next(s for s in success_differences(data)
-             if (s.pair.first, s.pair.second) == (FIRST, SECOND))  # fmt: skip
+    s = next(
+        s for s in success_differences(data) if (s.pair.first, s.pair.second) == (FIRST, SECOND)
+    )
     told[SHARES] = Told(s.estimate.low <= gain <= s.estimate.high, s.p < 0.05)
     if not mixed:
         return told
@@ -134,18 +140,22 @@ def _table(name: str, truth: Truth, count: int) -> None:
                 asked.add(what)
     share = true_success(truth)
     i, j = truth.levels.index(FIRST), truth.levels.index(SECOND)
-    print(f"\n{name}: time x {truth.times[j] / truth.times[i]:.2f}, success "
-          f"{100 * share[i]:.1f} % -> {100 * share[j]:.1f} %")  # fmt: skip
+    print(
+        f"\n{name}: time x {truth.times[j] / truth.times[i]:.2f}, success "
+        f"{100 * share[i]:.1f} % -> {100 * share[j]:.1f} %"
+    )
     for what in (TIMES, SEEN, SHARES, ODDS):
         if seen[what]:
             inside = f"{covers[what]:4d} of {seen[what]}" if what in asked else "   -       "
-            print(f"  {what:<22} covers the truth {inside}   p < 0.05 in {found[what]:4d}",
-                  flush=True)  # fmt: skip
+            print(
+                f"  {what:<22} covers the truth {inside}   p < 0.05 in {found[what]:4d}", flush=True
+            )
 
 
 def _seconds(people: int) -> None:
-    truth = replace(Truth(), people=people, times=(10.0, 8.5, 7.0), tasks=(0.8, 1.0, 1.25),
-                    repetitions=3)  # fmt: skip
+    truth = replace(
+        Truth(), people=people, times=(10.0, 8.5, 7.0), tasks=(0.8, 1.0, 1.25), repetitions=3
+    )
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "trial_results.csv"
         write_study(Path(folder), truth, 0)
@@ -158,9 +168,11 @@ def _seconds(people: int) -> None:
         table.to_csv(path, index=False)
         began, cpu = time.perf_counter(), time.process_time()
         make_report(Path(folder), Path(folder) / "report")
-        print(f"a report of {people} people, {len(table)} trials, {len(measures())} measures: "
-              f"{time.perf_counter() - began:.1f} s by the clock, "
-              f"{time.process_time() - cpu:.1f} s of processor time")  # fmt: skip
+        print(
+            f"a report of {people} people, {len(table)} trials, {len(measures())} measures: "
+            f"{time.perf_counter() - began:.1f} s by the clock, "
+            f"{time.process_time() - cpu:.1f} s of processor time"
+        )
 
 
 if __name__ == "__main__":

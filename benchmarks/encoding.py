@@ -25,7 +25,6 @@ from itertools import combinations_with_replacement
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.box import MARKDOWN
 from rich.console import Console
 from rich.table import Table
@@ -50,12 +49,11 @@ from encoders.labels.nearest_neighbour import Search
 from encoders.regression.pca_ik import PcaIkEncoder
 from encoders.regression.polynomial import PolynomialEncoder
 from encoders.regression.trained import builtin
+from models.arithmetic.arrays import Array
 from models.kinematics import Kinematics
 from models.pose import JOINTS
 from models.skeleton import ADULT
 from models.surface import METRES_PER_INCH
-
-Array = NDArray[np.float64]
 
 QUESTIONS = 40
 """Different touches that every call is asked about; searches depend on what is sought."""
@@ -118,11 +116,15 @@ def pose_rows(console: Console) -> None:
         )
         share = len(rows[0])
         table.row(
-            Call(f"each of {share} at once, {fingers} fingers: `for_contacts(fast=True).predict`",
-                 compiled.predict, rows, share),
+            Call(
+                f"each of {share} at once, {fingers} fingers: `for_contacts(fast=True).predict`",
+                compiled.predict,
+                rows,
+                share,
+            ),
             Call("`for_contacts().predict`", prepared.predict, rows, share),
             Call("`predict`", encoder.predict, rows, share),
-        )  # fmt: skip
+        )
     table.show()
 
 
@@ -153,12 +155,15 @@ def rule_rows(console: Console) -> None:
                 "paper's rule", [labels_of(rule.assign(c, {}).labels, c) for c in asked], expected
             )
         table.row(
-            Call(f"{fingers} fingers, {len(hypotheses(fingers))} labellings, `fast=True`",
-                 lambda c: compiled.assign(c, {}), asked),
+            Call(
+                f"{fingers} fingers, {len(hypotheses(fingers))} labellings, `fast=True`",
+                lambda c: compiled.assign(c, {}),
+                asked,
+            ),
             Call("without numba", lambda c: plain.assign(c, {}), asked),
             Call("all pairs (scipy cdist)", lambda c: by_all_pairs(c, degrees), asked[:FEW]),
             Call("scipy cKDTree", lambda c: by_tree(c, tree), asked[:FEW]),
-        )  # fmt: skip
+        )
     table.show()
 
 
@@ -191,11 +196,14 @@ def search_rows(console: Console, subjects: int) -> None:
         for way in (0, 1):
             agree("search", [with_way(way)(q) for q in asked[:2]], expected)
         table.row(
-            Call(f"{fingers} fingers, {len(hypotheses(fingers))} labellings, {ways[0][0]}",
-                 with_way(0), asked),
+            Call(
+                f"{fingers} fingers, {len(hypotheses(fingers))} labellings, {ways[0][0]}",
+                with_way(0),
+                asked,
+            ),
             Call(ways[1][0], with_way(1), asked),
             Call("all pairs (scipy cdist)", all_pairs, asked[:1]),
-        )  # fmt: skip
+        )
     table.show()
 
 
@@ -222,9 +230,12 @@ def belief_rows(console: Console) -> None:
             Call("kernels by their definition", plain_belief, asked[:FEW]),
         )
         table.row(
-            Call(f"{fingers} fingers, one of them joins",
-                 lambda q: copy(q[0]).assign(q[1], {}), joining)
-        )  # fmt: skip
+            Call(
+                f"{fingers} fingers, one of them joins",
+                lambda q: copy(q[0]).assign(q[1], {}),
+                joining,
+            )
+        )
     table.show()
 
 
@@ -261,8 +272,10 @@ def kinematics_rows(console: Console, mink: bool) -> None:
     console.print()
     for call in calls:
         if call.share == 1:
-            off = [farthest_tip(np.asarray(call.function(u)), u, height, kinematics)
-                   for u in call.questions[:FEW]]  # fmt: skip
+            off = [
+                farthest_tip(np.asarray(call.function(u)), u, height, kinematics)
+                for u in call.questions[:FEW]
+            ]
             console.print(
                 f"{call.name}: farthest fingertip {100 * np.median(off):.2f} cm off (median)"
             )

@@ -15,19 +15,17 @@ from itertools import product
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.machine import describe_machine
 from benchmarks.pinch import COMFORTABLE_AXIS, GUESS_COVARIANCE
 from encoders.correction import FingertipCorrection
+from models.arithmetic.arrays import Array
 from models.hand import IMPULSE_PROFILES, SERVOS, Hand, finger_armature
 from models.kinematics import Kinematics
 from models.objects import Box
 from models.scene import CONTROL_PERIOD, Scene, SceneSpec
 from models.skeleton import ADULT
 from sandbox.session.contact_modes import ContactMode, ContactModes
-
-Array = NDArray[np.float64]
 
 CREEP, JITTER = 0.2e-3, 0.1e-3
 """m in 5 s and m/s, below which a grasp feels still."""
@@ -105,8 +103,12 @@ def hold(
     up = LIFT * np.eye(48)[2]
     data.qpos[scene.qpos_slice(0)] = scene.pose_to_qpos(0, opened)
     scene.set_solid(0, frozenset(range(fingers)))
-    ways = ((opened, opened, 0.1), (opened, closed, 0.4), (closed, closed + up, 0.5),
-            (closed + up, closed + up, SETTLE))  # fmt: skip
+    ways = (
+        (opened, opened, 0.1),
+        (opened, closed, 0.4),
+        (closed, closed + up, 0.5),
+        (closed + up, closed + up, SETTLE),
+    )
     for start, end, seconds in ways:
         for share in np.linspace(0.0, 1.0, round(seconds / CONTROL_PERIOD)):
             data.ctrl[:] = start + share * (end - start)
@@ -171,8 +173,10 @@ def main() -> None:
             )
         ]
         still = f"{sum(s.good for s in found)}/{len(found)}"
-        print(f"| {mode} | {profile} | {servo} | {fingers} | {' | '.join(cells)} | {still} |",
-              flush=True)  # fmt: skip
+        print(
+            f"| {mode} | {profile} | {servo} | {fingers} | {' | '.join(cells)} | {still} |",
+            flush=True,
+        )
 
 
 if __name__ == "__main__":

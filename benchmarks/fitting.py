@@ -22,14 +22,12 @@ from pathlib import Path
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import NDArray
 
 from encoders.captures.subject.script import SETS
 from encoders.input_vector import contact_vectors
 from encoders.regression.polynomial import PolynomialEncoder
+from models.arithmetic.arrays import Array
 from models.pose import POSE_SIZE
-
-Array = NDArray[np.float64]
 
 BLOCK = 50_000
 """Frames."""

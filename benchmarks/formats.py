@@ -19,9 +19,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from benchmarks.machine import describe_machine
+from models.arithmetic.arrays import Array
 from models.motion.armature import ORDERS, Y_UP, Z_UP, Armature, chunks
 from models.motion.output import MotionWriter
 from models.motion.points import HandPoints
@@ -35,8 +35,6 @@ from models.motion.write.c3d import C3dWriter
 from models.motion.write.gltf import GltfWriter
 from models.motion.write.vicon_v import VWriter
 from models.skeleton import ADULT
-
-Array = NDArray[np.float64]
 
 COUNT, RATE = 240, 60.0
 FRAMES = (0, 1, 17, 100, 239)
@@ -72,8 +70,10 @@ def check(folder: Path) -> None:
     armature, q = Armature(ADULT), lively()
     joints, tips = armature.place(armature.keys(q))
     wanted = {
-        "names": armature.names, "frames": FRAMES, "joints": joints[list(FRAMES)].tolist(),
-    }  # fmt: skip
+        "names": armature.names,
+        "frames": FRAMES,
+        "joints": joints[list(FRAMES)].tolist(),
+    }
     (folder / "wanted.json").write_text(json.dumps(wanted))
 
     def write(writer: MotionWriter) -> None:

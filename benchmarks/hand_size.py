@@ -38,11 +38,10 @@ from encoders.evaluation.training import Training
 from encoders.labels.labelling import Labeller, Labelling
 from encoders.person.hand_size import builtin_sizes
 from encoders.regression.trained import builtin_capture
+from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.pose import ROOT_POSITION
 from models.skeleton import ADULT
-
-Array = NDArray[np.float64]
 
 SIZES = (0.85, 0.90, 1.00, 1.10, 1.15)
 DRAWS = 20

@@ -13,6 +13,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.frames import FINGERS
 from models.kinematics import Kinematics
@@ -21,8 +22,6 @@ from models.rotations import quaternion_exp, quaternion_log
 from models.skeleton import ADULT
 from models.surface import METRES_PER_INCH
 from tools.make_hand import HAND_FILE
-
-Array = NDArray[np.float64]
 
 PULL = 1e-2
 """Cost of leaving the first pose, per rad, against 1 per m for fingertips."""

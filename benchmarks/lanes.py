@@ -16,12 +16,11 @@ from threading import Semaphore, Thread, current_thread
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from encoders.regression.collapsed import FLAGS
 from encoders.regression.model_registry import pca_ik_model
+from models.arithmetic.arrays import Array
 
-Array = NDArray[np.float64]
 Job = TypeVar("Job")
 Result = TypeVar("Result")
 

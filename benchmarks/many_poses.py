@@ -13,16 +13,14 @@ from hashlib import blake2b
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.console import Console
 from rich.progress import Progress
 
 import encoders.captures.subject
 import models
 from encoders.captures.subject import FROZEN, simulate
+from models.arithmetic.arrays import Array
 from models.pose import JOINTS
-
-Array = NDArray[np.float64]
 
 FIRST_SEED = 1000
 """Of the subjects, one a seed, all on day 0; none of them trained or judged anything."""

@@ -116,10 +116,21 @@ def main() -> None:
             assert sandbox(["train", "--capture", str(source), "--out", str(model)]) == 0
         judged = folder / "judged.json"
         status = sandbox(
-            ["evaluate", "--capture", str(folder / "day1" / "truth.npz"), "--no-copas",
-             "--subject", options.subject, "--json", str(judged),
-             "--encoders", str(own), str(true), "best"]
-        )  # fmt: skip
+            [
+                "evaluate",
+                "--capture",
+                str(folder / "day1" / "truth.npz"),
+                "--no-copas",
+                "--subject",
+                options.subject,
+                "--json",
+                str(judged),
+                "--encoders",
+                str(own),
+                str(true),
+                "best",
+            ]
+        )
         assert status == 0
         found = json.loads(judged.read_text())["encoders"]
         out["judged"] = {

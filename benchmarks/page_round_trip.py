@@ -92,9 +92,11 @@ def main() -> None:
     process.join()
     live.stop()
     server.close()
-    print(f"{platform.processor() or platform.machine()}, {len(cores)} cores"
-          f"{', pinned' if given.pin else ''}, load {os.getloadavg()[0]:.1f}; "
-          f"{given.rate:g} touch messages a second")  # fmt: skip
+    print(
+        f"{platform.processor() or platform.machine()}, {len(cores)} cores"
+        f"{', pinned' if given.pin else ''}, load {os.getloadavg()[0]:.1f}; "
+        f"{given.rate:g} touch messages a second"
+    )
     _row("touch to its frame", np.percentile(touches, [50, 95, 99]), len(touches))
     _row("there and back", np.percentile(echoes, [50, 95, 99]), len(echoes))
     step = server.latency.percentiles()

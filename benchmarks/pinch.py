@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from encoders.correction import FingertipCorrection
+from models.arithmetic.arrays import Array
 from models.kinematics import Kinematics
 from models.objects import Box
 from models.skeleton import ADULT
-
-Array = NDArray[np.float64]
 
 GUESS_COVARIANCE = np.diag([0.025**2] * 3 + [0.25**2] * 45)
 """m2 and rad2, of a guess that knows little."""

@@ -61,8 +61,11 @@ def main() -> int:
     known = json.loads(STATES.read_text())
     here = versions()["fingerprint"]
     if here != known["fingerprint"]:
-        print(f"made with fingerprint {known['fingerprint']}, this machine has {here}: "
-              "states may differ", file=sys.stderr)  # fmt: skip
+        print(
+            f"made with fingerprint {known['fingerprint']}, this machine has {here}: "
+            "states may differ",
+            file=sys.stderr,
+        )
     touch: list[Job] = [
         (task, seed, expected)
         for task, states in known["touch"].items()

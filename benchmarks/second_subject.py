@@ -12,7 +12,6 @@ from __future__ import annotations
 import argparse
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.console import Console
 from rich.progress import track
 from rich.table import Table
@@ -24,9 +23,8 @@ from encoders.captures.second_subject import FROZEN, SecondConfiguration, simula
 from encoders.labels.labelling import PaperLabels
 from encoders.regression.polynomial import PolynomialEncoder
 from encoders.regression.trained import TrainedModel
+from models.arithmetic.arrays import Array
 from models.pose import POSE_SIZE
-
-Array = NDArray[np.float64]
 
 DEGREES = {"linear": 1, "quadratic": 2, "cubic": 3}
 

@@ -16,11 +16,11 @@ from dataclasses import dataclass, field, replace
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 from rich.console import Console
 from rich.progress import Progress
 
 from benchmarks.machine import describe_machine
+from models.arithmetic.arrays import Array
 from models.errors import DivergenceError
 from models.frames import Contact, TouchFrame
 from models.hand import IMPULSE_PROFILES
@@ -33,8 +33,6 @@ from sandbox.session.session import Session
 from sandbox.trial.assembly import build
 from sandbox.trial.settings import RunSettings
 from tasks.registry import find_task, hands_of, task_names
-
-Array = NDArray[np.float64]
 
 TRIAL = 30.0
 """s of simulated time, after which another seed begins."""
@@ -297,8 +295,11 @@ def main() -> None:
         f"{args.minutes:g} simulated minutes a row, {args.servo} servos, {args.contact} contacts;"
     )
     print("penetration in mm at physics steps that had one: median, 99th percentile, deepest")
-    print("| task | profile | diverged | lost | came back | touching, % | " + " | ".join(KINDS)
-          + " | fastest, m/s | hand-table |")  # fmt: skip
+    print(
+        "| task | profile | diverged | lost | came back | touching, % | "
+        + " | ".join(KINDS)
+        + " | fastest, m/s | hand-table |"
+    )
     print("|" + " --- |" * 11)
     rows = [(task, profile) for task in args.tasks for profile in args.profiles]
     with Progress(console=console) as progress:

@@ -96,8 +96,10 @@ def blender(python: str) -> None:
         (folder / "side.py").write_text(script("blender"))
         side = subprocess.Popen(
             [python, "side.py", "--port", "0", "--out", "theirs.bvh"],
-            cwd=folder, stdout=subprocess.PIPE, text=True,
-        )  # fmt: skip
+            cwd=folder,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
         assert side.stdout is not None
         port = int(side.stdout.readline().rsplit(":", 1)[1])
         sender = Sender("127.0.0.1", port, [hand.rig])

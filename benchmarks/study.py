@@ -132,12 +132,16 @@ def logging(folder: Path, seconds: float) -> None:
     for (what, _, _), values in zip(CASES, costs, strict=True):
         p50, p99, most = 1e6 * np.percentile(values, [50, 99, 100])
         mean = 1e6 * np.mean(values)
-        print(f"per touch frame, {what}: mean {mean:.0f}, median {p50:.0f}, "
-              f"p99 {p99:.0f}, largest {most:.0f} microseconds ({len(values)} frames)")  # fmt: skip
-    print(f"recording: {size * to_rate:.2f} MB per minute, {small * to_rate:.2f} compressed, in "
-          f"{1e3 * max(packing):.0f} ms at most; derived tables and measures: "
-          f"{frames * to_rate:.2f} MB per minute, made in {1e3 * max(writing):.0f} ms at most "
-          "between trials")  # fmt: skip
+        print(
+            f"per touch frame, {what}: mean {mean:.0f}, median {p50:.0f}, "
+            f"p99 {p99:.0f}, largest {most:.0f} microseconds ({len(values)} frames)"
+        )
+    print(
+        f"recording: {size * to_rate:.2f} MB per minute, {small * to_rate:.2f} compressed, in "
+        f"{1e3 * max(packing):.0f} ms at most; derived tables and measures: "
+        f"{frames * to_rate:.2f} MB per minute, made in {1e3 * max(writing):.0f} ms at most "
+        "between trials"
+    )
 
 
 def _user_of(user: UserConfiguration, seed: int) -> DeviceMaker:
@@ -155,8 +159,11 @@ def difference(folder: Path, rounds: int = 5) -> None:
         logged = n % 2 == 1
         keeping = Keeping(trial_header(settings, {}), folder / f"again{n}.jsonl")
         table = FrameTable()
-        session = build(settings, (lambda task, surface: RecordedDevice(recording),),
-                        keeping.recorder if logged else None)  # fmt: skip
+        session = build(
+            settings,
+            (lambda task, surface: RecordedDevice(recording),),
+            keeping.recorder if logged else None,
+        )
         table.watch(session)
         began, steps = time.thread_time(), 0
         with undisturbed():
@@ -168,9 +175,11 @@ def difference(folder: Path, rounds: int = 5) -> None:
         found[logged].append((time.thread_time() - began) / steps)
         keeping.close()
     without, with_ = (1e6 * float(np.median(found[logged])) for logged in (False, True))
-    print(f"a control period takes {without:.0f} microseconds of processor time without logging, "
-          f"{with_:.0f} with it: {with_ - without:.0f} more "
-          f"(medians of {rounds} runs each)")  # fmt: skip
+    print(
+        f"a control period takes {without:.0f} microseconds of processor time without logging, "
+        f"{with_:.0f} with it: {with_ - without:.0f} more "
+        f"(medians of {rounds} runs each)"
+    )
 
 
 def replaying(folder: Path) -> None:
@@ -193,10 +202,12 @@ def replaying(folder: Path) -> None:
             told.append((time.perf_counter() - began, time.process_time() - worked))
             assert found.exact and found.complete
         took, worked = np.median(told, axis=0)
-        print(f"{task}: {again.time:.1f} s of trial compared, {found.compared} states, in "
-              f"{took:.2f} s by the clock and {worked:.2f} s of processor time: "
-              f"{again.time / took:.1f} and {again.time / worked:.1f} times faster than it "
-              "was")  # fmt: skip
+        print(
+            f"{task}: {again.time:.1f} s of trial compared, {found.compared} states, in "
+            f"{took:.2f} s by the clock and {worked:.2f} s of processor time: "
+            f"{again.time / took:.1f} and {again.time / worked:.1f} times faster than it "
+            "was"
+        )
 
 
 def look(session: Session) -> None:
@@ -236,20 +247,34 @@ def opening(folder: Path) -> None:
     with SessionFolder(study, study.participants()[-1]) as session:
         rebuild_session(session)
     ended = time.perf_counter()
-    print(f"opening a study of {found['participants']} people and {found['trials']} trials that "
-          f"count: {ended - began:.2f} s, of which the design {loaded - began:.2f} s")  # fmt: skip
+    print(
+        f"opening a study of {found['participants']} people and {found['trials']} trials that "
+        f"count: {ended - began:.2f} s, of which the design {loaded - began:.2f} s"
+    )
 
 
 def fill(folder: Path, design: Design) -> StudyFolder:
     """A finished study: all its records, without its recordings."""
     study = StudyFolder(folder, design, SIMULATED)
     result = {
-        "task": "box-to-goal", "task_version": 1, "seed": 1, "success": True, "instant": True,
-        "held": True, "final": True, "status": "held", "progress": 1.0, "reason": "",
-        "time_s": 4.56, "diverged": "", "respawned": 0, "state_hash": "0" * 32,
-        "encoder": "best", "digests": {"encoder": "0" * 32, "labels": "0" * 32},
+        "task": "box-to-goal",
+        "task_version": 1,
+        "seed": 1,
+        "success": True,
+        "instant": True,
+        "held": True,
+        "final": True,
+        "status": "held",
+        "progress": 1.0,
+        "reason": "",
+        "time_s": 4.56,
+        "diverged": "",
+        "respawned": 0,
+        "state_hash": "0" * 32,
+        "encoder": "best",
+        "digests": {"encoder": "0" * 32, "labels": "0" * 32},
         "measures": {"first_contact_s": 0.3, "lost_s": 0.0},
-    }  # fmt: skip
+    }
     for number in range(PEOPLE):
         person = study.add(**simulated_person(design, number))
         with SessionFolder(study, person) as session:
@@ -261,8 +286,14 @@ def fill(folder: Path, design: Design) -> StudyFolder:
                 values = {m.name: 0.123456 for m in measures() if m.of_trial is not None}
                 data = json.dumps({"version": VERSION, **values}).encode()
                 (session.path / "trackers" / f"measures_{file.stem}.json").write_bytes(data)
-                session.write("trial_end", step=step.id, trial=step.number, attempt=1,
-                              file=f"trials/{file.name}", result=result)  # fmt: skip
+                session.write(
+                    "trial_end",
+                    step=step.id,
+                    trial=step.number,
+                    attempt=1,
+                    file=f"trials/{file.name}",
+                    result=result,
+                )
             session.write("session_end", complete=True)
     return study
 

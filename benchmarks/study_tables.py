@@ -46,8 +46,10 @@ def main() -> None:
     design = load_design(DESIGN)
     print(f"{describe_machine()}\n")
     print("Medians, in ms; fsync included.\n")
-    print("| participants | trials a session | after a trial | session begins | session ends "
-          "| all, per trial |")  # fmt: skip
+    print(
+        "| participants | trials a session | after a trial | session begins | session ends "
+        "| all, per trial |"
+    )
     print("| --- | --- | --- | --- | --- | --- |")
     for people in options.people:
         with tempfile.TemporaryDirectory() as folder:
@@ -113,9 +115,14 @@ def play(session: SessionFolder, step: TrialStep) -> None:
     values = {m.name: 0.123456 for m in measures() if m.of_trial is not None}
     text = json.dumps({"version": VERSION, "truth": "", **values, "reasons": {}})
     (session.path / "trackers" / f"measures_{recording.stem}.json").write_text(text)
-    session.write("trial_end", step=step.id, trial=step.number, attempt=1,
-                  file=f"trials/{recording.name}",
-                  result=result.kept_in(KeptIn.JOURNAL))  # fmt: skip
+    session.write(
+        "trial_end",
+        step=step.id,
+        trial=step.number,
+        attempt=1,
+        file=f"trials/{recording.name}",
+        result=result.kept_in(KeptIn.JOURNAL),
+    )
 
 
 def milliseconds(work: Callable[[], object]) -> float:

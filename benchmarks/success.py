@@ -84,8 +84,13 @@ def trial(job: Job) -> dict[str, Any]:
     chosen = plan(SceneOptions(task=task, seed=seed, fingers=fingers, **ROWS[row]))
     result = run_trial(chosen.settings, chosen.makers, about=chosen.about).as_json()
     kept = ("success", "instant", "final", "status", "progress", "time_s", "reason", "state_hash")
-    return {"task": task, "row": row, "fingers": fingers, "seed": seed,
-            **{k: result[k] for k in kept}}  # fmt: skip
+    return {
+        "task": task,
+        "row": row,
+        "fingers": fingers,
+        "seed": seed,
+        **{k: result[k] for k in kept},
+    }
 
 
 def wilson(successes: int, n: int) -> tuple[float, float]:

@@ -13,7 +13,6 @@ import argparse
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.console import Console
 from rich.progress import track
 from rich.table import Table
@@ -22,10 +21,10 @@ from encoders.capture import Capture
 from encoders.captures.subject import FROZEN, simulate
 from encoders.regression.polynomial import PolynomialEncoder
 from encoders.regression.trained import train
+from models.arithmetic.arrays import Array
 from models.pose import ROOT_POSITION, joint_vectors
 from models.rotations import geodesic_angle
 
-Array = NDArray[np.float64]
 Predict = Callable[[Array], Array]
 
 PAPER = {"linear": (3.98, 9.08), "quadratic": (2.55, 8.57), "cubic": (3.17, 9.94)}

@@ -14,17 +14,15 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.machine import describe_machine
+from models.arithmetic.arrays import Array
 from models.hand import IMPULSE_PERIOD, SERVOS, Hand
 from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION
 from models.rotations import geodesic_angle, quaternion_log
 from models.scene import CONTROL_PERIOD, Scene, SceneSpec
 from models.skeleton import ADULT
 from tasks.simulated_user.fingers import minimum_jerk
-
-Array = NDArray[np.float64]
 
 DURATION = 12.0
 """s."""

@@ -49,8 +49,13 @@ def main() -> None:
         for name, way in WAYS.items():
             found = [judged(name, take, way, names=False).figures for take in takes]
             means = [f"{k} {np.mean([f[k] for f in found]):.2f}" for k in FIGURES]
-            print(f"noise x{noise:g}, {name:15}", *means, *_boxes(way, noise, seeds),
-                  sep="  ", flush=True)  # fmt: skip
+            print(
+                f"noise x{noise:g}, {name:15}",
+                *means,
+                *_boxes(way, noise, seeds),
+                sep="  ",
+                flush=True,
+            )
 
 
 def _boxes(way: PaalmOptions, noise: float, seeds: range) -> list[str]:

@@ -17,13 +17,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg.lapack import dposv
 
+from models.arithmetic.arrays import Array
 from models.errors import EncoderError
 from models.frames import FINGERS
 from models.kinematics import Kinematics
 from models.one_pose import OnePose
 from models.pose import JOINTS
-
-Array = NDArray[np.float64]
 
 PAD_HEIGHT = 0.006
 """m, centre of a touching fingertip's end sphere above the surface: its radius less the flesh that

@@ -22,7 +22,7 @@ from typing import Any, Protocol, Self, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Array = NDArray[np.float64]
+from models.arithmetic.arrays import Array
 
 
 class Predictor(Protocol):

@@ -11,13 +11,12 @@ from collections.abc import Mapping
 from math import isfinite
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from models.arithmetic.arrays import Array
 from models.errors import EncoderError
 from models.frames import FINGERS
 from models.surface import METRES_PER_INCH
-
-Array = NDArray[np.float64]
 
 LIFTED = -1.0
 """Both coordinates of a finger that does not touch; the paper found its value to matter little."""

@@ -11,12 +11,11 @@ from math import atan2, cos, expm1, sin
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from models.arithmetic.arrays import Array
 from models.pose import ROOT_ROTATION
 from models.rotations import turned_about_normal, unwrapped
-
-Array = NDArray[np.float64]
 
 _LEAST_TURN = 1e-12
 """rad, below which a hand has not turned."""

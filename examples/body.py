@@ -163,8 +163,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         motion = read_amc(folder / "backflip.amc", read_asf(folder / "backflip.asf"))
     except InputError as error:
-        print(f"body: {error}. --data DIR says where formats/backflip.amc and .asf are",
-              file=sys.stderr)  # fmt: skip
+        print(
+            f"body: {error}. --data DIR says where formats/backflip.amc and .asf are",
+            file=sys.stderr,
+        )
         return 2
     body = body_of(motion)
     held = np.arange(len(motion)) // BLOCK % 4 == 2

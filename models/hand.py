@@ -16,6 +16,7 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from models.arithmetic.arrays import Array
 from models.errors import SceneError
 from models.one_pose import OnePose
 from models.rotations import matrix_to_quaternion, quaternion_exp
@@ -52,9 +53,6 @@ FLESH_DENSITY = 1100.0
 
 CUFF, SLEEVE = ".93 .94 .95 1", ".16 .20 .27 1"
 """Colours, red green blue alpha, of cuff and sleeve, where the hand ends at the wrist."""
-
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -162,11 +160,21 @@ def hand_default() -> Element:
     """The default class that every hand of a scene shares."""
     default = Element("default", {"class": "hand"})
     # condim 4 adds torsional friction, without which a pinched object spins between two pads.
-    SubElement(default, "geom", {
-        "type": "capsule", "contype": "0", "conaffinity": "0", "condim": "4",
-        "friction": "1 .01 .0001", "density": _text(FLESH_DENSITY),
-        "solref": ".004 1", "solimp": ".95 .99 .001", "rgba": ".905 .735 .64 1",
-    })  # fmt: skip
+    SubElement(
+        default,
+        "geom",
+        {
+            "type": "capsule",
+            "contype": "0",
+            "conaffinity": "0",
+            "condim": "4",
+            "friction": "1 .01 .0001",
+            "density": _text(FLESH_DENSITY),
+            "solref": ".004 1",
+            "solimp": ".95 .99 .001",
+            "rgba": ".905 .735 .64 1",
+        },
+    )
     SubElement(default, "joint", {"damping": ".002"})
     return default
 
@@ -177,44 +185,89 @@ def hand_body(hand: Hand) -> Element:
     The bones' geoms are compiled as solid: MuJoCo decides at compile time which bodies may collide
     at all. A session turns geoms off and on again afterwards.
     """
-    palm = Element("body", {
-        "name": hand.element_name("palm"), "childclass": "hand", "gravcomp": "1",
-    })  # fmt: skip
+    palm = Element(
+        "body",
+        {
+            "name": hand.element_name("palm"),
+            "childclass": "hand",
+            "gravcomp": "1",
+        },
+    )
     for axis, direction in zip("xyz", np.eye(3), strict=True):
-        SubElement(palm, "joint", {
-            "name": hand.element_name(f"root_{axis}"), "type": "slide", "axis": _text(*direction),
-            "armature": _text(ROOT_MASS), "damping": "0",
-        })  # fmt: skip
-    SubElement(palm, "joint", {
-        "name": hand.element_name("root"), "type": "ball", "armature": _text(ROOT_INERTIA),
-    })  # fmt: skip
+        SubElement(
+            palm,
+            "joint",
+            {
+                "name": hand.element_name(f"root_{axis}"),
+                "type": "slide",
+                "axis": _text(*direction),
+                "armature": _text(ROOT_MASS),
+                "damping": "0",
+            },
+        )
+    SubElement(
+        palm,
+        "joint",
+        {
+            "name": hand.element_name("root"),
+            "type": "ball",
+            "armature": _text(ROOT_INERTIA),
+        },
+    )
     _palm_geoms(palm, hand)
     parents: dict[int, Element] = {}
     for bone in hand.skeleton.bones:
-        body = SubElement(parents.get(bone.finger, palm), "body", {
-            "name": hand.element_name(bone.name), "pos": _text(*bone.anchor),
-            "quat": _text(*matrix_to_quaternion(bone.rest)), "gravcomp": "1",
-        })  # fmt: skip
+        body = SubElement(
+            parents.get(bone.finger, palm),
+            "body",
+            {
+                "name": hand.element_name(bone.name),
+                "pos": _text(*bone.anchor),
+                "quat": _text(*matrix_to_quaternion(bone.rest)),
+                "gravcomp": "1",
+            },
+        )
         # The joint's own limit bounds the total angle only, a little outside the legal box; a
         # finger stays straight because its target is legal and its servo stiff.
         reach = float(np.linalg.norm(np.maximum(-bone.lower, bone.upper))) + np.deg2rad(10.0)
-        SubElement(body, "joint", {
-            "name": hand.element_name(bone.name), "type": "ball",
-            "armature": _text(bone.armature * hand.finger_armature),
-            "limited": "true", "range": _text(0.0, _deg(reach)), "solreflimit": ".01 1",
-        })  # fmt: skip
-        SubElement(body, "geom", {
-            "name": hand.element_name(bone.name), "fromto": _text(0, 0, 0, 0, bone.length, 0),
-            "size": _text(bone.radius), "contype": str(CONTACT_HAND),
-        })  # fmt: skip
+        SubElement(
+            body,
+            "joint",
+            {
+                "name": hand.element_name(bone.name),
+                "type": "ball",
+                "armature": _text(bone.armature * hand.finger_armature),
+                "limited": "true",
+                "range": _text(0.0, _deg(reach)),
+                "solreflimit": ".01 1",
+            },
+        )
+        SubElement(
+            body,
+            "geom",
+            {
+                "name": hand.element_name(bone.name),
+                "fromto": _text(0, 0, 0, 0, bone.length, 0),
+                "size": _text(bone.radius),
+                "contype": str(CONTACT_HAND),
+            },
+        )
         if hand.solid_end is not None and bone is hand.skeleton.last_bones[bone.finger]:
             # It has no mass and is never seen: only its collisions count.
             start = bone.length - min(max(hand.solid_end, 1e-4), bone.length)
             fromto = _text(0, start, 0, 0, bone.length, 0)
-            SubElement(body, "geom", {
-                "name": f"{hand.element_name(bone.name)}_end", "fromto": fromto,
-                "size": _text(bone.radius), "contype": str(CONTACT_HAND), "mass": "0", "group": "3",
-            })  # fmt: skip
+            SubElement(
+                body,
+                "geom",
+                {
+                    "name": f"{hand.element_name(bone.name)}_end",
+                    "fromto": fromto,
+                    "size": _text(bone.radius),
+                    "contype": str(CONTACT_HAND),
+                    "mass": "0",
+                    "group": "3",
+                },
+            )
         parents[bone.finger] = body
     return palm
 
@@ -222,13 +275,18 @@ def hand_body(hand: Hand) -> Element:
 def hand_actuators(hand: Hand) -> list[Element]:
     """48 controls in the order of the pose: root position, root rotation vector, ball joints."""
     servos = [
-        Element("position", {
-            "name": hand.element_name(f"root_{axis}"), "joint": hand.element_name(f"root_{axis}"),
-            "kp": _text(ROOT_STIFFNESS * hand.stiffness), "dampratio": "1",
-            "forcerange": _text(-hand.force_limit, hand.force_limit),
-        })
+        Element(
+            "position",
+            {
+                "name": hand.element_name(f"root_{axis}"),
+                "joint": hand.element_name(f"root_{axis}"),
+                "kp": _text(ROOT_STIFFNESS * hand.stiffness),
+                "dampratio": "1",
+                "forcerange": _text(-hand.force_limit, hand.force_limit),
+            },
+        )
         for axis in "xyz"
-    ]  # fmt: skip
+    ]
     # The root turns further than three position servos hold (they fail beyond about 120 degrees).
     servos.append(_orientation(hand, "root", ROOT_TURN_STIFFNESS))
     for bone in hand.skeleton.bones:
@@ -236,21 +294,33 @@ def hand_actuators(hand: Hand) -> list[Element]:
             servos.append(_orientation(hand, bone.name, bone.stiffness))
             continue
         for axis, direction in zip("xyz", np.eye(3), strict=True):
-            servos.append(Element("position", {
-                "name": hand.element_name(f"{bone.name}_{axis}"),
-                "joint": hand.element_name(bone.name), "gear": _text(*direction, 0, 0, 0),
-                "kp": _text(bone.stiffness * hand.stiffness), "dampratio": "1",
-                "forcerange": _text(-hand.force_limit, hand.force_limit),
-            }))  # fmt: skip
+            servos.append(
+                Element(
+                    "position",
+                    {
+                        "name": hand.element_name(f"{bone.name}_{axis}"),
+                        "joint": hand.element_name(bone.name),
+                        "gear": _text(*direction, 0, 0, 0),
+                        "kp": _text(bone.stiffness * hand.stiffness),
+                        "dampratio": "1",
+                        "forcerange": _text(-hand.force_limit, hand.force_limit),
+                    },
+                )
+            )
     return servos
 
 
 def _orientation(hand: Hand, joint: str, stiffness: float) -> Element:
-    return Element("orientation", {
-        "name": hand.element_name(joint), "joint": hand.element_name(joint),
-        "kp": _text(stiffness * hand.stiffness), "dampratio": "1",
-        "forcerange": _text(0.0, hand.force_limit),
-    })  # fmt: skip
+    return Element(
+        "orientation",
+        {
+            "name": hand.element_name(joint),
+            "joint": hand.element_name(joint),
+            "kp": _text(stiffness * hand.stiffness),
+            "dampratio": "1",
+            "forcerange": _text(0.0, hand.force_limit),
+        },
+    )
 
 
 def _palm_geoms(palm: Element, hand: Hand) -> None:
@@ -273,10 +343,16 @@ def _palm_geoms(palm: Element, hand: Hand) -> None:
         stub = start - np.array([0.0, 3.0 * radius, 0.0])
         flesh.append((name, stub, start, 1.35 * radius))
     for name, start, end, size in flesh:
-        SubElement(palm, "geom", {
-            "name": hand.element_name(name), "fromto": _text(*start, *end), "size": _text(size),
-            "group": "3",
-        })  # fmt: skip
+        SubElement(
+            palm,
+            "geom",
+            {
+                "name": hand.element_name(name),
+                "fromto": _text(*start, *end),
+                "size": _text(size),
+                "group": "3",
+            },
+        )
     _palm_look(palm, knuckles, radius)
 
 
@@ -290,10 +366,17 @@ def _palm_look(palm: Element, knuckles: list[NDArray[np.float64]], radius: float
     """
 
     def seen(start: ArrayLike, end: ArrayLike, size: float, **look: str) -> None:
-        SubElement(palm, "geom", {
-            "fromto": _text(*np.asarray(start, float), *np.asarray(end, float)),
-            "size": _text(size), "mass": "0", "group": "1", **look,
-        })  # fmt: skip
+        SubElement(
+            palm,
+            "geom",
+            {
+                "fromto": _text(*np.asarray(start, float), *np.asarray(end, float)),
+                "size": _text(size),
+                "mass": "0",
+                "group": "1",
+                **look,
+            },
+        )
 
     # Back of the hand: a ray to every knuckle and one to every web between two, else grooves show.
     rays = [knuckles[1]]
@@ -309,18 +392,30 @@ def _palm_look(palm: Element, knuckles: list[NDArray[np.float64]], radius: float
         root = np.array([0.60 * end[0], 0.9 * radius, -0.75 * radius])
         seen(root, end + under, 1.0 * radius)
     thumb, little = knuckles[0], knuckles[4]
-    seen(little * [0.72, 0.16, 0.0] - [0.0, 0.0, 0.8 * radius],
-         little * [0.93, 0.72, 1.0] - [0.0, 0.0, 0.5 * radius], 1.2 * radius)  # fmt: skip
+    seen(
+        little * [0.72, 0.16, 0.0] - [0.0, 0.0, 0.8 * radius],
+        little * [0.93, 0.72, 1.0] - [0.0, 0.0, 0.5 * radius],
+        1.2 * radius,
+    )
     seen(thumb * [0.45, 0.5, 0.9], thumb, 1.3 * radius)
-    seen(thumb * [1.0, 1.2, 0.9], knuckles[1] * [0.85, 0.62, 0.0] - [0.0, 0.0, 0.6 * radius],
-         0.95 * radius)  # fmt: skip
+    seen(
+        thumb * [1.0, 1.2, 0.9],
+        knuckles[1] * [0.85, 0.62, 0.0] - [0.0, 0.0, 0.6 * radius],
+        0.95 * radius,
+    )
     # A flat dome over the metacarpals, which alone would look like a rake.
     middle = (knuckles[1] + little) / 2
-    SubElement(palm, "geom", {
-        "type": "ellipsoid", "pos": _text(*(middle * [1.1, 0.46, 0.0])),
-        "size": _text(0.5 * abs(little[0] - knuckles[1][0]), 0.62 * middle[1], 1.20 * radius),
-        "mass": "0", "group": "1",
-    })  # fmt: skip
+    SubElement(
+        palm,
+        "geom",
+        {
+            "type": "ellipsoid",
+            "pos": _text(*(middle * [1.1, 0.46, 0.0])),
+            "size": _text(0.5 * abs(little[0] - knuckles[1][0]), 0.62 * middle[1], 1.20 * radius),
+            "mass": "0",
+            "group": "1",
+        },
+    )
     # Wrist, cuff and sleeve. Three of each side by side make them wider than thick; the ends
     # differ a little in length, since equal ones would flicker where they overlap.
     for side in (-1.0, 0.0, 1.0):
@@ -329,8 +424,13 @@ def _palm_look(palm: Element, knuckles: list[NDArray[np.float64]], radius: float
         seen(place + 0.9 * along, place - 4.5 * along, 1.55 * radius)
         ends = (3.4 + 0.05 * side) * along
         seen(place - ends, place - ends - 1.2 * along, 1.80 * radius, type="cylinder", rgba=CUFF)
-        seen(place - ends - 0.5 * along, place - ends - 3.6 * along, 2.0 * radius,
-             type="cylinder", rgba=SLEEVE)  # fmt: skip
+        seen(
+            place - ends - 0.5 * along,
+            place - ends - 3.6 * along,
+            2.0 * radius,
+            type="cylinder",
+            rgba=SLEEVE,
+        )
 
 
 def _text(*values: float) -> str:

@@ -5,14 +5,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from models.arithmetic.arrays import Array
 from models.frames import FINGERS
 from models.pose import POSE_SIZE, ROOT_POSITION, ROOT_ROTATION, joint_vectors
 from models.rotations import exp, exp_and_left_jacobian, skew
 from models.skeleton import Skeleton
-
-Array = NDArray[np.float64]
 
 _LEVELS = 3
 """Most bones in one finger; the thumb's chain is padded with a bone of no length."""

@@ -6,13 +6,12 @@ from dataclasses import dataclass
 from math import sqrt
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from models.arithmetic.arrays import Array
 from models.pose import JOINTS, ROOT_ROTATION
 from models.rotations import unwrapped
 from models.skeleton import Skeleton
-
-Array = NDArray[np.float64]
 
 
 def within_limits(q: ArrayLike, skeleton: Skeleton) -> Array:

@@ -15,12 +15,11 @@ from xml.etree.ElementTree import Element, SubElement
 
 import mujoco
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.hand import CONTACT_OBJECT, CONTACT_TABLE
-
-Array = NDArray[np.float64]
 
 _GEOM = mujoco.mjtGeom
 _TYPES = {
@@ -116,14 +115,21 @@ class MjcfThing:
         """MJCF of the body."""
         model = self._compiled
         quat = (np.cos(self.yaw / 2), 0.0, 0.0, np.sin(self.yaw / 2))
-        body = Element("body", {"name": self.name, "pos": _text(self.position),
-                                "quat": _text(quat)})  # fmt: skip
+        body = Element(
+            "body", {"name": self.name, "pos": _text(self.position), "quat": _text(quat)}
+        )
         SubElement(body, "freejoint", {"name": self.name})
         share = self.size**2 * self.mass / model.body_mass[1]
-        SubElement(body, "inertial", {
-            "pos": _text(self.size * model.body_ipos[1]), "quat": _text(model.body_iquat[1]),
-            "mass": f"{self.mass:.9g}", "diaginertia": _text(share * model.body_inertia[1]),
-        })  # fmt: skip
+        SubElement(
+            body,
+            "inertial",
+            {
+                "pos": _text(self.size * model.body_ipos[1]),
+                "quat": _text(model.body_iquat[1]),
+                "mass": f"{self.mass:.9g}",
+                "diaginertia": _text(share * model.body_inertia[1]),
+            },
+        )
         for number, geom in enumerate(self._geoms):
             body.append(self._geom(number, geom))
         return body
@@ -136,10 +142,16 @@ class MjcfThing:
                 self.size * model.mesh_vert[_part(model.mesh_vertadr, model.mesh_vertnum, mesh)]
             )
             faces = model.mesh_face[_part(model.mesh_faceadr, model.mesh_facenum, mesh)]
-            elements.append(Element("mesh", {
-                "name": f"{self.name}_mesh{mesh}", "vertex": _text(points.ravel()),
-                "face": " ".join(map(str, faces.ravel().tolist())),
-            }))  # fmt: skip
+            elements.append(
+                Element(
+                    "mesh",
+                    {
+                        "name": f"{self.name}_mesh{mesh}",
+                        "vertex": _text(points.ravel()),
+                        "face": " ".join(map(str, faces.ravel().tolist())),
+                    },
+                )
+            )
         return elements
 
     def clearance(self, points: ArrayLike, position: Array, rotation: Array) -> Array:
@@ -229,8 +241,11 @@ class MjcfThing:
                 expected=", ".join(name for name, _ in _TYPES.values()),
             )
         if not np.any((model.geom_bodyid == 1) & (model.geom_contype | model.geom_conaffinity)):
-            raise InputError("nothing of it is solid", where=self._where,
-                             expected="a geom with contype or conaffinity")  # fmt: skip
+            raise InputError(
+                "nothing of it is solid",
+                where=self._where,
+                expected="a geom with contype or conaffinity",
+            )
         return model
 
     @cached_property
@@ -254,20 +269,24 @@ class MjcfThing:
     def _distance(self, geom: int, other: str) -> float:
         model = self._compiled
         return float(
-            mujoco.mj_geomDistance(
-                model, self._measuring, geom, model.geom(other).id, _FAR, None
-            )
-        )  # fmt: skip
+            mujoco.mj_geomDistance(model, self._measuring, geom, model.geom(other).id, _FAR, None)
+        )
 
     def _geom(self, number: int, geom: int) -> Element:
         model = self._compiled
         kind, sizes = _TYPES[int(model.geom_type[geom])]
         material = int(model.geom_matid[geom])
         rgba = model.geom_rgba[geom] if material < 0 else model.mat_rgba[material]
-        element = Element("geom", {
-            "name": f"{self.name}_{number}", "type": kind, "rgba": _text(rgba),
-            "pos": _text(self.size * model.geom_pos[geom]), "quat": _text(model.geom_quat[geom]),
-        })  # fmt: skip
+        element = Element(
+            "geom",
+            {
+                "name": f"{self.name}_{number}",
+                "type": kind,
+                "rgba": _text(rgba),
+                "pos": _text(self.size * model.geom_pos[geom]),
+                "quat": _text(model.geom_quat[geom]),
+            },
+        )
         if sizes:
             element.set("size", _text(self.size * model.geom_size[geom, :sizes]))
         else:
@@ -276,10 +295,13 @@ class MjcfThing:
             element.set("mesh", f"{self.name}_mesh{int(model.geom_dataid[geom])}")
         if geom in self._solid:
             solid = {
-                "contype": str(CONTACT_OBJECT | CONTACT_TABLE), "conaffinity": "7", "condim": "4",
-                "friction": _text(model.geom_friction[geom]), "solref": ".004 1",
+                "contype": str(CONTACT_OBJECT | CONTACT_TABLE),
+                "conaffinity": "7",
+                "condim": "4",
+                "friction": _text(model.geom_friction[geom]),
+                "solref": ".004 1",
                 "solimp": ".95 .99 .001",
-            }  # fmt: skip
+            }
         else:
             solid = {"contype": "0", "conaffinity": "0"}
         for key, value in solid.items():

@@ -7,11 +7,10 @@ from typing import Protocol
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from models.arithmetic.arrays import Array
 from models.hand import CONTACT_OBJECT, CONTACT_TABLE
-
-Array = NDArray[np.float64]
 
 RED = (0.86, 0.30, 0.24)
 STEEL, BRIGHT_STEEL, DARK_STEEL = (0.52, 0.55, 0.59), (0.74, 0.77, 0.80), (0.30, 0.32, 0.35)
@@ -71,13 +70,20 @@ class Box:
     def body(self) -> Element:
         """MJCF of the box."""
         quat = (np.cos(self.yaw / 2), 0.0, 0.0, np.sin(self.yaw / 2))
-        body = Element("body", {"name": self.name, "pos": _text(self.position),
-                                "quat": _text(quat)})  # fmt: skip
+        body = Element(
+            "body", {"name": self.name, "pos": _text(self.position), "quat": _text(quat)}
+        )
         SubElement(body, "freejoint", {"name": self.name})
-        SubElement(body, "geom", {
-            "name": self.name, "type": "box", "size": _text(self.half_size),
-            **_solid(self.mass, self.rgb),
-        })  # fmt: skip
+        SubElement(
+            body,
+            "geom",
+            {
+                "name": self.name,
+                "type": "box",
+                "size": _text(self.half_size),
+                **_solid(self.mass, self.rgb),
+            },
+        )
         return body
 
     def clearance(self, points: ArrayLike, position: Array, rotation: Array) -> Array:
@@ -193,29 +199,46 @@ class Wrench:
     def body(self) -> Element:
         """MJCF of the wrench, or of its bolt with the wrench in it."""
         quat = (np.cos(self.yaw / 2), 0.0, 0.0, np.sin(self.yaw / 2))
-        body = Element("body", {"name": self.name, "pos": _text(self.position),
-                                "quat": _text(quat)})  # fmt: skip
+        body = Element(
+            "body", {"name": self.name, "pos": _text(self.position), "quat": _text(quat)}
+        )
         if self.bolt is None:
             SubElement(body, "freejoint", {"name": self.name})
         else:
             # The armature is that of the bolt's own thread; friction alone would make a joint of
             # so little inertia stiff to integrate.
-            SubElement(body, "joint", {
-                "name": self.name, "type": "hinge", "axis": "0 0 1",
-                "pos": _text((self.jaw, 0.0, 0.0)),
-                "armature": "2e-4", "damping": "1e-3", "frictionloss": f"{self.bolt:.9g}",
-                "solreffriction": ".004 1", "solimpfriction": ".9999 .9999 .001",
-                "limited": "false",
-            })  # fmt: skip
+            SubElement(
+                body,
+                "joint",
+                {
+                    "name": self.name,
+                    "type": "hinge",
+                    "axis": "0 0 1",
+                    "pos": _text((self.jaw, 0.0, 0.0)),
+                    "armature": "2e-4",
+                    "damping": "1e-3",
+                    "frictionloss": f"{self.bolt:.9g}",
+                    "solreffriction": ".004 1",
+                    "solimpfriction": ".9999 .9999 .001",
+                    "limited": "false",
+                },
+            )
         volume = [float(np.prod(piece.half_size)) for piece in _PIECES]
         for piece, share in zip(_PIECES, np.array(volume) / np.sum(volume), strict=True):
             turn = (np.cos(piece.turn / 2), 0.0, 0.0, np.sin(piece.turn / 2))
             middle, half = self.size * np.array([piece.middle, piece.half_size])
-            SubElement(body, "geom", {
-                "name": f"{self.name}_{piece.name}", "type": "box", "pos": _text(middle),
-                "quat": _text(turn), "size": _text(half),
-                **_solid(self.mass * share, self.rgb),
-            })  # fmt: skip
+            SubElement(
+                body,
+                "geom",
+                {
+                    "name": f"{self.name}_{piece.name}",
+                    "type": "box",
+                    "pos": _text(middle),
+                    "quat": _text(turn),
+                    "size": _text(half),
+                    **_solid(self.mass * share, self.rgb),
+                },
+            )
         if self.bolt is None:
             return body
         return self._on_bolt(body, quat)
@@ -223,8 +246,9 @@ class Wrench:
     def _on_bolt(self, body: Element, quat: ArrayLike) -> Element:
         """The fixed plate under the bolt, with the wrench's body in it."""
         x, y = self.bolt_place(self.position[:2], self.yaw)
-        plate = Element("body", {"name": f"{self.name}_bolt",
-                                 "pos": _text((x, y, 0.0)), "quat": _text(quat)})  # fmt: skip
+        plate = Element(
+            "body", {"name": f"{self.name}_bolt", "pos": _text((x, y, 0.0)), "quat": _text(quat)}
+        )
         _shown(plate, "cylinder", (self.size * 0.012, BOLT_LIFT / 2), BOLT_LIFT / 2, DARK_STEEL)
         # Within the plate's frame, which is turned as the wrench is at the start.
         body.set("pos", _text((-self.jaw, 0.0, self.position[2])))
@@ -273,21 +297,35 @@ def _shown(
     turn: float = 0.0,
 ) -> None:
     """Adds a part that is only visible, m above the body's middle and turned by rad."""
-    SubElement(body, "geom", {
-        "type": kind, "size": _text(size), "pos": _text((0.0, 0.0, height)),
-        "quat": _text((np.cos(turn / 2), 0.0, 0.0, np.sin(turn / 2))), "mass": "0",
-        "contype": "0", "conaffinity": "0", "rgba": _text((*rgb, 1.0)),
-    })  # fmt: skip
+    SubElement(
+        body,
+        "geom",
+        {
+            "type": kind,
+            "size": _text(size),
+            "pos": _text((0.0, 0.0, height)),
+            "quat": _text((np.cos(turn / 2), 0.0, 0.0, np.sin(turn / 2))),
+            "mass": "0",
+            "contype": "0",
+            "conaffinity": "0",
+            "rgba": _text((*rgb, 1.0)),
+        },
+    )
 
 
 def _solid(mass: float, rgb: tuple[float, float, float]) -> dict[str, str]:
     """Default class of all solid parts of objects, which collide with hands, objects and the
     table."""
     return {
-        "mass": f"{mass:.9g}", "contype": str(CONTACT_OBJECT | CONTACT_TABLE),
-        "conaffinity": "7", "condim": "4", "friction": "1 .01 .0001",
-        "solref": ".004 1", "solimp": ".95 .99 .001", "rgba": _text((*rgb, 1.0)),
-    }  # fmt: skip
+        "mass": f"{mass:.9g}",
+        "contype": str(CONTACT_OBJECT | CONTACT_TABLE),
+        "conaffinity": "7",
+        "condim": "4",
+        "friction": "1 .01 .0001",
+        "solref": ".004 1",
+        "solimp": ".95 .99 .001",
+        "rgba": _text((*rgb, 1.0)),
+    }
 
 
 def _box_clearance(points: Array, half_size: ArrayLike) -> Array:
@@ -353,18 +391,30 @@ class Tray:
     def body(self) -> Element:
         """MJCF of the tray."""
         quat = (np.cos(self.yaw / 2), 0.0, 0.0, np.sin(self.yaw / 2))
-        body = Element("body", {"name": self.name, "pos": _text(self.position),
-                                "quat": _text(quat)})  # fmt: skip
+        body = Element(
+            "body", {"name": self.name, "pos": _text(self.position), "quat": _text(quat)}
+        )
         SubElement(body, "freejoint", {"name": self.name})
         for name, middle, half in self._pieces():
             deck = name == "deck"
-            SubElement(body, "geom", {
-                "name": f"{self.name}_{name}", "type": "box", "pos": _text(middle),
-                "size": _text(half), "mass": f"{self.mass * (0.8 if deck else 0.1):.9g}",
-                "contype": str(CONTACT_OBJECT | CONTACT_TABLE), "conaffinity": "7", "condim": "4",
-                "friction": "1 .01 .0001", "solref": ".004 1", "solimp": ".95 .99 .001",
-                "rgba": _text((*(WOOD if deck else DARK_WOOD), 1.0)),
-            })  # fmt: skip
+            SubElement(
+                body,
+                "geom",
+                {
+                    "name": f"{self.name}_{name}",
+                    "type": "box",
+                    "pos": _text(middle),
+                    "size": _text(half),
+                    "mass": f"{self.mass * (0.8 if deck else 0.1):.9g}",
+                    "contype": str(CONTACT_OBJECT | CONTACT_TABLE),
+                    "conaffinity": "7",
+                    "condim": "4",
+                    "friction": "1 .01 .0001",
+                    "solref": ".004 1",
+                    "solimp": ".95 .99 .001",
+                    "rgba": _text((*(WOOD if deck else DARK_WOOD), 1.0)),
+                },
+            )
         return body
 
     def clearance(self, points: ArrayLike, position: Array, rotation: Array) -> Array:

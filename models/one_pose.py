@@ -19,11 +19,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.frames import FINGERS
 from models.pose import POSE_SIZE, ROOT_POSITION
 from models.skeleton import Skeleton
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 LEVELS = 3

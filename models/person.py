@@ -10,15 +10,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.pose import ROOT_POSITION, ROOT_ROTATION, mirrored
 from models.rotations import exp, log
 from models.skeleton import Skeleton
 from models.surface import Surface
-
-Array = NDArray[np.float64]
 
 HANDS = ("right", "left")
 TURNS = (0, 90, 180, 270)
@@ -49,15 +48,19 @@ class Person:
             )
         if not (np.isfinite(self.hand_size) and SIZES[0] <= self.hand_size <= SIZES[1]):
             raise InputError(
-                "the hand size is out of range", where="--hand-size", got=self.hand_size,
+                "the hand size is out of range",
+                where="--hand-size",
+                got=self.hand_size,
                 expected=f"{SIZES[0]:g} to {SIZES[1]:g} times the trained hand's",
                 remedy="`sandbox calibrate` measures it",
-            )  # fmt: skip
+            )
         if self.turn not in TURNS:
             raise InputError(
-                "unknown side of the screen", where="--turn", got=self.turn,
+                "unknown side of the screen",
+                where="--turn",
+                got=self.turn,
                 expected=", ".join(map(str, TURNS)),
-            )  # fmt: skip
+            )
 
     @property
     def left(self) -> bool:

@@ -9,12 +9,11 @@ with its root moved so that the leftmost contact is the origin. Encoders learn t
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from models.arithmetic.arrays import Array
 from models.rotations import exp, log, unwrap_near
 from models.surface import Surface
-
-Array = NDArray[np.float64]
 
 POSE_SIZE = 48
 """N, degrees of freedom of the hand."""

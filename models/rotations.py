@@ -9,9 +9,10 @@ from __future__ import annotations
 from math import atan2, cos, pi, sin, sqrt
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from models.arithmetic.arrays import Array
+
 Vector = tuple[float, float, float]
 
 _SMALL = 1e-6
@@ -66,9 +67,11 @@ def log_of_axes(x: Vector, y: Vector, z: Vector) -> Vector:
     """`log` of a single rotation with columns x, y and z, in plain floats."""
     # Four times the squares of the quaternion's components; the largest is not small.
     squares = (
-        1.0 + x[0] + y[1] + z[2], 1.0 + x[0] - y[1] - z[2],
-        1.0 - x[0] + y[1] - z[2], 1.0 - x[0] - y[1] + z[2],
-    )  # fmt: skip
+        1.0 + x[0] + y[1] + z[2],
+        1.0 + x[0] - y[1] - z[2],
+        1.0 - x[0] + y[1] - z[2],
+        1.0 - x[0] - y[1] + z[2],
+    )
     best = squares.index(max(squares))
     if best == 0:
         q = squares[0], y[2] - z[1], z[0] - x[2], x[1] - y[0]

@@ -9,16 +9,14 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.errors import SceneError
 from models.hand import CONTACT_HAND, CONTACT_TABLE
 from models.mjcf_thing import MjcfThing
 from models.objects import Thing
 from models.pose import POSE_SIZE
 from models.scene_hand import SceneHand
-
-Array = NDArray[np.float64]
 
 CONTROL_PERIOD = 0.016
 """s between two commanded poses: 62.5 Hz, the rate of a tablet rounded to whole physics steps."""
@@ -160,10 +158,17 @@ def scene_xml(spec: SceneSpec) -> str:
     # impratio 100: friction otherwise creeps, and a held box sinks by millimetres.
     # A hand's tree makes the constraints' matrices sparse: a grasp costs a third less that way, and
     # the states are the same up to rounding.
-    option = SubElement(root, "option", {
-        "timestep": f"{spec.timestep:.9g}", "integrator": "implicitfast", "cone": "elliptic",
-        "impratio": "100", "jacobian": "sparse",
-    })  # fmt: skip
+    option = SubElement(
+        root,
+        "option",
+        {
+            "timestep": f"{spec.timestep:.9g}",
+            "integrator": "implicitfast",
+            "cone": "elliptic",
+            "impratio": "100",
+            "jacobian": "sparse",
+        },
+    )
     # A silent reset would look like a hand that jumped home; we stop with an error instead.
     SubElement(option, "flag", {"autoreset": "disable"})
     _look(root)
@@ -172,16 +177,36 @@ def scene_xml(spec: SceneSpec) -> str:
     defaults.extend(classes.values())
     world = SubElement(root, "worldbody")
     _lights(world)
-    SubElement(world, "geom", {
-        "name": TABLE, "type": "plane", "size": "0 0 .05", "material": "floor",
-        "contype": str(CONTACT_TABLE), "conaffinity": str(CONTACT_TABLE), "priority": "1",
-        "condim": "4", "friction": f"{spec.table_friction:.9g} .01 .0001",
-        "solref": ".004 1", "solimp": ".95 .99 .001",
-    })  # fmt: skip
-    SubElement(world, "geom", {
-        "name": "mat", "type": "plane", "size": ".30 .21 .01", "pos": "0 0 .0002",
-        "material": "mat", "contype": "0", "conaffinity": "0",
-    })  # fmt: skip
+    SubElement(
+        world,
+        "geom",
+        {
+            "name": TABLE,
+            "type": "plane",
+            "size": "0 0 .05",
+            "material": "floor",
+            "contype": str(CONTACT_TABLE),
+            "conaffinity": str(CONTACT_TABLE),
+            "priority": "1",
+            "condim": "4",
+            "friction": f"{spec.table_friction:.9g} .01 .0001",
+            "solref": ".004 1",
+            "solimp": ".95 .99 .001",
+        },
+    )
+    SubElement(
+        world,
+        "geom",
+        {
+            "name": "mat",
+            "type": "plane",
+            "size": ".30 .21 .01",
+            "pos": "0 0 .0002",
+            "material": "mat",
+            "contype": "0",
+            "conaffinity": "0",
+        },
+    )
     for hand in spec.hands:
         world.append(hand.body())
     for thing in spec.objects:
@@ -207,10 +232,17 @@ def _touch_sensors(root: Element, spec: SceneSpec) -> None:
         pairs += [(h.name, {"subtree2": h.palm}) for h in spec.hands]
         pairs += [(other.name, {"body2": other.name}) for other in spec.objects[i + 1 :]]
         for name, match in pairs:
-            SubElement(sensors, "contact", {
-                "name": touching_sensor(thing.name, name), "body1": thing.name, **match,
-                "data": "found force", "reduce": "netforce",
-            })  # fmt: skip
+            SubElement(
+                sensors,
+                "contact",
+                {
+                    "name": touching_sensor(thing.name, name),
+                    "body1": thing.name,
+                    **match,
+                    "data": "found force",
+                    "reduce": "netforce",
+                },
+            )
 
 
 def _look(root: Element) -> None:
@@ -219,37 +251,99 @@ def _look(root: Element) -> None:
     visual = SubElement(root, "visual")
     SubElement(visual, "global", {"offwidth": "1920", "offheight": "1080"})
     SubElement(visual, "rgba", {"haze": ".93 .945 .96 1"})
-    SubElement(visual, "quality", {
-        "shadowsize": "4096", "offsamples": "4", "numslices": "40", "numstacks": "20",
-    })  # fmt: skip
-    SubElement(visual, "headlight", {
-        "ambient": ".30 .30 .32", "diffuse": ".18 .18 .18", "specular": ".05 .05 .05",
-    })  # fmt: skip
-    SubElement(visual, "map", {
-        "znear": ".02", "zfar": "60", "shadowclip": "2.5", "shadowscale": ".6", "haze": ".35",
-    })  # fmt: skip
+    SubElement(
+        visual,
+        "quality",
+        {
+            "shadowsize": "4096",
+            "offsamples": "4",
+            "numslices": "40",
+            "numstacks": "20",
+        },
+    )
+    SubElement(
+        visual,
+        "headlight",
+        {
+            "ambient": ".30 .30 .32",
+            "diffuse": ".18 .18 .18",
+            "specular": ".05 .05 .05",
+        },
+    )
+    SubElement(
+        visual,
+        "map",
+        {
+            "znear": ".02",
+            "zfar": "60",
+            "shadowclip": "2.5",
+            "shadowscale": ".6",
+            "haze": ".35",
+        },
+    )
     asset = SubElement(root, "asset")
-    SubElement(asset, "texture", {
-        "type": "skybox", "builtin": "gradient", "rgb1": ".93 .945 .96", "rgb2": ".70 .77 .84",
-        "width": "64", "height": "384",
-    })  # fmt: skip
-    SubElement(asset, "texture", {
-        "name": "floor", "type": "2d", "builtin": "checker", "rgb1": ".86 .85 .84",
-        "rgb2": ".84 .83 .82", "width": "256", "height": "256",
-    })  # fmt: skip
-    SubElement(asset, "material", {
-        "name": "floor", "texture": "floor", "texrepeat": "4 4", "texuniform": "true",
-        "specular": ".05",
-    })  # fmt: skip
-    SubElement(asset, "texture", {
-        "name": "mat", "type": "2d", "builtin": "flat", "mark": "edge",
-        "rgb1": ".215 .275 .315", "markrgb": ".26 .32 .36", "width": "64", "height": "64",
-    })  # fmt: skip
+    SubElement(
+        asset,
+        "texture",
+        {
+            "type": "skybox",
+            "builtin": "gradient",
+            "rgb1": ".93 .945 .96",
+            "rgb2": ".70 .77 .84",
+            "width": "64",
+            "height": "384",
+        },
+    )
+    SubElement(
+        asset,
+        "texture",
+        {
+            "name": "floor",
+            "type": "2d",
+            "builtin": "checker",
+            "rgb1": ".86 .85 .84",
+            "rgb2": ".84 .83 .82",
+            "width": "256",
+            "height": "256",
+        },
+    )
+    SubElement(
+        asset,
+        "material",
+        {
+            "name": "floor",
+            "texture": "floor",
+            "texrepeat": "4 4",
+            "texuniform": "true",
+            "specular": ".05",
+        },
+    )
+    SubElement(
+        asset,
+        "texture",
+        {
+            "name": "mat",
+            "type": "2d",
+            "builtin": "flat",
+            "mark": "edge",
+            "rgb1": ".215 .275 .315",
+            "markrgb": ".26 .32 .36",
+            "width": "64",
+            "height": "64",
+        },
+    )
     # One square of the grid is 2 cm, which gives a picture its scale.
-    SubElement(asset, "material", {
-        "name": "mat", "texture": "mat", "texrepeat": "100 100", "texuniform": "true",
-        "specular": ".1",
-    })  # fmt: skip
+    SubElement(
+        asset,
+        "material",
+        {
+            "name": "mat",
+            "texture": "mat",
+            "texrepeat": "100 100",
+            "texuniform": "true",
+            "specular": ".1",
+        },
+    )
 
 
 def _lights(world: Element) -> None:
@@ -257,12 +351,28 @@ def _lights(world: Element) -> None:
 
     Colours of all lights add up to less than 1; otherwise skin is overexposed.
     """
-    SubElement(world, "light", {
-        "type": "directional", "pos": "-.54 -.43 1.05", "dir": ".45 .33 -.83",
-        "diffuse": ".64 .615 .575", "specular": ".22 .22 .22", "ambient": "0 0 0",
-        "castshadow": "true",
-    })  # fmt: skip
-    SubElement(world, "light", {
-        "type": "directional", "pos": ".6 -.3 .7", "dir": "-.6 .5 -.45",
-        "diffuse": ".14 .16 .20", "specular": "0 0 0", "castshadow": "false",
-    })  # fmt: skip
+    SubElement(
+        world,
+        "light",
+        {
+            "type": "directional",
+            "pos": "-.54 -.43 1.05",
+            "dir": ".45 .33 -.83",
+            "diffuse": ".64 .615 .575",
+            "specular": ".22 .22 .22",
+            "ambient": "0 0 0",
+            "castshadow": "true",
+        },
+    )
+    SubElement(
+        world,
+        "light",
+        {
+            "type": "directional",
+            "pos": ".6 -.3 .7",
+            "dir": "-.6 .5 -.45",
+            "diffuse": ".14 .16 .20",
+            "specular": "0 0 0",
+            "castshadow": "false",
+        },
+    )

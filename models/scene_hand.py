@@ -13,12 +13,8 @@ from dataclasses import dataclass
 from typing import Protocol
 from xml.etree.ElementTree import Element
 
-import numpy as np
-from numpy.typing import NDArray
-
+from models.arithmetic.arrays import Array
 from models.skeleton import Skeleton
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

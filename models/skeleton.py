@@ -16,12 +16,11 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from models.arithmetic.arrays import Array
 from models.frames import FINGERS
 from models.rotations import exp
-
-Array = NDArray[np.float64]
 
 _MIRROR = np.diag([-1.0, 1.0, 1.0])
 

@@ -7,15 +7,12 @@ from math import dist
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from models.errors import InputError
 from models.objects import TRAY_GRIP, TRAY_HANDLE, Tray
 from models.surface import Surface
 from tasks.sensing import Sensing
 from tasks.task import Goal, Measure, TaskDefaults
-
-Array = NDArray[np.float64]
 
 MASS = (0.300, 0.600)
 """kg."""

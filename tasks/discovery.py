@@ -87,8 +87,12 @@ def load_place(text: str) -> type[Task]:
         module = _guarded(lambda: importlib.import_module(module_name), text)
     task = getattr(module, member, None)
     if task is None:
-        raise InputError("the module has nothing of this name", where=text, got=member,
-                         expected=_names(_tasks_in(module)))  # fmt: skip
+        raise InputError(
+            "the module has nothing of this name",
+            where=text,
+            got=member,
+            expected=_names(_tasks_in(module)),
+        )
     return adapted(task, text)
 
 
@@ -119,20 +123,33 @@ def check_task(kind: Any, where: str) -> None:
         InputError: A part is missing or invalid; the error names it.
     """
     if not _looks_like_task(kind):
-        raise InputError("not a task", where=where, got=repr(kind)[:80],
-                         expected="a class with draw and measure")  # fmt: skip
+        raise InputError(
+            "not a task", where=where, got=repr(kind)[:80], expected="a class with draw and measure"
+        )
     name = getattr(kind, "name", None)
     if not (isinstance(name, str) and _NAME.fullmatch(name)):
-        raise InputError("a task's name is missing or odd", where=where, got=name,
-                         expected="small letters, digits and hyphens: my-lab-push")  # fmt: skip
+        raise InputError(
+            "a task's name is missing or odd",
+            where=where,
+            got=name,
+            expected="small letters, digits and hyphens: my-lab-push",
+        )
     for number in _NUMBERS:
         value = getattr(kind, number, None)
         if isinstance(value, bool) or not isinstance(value, int | float) or not value >= 0:
-            raise InputError(f"a task's {number} is missing or odd", where=where, got=value,
-                             expected="a number that is not negative")  # fmt: skip
+            raise InputError(
+                f"a task's {number} is missing or odd",
+                where=where,
+                got=value,
+                expected="a number that is not negative",
+            )
     if getattr(kind, "plane", None) not in ("table", "front"):
-        raise InputError("a task's plane is missing or odd", where=where,
-                         got=getattr(kind, "plane", None), expected="table or front")  # fmt: skip
+        raise InputError(
+            "a task's plane is missing or odd",
+            where=where,
+            got=getattr(kind, "plane", None),
+            expected="table or front",
+        )
     missing: frozenset[str] = getattr(kind, "__abstractmethods__", frozenset())
     if missing:
         raise InputError("this task lacks something", where=where, got=", ".join(sorted(missing)))
@@ -172,8 +189,12 @@ def _tasks_in(module: ModuleType) -> list[str]:
 def _only_task(module: ModuleType, path: str) -> str:
     tasks = _tasks_in(module)
     if len(tasks) != 1:
-        raise InputError("unclear which task of the file is meant", where=path, got=_names(tasks),
-                         expected=f"one task, or {Path(path).name}:CLASS")  # fmt: skip
+        raise InputError(
+            "unclear which task of the file is meant",
+            where=path,
+            got=_names(tasks),
+            expected=f"one task, or {Path(path).name}:CLASS",
+        )
     return tasks[0]
 
 

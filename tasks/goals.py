@@ -7,11 +7,9 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from tasks.sensing import length
-
-Array = NDArray[np.float64]
 
 _NEAR = 0.030
 """m; an object nearer than this to its own goal counts as placed, and a goal on top of it follows

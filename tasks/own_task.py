@@ -26,15 +26,13 @@ from typing import ClassVar, Self
 from zlib import crc32
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.objects import Thing
 from models.surface import Surface
 from tasks.sensing import Sensing
 from tasks.task import Goal, Measure, TaskDefaults
-
-Array = NDArray[np.float64]
 
 _TRIES = 4_000
 """Number of draws after which a surface is reported as too small."""

@@ -46,8 +46,12 @@ def find_task(name: str) -> type[Task]:
         return task
     task = load_place(name)
     if TASKS.get(task.name, task) is not task:
-        raise InputError("another task has this name", where=name, got=task.name,
-                         remedy="Give it a name of its own")  # fmt: skip
+        raise InputError(
+            "another task has this name",
+            where=name,
+            got=task.name,
+            remedy="Give it a name of its own",
+        )
     return task
 
 

@@ -12,12 +12,10 @@ from math import acos, atan2, hypot, sqrt
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.scene import TABLE, Scene, touching_sensor
-
-Array = NDArray[np.float64]
 
 
 def length(vector: Array) -> float:

@@ -6,12 +6,10 @@ from dataclasses import dataclass
 from typing import ClassVar, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.surface import Surface
 from tasks.stacking import EDGE, MASS, YAW, Stacking, too_small
-
-Array = NDArray[np.float64]
 
 SIDE = 0.012
 """m between the face of an unrotated box and the surface's border at the start: about a fingertip's

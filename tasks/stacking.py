@@ -9,8 +9,8 @@ from itertools import pairwise
 from typing import ClassVar, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.objects import Box
 from models.scene import TABLE
@@ -18,8 +18,6 @@ from models.surface import Surface
 from tasks.goals import Posed, place
 from tasks.sensing import ObjectState, Sensing, length
 from tasks.task import Goal, Measure, TaskDefaults
-
-Array = NDArray[np.float64]
 
 NAMES = ("base", "second", "third")
 """Names of the boxes, from below."""

@@ -6,9 +6,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
 from models.objects import Thing
 from models.surface import Surface
 from tasks.goals import Goal
@@ -16,8 +13,6 @@ from tasks.sensing import Sensing
 from tasks.user import UserMaker
 
 __all__ = ["Goal", "Measure", "Task", "TaskDefaults"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -7,16 +7,14 @@ from dataclasses import asdict, dataclass
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.frames import TouchFrame
 from models.later import Later
 from models.objects import Thing
 from models.surface import Surface
 from tasks.goals import Goal
-
-Array = NDArray[np.float64]
 
 KINDS = ("skilled", "idle", "random")
 """Kinds of users: `skilled` plays the task; the control arms do nothing, or touch at random."""

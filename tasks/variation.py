@@ -12,14 +12,12 @@ from dataclasses import asdict, dataclass, is_dataclass, replace
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.objects import Box, Thing
 from models.surface import Surface
 from tasks.task import Goal, Task
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -57,9 +55,11 @@ class Variation:
             value = getattr(self, name)
             if not least <= value <= most:
                 raise InputError(
-                    f"no such {name}", where="variation", got=value,
+                    f"no such {name}",
+                    where="variation",
+                    got=value,
                     expected=f"{least:g} to {most:g}",
-                )  # fmt: skip
+                )
 
     @property
     def neutral(self) -> bool:
@@ -144,9 +144,11 @@ def _sized(thing: Thing, size: float, where: str) -> Thing:
     scaled = getattr(thing, "scaled", None)
     if scaled is None:
         raise InputError(
-            "this object has one size only", where=where, got=thing.name,
+            "this object has one size only",
+            where=where,
+            got=thing.name,
             remedy="Vary something else, or give its class `scaled(size)`",
-        )  # fmt: skip
+        )
     resized: Thing = scaled(size)
     return resized
 
@@ -176,8 +178,12 @@ def _moved(
     bolted = [t.name for t in things if getattr(t, "bolt", None) is not None]
     fixed = bolted or [t.name for t in things if not is_dataclass(t)]
     if fixed:
-        raise InputError("the start of this object cannot be varied", where=task.name, got=fixed[0],
-                         remedy="Vary something else")  # fmt: skip
+        raise InputError(
+            "the start of this object cannot be varied",
+            where=task.name,
+            got=fixed[0],
+            remedy="Vary something else",
+        )
     rng = np.random.default_rng([task.seed, _STREAM])
     places = np.array([t.position for t in things])
     apart = list(_distances(places))

@@ -7,15 +7,14 @@ from dataclasses import dataclass
 from typing import ClassVar, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.objects import Wrench
 from models.surface import Surface
 from tasks.sensing import ObjectState, Sensing
 from tasks.task import Goal, Measure, TaskDefaults
 
-Array = NDArray[np.float64]
 Place = tuple[float, float, float]
 
 NAME = "wrench"

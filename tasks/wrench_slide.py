@@ -6,14 +6,12 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.objects import HANDLE, JAW, THICKNESS
 from models.surface import Surface
 from tasks.sensing import ObjectState, length
 from tasks.wrench_base import END_BORDER, Place, WrenchTask, share
-
-Array = NDArray[np.float64]
 
 TURN = (np.deg2rad(40.0), np.deg2rad(80.0))
 """rad from start to goal, either way."""

@@ -122,11 +122,21 @@ def main() -> None:
     rows += [
         ("files of the tests", len(tests)),
         ("lines of the tests", sum(m.lines for m in tests)),
-        ("uses of `fmt: skip`", sum(path.read_text().count("# fmt: skip")
-                                    for path in python_files(*PACKAGES, "tests", "benchmarks"))),
-        ("`Array = NDArray` defined", sum(path.read_text().count("\nArray = NDArray")
-                                          for path in python_files(*PACKAGES, "tests"))),
-    ]  # fmt: skip
+        (
+            "uses of `fmt: skip`",
+            sum(
+                path.read_text().count("# fmt: skip")
+                for path in python_files(*PACKAGES, "tests", "benchmarks")
+            ),
+        ),
+        (
+            "`Array = NDArray` defined",
+            sum(
+                path.read_text().count("\nArray = NDArray")
+                for path in python_files(*PACKAGES, "tests")
+            ),
+        ),
+    ]
     if options.times:
         rows.append(("seconds of `sandbox --help`", f"{start_of_help():.2f}"))
     for name, value in rows:

@@ -33,8 +33,15 @@ SUBCOMMANDS = {
 }
 """Commands that have commands of their own, and these."""
 
-TASKS = ("box-to-goal", "wrench-turn", "wrench-slide", "stack", "stack-three", "stack-vertical",
-         "carry-together")  # fmt: skip
+TASKS = (
+    "box-to-goal",
+    "wrench-turn",
+    "wrench-slide",
+    "stack",
+    "stack-three",
+    "stack-vertical",
+    "carry-together",
+)
 ENCODERS = ("linear", "quadratic", "cubic", "pca-ik", "paper")
 RUNS = [
     *(f"{task} --seed 1" for task in TASKS),
@@ -98,9 +105,11 @@ def key_lists(work: Path) -> Iterator[tuple[str, str]]:
         "run": [command("run box-to-goal --seed 1 --json -")],
         "regress": [command("regress --tasks box-to-goal --seeds 0:2 --executor serial --json -")],
         "touches-show": command(f"touches show --device {recording} --json").splitlines(),
-        "evaluate": [command(f"evaluate --encoders best --days 1 --json {work / 'evaluate.json'}")
-                     and (work / "evaluate.json").read_text()],
-    }  # fmt: skip
+        "evaluate": [
+            command(f"evaluate --encoders best --days 1 --json {work / 'evaluate.json'}")
+            and (work / "evaluate.json").read_text()
+        ],
+    }
     for name, lines in texts.items():
         keys = {key for line in lines for key in keys_of(json.loads(line))}
         yield f"keys-{name}.txt", "\n".join(sorted(keys)) + "\n"

@@ -81,11 +81,17 @@ def draw(truth: Truth, seed: int, people: int | None = None) -> Trials:
     levels, tasks = len(truth.times), len(truth.tasks)
     order = np.array([order_of("latin", levels, p, (0,)) for p in range(count)])
     level = np.repeat(order, tasks * truth.repetitions, axis=1)
-    inner = np.stack([
-        np.concatenate([np.repeat(order_of("latin", tasks, p + place, (0,)), truth.repetitions)
-                        for place in range(levels)])
-        for p in range(min(count, 2 * tasks))
-    ])  # fmt: skip
+    inner = np.stack(
+        [
+            np.concatenate(
+                [
+                    np.repeat(order_of("latin", tasks, p + place, (0,)), truth.repetitions)
+                    for place in range(levels)
+                ]
+            )
+            for p in range(min(count, 2 * tasks))
+        ]
+    )
     task = inner[np.arange(count) % len(inner)]
     shape = level.shape
     repetition = np.broadcast_to(np.tile(np.arange(truth.repetitions), levels * tasks), shape)
@@ -109,8 +115,9 @@ def draw(truth: Truth, seed: int, people: int | None = None) -> Trials:
 def true_success(truth: Truth, people: int = 100_000) -> list[float]:
     """Share of trials that succeed, by level, from so many drawn people; error about 0.001."""
     drawn = draw(truth, 2**31, people)
-    return [float((drawn.status[drawn.level == i] == "held").mean())
-            for i in range(len(truth.times))]  # fmt: skip
+    return [
+        float((drawn.status[drawn.level == i] == "held").mean()) for i in range(len(truth.times))
+    ]
 
 
 def write_study(folder: Path, truth: Truth, seed: int) -> None:
@@ -127,23 +134,43 @@ def write_study(folder: Path, truth: Truth, seed: int) -> None:
         clock = 0.0
         for k in range(drawn.level.shape[1]):
             held, time = drawn.status[p, k] == "held", float(drawn.time[p, k])
-            rows.append({
-                "experiment": f"planted-{seed}", "ppid": f"P{p + 1:03d}", "session_num": 1,
-                "trial_num": k + 1, "block_num": 1 + k // truth.repetitions,
-                "trial_num_in_block": 1 + k % truth.repetitions,
-                "start_time": clock, "end_time": clock + time, "mode": "simulated",
-                "participant_number": p, "hand": "right", "hand_size": 1.0, "attempt": 1,
-                "counted": True, "practice": False, "repetition": int(drawn.repetition[p, k]),
-                "excluded": False, "exclusion_reason": "",
-                "factor_encoder": truth.levels[drawn.level[p, k]],
-                "factor_task": f"task{drawn.task[p, k] + 1}",
-                "task": f"task{drawn.task[p, k] + 1}",
-                "encoder": truth.levels[drawn.level[p, k]], "seed": 100 * p + k,
-                "success": bool(held), "instant": bool(held), "held": bool(held),
-                "final": bool(held), "status": str(drawn.status[p, k]),
-                "progress": 1.0 if held else 0.5, "time_s": time, "reason": "", "respawned": 0,
-                "state_hash": "",
-            })  # fmt: skip
+            rows.append(
+                {
+                    "experiment": f"planted-{seed}",
+                    "ppid": f"P{p + 1:03d}",
+                    "session_num": 1,
+                    "trial_num": k + 1,
+                    "block_num": 1 + k // truth.repetitions,
+                    "trial_num_in_block": 1 + k % truth.repetitions,
+                    "start_time": clock,
+                    "end_time": clock + time,
+                    "mode": "simulated",
+                    "participant_number": p,
+                    "hand": "right",
+                    "hand_size": 1.0,
+                    "attempt": 1,
+                    "counted": True,
+                    "practice": False,
+                    "repetition": int(drawn.repetition[p, k]),
+                    "excluded": False,
+                    "exclusion_reason": "",
+                    "factor_encoder": truth.levels[drawn.level[p, k]],
+                    "factor_task": f"task{drawn.task[p, k] + 1}",
+                    "task": f"task{drawn.task[p, k] + 1}",
+                    "encoder": truth.levels[drawn.level[p, k]],
+                    "seed": 100 * p + k,
+                    "success": bool(held),
+                    "instant": bool(held),
+                    "held": bool(held),
+                    "final": bool(held),
+                    "status": str(drawn.status[p, k]),
+                    "progress": 1.0 if held else 0.5,
+                    "time_s": time,
+                    "reason": "",
+                    "respawned": 0,
+                    "state_hash": "",
+                }
+            )
             clock += time + 4.0
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "trial_results.csv").write_bytes(csv_bytes(rows, COLUMNS))

@@ -37,10 +37,9 @@ from encoders.regression.trained import (
 from encoders.regression.turned import TurnedEncoder
 from encoders.smoothing import PoseFilter, rigid_motion
 from encoders.validation import badness, robust_covariance
+from models.arithmetic.arrays import Array
 from models.pose import absolute_pose
 from models.skeleton import ADULT
-
-Array = NDArray[np.float64]
 
 CANDIDATES: dict[str, Callable[[], Encoder]] = {
     "quadratic, ridge 0.01": lambda: PolynomialEncoder(2, 0.01),

@@ -26,9 +26,8 @@ from numpy.typing import NDArray
 
 from encoders.encoder import Encoder
 from encoders.validation import trial_folds
+from models.arithmetic.arrays import Array
 from models.errors import EncoderError
-
-Array = NDArray[np.float64]
 
 FOLDS = 10
 LEVEL = 0.05

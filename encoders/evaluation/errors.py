@@ -11,16 +11,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from encoders.correction import PAD_HEIGHT
+from models.arithmetic.arrays import Array
 from models.kinematics import Kinematics
 from models.limits import violations
 from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION, joint_vectors
 from models.rotations import geodesic_angle
 from models.skeleton import ADULT
-
-Array = NDArray[np.float64]
 
 LIMIT_TOLERANCE = 1e-6
 """rad, tolerance at the end of a joint's range for rounding in single precision."""

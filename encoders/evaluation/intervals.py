@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from models.arithmetic.arrays import Array
 
 RESAMPLES = 2000
 LEVEL = 0.95

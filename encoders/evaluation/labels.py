@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 
 from encoders.capture import Capture
 from encoders.labels.labelling import Labeller
+from models.arithmetic.arrays import Array
 
-Array = NDArray[np.float64]
 Contacts = dict[int, tuple[float, float]]
 
 COUNTS = (1, 2, 3, 4, 5)

@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 from encoders.encoder import Encoder
 from encoders.input_vector import contact_vectors
 from encoders.labels.labelling import Labeller
+from models.arithmetic.arrays import Array
 from models.pose import absolute_pose
-
-Array = NDArray[np.float64]
 
 
 class Method(Protocol):

@@ -15,17 +15,15 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from encoders.paalm.average import average_calibration
 from encoders.paalm.options import PaalmOptions
 from encoders.paalm.paalm import Paalm
 from encoders.paalm.simulated.air import FROZEN_AIR
 from encoders.paalm.simulated.forward import FROZEN_LEAP, LeapTake
+from models.arithmetic.arrays import Array
 from models.errors import EncoderError
 from models.frames import FINGERS
-
-Array = NDArray[np.float64]
 
 _LEAST_OPEN = 10
 

@@ -12,10 +12,9 @@ from encoders.paalm.angles import angles_of_joints
 from encoders.paalm.calibration import MOST_BENT, measure, pointing
 from encoders.paalm.palm import palm_of
 from encoders.paalm.simulated.forward import LeapTake
+from models.arithmetic.arrays import Array
 from models.errors import EncoderError
 from models.frames import FINGERS, HandFrame, SeenFinger, SeenHand
-
-Array = NDArray[np.float64]
 
 SAME = 0.1
 """Degrees. If PIP and DIP differ by less on average, they are equal by construction, as in Leap v2,

@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from encoders.capture import Capture
 from encoders.evaluation import paper
@@ -20,9 +19,8 @@ from encoders.evaluation.intervals import block_interval, standard_error
 from encoders.evaluation.labels import COUNTS, SEVERAL, Verdicts
 from encoders.evaluation.measure import LABELS, TRUE, MethodResult, Tests, counts_of
 from encoders.evaluation.smoothness import Smoothness
+from models.arithmetic.arrays import Array
 from models.pose import JOINTS
-
-Array = NDArray[np.float64]
 
 SCHEMA = 1
 """Version of the report's layout."""
@@ -124,11 +122,13 @@ def method_report(result: MethodResult, tests: Tests) -> dict[str, Any]:
         for k in COUNTS
     }
     out["by_capture"] = [
-        {name: {labels: _mean(v[tests.source == i]) for labels, v in by_labels.items()}
-         for name, by_labels in measures.items()}
+        {
+            name: {labels: _mean(v[tests.source == i]) for labels, v in by_labels.items()}
+            for name, by_labels in measures.items()
+        }
         | {"labels_percent": _mean(100.0 * result.right[(tests.source == i) & (tests.fingers > 1)])}
         for i in range(len(tests.captures))
-    ]  # fmt: skip
+    ]
     return out
 
 

@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from encoders.capture import Capture
+from models.arithmetic.arrays import Array
 from models.pose import JOINTS, joint_vectors
 from models.rotations import geodesic_angle
-
-Array = NDArray[np.float64]
 
 _GAP = 1.5
 """Mean periods between frames beyond which they do not count as consecutive."""

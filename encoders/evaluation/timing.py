@@ -6,9 +6,8 @@ from collections.abc import Callable
 from time import perf_counter_ns
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from models.arithmetic.arrays import Array
 
 BATCH = 120
 """Number of poses in a batch: the number of labellings of five contacts."""

@@ -17,11 +17,11 @@ from scipy.optimize import linear_sum_assignment
 
 from encoders.labels.labelling import INDEX, Labelling, arranged
 from encoders.regression.trained import TrainedModel
+from models.arithmetic.arrays import Array
 from models.errors import EncoderError
 from models.frames import FINGERS
 from models.surface import METRES_PER_INCH
 
-Array = NDArray[np.float64]
 Layout = NDArray[np.complex128]
 
 _STARTS = np.deg2rad(np.arange(-90.0, 91.0, 30.0))

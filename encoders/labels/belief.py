@@ -26,18 +26,16 @@ from math import expm1, inf, isfinite
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from encoders.labels.label_evidence import normalised
 from encoders.labels.label_sums import bounded, rows_of, summed
 from encoders.labels.labelling import Labelling, allowed, arranged, hypotheses
 from encoders.labels.recent_liftoffs import AT_ONCE, LATER, LiftOff, that_fit
 from encoders.labels.trained_belief import TrainedBelief, load_belief
+from models.arithmetic.arrays import Array
 from models.errors import EncoderError
 from models.frames import FINGERS
 from models.surface import METRES_PER_INCH
-
-Array = NDArray[np.float64]
 
 _LOOK_AGAIN = 0.5
 """Share of a layout that must be new before contacts that stay are evaluated again."""

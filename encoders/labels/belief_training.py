@@ -27,10 +27,10 @@ from encoders.labels.layout_density import KernelShape, LayoutDensity, layouts_o
 from encoders.labels.trained_belief import TrainedBelief, capture_digest
 from encoders.regression.trained import builtin_capture
 from encoders.validation import trial_folds
+from models.arithmetic.arrays import Array
 from models.errors import EncoderError
 from models.frames import FINGERS
 
-Array = NDArray[np.float64]
 Event = dict[int, tuple[float, float]]
 
 FOLDS = 5

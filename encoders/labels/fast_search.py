@@ -24,8 +24,8 @@ from encoders.labels.nearest_neighbour import (
     squared_distances,
 )
 from encoders.numba_extra import ANY_ORDER, njit
+from models.arithmetic.arrays import Array
 
-Array = NDArray[np.float64]
 Single = NDArray[np.float32]
 Indices = NDArray[np.int64]
 
@@ -36,8 +36,12 @@ _KEPT = 1024
 """Maximum number of pairs that are candidates for the closest."""
 
 
-@njit("float32(float32[:, ::1], float32[:, ::1], int64, float32[::1])",
-      fastmath=ANY_ORDER, cache=True, inline="always")  # fmt: skip
+@njit(
+    "float32(float32[:, ::1], float32[:, ::1], int64, float32[::1])",
+    fastmath=ANY_ORDER,
+    cache=True,
+    inline="always",
+)
 def _to_box(lower, upper, box, query):  # type: ignore[no-untyped-def]
     """Squared distance from a query to a box."""
     squares = np.float32(0)
@@ -48,8 +52,9 @@ def _to_box(lower, upper, box, query):  # type: ignore[no-untyped-def]
     return squares
 
 
-@njit("float32(float32[:, ::1], int64, float32[::1])",
-      fastmath=ANY_ORDER, cache=True, inline="always")  # fmt: skip
+@njit(
+    "float32(float32[:, ::1], int64, float32[::1])", fastmath=ANY_ORDER, cache=True, inline="always"
+)
 def _to_point(reduced, row, query):  # type: ignore[no-untyped-def]
     squares = np.float32(0)
     for d in range(REDUCED):
@@ -75,10 +80,12 @@ def _limit(best, slack):  # type: ignore[no-untyped-def]
     return np.float32(reach * reach * (1.0 + 1e-6))
 
 
-@njit("int64(float64[:, ::1], int64[::1], float32[:, ::1], float32[:, ::1], float32[:, ::1],"
-      "int64, float64[:, ::1], float32[:, ::1], float64[::1], int64[::1], int64[::1],"
-      "float64[::1])",
-      cache=True)  # fmt: skip
+@njit(
+    "int64(float64[:, ::1], int64[::1], float32[:, ::1], float32[:, ::1], float32[:, ::1],"
+    "int64, float64[:, ::1], float32[:, ::1], float64[::1], int64[::1], int64[::1],"
+    "float64[::1])",
+    cache=True,
+)
 def _search(  # type: ignore[no-untyped-def]
     points, order, reduced, lower, upper, depth, queries, short, slack, query_of, point_of, squares
 ):
@@ -173,9 +180,19 @@ class FastNearestNeighbour:
         slack = NEAR * (lengths + self._reduction.longest)
         while True:
             count = _search(
-                self._points, self._order, self._reduced, self._lower, self._upper, self._depth,
-                queries, short, slack, self._query_of, self._point_of, self._squares,
-            )  # fmt: skip
+                self._points,
+                self._order,
+                self._reduced,
+                self._lower,
+                self._upper,
+                self._depth,
+                queries,
+                short,
+                slack,
+                self._query_of,
+                self._point_of,
+                self._squares,
+            )
             if count >= 0:
                 break
             # So many points are equal that they exceed the buffers.

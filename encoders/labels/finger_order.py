@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 
 from encoders.capture import Capture
 from encoders.labels.labelling import hypotheses
+from models.arithmetic.arrays import Array
 from models.frames import FINGERS
-
-Array = NDArray[np.float64]
 
 ORDERED_COUNTS = range(3, len(FINGERS) + 1)
 """Numbers of contacts that have an order."""

@@ -12,11 +12,10 @@ from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from models.arithmetic.arrays import Array
 from models.frames import FINGERS, Contact, TouchFrame
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import astuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from encoders.labels.finger_order import ORDERED_COUNTS, in_order
 from encoders.labels.layout_density import (
@@ -16,10 +15,9 @@ from encoders.labels.layout_density import (
     finger_sets,
     set_of_labelling,
 )
+from models.arithmetic.arrays import Array
 from models.errors import EncoderError
 from models.frames import FINGERS
-
-Array = NDArray[np.float64]
 
 LONE_FINGER = (0.15, 0.40, 0.25, 0.10, 0.10)
 """Probability that a single contact is this finger. An assumption, not learned: captures have no

@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 
 from encoders.labels.label_evidence import normalised
 from encoders.labels.labelling import hypotheses
+from models.arithmetic.arrays import Array
 from models.frames import FINGERS
-
-Array = NDArray[np.float64]
 
 LEAST = 1e-7
 """Lower bound of a labelling's probability, so that every mistake can be corrected."""

@@ -20,12 +20,12 @@ from numpy.typing import NDArray
 from encoders.input_vector import CONTACT_VECTOR_SIZE, LIFTED, leftmost
 from encoders.labels.nearest_neighbour import NearestNeighbour, Search
 from encoders.regression.trained import TrainedModel
+from models.arithmetic.arrays import Array
 from models.errors import EncoderError
 from models.frames import FINGERS
 from models.pose import JOINTS
 from models.surface import METRES_PER_INCH
 
-Array = NDArray[np.float64]
 Labels = NDArray[np.int64]
 
 INDEX = 1

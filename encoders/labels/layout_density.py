@@ -20,11 +20,11 @@ from numpy.typing import NDArray
 
 from encoders.capture import Capture
 from encoders.labels.labelling import hypotheses
+from models.arithmetic.arrays import Array
 from models.errors import EncoderError
 from models.frames import FINGERS
 from models.surface import METRES_PER_INCH
 
-Array = NDArray[np.float64]
 Layouts = NDArray[np.complex128]
 """(S, M, k): for each of the S sets of `finger_sets(k)` M layouts, x + i y of the touches in the
 order of the fingers, inches, with the middle at 0."""

@@ -12,9 +12,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from models.arithmetic.arrays import Array
 
 REACH = 0.02
 """m, root mean square movement of the contacts that stayed, after which a lifted one is forgotten.

@@ -10,12 +10,11 @@ singular for any pose of a finger. Zero is the direction of the palm; of the thu
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from models.arithmetic.arrays import Array
 from models.frames import FINGERS
 from models.skeleton import ADULT
-
-Array = NDArray[np.float64]
 
 PARTS = ("flexion", "spread", "pip", "dip")
 """Columns of a table of angles (5, 4): first joint's flexion and spread, second, third joint."""

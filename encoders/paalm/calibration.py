@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.paalm.palm import palm_of
+from models.arithmetic.arrays import Array
 from models.errors import EncoderError
 from models.frames import FINGERS, SeenFinger, SeenHand
-
-Array = NDArray[np.float64]
 
 PAPER_FRAMES = 1000
 

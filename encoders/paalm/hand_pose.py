@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from encoders.paalm.angles import FRAMES
 from encoders.paalm.palm import Palm
+from models.arithmetic.arrays import Array
 from models.frames import FINGERS, Vector
 from models.limits import within_limits
 from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION, mirrored
 from models.rotations import log_of_axes, matrix_to_quaternion, quaternion_log
 from models.skeleton import ADULT, Skeleton
-
-Array = NDArray[np.float64]
 
 PALM_CENTRE = (0.0, 0.055, -0.005)
 """m, palm centre of the average hand in its own frame: between wrist and knuckles, on the palm's
@@ -79,8 +78,10 @@ class HandPoser:
         flip = -1.0 if side == "left" else 1.0
         a, f, d = palm.across, palm.forward, palm.dorsal
         across, forward, dorsal = (
-            (flip * a[0], a[1], a[2]), (flip * f[0], f[1], f[2]), (flip * d[0], d[1], d[2]),
-        )  # fmt: skip
+            (flip * a[0], a[1], a[2]),
+            (flip * f[0], f[1], f[2]),
+            (flip * d[0], d[1], d[2]),
+        )
         q[ROOT_ROTATION] = log_of_axes(across, forward, dorsal)
         u, v, w = (size * c for c in PALM_CENTRE)
         ox, oy, oz = (o + at for o, at in zip(palm.origin, device, strict=True))

@@ -11,7 +11,6 @@ from dataclasses import dataclass, field
 from math import exp
 
 import numpy as np
-from numpy.typing import NDArray
 
 from encoders.paalm.average import average_calibration
 from encoders.paalm.hand_pose import hand_pose
@@ -19,6 +18,7 @@ from encoders.paalm.paalm import Paalm, PaalmHand
 from encoders.paalm.palm import Palm
 from encoders.reconstruction.arrival import Phase
 from encoders.reconstruction.touch_reconstructor import Reconstruction
+from models.arithmetic.arrays import Array
 from models.errors import EncoderError
 from models.frames import FINGERS, HandFrame, Vector
 from models.limits import RateLimit
@@ -28,8 +28,6 @@ from models.pose import ROOT_POSITION, ROOT_ROTATION
 from models.rotations import unwrapped
 from models.skeleton import ADULT
 from models.surface import Surface
-
-Array = NDArray[np.float64]
 
 _ALL = frozenset(range(len(FINGERS)))
 

@@ -14,13 +14,11 @@ from itertools import permutations
 from math import dist, exp, perm
 
 import numpy as np
-from numpy.typing import NDArray
 
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.palm import Palm
+from models.arithmetic.arrays import Array
 from models.frames import FINGERS, SeenFinger, Vector
-
-Array = NDArray[np.float64]
 
 _FIVE = len(FINGERS)
 _ASSIGNMENTS = [

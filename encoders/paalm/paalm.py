@@ -15,7 +15,6 @@ from dataclasses import dataclass
 from math import exp
 
 import numpy as np
-from numpy.typing import NDArray
 
 from encoders.paalm.angles import by_name
 from encoders.paalm.calibration import (
@@ -31,10 +30,9 @@ from encoders.paalm.palm import Palm, palm_of, stacked
 from encoders.paalm.rig import Rigged, rig
 from encoders.paalm.sides import HandSides
 from encoders.paalm.trembling import Trembling
+from models.arithmetic.arrays import Array
 from models.errors import EncoderError
 from models.frames import FINGERS, HandFrame, SeenHand, Vector
-
-Array = NDArray[np.float64]
 
 _FIST = 90.0
 """Degrees, least PIP of a finger that folded out of sight."""

@@ -6,11 +6,9 @@ from dataclasses import dataclass
 from math import hypot, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.frames import SeenHand, Vector
-
-Array = NDArray[np.float64]
 
 STACKED = 0.10
 """m, distance of two palms' centres, seen from above, below which they are on top of each other: a

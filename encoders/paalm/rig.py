@@ -5,16 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from encoders.paalm.angles import FRAMES
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.chain import FINGER_LIMITS, THUMB_LIMITS, Bend, FingerChain
 from encoders.paalm.options import PaalmOptions
+from models.arithmetic.arrays import Array
 from models.frames import FINGERS, Vector
 from models.skeleton import ADULT, Skeleton
-
-Array = NDArray[np.float64]
 
 _ZERO_FRAMES = [tuple(map(tuple, f.tolist())) for f in FRAMES]
 

@@ -18,16 +18,15 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from encoders.capture import Capture
 from encoders.person.natural_layout import NaturalLayout, of_capture
 from encoders.regression.trained import builtin_capture
+from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.frames import FINGERS
 from models.person import SIZES
-
-Array = NDArray[np.float64]
 
 SPREADS = ("natural", "closed", "wide")
 """The spreads that a person is asked for, in this order."""
@@ -129,10 +128,11 @@ class HandSizes:
             a.shape != expected or not np.isfinite(a).all() for a in arrays
         ):
             raise InputError(
-                "a hand's size takes five fingers in three spreads", where="calibration",
+                "a hand's size takes five fingers in three spreads",
+                where="calibration",
                 got=", ".join(str(a.shape) for a in arrays) or "nothing",
                 expected="three finite layouts of shape (5, 2)",
-            )  # fmt: skip
+            )
         logs = [_distances(self._by_label(a)[None])[0] for a in arrays]
         logs.sort(key=lambda one: float(one.mean()))
         logs_by_spread = dict(zip(("closed", "natural", "wide"), logs, strict=True))
@@ -146,12 +146,13 @@ class HandSizes:
         size = HandSize(ratio, low, high, tuple(alone))
         if high / low > WIDEST or low <= SIZES[0] * 1.001 or high >= SIZES[1] / 1.001:
             raise InputError(
-                "the three spreads do not tell the hand's size", where="calibration",
+                "the three spreads do not tell the hand's size",
+                where="calibration",
                 got=f"{ratio:.2f}, but anything from {low:.2f} to {high:.2f}; the spreads alone "
                 + ", ".join(f"{n} {r:.2f}" for n, r in zip(SPREADS, alone, strict=True)),
                 expected="spreads that agree",
                 remedy="Put the fingers down again: relaxed, then close together, then wide apart",
-            )  # fmt: skip
+            )
         return size
 
     def _by_label(self, xy: Array) -> Array:
@@ -163,13 +164,14 @@ class HandSizes:
         growth = min(sizes["natural"] / sizes["closed"], sizes["wide"] / sizes["natural"])
         if growth < LEAST_GROWTH:
             raise InputError(
-                "the three spreads are hardly different", where="calibration",
+                "the three spreads are hardly different",
+                where="calibration",
                 got="mean distances of "
                 + ", ".join(f"{100 * sizes[n]:.1f}" for n in ("closed", "natural", "wide"))
                 + " cm",
                 expected=f"each {LEAST_GROWTH:g} times the one before, or more",
                 remedy="Close the fingers more, and spread them wider",
-            )  # fmt: skip
+            )
         for name, logs in found.items():
             spread = self._spreads[name]
             off = logs - spread.mean
@@ -177,11 +179,12 @@ class HandSizes:
             strange = float(off @ spread.shape @ off)
             if strange > STRANGEST:
                 raise InputError(
-                    "these five touches do not lie like a hand's", where=f"{name} spread",
+                    "these five touches do not lie like a hand's",
+                    where=f"{name} spread",
                     got=f"a squared distance of {strange:.0f} from the trained hand's",
                     expected=f"{STRANGEST:g} or less",
                     remedy="Put down the tips of all five fingers, and nothing else",
-                )  # fmt: skip
+                )
 
     def _log_likelihood(self, name: str, logs: Array) -> Array:
         """Log likelihood of every size on the grid, up to a constant."""

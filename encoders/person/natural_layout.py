@@ -20,9 +20,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from encoders.capture import Capture
 from encoders.labels.labelling import hypotheses
+from models.arithmetic.arrays import Array
 from models.errors import CaptureError
 
-Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 LEAST = 4

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.frames import FINGERS, TouchFrame
-
-Array = NDArray[np.float64]
 
 REST = 0.5
 """s that all five fingers must rest."""

@@ -14,12 +14,10 @@ from dataclasses import dataclass
 from math import pi, remainder
 
 import numpy as np
-from numpy.typing import NDArray
 
 from encoders.person.natural_layout import LEAST, NaturalLayout
+from models.arithmetic.arrays import Array
 from models.errors import CaptureError
-
-Array = NDArray[np.float64]
 
 RARE = 0.005
 """Share of the training frames on either side that are left out of the range as outliers."""
@@ -59,9 +57,10 @@ class YawRange:
         five = U[U[:, 10:].all(axis=1)]
         if len(five) < _FIVE:
             raise CaptureError(
-                "too few frames with five fingers to know how hands were turned", got=len(five),
+                "too few frames with five fingers to know how hands were turned",
+                got=len(five),
                 expected=f"{_FIVE} or more",
-            )  # fmt: skip
+            )
         layout = NaturalLayout(five[:, :10].reshape(-1, 5, 2))
         low, high = np.quantile(layout.turns, [RARE, 1.0 - RARE])
         yaw_range = cls(layout, float(low), float(high))

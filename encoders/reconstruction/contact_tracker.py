@@ -11,11 +11,9 @@ from dataclasses import dataclass, field
 from math import expm1
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.frames import FINGERS, Contact, TouchFrame
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -11,17 +11,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-import numpy as np
-from numpy.typing import NDArray
-
 from encoders.reconstruction.reconstructor import Reconstructor
 from encoders.reconstruction.touch_reconstructor import Reconstruction
+from models.arithmetic.arrays import Array
 from models.frames import Contact, Frame, TouchFrame
 from models.person import Person, PersonFrame
 from models.pose import surface_to_world
 from models.surface import Surface
-
-Array = NDArray[np.float64]
 
 ReconstructorMaker = Callable[[Surface], Reconstructor]
 """Creates a reconstructor for a surface."""

@@ -4,14 +4,10 @@ from __future__ import annotations
 
 from typing import Protocol, TypeVar
 
-import numpy as np
-from numpy.typing import NDArray
-
 from encoders.reconstruction.touch_reconstructor import Reconstruction
+from models.arithmetic.arrays import Array
 from models.frames import Frame, HandFrame, TouchFrame
 from models.surface import Surface
-
-Array = NDArray[np.float64]
 
 Taken_contra = TypeVar("Taken_contra", TouchFrame, HandFrame, contravariant=True)
 

@@ -12,7 +12,6 @@ from math import dist, hypot
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from encoders.correction import PAD_HEIGHT, CorrectionSettings, FingertipCorrection
 from encoders.input_vector import contact_vector
@@ -22,6 +21,7 @@ from encoders.reconstruction.contact_tracker import ContactTracker, TrackerSetti
 from encoders.reconstruction.lift import Lift, LiftSettings
 from encoders.regression.trained import TrainedModel
 from encoders.smoothing import Motion, PoseFilter, common_motion
+from models.arithmetic.arrays import Array
 from models.frames import TouchFrame
 from models.kinematics import Kinematics
 from models.later import Later
@@ -29,8 +29,6 @@ from models.limits import RateLimit, within_limits
 from models.pose import ROOT_POSITION, absolute_pose, surface_to_world
 from models.skeleton import Skeleton
 from models.surface import METRES_PER_INCH, Surface
-
-Array = NDArray[np.float64]
 
 TURN_LENGTH = 0.08
 """m, from wrist to knuckles: converts an error of the hand's rotation (rad) to an error of

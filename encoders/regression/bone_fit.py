@@ -11,17 +11,15 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from encoders.capture import Capture
 from encoders.correction import PAD_HEIGHT
+from models.arithmetic.arrays import Array
 from models.frames import FINGERS
 from models.kinematics import Kinematics
 from models.pose import ROOT_POSITION, ROOT_ROTATION
 from models.rotations import exp
 from models.skeleton import Bone, Skeleton
-
-Array = NDArray[np.float64]
 
 KNUCKLE_SPREAD = 0.010
 """m, by which people's knuckles lie elsewhere than the known skeleton's; draws the fit."""

@@ -19,10 +19,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from encoders.input_vector import CONTACT_VECTOR_SIZE, LIFTED
+from models.arithmetic.arrays import Array
 from models.errors import EncoderError
 from models.frames import FINGERS
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 FLAGS = 2 * len(FINGERS)

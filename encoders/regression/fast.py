@@ -8,14 +8,13 @@ numbers, so that a replay does not depend on what is installed.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from encoders.input_vector import CONTACT_VECTOR_SIZE
 from encoders.numba_extra import ANY_ORDER, njit
 from encoders.regression.collapsed import FLAGS, SETS, ContactPoses, collapse, set_code
+from models.arithmetic.arrays import Array
 from models.frames import FINGERS
-
-Array = NDArray[np.float64]
 
 _F = len(FINGERS)
 _KEYS = _F << _F
@@ -51,8 +50,11 @@ def _monomials(u, factors, start, x):  # type: ignore[no-untyped-def]
             x[r] = u[place[r]] if d == 0 else x[r] * u[place[r]]
 
 
-@njit("bool(float64[::1], int64[::1], uint32[:, ::1], float64[:, ::1], float64[::1], float64[::1])",
-      fastmath=ANY_ORDER, cache=True)  # fmt: skip
+@njit(
+    "bool(float64[::1], int64[::1], uint32[:, ::1], float64[:, ::1], float64[::1], float64[::1])",
+    fastmath=ANY_ORDER,
+    cache=True,
+)
 def _one(u, starts, factors, coef, x, out):  # type: ignore[no-untyped-def]
     """Fills in the outputs of one contact vector, or says that it is none."""
     key = _key(u)
@@ -72,8 +74,11 @@ def _one(u, starts, factors, coef, x, out):  # type: ignore[no-untyped-def]
     return True
 
 
-@njit("bool(float64[:, ::1], int64[::1], uint32[:, ::1], float64[:, ::1], float64[:, ::1])",
-      fastmath=ANY_ORDER, cache=True)  # fmt: skip
+@njit(
+    "bool(float64[:, ::1], int64[::1], uint32[:, ::1], float64[:, ::1], float64[:, ::1])",
+    fastmath=ANY_ORDER,
+    cache=True,
+)
 def _many(U, starts, factors, coef, out):  # type: ignore[no-untyped-def]
     """Fills in the outputs of contact vectors, those of one key together."""
     frames = U.shape[0]

@@ -14,13 +14,11 @@ import sys
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import lstsq
 from scipy.linalg.lapack import dgeqrf
 
 from encoders.regression.collapsed import SETS, collapse, set_code, set_codes
-
-Array = NDArray[np.float64]
+from models.arithmetic.arrays import Array
 
 RCOND = 1e-10
 """Singular values below this share of the largest count as zero: far below those of independent

@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from encoders.encoder import Encoder
+from models.arithmetic.arrays import Array
 from models.errors import EncoderError
-
-Array = NDArray[np.float64]
 
 
 class MeanEncoder(Encoder):

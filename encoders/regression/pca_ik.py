@@ -38,16 +38,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from encoders.regression.touch_ik import TouchIkEncoder
-from encoders.regression.touch_neighbour import Mask
+from models.arithmetic.arrays import Array, Mask
 from models.errors import EncoderError
 from models.frames import FINGERS
 from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION
 from models.skeleton import ADULT, Skeleton
-
-Array = NDArray[np.float64]
 
 COMPLIANCE_TRANSLATION = 0.1
 COMPLIANCE_ROTATION = 25.0

@@ -23,13 +23,12 @@ from encoders.regression.bone_fit import (
     tip_targets,
 )
 from encoders.validation import badness, trial_folds
+from models.arithmetic.arrays import Array
 from models.frames import FINGERS
 from models.kinematics import Kinematics
 from models.limits import within_limits
 from models.pose import POSE_SIZE, absolute_pose
 from models.skeleton import Skeleton
-
-Array = NDArray[np.float64]
 
 STEPS = 3
 """Gauss-Newton steps; the tips are then as exact as the trust in the touches wants them."""

@@ -28,6 +28,7 @@ from encoders.regression.collapsed import (
     set_name,
 )
 from encoders.regression.least_squares import LeastSquares, is_ridge, ridge_path
+from models.arithmetic.arrays import Array
 from models.errors import EncoderError
 
 __all__ = [
@@ -39,7 +40,6 @@ __all__ = [
     "ridge_path",
 ]
 
-Array = NDArray[np.float64]
 
 _LEAST_FINGERS = 2
 """A set that a training can be missed in: one finger has no layout, and captures drop it."""

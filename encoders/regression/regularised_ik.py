@@ -11,15 +11,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from encoders.regression.pca_ik import COMPLIANCE_ROTATION, COMPLIANCE_TRANSLATION, step_costs
 from encoders.regression.touch_ik import TouchIkEncoder
-from encoders.regression.touch_neighbour import Mask
+from models.arithmetic.arrays import Array, Mask
 from models.errors import EncoderError
 from models.skeleton import ADULT, Skeleton
-
-Array = NDArray[np.float64]
 
 DESIRED = ("mean", "neighbour")
 

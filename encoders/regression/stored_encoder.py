@@ -12,11 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 from encoders.discovery import guarded, source_digest
 from encoders.encoder import Encoder
 from encoders.regression.registry import ENCODERS, find_encoder, kind_of
+from models.arithmetic.arrays import Array
 from models.errors import EncoderError
 from models.outside import how_to_get, place_of
 from models.pose import POSE_SIZE
-
-Array = NDArray[np.float64]
 
 OUTSIDE = "outside"
 """What a header calls an encoder that is not ours."""

@@ -15,14 +15,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from encoders.encoder import Encoder
 from encoders.input_vector import CONTACT_VECTOR_SIZE
-from encoders.regression.touch_neighbour import Mask, TouchNeighbours, touches_of
+from encoders.regression.touch_neighbour import TouchNeighbours, touches_of
+from models.arithmetic.arrays import Array, Mask
 from models.errors import EncoderError
 from models.kinematics import Kinematics
 from models.one_pose import OnePose, SeveralPoses
 from models.pose import POSE_SIZE
 from models.skeleton import ADULT, Skeleton
-
-Array = NDArray[np.float64]
 
 _CHUNK = 256
 """Rows solved side by side: their Jacobians (1.5 MB) then stay in the processor's cache."""

@@ -8,16 +8,14 @@ there is none, this implementation looks at frames in which other fingers touch 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from encoders.input_vector import CONTACT_VECTOR_SIZE, contact_vectors
+from models.arithmetic.arrays import Array, Mask
 from models.errors import EncoderError
 from models.frames import FINGERS
 from models.pose import relative_pose
 from models.surface import METRES_PER_INCH
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 _PLACES = 2 * len(FINGERS)
 

@@ -38,12 +38,11 @@ from encoders.regression.stored_encoder import (
 )
 from encoders.store import load_capture
 from encoders.validation import FOLDS, badness, robust_covariance, trial_folds
+from models.arithmetic.arrays import Array
 from models.errors import EncoderError
 from models.outside import place_of
 from models.pose import BALL_JOINTS, POSE_SIZE
 from models.skeleton import ADULT, Skeleton
-
-Array = NDArray[np.float64]
 
 SCHEMA = 2
 """Version of the file's layout."""

@@ -28,13 +28,12 @@ from encoders.regression.polynomial import (
     QuadraticEncoder,
     stored_coefficients,
 )
+from models.arithmetic.arrays import Array
 from models.errors import EncoderError
 from models.frames import FINGERS
 from models.pose import POSE_SIZE, ROOT_POSITION, ROOT_ROTATION
 from models.rotations import exp, log, turn_about_normal, turned_about_normal
 from models.surface import METRES_PER_INCH
-
-Array = NDArray[np.float64]
 
 SPREADS = (0.25, 0.15)
 """rad, by which the turn is wrong in each round of training: about what the round before leaves on

@@ -15,15 +15,14 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from models.arithmetic.arrays import Array
 from models.errors import MotionError
 from models.pose import ROOT_POSITION, ROOT_ROTATION, joint_vectors
 from models.rotations import exp
 from models.scene_hand import SceneHand
 from models.skeleton import Skeleton
-
-Array = NDArray[np.float64]
 
 WRIST = "wrist"
 """Name of the root."""

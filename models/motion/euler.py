@@ -8,9 +8,8 @@ the poles, beta = +-pi/2, only alpha +- gamma is known: gamma then stays where i
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from models.arithmetic.arrays import Array
 
 POLE = 1e-7
 """Cosine of the middle angle below which the outer two cannot be told apart."""

@@ -6,11 +6,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.errors import MotionError
-
-Array = NDArray[np.float64]
 
 
 class PlacedJoints(NamedTuple):

@@ -10,12 +10,10 @@ from types import TracebackType
 from typing import BinaryIO, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.errors import MotionError
 from models.motion.armature import Keys
-
-Array = NDArray[np.float64]
 
 NUMBER = "%.6f"
 """Decimals in text formats with cm and degrees: the rounding error is below 1e-7 m at a

@@ -6,13 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.errors import MotionError
 from models.frames import FINGERS
 from models.motion.armature import WRIST, Armature, Keys
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -9,14 +9,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.errors import MotionError
 from models.motion.armature import Armature, Keys
 from models.motion.output import checked_rate
 from models.rotations import quaternion_to_matrix
-
-Array = NDArray[np.float64]
 
 SLACK = 1e-6
 """Share of a period by which a key may lie after the last pose, since clocks round."""

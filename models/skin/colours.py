@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from models.arithmetic.arrays import Array
+
 Colour = tuple[float, float, float]
 
 PALE: Colour = (0.910, 0.735, 0.630)

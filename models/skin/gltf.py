@@ -19,14 +19,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.pose import POSE_SIZE
 from models.rotations import matrix_to_quaternion
 from models.skeleton import ADULT, Skeleton
 from models.skin.colours import CUFF, NAIL, SLEEVE, Colour, linear, tone_colours
 from models.skin.skin import Skin, frames, normals_of
-
-Array = NDArray[np.float64]
 
 FLOAT, UNSIGNED_BYTE, UNSIGNED_SHORT = 5126, 5121, 5123
 VERTICES, INDICES = 34962, 34963
@@ -65,12 +64,14 @@ def glb(skin: Skin, name: str = "hand") -> bytes:
             {"name": "skin", "mesh": 0, "skin": 0},
         ],
         "meshes": [{"name": name, "primitives": primitives}],
-        "skins": [{
-            "joints": list(range(top)),
-            "inverseBindMatrices": writer.add(inverse_binds(places, turns), FLOAT, "MAT4"),
-        }],
+        "skins": [
+            {
+                "joints": list(range(top)),
+                "inverseBindMatrices": writer.add(inverse_binds(places, turns), FLOAT, "MAT4"),
+            }
+        ],
         "materials": [material(p.name) for p in skin.parts],
-    }  # fmt: skip
+    }
     return writer.finished(document)
 
 
@@ -131,9 +132,14 @@ class GlbArrays:
         self._accessors: list[dict[str, Any]] = []
 
     def add(
-        self, values: NDArray[Any], component: int, kind: str, target: int | None = None,
-        normalised: bool = False, bounds: bool = False,
-    ) -> int:  # fmt: skip
+        self,
+        values: NDArray[Any],
+        component: int,
+        kind: str,
+        target: int | None = None,
+        normalised: bool = False,
+        bounds: bool = False,
+    ) -> int:
         """Adds an array; returns the number of its accessor."""
         stored = np.ascontiguousarray(values, TYPES[component])
         view = {"buffer": 0, "byteOffset": len(self.bytes), "byteLength": stored.nbytes}
@@ -141,9 +147,11 @@ class GlbArrays:
             view["target"] = target
         self.bytes += stored.tobytes() + bytes(-stored.nbytes % 4)
         accessor: dict[str, Any] = {
-            "bufferView": len(self._views), "componentType": component, "type": kind,
+            "bufferView": len(self._views),
+            "componentType": component,
+            "type": kind,
             "count": len(stored),
-        }  # fmt: skip
+        }
         if normalised:
             accessor["normalized"] = True
         if bounds:
@@ -162,10 +170,15 @@ class GlbArrays:
         size = count * COMPONENTS[kind] * np.dtype(TYPES[component]).itemsize
         view = {"buffer": 0, "byteOffset": len(self.bytes) + self._behind, "byteLength": size}
         self._behind += size
-        self._accessors.append({
-            "bufferView": len(self._views), "componentType": component, "type": kind,
-            "count": count, **bounds,
-        })  # fmt: skip
+        self._accessors.append(
+            {
+                "bufferView": len(self._views),
+                "componentType": component,
+                "type": kind,
+                "count": count,
+                **bounds,
+            }
+        )
         self._views.append(view)
         return len(self._accessors) - 1
 

@@ -16,12 +16,11 @@ from importlib.resources import files
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from models.arithmetic.arrays import Array
 from models.kinematics import Kinematics
 from models.pose import POSE_SIZE, ROOT_POSITION, ROOT_ROTATION
 from models.rotations import exp
 from models.skeleton import ADULT, Skeleton
-
-Array = NDArray[np.float64]
 
 BONES = 15
 """Palm and 14 phalanges."""

@@ -8,13 +8,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Literal
 
-import numpy as np
 import tyro
-from numpy.typing import NDArray
 from rich.console import Console
 
 from encoders.person.hand_size import SPREADS, HandSize, builtin_sizes
 from encoders.person.spreads import SpreadCollector
+from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.person import Person, PersonFrame
 from models.scene import CONTROL_PERIOD
@@ -28,8 +27,6 @@ from sandbox.recording.recording import is_recording
 from sandbox.session.device import Device
 from sandbox.trial.settings import RunSettings
 from tasks.registry import find_task
-
-Array = NDArray[np.float64]
 
 _ASKED = {
     "natural": "put down all five fingertips, relaxed, and hold still",
@@ -142,10 +139,12 @@ def _check_surface(options: CalibrateOptions, settings: RunSettings) -> None:
     told = settings.surface_calibrated and (recorded or not file.is_file())
     if not told and (recorded or options.surface is None):
         raise InputError(
-            "the size of the touch surface is not known", where=f"--device {options.device}",
-            remedy="Record anew with --surface" if recorded
+            "the size of the touch surface is not known",
+            where=f"--device {options.device}",
+            remedy="Record anew with --surface"
+            if recorded
             else "Measure the touch area with a ruler, for example --surface 197x148mm",
-        )  # fmt: skip
+        )
 
 
 def _collect(device: Device, live: bool, seconds: float, console: Console) -> list[Array]:
@@ -175,11 +174,12 @@ def _collect(device: Device, live: bool, seconds: float, console: Console) -> li
             now += CONTROL_PERIOD
     if len(collector.layouts) < len(SPREADS):
         raise InputError(
-            "five fingers did not rest three times", where=f"--device {device.name}",
+            "five fingers did not rest three times",
+            where=f"--device {device.name}",
             got=f"{len(collector.layouts)} times, and at most {most} fingers at once",
             expected="three spreads of five fingers, each held still for half a second",
             remedy="Lift the hand between two spreads",
-        )  # fmt: skip
+        )
     return list(collector.layouts)
 
 

@@ -109,16 +109,18 @@ def main(argv: list[str]) -> int:
     console.print(
         f"{names}: {exporter.frames:,} keys at {options.rate:g} Hz, {seconds:.1f} s of "
         f"{source.what}",
-        soft_wrap=True, markup=False,
-    )  # fmt: skip
+        soft_wrap=True,
+        markup=False,
+    )
     for writer, _ in exporter.writers:
         if isinstance(writer, BvhWriter):
             step = float(np.rad2deg(writer.euler.biggest_step))
             console.print(
                 f"{writer.paths[0].name}: angles in {options.euler} order, the greatest step "
                 f"between two keys {step:.1f} degrees",
-                soft_wrap=True, markup=False,
-            )  # fmt: skip
+                soft_wrap=True,
+                markup=False,
+            )
     return 0
 
 
@@ -127,9 +129,11 @@ def _found(options: ExportOptions) -> Path:
     files = find_recordings(options.file, options.out)
     if len(files) > 1:
         raise InputError(
-            "one motion is written at a time", where=options.file, got=f"{len(files)} recordings",
+            "one motion is written at a time",
+            where=options.file,
+            got=f"{len(files)} recordings",
             remedy=f"Name one of them, such as {files[0].stem}",
-        )  # fmt: skip
+        )
     return files[0]
 
 

@@ -44,8 +44,13 @@ def first_steps() -> list[str]:
     first = next(iter(TASKS))
     lifts = next(name for name, task in TASKS.items() if task.lift_range > 0)
     play = f"sandbox play {first}" + ("" if has_display() else " --view web")
-    return ["sandbox demo", play, f"sandbox play {lifts} --tablet", "sandbox doctor",
-            f"sandbox run {first} --seed 7 --record run.jsonl"]  # fmt: skip
+    return [
+        "sandbox demo",
+        play,
+        f"sandbox play {lifts} --tablet",
+        "sandbox doctor",
+        f"sandbox run {first} --seed 7 --record run.jsonl",
+    ]
 
 
 def _columns(rows: Mapping[str, str]) -> list[str]:

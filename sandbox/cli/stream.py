@@ -157,8 +157,9 @@ def main(argv: list[str]) -> int:
             console.print(
                 f"streaming {source.what} to {target.name} at {host}:{port}, "
                 f"{options.rate:g} times a second; Ctrl-C ends it",
-                soft_wrap=True, highlight=False,
-            )  # fmt: skip
+                soft_wrap=True,
+                highlight=False,
+            )
             with _interruptible(stop), _telling(sender, console):
                 damage = player.play(sender, stop)
             reached = sender.flush(LAST_WORD)
@@ -174,9 +175,10 @@ def _target(options: StreamOptions) -> tuple[Target, tuple[str, int] | None]:
         return BLENDER if options.blender is not None else maya, None
     if (options.maya is None) == (options.blender is None):
         raise InputError(
-            "say where the hand goes", got="both" if options.maya else "neither",
+            "say where the hand goes",
+            got="both" if options.maya else "neither",
             expected="--maya HOST:PORT, --blender HOST:PORT, --print or --script",
-        )  # fmt: skip
+        )
     if options.blender is not None:
         return BLENDER, parse_address(options.blender)
     return MAYA_MEL if options.language == "mel" else MAYA, parse_address(str(options.maya))
@@ -186,9 +188,10 @@ def _check(options: StreamOptions) -> None:
     check_output(options.json)
     if (options.file is None) == (options.device is None):
         raise InputError(
-            "say where the hand comes from", got="both" if options.file else "neither",
+            "say where the hand comes from",
+            got="both" if options.file else "neither",
             expected="a recording, or --device",
-        )  # fmt: skip
+        )
     for name, value, least, most in (
         ("--rate", options.rate, 1.0, 240.0),
         ("--speed", options.speed, 0.01, 100.0),
@@ -229,10 +232,18 @@ def _open(
 
 def _session(options: StreamOptions, console: Console) -> tuple[RunSettings, DeviceMakers]:
     scene = SceneOptions(
-        task=options.task, device=str(options.device), encoder=options.encoder, hand=options.hand,
-        surface=options.surface, seed=options.seed, port=options.port, bind=options.bind,
-        leap=options.leap, leap_at=options.leap_at, calibration=options.calibration,
-    )  # fmt: skip
+        task=options.task,
+        device=str(options.device),
+        encoder=options.encoder,
+        hand=options.hand,
+        surface=options.surface,
+        seed=options.seed,
+        port=options.port,
+        bind=options.bind,
+        leap=options.leap,
+        leap_at=options.leap_at,
+        calibration=options.calibration,
+    )
     if options.device == "mouse":
         raise InputError(
             "the mouse needs a window", where="--device mouse", expected=", ".join(LIVE)
@@ -244,9 +255,12 @@ def _session(options: StreamOptions, console: Console) -> tuple[RunSettings, Dev
     from sandbox.options.touch_devices import TouchOptions
 
     asked = TouchOptions(
-        device="web", surface=options.surface, tablet=options.tablet, lan=options.lan,
+        device="web",
+        surface=options.surface,
+        tablet=options.tablet,
+        lan=options.lan,
         page_port=options.page_port,
-    )  # fmt: skip
+    )
     page = open_page_touches(asked, console, PAGE_PATIENCE)
     if page is None:
         raise InputError("nobody opened the page", where="--device web")
@@ -312,15 +326,23 @@ def _telling(sender: Sender, console: Console) -> Iterator[None]:
 
 
 def _report(
-    options: StreamOptions, player: Player, sender: Sender, reached: bool, damage: str,
+    options: StreamOptions,
+    player: Player,
+    sender: Sender,
+    reached: bool,
+    damage: str,
     console: Console,
-) -> None:  # fmt: skip
+) -> None:
     counts = sender.counts
     per = 1e3 * player.work / max(player.moments, 1)
     result = {
-        "schema": 1, "moments": player.moments, "counts": counts, "ms_per_moment": round(per, 4),
-        "stopped": reached, "damage": damage,
-    }  # fmt: skip
+        "schema": 1,
+        "moments": player.moments,
+        "counts": counts,
+        "ms_per_moment": round(per, 4),
+        "stopped": reached,
+        "damage": damage,
+    }
     for word in (
         damage,
         ""

@@ -14,8 +14,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.frames import FINGERS, Contact, TouchFrame
 from models.kinematics import Kinematics
@@ -24,8 +25,6 @@ from models.pose import POSE_SIZE
 from models.skeleton import ADULT
 from models.surface import Surface
 from sandbox.session.device import Device
-
-Array = NDArray[np.float64]
 
 GRAB_RADIUS = 0.010
 """m around a pin in which a click takes hold of it."""

@@ -19,8 +19,12 @@ BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stab
 
 def device_checks() -> list[Check]:
     """All of them."""
-    return [_network(), *(port_check(kind, TUIO_PORT) for kind in ("UDP", "TCP")), _browser(),
-            *_inputs()]  # fmt: skip
+    return [
+        _network(),
+        *(port_check(kind, TUIO_PORT) for kind in ("UDP", "TCP")),
+        _browser(),
+        *_inputs(),
+    ]
 
 
 def port_check(kind: str, port: int) -> Check:
@@ -45,10 +49,16 @@ def port_check(kind: str, port: int) -> Check:
         except OSError as error:
             ok, state = False, error.strerror or str(error)
     return Check(
-        "devices", f"{kind} port {port}", ok, state, f"tablets and tables that send TUIO by {kind}",
-        "" if ok else "Another program listens there, perhaps another session; end it, or give "
+        "devices",
+        f"{kind} port {port}",
+        ok,
+        state,
+        f"tablets and tables that send TUIO by {kind}",
+        ""
+        if ok
+        else "Another program listens there, perhaps another session; end it, or give "
         "both sides another port (--port)",
-    )  # fmt: skip
+    )
 
 
 def _network() -> Check:
@@ -64,10 +74,13 @@ def _network() -> Check:
 def _browser() -> Check:
     path = next(filter(None, map(shutil.which, BROWSERS)), None)
     return Check(
-        "devices", "Chromium", path is not None, path or "not found on the PATH",
+        "devices",
+        "Chromium",
+        path is not None,
+        path or "not found on the PATH",
         "the page on this machine, and its tests; any browser will do for play",
         "" if path else "On Debian or Ubuntu: apt-get install chromium",
-    )  # fmt: skip
+    )
 
 
 def _inputs() -> list[Check]:
@@ -86,6 +99,12 @@ def _inputs() -> list[Check]:
     else:
         summary, remedy = f"{len(readable)} of {len(events)} devices can be read", ""
     return [
-        Check("devices", "/dev/input", bool(readable), summary,
-              "touch screens and trackpads (--device evdev)", remedy)
-    ]  # fmt: skip
+        Check(
+            "devices",
+            "/dev/input",
+            bool(readable),
+            summary,
+            "touch screens and trackpads (--device evdev)",
+            remedy,
+        )
+    ]

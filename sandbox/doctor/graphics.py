@@ -45,16 +45,30 @@ def graphics_checks() -> list[Check]:
     """The display, a window on it, and pictures without a screen."""
     display, shown = _display()
     checks = [
-        Check("pictures", "display", display, shown, "`sandbox play` in a window",
-              "" if display else "Log in with a screen, try xvfb-run, or play in a browser: "
-              "`sandbox play --view web`")
-    ]  # fmt: skip
+        Check(
+            "pictures",
+            "display",
+            display,
+            shown,
+            "`sandbox play` in a window",
+            ""
+            if display
+            else "Log in with a screen, try xvfb-run, or play in a browser: "
+            "`sandbox play --view web`",
+        )
+    ]
     if display:
         window = ask(_WINDOW)
         checks.append(
-            Check("pictures", "window", window.ok, _told(window), "`sandbox play` in a window",
-                  "" if window.ok else f"On Debian or Ubuntu: apt-get install {DEBIAN_PACKAGES}")
-        )  # fmt: skip
+            Check(
+                "pictures",
+                "window",
+                window.ok,
+                _told(window),
+                "`sandbox play` in a window",
+                "" if window.ok else f"On Debian or Ubuntu: apt-get install {DEBIAN_PACKAGES}",
+            )
+        )
     answers = {
         name: ask(_OFFSCREEN, MUJOCO_GL=backend, PYOPENGL_PLATFORM=backend)
         for name, backend in (("EGL", "egl"), ("OSMesa", "osmesa"))
@@ -67,10 +81,17 @@ def graphics_checks() -> list[Check]:
             for name, a in answers.items()
         )
         checks.append(
-            Check("pictures", "without a screen", any_ok, told, "films and pictures",
-                  "" if any_ok else f"On Debian or Ubuntu: apt-get install {DEBIAN_PACKAGES} "
-                  "(or libosmesa6)")
-        )  # fmt: skip
+            Check(
+                "pictures",
+                "without a screen",
+                any_ok,
+                told,
+                "films and pictures",
+                ""
+                if any_ok
+                else f"On Debian or Ubuntu: apt-get install {DEBIAN_PACKAGES} (or libosmesa6)",
+            )
+        )
     return checks
 
 

@@ -94,19 +94,30 @@ def package_checks() -> list[Check]:
     wrong = list(filter(None, (r.unmet() for r in known[""])))
     line = _pip("")
     checks = [
-        Check("program", "packages", not wrong,
-              "; ".join(wrong) or ", ".join(r.package for r in known[""]),
-              "everything", line if wrong else "")
-    ]  # fmt: skip
+        Check(
+            "program",
+            "packages",
+            not wrong,
+            "; ".join(wrong) or ", ".join(r.package for r in known[""]),
+            "everything",
+            line if wrong else "",
+        )
+    ]
     for extra, requirements in known.items():
         if not extra or extra in DEVELOPERS or not requirements:
             continue
         wrong = list(filter(None, (r.unmet() for r in requirements)))
         versions = ", ".join(f"{r.package} {version(r.package)}" for r in requirements if not wrong)
         checks.append(
-            Check("extras", extra, not wrong, "; ".join(wrong) or versions, USES.get(extra, ""),
-                  _pip(extra) if wrong else "")
-        )  # fmt: skip
+            Check(
+                "extras",
+                extra,
+                not wrong,
+                "; ".join(wrong) or versions,
+                USES.get(extra, ""),
+                _pip(extra) if wrong else "",
+            )
+        )
     return checks
 
 

@@ -34,6 +34,10 @@ def speed_check() -> Check:
         )
     speed = float(answer.text)
     return Check(
-        "program", "speed", speed >= ENOUGH, f"simulates {speed:.1f} times as fast as real time",
-        use, "" if speed >= ENOUGH else "Close other programs; `s` in the window slows time down",
-    )  # fmt: skip
+        "program",
+        "speed",
+        speed >= ENOUGH,
+        f"simulates {speed:.1f} times as fast as real time",
+        use,
+        "" if speed >= ENOUGH else "Close other programs; `s` in the window slows time down",
+    )

@@ -24,14 +24,28 @@ WAITS = 20
 
 def system_checks() -> list[Check]:
     """Checks of the system other than packages, graphics and devices."""
-    return [_python(), _mujoco(), _versions(), _clock(), _ffmpeg(), folder_check(Path.cwd()),
-            _profile_folder(), _profile()]  # fmt: skip
+    return [
+        _python(),
+        _mujoco(),
+        _versions(),
+        _clock(),
+        _ffmpeg(),
+        folder_check(Path.cwd()),
+        _profile_folder(),
+        _profile(),
+    ]
 
 
 def _python() -> Check:
     ok = sys.version_info[:2] >= PYTHON
-    return Check("program", "Python", ok, f"{platform.python_version()} at {sys.executable}",
-                 "everything", "" if ok else "Install Python 3.11 or newer")  # fmt: skip
+    return Check(
+        "program",
+        "Python",
+        ok,
+        f"{platform.python_version()} at {sys.executable}",
+        "everything",
+        "" if ok else "Install Python 3.11 or newer",
+    )
 
 
 def _mujoco() -> Check:
@@ -42,14 +56,25 @@ def _mujoco() -> Check:
         ok = mujoco.mj_versionString() is not None
         return Check("program", "MuJoCo", ok, installed, "everything")
     except (PackageNotFoundError, ImportError, OSError) as error:
-        return Check("program", "MuJoCo", False, str(error), "everything",
-                     f"{sys.executable} -m pip install mujoco")  # fmt: skip
+        return Check(
+            "program",
+            "MuJoCo",
+            False,
+            str(error),
+            "everything",
+            f"{sys.executable} -m pip install mujoco",
+        )
 
 
 def _versions() -> Check:
     known = versions()
-    return Check("program", "fingerprint", True, f"{known['fingerprint']} ({known['processor']})",
-                 "replay to the bit, where two machines have the same")  # fmt: skip
+    return Check(
+        "program",
+        "fingerprint",
+        True,
+        f"{known['fingerprint']} ({known['processor']})",
+        "replay to the bit, where two machines have the same",
+    )
 
 
 def _clock() -> Check:
@@ -62,11 +87,15 @@ def _clock() -> Check:
     resolution = time.get_clock_info("monotonic").resolution
     median = statistics.median(late)
     ok = median <= LATE and resolution <= 0.001
-    return Check("program", "clock", ok,
-                 f"wakes up {1000 * median:.1f} ms late (median of {WAITS}), "
-                 f"resolution {1e9 * resolution:.0f} ns",
-                 "sessions in real time",
-                 "" if ok else "Close other programs, or use another machine")  # fmt: skip
+    return Check(
+        "program",
+        "clock",
+        ok,
+        f"wakes up {1000 * median:.1f} ms late (median of {WAITS}), "
+        f"resolution {1e9 * resolution:.0f} ns",
+        "sessions in real time",
+        "" if ok else "Close other programs, or use another machine",
+    )
 
 
 def _ffmpeg() -> Check:
@@ -78,8 +107,14 @@ def _ffmpeg() -> Check:
         path = None
     other = shutil.which("ffmpeg")
     program = path or (f"only {other}, which is not used" if other else "none")
-    return Check("program", "ffmpeg", path is not None, program, "films as mp4",
-                 "" if path else "Install the extra film")  # fmt: skip
+    return Check(
+        "program",
+        "ffmpeg",
+        path is not None,
+        program,
+        "films as mp4",
+        "" if path else "Install the extra film",
+    )
 
 
 def folder_check(
@@ -94,8 +129,14 @@ def folder_check(
             pass
         return Check("files", name, True, str(folder), use)
     except OSError as error:
-        return Check("files", name, False, f"{folder}: {error.strerror}", use,
-                     "Choose another folder, or allow yourself to write there")  # fmt: skip
+        return Check(
+            "files",
+            name,
+            False,
+            f"{folder}: {error.strerror}",
+            use,
+            "Choose another folder, or allow yourself to write there",
+        )
 
 
 def _profile_folder() -> Check:
@@ -105,11 +146,20 @@ def _profile_folder() -> Check:
 def _profile() -> Check:
     path = default_path()
     if not path.exists():
-        return Check("files", "your profile", True,
-                     "none: your hand is taken to be of the trained size; `sandbox calibrate` "
-                     "measures it")  # fmt: skip
+        return Check(
+            "files",
+            "your profile",
+            True,
+            "none: your hand is taken to be of the trained size; `sandbox calibrate` measures it",
+        )
     try:
         return Check("files", "your profile", True, find_profile(str(path)).line)
     except HandSandboxError as error:
-        return Check("files", "your profile", False, str(error), "your own hand's size",
-                     f"Move {path} away, or measure anew: `sandbox calibrate`")  # fmt: skip
+        return Check(
+            "files",
+            "your profile",
+            False,
+            str(error),
+            "your own hand's size",
+            f"Move {path} away, or measure anew: `sandbox calibrate`",
+        )

@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from msgspec import Struct
-from numpy.typing import NDArray
 
 from encoders.capture import Capture
 from encoders.store import load_capture
+from models.arithmetic.arrays import Array
 from models.errors import InputError, RecordingError
 from models.json_input import checked, decoded_record
 from models.motion.armature import CHUNK, Armature
@@ -35,7 +35,6 @@ if TYPE_CHECKING:
     from sandbox.session.messages import Snapshot
     from sandbox.session.session import Session
 
-Array = NDArray[np.float64]
 
 HAND_JOINTS = 3 + 4 * 15
 """Joint positions of one hand in a scene; hands come before objects."""
@@ -86,9 +85,10 @@ def open_source(path: Path, of: str = "simulated", take: int = 1) -> Source:
         raise InputError("cannot be read", where=str(path), got=error.strerror) from error
     if not packed:
         raise InputError(
-            "this is neither a recording nor a capture", where=str(path),
+            "this is neither a recording nor a capture",
+            where=str(path),
             remedy="`--record FILE` of run and play makes a recording, `sandbox capture` a capture",
-        )  # fmt: skip
+        )
     return _capture(load_capture(path), str(path), take)
 
 
@@ -126,10 +126,11 @@ def _simulated(path: Path) -> Source:
                 return damage
             if qpos.shape[1] < len(names) * HAND_JOINTS:
                 raise RecordingError(
-                    "its poses are another scene's", where=str(path),
+                    "its poses are another scene's",
+                    where=str(path),
                     got=f"{qpos.shape[1]} joint positions",
                     expected=f"at least {len(names) * HAND_JOINTS}",
-                )  # fmt: skip
+                )
             take(poses_of_qpos(steps * timestep, qpos, len(names)))
             any_rows = True
         if not any_rows:
@@ -137,7 +138,7 @@ def _simulated(path: Path) -> Source:
                 "it holds no poses: it breaks off before the first, or an older version made it",
                 where=str(path),
                 remedy="--of commanded plays it again and exports what the hand was told to do",
-            )  # fmt: skip
+            )
         return ""
 
     return Source(armatures, names, _length(path, timestep), "the simulated hand", run)
@@ -185,9 +186,11 @@ def _capture(capture: Capture, where: str, take: int) -> Source:
     trials = np.unique(capture.trial)
     if not 1 <= take <= len(trials):
         raise InputError(
-            "it has no such take", where=f"{where}, --take", got=take,
+            "it has no such take",
+            where=f"{where}, --take",
+            got=take,
             expected=f"1 to {len(trials)}",
-        )  # fmt: skip
+        )
     one = capture.select(capture.trial == trials[take - 1])
     time = one.time - one.time[0]
 

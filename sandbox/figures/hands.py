@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from encoders.evaluation.measure import TRUE, MethodResult, Tests
+from models.arithmetic.arrays import Array
 from models.kinematics import Kinematics
 from models.pose import ROOT_ROTATION
 from models.rotations import exp
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Array = NDArray[np.float64]
 
 _KINEMATICS = Kinematics(ADULT)
 

@@ -105,15 +105,27 @@ def _line(panel: Axes, curve: Curve, colour: str) -> None:
         [max(100.0 * high - r, 0.0) for r, (_, high) in zip(rates, intervals, strict=True)],
     ]
     panel.errorbar(
-        x, rates, yerr=ends, color=colour, marker="o", markersize=3.5, linewidth=1.2,
-        elinewidth=0.8, capsize=2.0, label=curve.task,
-    )  # fmt: skip
+        x,
+        rates,
+        yerr=ends,
+        color=colour,
+        marker="o",
+        markersize=3.5,
+        linewidth=1.2,
+        elinewidth=0.8,
+        capsize=2.0,
+        label=curve.task,
+    )
     broken = [(p.value, r) for p, r in zip(points, rates, strict=True) if p.breaks]
     if broken:
         panel.plot(
-            *zip(*broken, strict=True), linestyle="", marker="o", markersize=10,
-            markerfacecolor="none", markeredgecolor=colour,
-        )  # fmt: skip
+            *zip(*broken, strict=True),
+            linestyle="",
+            marker="o",
+            markersize=10,
+            markerfacecolor="none",
+            markeredgecolor=colour,
+        )
 
 
 def _logarithmic(panel: Axes, values: list[float]) -> None:

@@ -6,11 +6,11 @@ from abc import abstractmethod
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from encoders.reconstruction.arrival import Phase
 from encoders.reconstruction.reconstructor import Reconstructor
 from encoders.reconstruction.touch_reconstructor import Reconstruction
+from models.arithmetic.arrays import Array
 from models.frames import FINGERS, Contact, TouchFrame
 from models.limits import RateLimit, within_limits
 from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION
@@ -18,8 +18,6 @@ from models.skeleton import Skeleton
 from models.surface import Surface
 from sandbox.session.device import Device
 from tasks.task import Task
-
-Array = NDArray[np.float64]
 
 SLOTS = len(FINGERS)
 """Touches at a time, as many as a hand has fingers."""

@@ -8,8 +8,9 @@ from typing import Any, Literal
 import gymnasium
 import numpy as np
 from gymnasium import spaces
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.scene import CONTROL_PERIOD
 from models.skeleton import ADULT
@@ -27,7 +28,6 @@ from tasks.registry import draw_task, find_task, hands_of
 from tasks.score import Status
 from tasks.sensing import Sensing
 
-Array = NDArray[np.float64]
 Observation = dict[str, Array]
 
 SEEDS = 2**31
@@ -113,8 +113,9 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
             ("render_mode", render_mode, (None, "rgb_array")),
         ):
             if got not in options:
-                raise InputError("no such choice", where=where, got=got,
-                                 expected=", ".join(map(str, options)))  # fmt: skip
+                raise InputError(
+                    "no such choice", where=where, got=got, expected=", ".join(map(str, options))
+                )
         first = HandSettings(hand, hand_size, turn)
         try:
             chosen = RunSettings(task=task, hands=(first,), **settings)
@@ -228,8 +229,12 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
     def _checked(self, action: ArrayLike) -> Array:
         values = np.asarray(action, float)
         if values.shape != self.action_space.shape or not np.all(np.isfinite(values)):
-            raise InputError("not an action", where="step", got=f"shape {values.shape}",
-                             expected=f"{self.action_space.shape} finite numbers")  # fmt: skip
+            raise InputError(
+                "not an action",
+                where="step",
+                got=f"shape {values.shape}",
+                expected=f"{self.action_space.shape} finite numbers",
+            )
         assert isinstance(self.action_space, spaces.Box)
         return np.clip(values, self.action_space.low, self.action_space.high)
 

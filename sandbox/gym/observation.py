@@ -8,16 +8,13 @@ from typing import Any
 import mujoco
 import numpy as np
 from gymnasium import spaces
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.rotations import quaternion_log
 from sandbox.gym.actions import SLOTS
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from tasks.task import Task
-
-Array = NDArray[np.float64]
-
 
 FAR, FAST, SPINNING = 10.0, 100.0, 1000.0
 """m, m/s and rad/s: bounds of what is seen. Nothing sound comes near them; what is beyond is shown
@@ -91,9 +88,11 @@ def _hand(
         label = None if id is None else known.get(id)
         labels[slot] = -1.0 if label is None else label
     return {
-        "pose": np.concatenate([joints[:3], turns]), "tips": hand.tips,
-        "solid": solid, "labels": labels,
-    }  # fmt: skip
+        "pose": np.concatenate([joints[:3], turns]),
+        "tips": hand.tips,
+        "solid": solid,
+        "labels": labels,
+    }
 
 
 def _within(values: Array, space: spaces.Space[Any]) -> Array:

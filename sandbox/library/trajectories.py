@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.frames import FINGERS
 from models.pose import ROOT_POSITION
@@ -18,7 +19,6 @@ from models.skeleton import ADULT
 from sandbox.session.messages import HandView, Snapshot
 from sandbox.session.session import Session
 
-Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 POSE_COLUMNS = tuple(

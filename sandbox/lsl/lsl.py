@@ -23,15 +23,13 @@ from typing import Any
 from uuid import uuid4
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.errors import DeviceError
 from models.frames import Frame, TouchFrame
 from models.pose import POSE_SIZE
 from models.scene import CONTROL_PERIOD
 from sandbox.recording.versions import versions
-
-Array = NDArray[np.float64]
 
 CONTACTS = 10
 """Contacts of one touch sample; more than ten are not sent."""
@@ -100,9 +98,12 @@ class LslOutlets:
         # An outlet ends with its object.
         self._streams.clear()
         if self._lost:
-            raise DeviceError("Lab Streaming Layer did not take everything", where="--lsl",
-                              got=f"{self._lost} samples or markers lost: {self._why}",
-                              remedy="Recordings and journals have all of it")  # fmt: skip
+            raise DeviceError(
+                "Lab Streaming Layer did not take everything",
+                where="--lsl",
+                got=f"{self._lost} samples or markers lost: {self._why}",
+                remedy="Recordings and journals have all of it",
+            )
 
     def begin(self, header: Mapping[str, Any]) -> None:
         """See `Listener`."""
@@ -163,8 +164,9 @@ class LslOutlets:
         kind = name.split("_")[1]
         type_, channels, rate = KINDS[kind]
         form = self._lsl.cf_string if kind == "markers" else self._lsl.cf_double64
-        info = self._lsl.StreamInfo(name, type_, len(channels), rate, form,
-                                    f"{self.source}-{name.removeprefix('sandbox_')}")  # fmt: skip
+        info = self._lsl.StreamInfo(
+            name, type_, len(channels), rate, form, f"{self.source}-{name.removeprefix('sandbox_')}"
+        )
         about = info.desc()
         about.append_child_value("manufacturer", "Hand Sandbox")
         about.append_child_value("version", versions()["hand-sandbox"])
@@ -192,13 +194,20 @@ def _pylsl() -> Any:
     try:
         import pylsl
     except ImportError:
-        raise DeviceError("Lab Streaming Layer needs pylsl", where="--lsl",
-                          remedy="pip install 'hand-sandbox[lsl]'") from None  # fmt: skip
+        raise DeviceError(
+            "Lab Streaming Layer needs pylsl",
+            where="--lsl",
+            remedy="pip install 'hand-sandbox[lsl]'",
+        ) from None
     except RuntimeError as error:
         # Its wheel for older systems comes without the library, and says so only now.
-        raise DeviceError("pylsl has no library", where="--lsl", got=str(error).splitlines()[0],
-                          remedy="Install liblsl from github.com/sccn/liblsl/releases, or set "
-                                 "PYLSL_LIB to its file") from None  # fmt: skip
+        raise DeviceError(
+            "pylsl has no library",
+            where="--lsl",
+            got=str(error).splitlines()[0],
+            remedy="Install liblsl from github.com/sccn/liblsl/releases, or set "
+            "PYLSL_LIB to its file",
+        ) from None
     if not any(path.is_file() for path in _settings_files()):
         # Where nobody has settings of their own, it tells errors only.
         pylsl.set_config_content("[log]\nlevel = -2\n")
@@ -209,5 +218,9 @@ def _settings_files() -> list[Path]:
     """Environment variable and files with liblsl's settings."""
     name = "lsl_api.cfg"
     given = os.environ.get("LSLAPICFG")
-    return [*([Path(given)] if given else []), Path(name), Path.home() / "lsl_api" / name,
-            Path("/etc/lsl_api") / name]  # fmt: skip
+    return [
+        *([Path(given)] if given else []),
+        Path(name),
+        Path.home() / "lsl_api" / name,
+        Path("/etc/lsl_api") / name,
+    ]

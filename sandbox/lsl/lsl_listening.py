@@ -10,16 +10,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
+from models.arithmetic.arrays import Array
 from models.frames import Frame
 from models.scene import CONTROL_PERIOD
 
 if TYPE_CHECKING:
     from sandbox.session.session import Recorder, Session
 
-Array = NDArray[np.float64]
 
 CLOCK_PERIOD = 10.0
 """s of simulated time between two comparisons of clocks in a recording."""
@@ -110,9 +107,13 @@ class Told:
             listener.event(what, {"step": step, **details})
 
     def state(
-        self, step: int, state: Array, state_hash: str, qpos: Array,
+        self,
+        step: int,
+        state: Array,
+        state_hash: str,
+        qpos: Array,
         solid: Sequence[frozenset[int]],
-    ) -> None:  # fmt: skip
+    ) -> None:
         """See `Recorder`."""
         self._recorder.state(step, state, state_hash, qpos, solid)
         if self._states % STATES_PER_CLOCK == 0:

@@ -46,9 +46,11 @@ def chosen_file(options: Any) -> Path | None:
         path = Path(str(named))
         if options.calibration is not None:
             raise InputError(
-                "a hand is measured once", where="--profile", got=f"{named}, a calibration, too",
+                "a hand is measured once",
+                where="--profile",
+                got=f"{named}, a calibration, too",
                 expected="one of --calibration and --profile",
-            )  # fmt: skip
+            )
     return options.calibration or path
 
 
@@ -67,10 +69,12 @@ def of_touches(options: Any, in_air: bool) -> bool:
         return True
     if not in_air:
         raise InputError(
-            "this is a hand over a Leap", where=f"--profile {options.profile}",
-            got=f"--device {options.device}", expected="--device leap",
+            "this is a hand over a Leap",
+            where=f"--profile {options.profile}",
+            got=f"--device {options.device}",
+            expected="--device leap",
             remedy="`sandbox calibrate` measures a hand that touches",
-        )  # fmt: skip
+        )
     return False
 
 

@@ -258,8 +258,10 @@ def _settings(options: SceneOptions, recording: Recording | None) -> RunSettings
         own = HandSettings.of(find_profile(str(options.profile)).person)
         first = replace(own, in_air=first.in_air)
     asked: dict[str, Any] = {
-        "side": options.hand, "size": options.hand_size, "turn": options.turn,
-    }  # fmt: skip
+        "side": options.hand,
+        "size": options.hand_size,
+        "turn": options.turn,
+    }
     first = replace(first, **{name: value for name, value in asked.items() if value is not None})
     if recording is None:
         first = replace(first, size=size * first.size)
@@ -296,12 +298,16 @@ def _defaults_apart_from_input(options: SceneOptions) -> bool:
 def _user(options: SceneOptions) -> UserConfiguration:
     if not 2 <= options.fingers <= 5:
         raise InputError(
-            "the simulated user cannot do this", where="--fingers", got=options.fingers,
+            "the simulated user cannot do this",
+            where="--fingers",
+            got=options.fingers,
             expected="2 to 5",
-        )  # fmt: skip
+        )
     if not 0.0 <= options.drop_outs <= 10.0:
         raise InputError(
-            "no screen loses touches like this", where="--drop-outs", got=options.drop_outs,
+            "no screen loses touches like this",
+            where="--drop-outs",
+            got=options.drop_outs,
             expected="0 to 10 times per second",
-        )  # fmt: skip
+        )
     return UserConfiguration(kind=options.user, fingers=options.fingers)

@@ -60,8 +60,9 @@ def named(argv: Sequence[str]) -> list[str]:
         if name in TWICE:
             seen[name] = seen.get(name, 0) + 1
             if seen[name] > 2:
-                raise InputError("there are no more than two hands", where=name,
-                                 expected="once, or twice")  # fmt: skip
+                raise InputError(
+                    "there are no more than two hands", where=name, expected="once, or twice"
+                )
             if seen[name] == 2:
                 name = "--second-" + name.removeprefix("--")
         found.append(name + equals + value)
@@ -94,14 +95,20 @@ def with_second(
     wanted = options.second_device is not None or options.one_surface
     if not (for_two or wanted):
         if given or options.second_user:
-            raise InputError("there is one hand only", where="--hand, --turn or --user twice",
-                             remedy="--device twice, or --one-surface")  # fmt: skip
+            raise InputError(
+                "there is one hand only",
+                where="--hand, --turn or --user twice",
+                remedy="--device twice, or --one-surface",
+            )
         return settings
     simulated = (device, options.second_device or "simulated") == ("simulated",) * 2
     if options.one_surface and not simulated and options.second_device is not None:
-        raise InputError("one surface is one device", where="--one-surface",
-                         got=f"{device} and {options.second_device}",
-                         remedy="Leave the second --device out")  # fmt: skip
+        raise InputError(
+            "one surface is one device",
+            where="--one-surface",
+            got=f"{device} and {options.second_device}",
+            remedy="Leave the second --device out",
+        )
     if options.one_surface and device == "mouse":
         raise InputError("this device is one hand's", where="--one-surface", got=device)
     alone = options.second_device is None and device not in ONE_HAND_EACH

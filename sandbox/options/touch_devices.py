@@ -174,9 +174,11 @@ def open_file(path: Path, surface: Surface | None, stale_after: float = 2.0) -> 
         )
     if path.suffix == ".py":
         raise DeviceError(
-            "the class of this device is missing", where="--device", got=str(path),
+            "the class of this device is missing",
+            where="--device",
+            got=str(path),
             expected=f"such as {path}:CLASS",
-        )  # fmt: skip
+        )
     head = first_line(path) if path.is_file() else {}
     if "contacts" in head or "surface_in" in head:
         file = read_frame_file(path)

@@ -48,26 +48,61 @@ HAND = "hand-size"
 KINDS = {
     kind.name: kind
     for kind in (
-        Kind("size", "edges of the objects", 1.0,
-             down=(0.8, 0.6, 0.5, 0.4, 0.3), up=(1.2, 1.4, 1.6, 1.8, 2.0)),
-        Kind("mass", "mass of the objects", 1.0,
-             down=(0.5, 0.2, 0.1, 0.05), up=(2.0, 4.0, 8.0, 16.0, 32.0)),
-        Kind("friction", "friction of table, objects and hand", 1.0,
-             down=(0.7, 0.5, 0.35, 0.25, 0.15, 0.1), up=(1.5, 2.0, 3.0, 5.0)),
-        Kind("start", "start, away from where it was drawn", 0.0, "mm", 1e-3,
-             up=(10.0, 20.0, 30.0, 40.0)),
-        Kind(HAND, "hand, against the one that touches", 1.0,
-             down=(0.95, 0.9, 0.85, 0.8, 0.7), up=(1.05, 1.1, 1.15, 1.2, 1.3, 1.5)),
-        Kind("noise", "noise of touches", 0.0, "mm", 1e-3,
-             up=(0.5, 1.0, 2.0, 3.0, 5.0, 8.0, 12.0)),
-        Kind("dropped", "times that each touch is lost", 0.0, "per s",
-             up=(0.25, 0.5, 1.0, 2.0, 4.0, 8.0)),
-        Kind("ghosts", "ghost touches", 0.0, "per s",
-             up=(0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)),
-        Kind("latency", "latency of touches", 0.0, "ms", 1e-3,
-             up=(50.0, 100.0, 150.0, 200.0, 300.0, 400.0, 600.0)),
+        Kind(
+            "size",
+            "edges of the objects",
+            1.0,
+            down=(0.8, 0.6, 0.5, 0.4, 0.3),
+            up=(1.2, 1.4, 1.6, 1.8, 2.0),
+        ),
+        Kind(
+            "mass",
+            "mass of the objects",
+            1.0,
+            down=(0.5, 0.2, 0.1, 0.05),
+            up=(2.0, 4.0, 8.0, 16.0, 32.0),
+        ),
+        Kind(
+            "friction",
+            "friction of table, objects and hand",
+            1.0,
+            down=(0.7, 0.5, 0.35, 0.25, 0.15, 0.1),
+            up=(1.5, 2.0, 3.0, 5.0),
+        ),
+        Kind(
+            "start",
+            "start, away from where it was drawn",
+            0.0,
+            "mm",
+            1e-3,
+            up=(10.0, 20.0, 30.0, 40.0),
+        ),
+        Kind(
+            HAND,
+            "hand, against the one that touches",
+            1.0,
+            down=(0.95, 0.9, 0.85, 0.8, 0.7),
+            up=(1.05, 1.1, 1.15, 1.2, 1.3, 1.5),
+        ),
+        Kind("noise", "noise of touches", 0.0, "mm", 1e-3, up=(0.5, 1.0, 2.0, 3.0, 5.0, 8.0, 12.0)),
+        Kind(
+            "dropped",
+            "times that each touch is lost",
+            0.0,
+            "per s",
+            up=(0.25, 0.5, 1.0, 2.0, 4.0, 8.0),
+        ),
+        Kind("ghosts", "ghost touches", 0.0, "per s", up=(0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)),
+        Kind(
+            "latency",
+            "latency of touches",
+            0.0,
+            "ms",
+            1e-3,
+            up=(50.0, 100.0, 150.0, 200.0, 300.0, 400.0, 600.0),
+        ),
     )
-}  # fmt: skip
+}
 """By name."""
 
 
@@ -96,9 +131,11 @@ def parse_value(kind: Kind, text: str) -> float:
             raise ValueError
     except ValueError:
         raise InputError(
-            "this is no number", where=f"--vary {kind.name}", got=text,
+            "this is no number",
+            where=f"--vary {kind.name}",
+            got=text,
             expected=f"such as {kind.name}={(kind.up or kind.down)[0]:g}",
-        ) from None  # fmt: skip
+        ) from None
     made([(kind, value)])
     return value
 
@@ -114,8 +151,12 @@ def parse_variation(text: str) -> tuple[Variation, float]:
         name, equals, value = part.partition("=")
         kind = find_kind(name.strip())
         if not equals:
-            raise InputError("how much is missing", where=f"--vary {text}", got=part,
-                             expected=f"such as {name}={(kind.up or kind.down)[0]:g}")  # fmt: skip
+            raise InputError(
+                "how much is missing",
+                where=f"--vary {text}",
+                got=part,
+                expected=f"such as {name}={(kind.up or kind.down)[0]:g}",
+            )
         if kind in (k for k, _ in chosen):
             raise InputError("it is varied twice", where=f"--vary {text}", got=name)
         chosen.append((kind, parse_value(kind, value)))
@@ -131,13 +172,19 @@ def made(chosen: Sequence[tuple[Kind, float]]) -> tuple[Variation, float]:
     values = {kind.field: value * kind.scale for kind, value in chosen}
     hand = values.pop(KINDS[HAND].field, 1.0)
     if not 0.0 < hand < 10.0:
-        raise InputError("no hand is of this size", where=f"--vary {HAND}", got=hand,
-                         expected="more than 0, less than 10")  # fmt: skip
+        raise InputError(
+            "no hand is of this size",
+            where=f"--vary {HAND}",
+            got=hand,
+            expected="more than 0, less than 10",
+        )
     for kind, value in chosen:
         least, most = RANGES.get(kind.field, (-inf, inf))
         if not least <= value * kind.scale <= most:
             raise InputError(
-                "this is out of range", where=f"--vary {kind.name}", got=kind.text(value),
+                "this is out of range",
+                where=f"--vary {kind.name}",
+                got=kind.text(value),
                 expected=f"{least / kind.scale:g} to {kind.text(most / kind.scale)}",
-            )  # fmt: skip
+            )
     return Variation(**values), hand

@@ -197,9 +197,11 @@ class RecordingWriter(RecordingLines):
             )
         if self._error is not None:
             raise RecordingError(
-                "the recording is incomplete", where=str(self.path), got=str(self._error),
+                "the recording is incomplete",
+                where=str(self.path),
+                got=str(self._error),
                 expected="events and results that JSON knows, such as float(x) of NumPy's numbers",
-            )  # fmt: skip
+            )
 
     def _put(self, line: Line | LaterLine) -> None:
         self._waiting.append(line)
@@ -279,9 +281,10 @@ class Recording:
         found = [frame for frame in frames if isinstance(frame, TouchFrame)]
         if len(found) < len(frames):
             raise RecordingError(
-                "this recording is of a hand in the air, and has no touches", where=str(self.path),
+                "this recording is of a hand in the air, and has no touches",
+                where=str(self.path),
                 remedy="`sandbox run` and `sandbox replay` play it",
-            )  # fmt: skip
+            )
         return found
 
 

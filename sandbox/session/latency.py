@@ -63,10 +63,15 @@ class LatencyLog:
     def as_json(self) -> dict[str, Any]:
         """For results and events."""
         return {
-            kind: {"n": p.n, "p50_ms": round(p.p50, 3), "p95_ms": round(p.p95, 3),
-                   "p99_ms": round(p.p99, 3), "max_ms": round(p.largest, 3)}
+            kind: {
+                "n": p.n,
+                "p50_ms": round(p.p50, 3),
+                "p95_ms": round(p.p95, 3),
+                "p99_ms": round(p.p99, 3),
+                "max_ms": round(p.largest, 3),
+            }
             for kind, p in self.percentiles().items()
-        }  # fmt: skip
+        }
 
 
 def _percentiles(values: NDArray[np.float64]) -> Percentiles:

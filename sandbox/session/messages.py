@@ -9,14 +9,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from models.arithmetic.arrays import Array
 from models.later import Later
 from tasks.score import Score
 from tasks.task import Goal
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -15,11 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.correction import PAD_HEIGHT
+from models.arithmetic.arrays import Array
 from models.objects import Thing
 from models.scene import CONTROL_PERIOD, Scene
 from models.surface import METRES_PER_INCH, Surface
-
-Array = NDArray[np.float64]
 
 AWAY = 0.5
 """s for which an object has to be out of reach: the person sees where it went."""

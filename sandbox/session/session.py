@@ -14,12 +14,12 @@ from typing import Any, Protocol
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from encoders.person.yaw_range import YawWatch
 from encoders.reconstruction.arrival import Phase
 from encoders.reconstruction.reconstructor import HandFrameReconstructor, Reconstructor
 from encoders.reconstruction.touch_reconstructor import Reconstruction
+from models.arithmetic.arrays import Array
 from models.errors import DivergenceError
 from models.frames import Frame, TouchFrame
 from models.scene import Scene, SceneSpec, StillPoses
@@ -38,8 +38,6 @@ from tasks.goals import place
 from tasks.score import Scorer, Status
 from tasks.sensing import Sensing
 from tasks.task import Task
-
-Array = NDArray[np.float64]
 
 NOTICE_TIME = 2.0
 """s for which a person is told that an object came back."""

@@ -13,10 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.reconstruction.touch_reconstructor import Reconstruction
+from models.arithmetic.arrays import Array
 from models.frames import FINGERS
 from models.scene import CONTROL_PERIOD, BodyPoses, Scene
-
-Array = NDArray[np.float64]
 
 CLEARANCE = 0.0005
 """m, nearest a fingertip's surface may be to an object when it becomes solid."""

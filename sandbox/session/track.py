@@ -14,9 +14,8 @@ from functools import cache, partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from models.arithmetic.arrays import Array
 
 GRAIN = 2e-5
 """m, rad or part of a quaternion, to which joint positions are rounded: 0.02 mm, 0.002 degrees."""
@@ -107,9 +106,12 @@ def track_line(
     planes = np.ascontiguousarray(folded.T).view(np.uint8).reshape(-1, 4).T
     data = base64.b64encode(zlib.compress(planes.tobytes(), LEVEL)).decode()
     return {
-        "kind": "track", "steps": _runs(steps), "hands": fingers.shape[1],
-        "joints": places.shape[1], "poses": data,
-    }  # fmt: skip
+        "kind": "track",
+        "steps": _runs(steps),
+        "hands": fingers.shape[1],
+        "joints": places.shape[1],
+        "poses": data,
+    }
 
 
 def read_line(line: dict[str, Any], track: Track) -> None:

@@ -141,8 +141,15 @@ class OwnHand(Keyed):
 class OtherRig(Keyed):
     """Chains of somebody's armature, which follow the fingers as far as they can."""
 
-    def __init__(self, armature: Any, firsts: Sequence[str], fingers: Optional[Sequence[int]],
-                 side: str, root: Optional[str], scale: Optional[float]) -> None:  # fmt: skip
+    def __init__(
+        self,
+        armature: Any,
+        firsts: Sequence[str],
+        fingers: Optional[Sequence[int]],
+        side: str,
+        root: Optional[str],
+        scale: Optional[float],
+    ) -> None:
         super().__init__(armature)
         if len(firsts) not in BY_COUNT:
             raise Refused("%d bones are selected: take the first of 1 to 5 chains" % len(firsts))
@@ -154,11 +161,13 @@ class OtherRig(Keyed):
         if len({*every}) != len(every):
             raise Refused("one of the bones is in the chain of another one")
         bones = armature.data.bones
-        self.bones = [[tuple(bones[n].tail_local - bones[n].head_local) for n in c]
-                      for c in self.chains]  # fmt: skip
+        self.bones = [
+            [tuple(bones[n].tail_local - bones[n].head_local) for n in c] for c in self.chains
+        ]
         self.lengths = [sum(length(b) for b in chain) for chain in self.bones]
-        places = [[tuple(bones[c[0]].head_local), tuple(bones[c[-1]].tail_local)]
-                  for c in self.chains]  # fmt: skip
+        places = [
+            [tuple(bones[c[0]].head_local), tuple(bones[c[-1]].tail_local)] for c in self.chains
+        ]
         self.frame = palm_frame(places, self.fingers, side, (0.0, 0.0, 1.0))
         above = {bones[name].parent.name if bones[name].parent else "" for name in firsts}
         self.root = root if root is not None else above.pop() if len(above) == 1 else ""
@@ -205,12 +214,15 @@ class OtherRig(Keyed):
         moved = times(minus(line.place, self.first[0]), float(self.scale or 1.0) / size)
         rest = self.rest(self.root)
         self.put(
-            self.root, product(product(inverse(rest), turned), rest), frame,
+            self.root,
+            product(product(inverse(rest), turned), rest),
+            frame,
             rotated(inverse(rest), rotated(inverse(there), moved)),
-        )  # fmt: skip
+        )
 
-    def _bend(self, chain: List[str], bones: List[Any], way: Vector, back: Vector,
-              frame: int) -> None:  # fmt: skip
+    def _bend(
+        self, chain: List[str], bones: List[Any], way: Vector, back: Vector, frame: int
+    ) -> None:
         wanted = bent([length(b) for b in bones], way, back)
         above = NOTHING
         for name, bone, direction in zip(chain, bones, wanted):

@@ -104,9 +104,14 @@ def take(text: str) -> None:
             print("hand_sandbox: %s" % error)
 
 
-def start(side: str = "right", armature: Optional[str] = None,
-          chains: Optional[Sequence[str]] = None, fingers: Optional[Sequence[int]] = None,
-          root: Optional[str] = None, scale: Optional[float] = None) -> None:  # fmt: skip
+def start(
+    side: str = "right",
+    armature: Optional[str] = None,
+    chains: Optional[Sequence[str]] = None,
+    fingers: Optional[Sequence[int]] = None,
+    root: Optional[str] = None,
+    scale: Optional[float] = None,
+) -> None:
     """Lets the selected chains, or named ones, follow a streamed hand."""
     rig = bpy.data.objects[armature] if armature else bpy.context.object
     if rig is None or rig.type != "ARMATURE":
@@ -154,9 +159,13 @@ def export(path: str, armature: Any, frames: Sequence[int]) -> None:
     bpy.context.view_layer.objects.active = armature
     if path.endswith(".bvh"):
         bpy.ops.export_anim.bvh(
-            filepath=path, frame_start=frames[0], frame_end=frames[1], global_scale=100.0,
-            rotate_mode="ZXY", root_transform_only=True,
-        )  # fmt: skip
+            filepath=path,
+            frame_start=frames[0],
+            frame_end=frames[1],
+            global_scale=100.0,
+            rotate_mode="ZXY",
+            root_transform_only=True,
+        )
     elif path.endswith(".glb"):
         bpy.ops.export_scene.gltf(filepath=path, use_selection=True)
     elif path.endswith(".fbx"):

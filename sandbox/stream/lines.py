@@ -22,14 +22,12 @@ from dataclasses import dataclass
 from secrets import token_hex
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.frames import FINGERS
 from models.motion.armature import Y_UP, Z_UP, Armature, Keys
 from models.rotations import matrix_to_quaternion
-
-Array = NDArray[np.float64]
 
 LIMIT = 4096
 """Bytes of a command at which Maya's command port closes the connection, its default bufferSize."""
@@ -148,9 +146,11 @@ class HandLines:
         command = self._target.wrap(line)
         if len(command) + 1 >= self._limit:
             raise InputError(
-                "a command would be too long for the other program", where=self._target.name,
-                got=f"{len(command) + 1} bytes", expected=f"below {self._limit}",
-            )  # fmt: skip
+                "a command would be too long for the other program",
+                where=self._target.name,
+                got=f"{len(command) + 1} bytes",
+                expected=f"below {self._limit}",
+            )
         return command
 
 

@@ -54,8 +54,15 @@ from sandbox.stream.guest_math import (
 FINGERS = ("thumb", "index", "middle", "ring", "little")
 BY_COUNT = {1: (1,), 2: (0, 1), 3: (0, 1, 2), 4: (1, 2, 3, 4), 5: (0, 1, 2, 3, 4)}
 UNITS = {"mm": 1e3, "cm": 1e2, "m": 1.0, "km": 1e-3, "in": 39.3701, "ft": 3.28084, "yd": 1.09361}
-RATES = {"game": 15.0, "film": 24.0, "pal": 25.0, "ntsc": 30.0, "show": 48.0, "palf": 50.0,
-         "ntscf": 60.0}  # fmt: skip
+RATES = {
+    "game": 15.0,
+    "film": 24.0,
+    "pal": 25.0,
+    "ntsc": 30.0,
+    "show": 48.0,
+    "palf": 50.0,
+    "ntscf": 60.0,
+}
 STEP = 10.0  # degrees by which a solver is told to bend joints that are straight
 TOLD = 3  # warnings about lines that cannot be used; more would fill the script editor
 
@@ -74,9 +81,17 @@ class Hand:
     its tip and one for the way it bulges, in the palm's frame, and the IK handles that follow them.
     """
 
-    def __init__(self, chains: List[List[str]], fingers: Sequence[int], side: str,
-                 root: Optional[str], scale: Optional[float], key: bool, absolute: bool,
-                 frame: Optional[Rows] = None) -> None:  # fmt: skip
+    def __init__(
+        self,
+        chains: List[List[str]],
+        fingers: Sequence[int],
+        side: str,
+        root: Optional[str],
+        scale: Optional[float],
+        key: bool,
+        absolute: bool,
+        frame: Optional[Rows] = None,
+    ) -> None:
         self.side, self.key, self.scale, self.absolute = side, key, scale, absolute
         self.fingers, self.chains, self.root = tuple(fingers), chains, root
         self.run = ""
@@ -191,10 +206,14 @@ class Hand:
             for some, attributes in ((nodes, turns), ([self.root], moves + turns)):
                 if some[0]:
                     cmds.bakeResults(
-                        some, time=(self.keyed[0], self.keyed[1]), attribute=attributes,
-                        simulation=True, sampleBy=1, disableImplicitControl=True,
+                        some,
+                        time=(self.keyed[0], self.keyed[1]),
+                        attribute=attributes,
+                        simulation=True,
+                        sampleBy=1,
+                        disableImplicitControl=True,
                         preserveOutsideKeys=True,
-                    )  # fmt: skip
+                    )
         # Constraints hang below what they move, everything else in the group.
         for one in (
             cmds.listRelatives(self.root, type="parentConstraint") or [] if self.root else []
@@ -285,8 +304,13 @@ def close_port(port: int = 7002) -> None:
     cmds.commandPort(name="127.0.0.1:%d" % port, close=True)
 
 
-def _hand(chosen: Sequence[str], fingers: Optional[Sequence[int]], side: str, root: Optional[str],
-          **options: Any) -> Hand:  # fmt: skip
+def _hand(
+    chosen: Sequence[str],
+    fingers: Optional[Sequence[int]],
+    side: str,
+    root: Optional[str],
+    **options: Any,
+) -> Hand:
     if len(chosen) not in BY_COUNT:
         raise Refused("%d joints are selected: take the first of 1 to 5 chains" % len(chosen))
     wanted = BY_COUNT[len(chosen)] if fingers is None else tuple(fingers)

@@ -23,9 +23,11 @@ def script(program: str) -> str:
     """
     if program not in PARTS:
         raise InputError(
-            "no script for this program", where="--script", got=program,
+            "no script for this program",
+            where="--script",
+            got=program,
             expected=", ".join(PARTS),
-        )  # fmt: skip
+        )
     parts = [(HERE / f"{part}.py").read_text(encoding="utf-8") for part in PARTS[program]]
     docstring = ast.get_docstring(ast.parse(parts[-1]), clean=False) or ""
     head = f'"""{docstring}"""\n\nfrom __future__ import annotations\n'

@@ -55,9 +55,11 @@ def parse_address(text: str, default_host: str = "127.0.0.1") -> tuple[str, int]
     host = host.strip("[]") or default_host
     if not port.isascii() or not port.isdecimal() or not 1 <= int(port) <= 65535:
         raise InputError(
-            "not an address", where="--maya, --blender", got=text,
+            "not an address",
+            where="--maya, --blender",
+            got=text,
             expected="HOST:PORT, such as 127.0.0.1:7002",
-        )  # fmt: skip
+        )
     return host, int(port)
 
 

@@ -61,6 +61,8 @@ def check_count(makers: DeviceMakers, settings: RunSettings) -> None:
         InputError: They are.
     """
     if len(makers) != len(settings.hands):
-        raise InputError("every hand needs a device of its own, or its share of one",
-                         where=settings.task,
-                         got=f"{len(makers)} for {len(settings.hands)} hands")  # fmt: skip
+        raise InputError(
+            "every hand needs a device of its own, or its share of one",
+            where=settings.task,
+            got=f"{len(makers)} for {len(settings.hands)} hands",
+        )

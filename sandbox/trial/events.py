@@ -54,9 +54,12 @@ class EventLog:
             self._file = None
         error, self._error = self._error, ""
         if error:
-            raise InputError("events were lost", where=f"--events {self._path}", got=error,
-                             remedy="Nothing else was; make room, or read the pipe to its end"
-                             )  # fmt: skip
+            raise InputError(
+                "events were lost",
+                where=f"--events {self._path}",
+                got=error,
+                remedy="Nothing else was; make room, or read the pipe to its end",
+            )
 
 
 class NoticeEvents:

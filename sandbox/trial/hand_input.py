@@ -39,9 +39,11 @@ class HandInput:
     def __post_init__(self) -> None:
         if not all(isfinite(c) and abs(c) <= FARTHEST for c in self.at):
             raise InputError(
-                "the device cannot be there", where="--leap-at", got=str(self.at),
+                "the device cannot be there",
+                where="--leap-at",
+                got=str(self.at),
                 expected=f"three numbers of at most {FARTHEST:g} m",
-            )  # fmt: skip
+            )
 
     @classmethod
     def of(cls, at: tuple[float, float, float], calibration: HandCalibration | None) -> HandInput:

@@ -118,9 +118,11 @@ class RunSettings:
             )
         if not 1 <= len(self.hands) <= MOST_HANDS:
             raise InputError(
-                "a run has one hand or two", where="hands", got=len(self.hands),
+                "a run has one hand or two",
+                where="hands",
+                got=len(self.hands),
                 expected=f"1 to {MOST_HANDS}",
-            )  # fmt: skip
+            )
         contact_mode(self.contact)
 
     @property
@@ -166,9 +168,11 @@ class RunSettings:
             return msgspec.convert(values, cls)
         except msgspec.ValidationError as error:
             raise RecordingError(
-                "these settings cannot be read", where="settings", got=str(error),
+                "these settings cannot be read",
+                where="settings",
+                got=str(error),
                 remedy="The file is damaged, or another program wrote it",
-            ) from None  # fmt: skip
+            ) from None
 
 
 def result_settings(values: Mapping[str, Any]) -> dict[str, Any]:
@@ -205,9 +209,11 @@ def _check_names(values: Any, kind: type[Any], optional: set[str] | None = None)
     """Refuses values that do not have the names of a kind's fields."""
     if not isinstance(values, dict):
         raise RecordingError(
-            "these settings cannot be read", where="settings", got=str(values)[:80],
+            "these settings cannot be read",
+            where="settings",
+            got=str(values)[:80],
             expected="an object with " + ", ".join(sorted(_names(kind))),
-        )  # fmt: skip
+        )
     wrong = (set(values) ^ _names(kind)) - ((optional or set()) - set(values))
     if wrong:
         raise RecordingError(

@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.surface import Surface
 from sandbox.trial.settings import RunSettings
 from tasks.registry import hands_of
 from tasks.task import Task
-
-Array = NDArray[np.float64]
 
 
 def place_all(

@@ -14,8 +14,8 @@ from typing import Literal
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.scene import Scene
 from models.skin.colours import PALE
 from models.surface import Surface
@@ -27,7 +27,6 @@ from sandbox.views.palette import Colour
 from sandbox.views.shelf import PANE, SHELF, hide_table, shelf
 from tasks.task import Goal
 
-Array = NDArray[np.float64]
 Hidden = Literal["ghosts", "hands"]
 """Choices of hands that are left out of a picture."""
 
@@ -93,8 +92,9 @@ class Drawing:
         self._data = mujoco.MjData(self.model)
         self._option = mujoco.MjvOption()
         self._option.geomgroup[HIDDEN_GROUP:] = 0
-        self._owners = {n: (i, part) for i, look in self.looks.items()
-                        for part, n in look.parts.items()}  # fmt: skip
+        self._owners = {
+            n: (i, part) for i, look in self.looks.items() for part, n in look.parts.items()
+        }
         self._parts = {n: self._parts_of(body) for n, body in scene.object_bodies.items()}
         flat = surface.rotation[2, 2] > 0.999
         height = surface.origin[2] - LIFT if flat and rings_on_table else 0.0

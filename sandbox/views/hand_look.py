@@ -12,6 +12,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.frames import FINGERS
 from models.kinematics import Kinematics
 from models.pose import POSE_SIZE
@@ -24,8 +25,6 @@ from models.skin.skin import Skin, frames
 from sandbox.session.messages import HandView
 from sandbox.views import palette
 from sandbox.views.palette import Colour
-
-Array = NDArray[np.float64]
 
 HIDDEN_GROUP = 3
 """Geom group of the simulation's own capsules, which MuJoCo does not show."""
@@ -115,9 +114,13 @@ def skinned_model(scene: Scene) -> tuple[mujoco.MjModel, dict[int, Look]]:
 def _materials(spec: mujoco.MjSpec) -> None:
     tones = tone_palette()
     spec.add_texture(
-        name="skin tones", type=mujoco.mjtTexture.mjTEXTURE_2D, width=PALETTE_SIZE,
-        height=PALETTE_SIZE, nchannel=3, data=tones.ravel().tolist(),
-    )  # fmt: skip
+        name="skin tones",
+        type=mujoco.mjtTexture.mjTEXTURE_2D,
+        width=PALETTE_SIZE,
+        height=PALETTE_SIZE,
+        nchannel=3,
+        data=tones.ravel().tolist(),
+    )
     for kind, (specular, shininess) in GLOSS.items():
         material = spec.add_material(name=f"hand {kind}", specular=specular, shininess=shininess)
         material.rgba = [0.96, 0.96, 0.96, 1.0] if kind == "skin" else [1.0, 1.0, 1.0, 1.0]

@@ -11,9 +11,8 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from models.arithmetic.arrays import Array
 from models.surface import Surface
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,10 @@ from __future__ import annotations
 
 import mujoco
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from models.arithmetic.arrays import Array
 from sandbox.views.palette import Colour
-
-Array = NDArray[np.float64]
 
 
 class Marks:

@@ -248,8 +248,10 @@ def _lines(lines: tuple[str, ...], scale: float) -> Image.Image:
     columns = len(lines) > 1 and all(gap for _, gap, _ in split)
     pad = round(10 * scale)
     keys = max(_text_size(key, font)[0] for key, _, _ in split) + pad if columns else 0
-    sizes = [_text_size(said if columns else line, font)
-             for line, (_, _, said) in zip(lines, split, strict=True)]  # fmt: skip
+    sizes = [
+        _text_size(said if columns else line, font)
+        for line, (_, _, said) in zip(lines, split, strict=True)
+    ]
     step = round(sizes[0][1] * 1.25)
     width = keys + max(w for w, _ in sizes) + 2 * pad
     image = Image.new("RGBA", (width, step * len(lines) + 2 * pad))

@@ -7,11 +7,9 @@ from __future__ import annotations
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.scene import TABLE
-
-Array = NDArray[np.float64]
 
 FRONT, BACK, HALF_WIDTH, THICKNESS = -0.034, 0.16, 0.30, 0.014
 """m: world y of its front and back edge, x of its sides, and its thickness. The front edge is just

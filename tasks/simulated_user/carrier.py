@@ -9,8 +9,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.frames import TouchFrame
 from models.objects import Box, Tray
 from models.surface import Surface
@@ -20,8 +20,6 @@ from tasks.simulated_user.lift import Slider
 from tasks.simulated_user.user import SkilledUser
 from tasks.task import Goal
 from tasks.user import SeenObject, Sight, UserConfiguration
-
-Array = NDArray[np.float64]
 
 _AHEAD = 0.020
 """m by which one's own end is raised above the other one."""

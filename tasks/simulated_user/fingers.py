@@ -7,13 +7,11 @@ from dataclasses import dataclass
 from math import exp, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.frames import Contact
 from models.surface import METRES_PER_INCH, Surface
 from tasks.user import UserConfiguration
-
-Array = NDArray[np.float64]
 
 _PEAK = 1.875
 """Peak speed of a minimum-jerk movement over its mean speed."""

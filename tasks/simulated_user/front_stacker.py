@@ -9,8 +9,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.objects import Box
 from models.surface import Surface
 from tasks.goals import flat_yaw
@@ -18,8 +18,6 @@ from tasks.simulated_user.grasp import Grasp
 from tasks.simulated_user.handling import BoxHandling
 from tasks.simulated_user.user import SkilledUser
 from tasks.user import SeenObject, Sight, UserConfiguration
-
-Array = NDArray[np.float64]
 
 _QUARTER = np.pi / 2
 _OVER = 0.012

@@ -11,13 +11,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.frames import TouchFrame
 from models.surface import Surface
 from tasks.user import Sight, User
-
-Array = NDArray[np.float64]
 
 
 class FrontView:

@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.objects import Box, Wrench
 from tasks.user import SeenObject, UserConfiguration
-
-Array = NDArray[np.float64]
 
 _TIP_RADIUS = 0.007
 """m, radius of a fingertip as the user assumes it."""

@@ -8,8 +8,8 @@ from __future__ import annotations
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.mjcf_thing import MjcfThing
 from models.objects import JAW, Box, Thing, Wrench
@@ -17,8 +17,6 @@ from tasks.simulated_user.grasp import Grasp, choose_grasp, choose_handle_grasp,
 from tasks.simulated_user.own_handling import OwnHandling
 from tasks.task import Goal
 from tasks.user import SeenObject, UserConfiguration
-
-Array = NDArray[np.float64]
 
 _TURN_GRIP, _SLIDE_GRIP = 0.032, 0.004
 """m along a wrench of size 1 to the grip: near the handle's end for the longest lever about a bolt,

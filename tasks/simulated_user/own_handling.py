@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.mjcf_thing import MjcfThing
 from models.objects import Box
 from tasks.simulated_user.grasp import Grasp, choose_grasp, within_comfort
 from tasks.task import Goal
 from tasks.user import SeenObject, UserConfiguration
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

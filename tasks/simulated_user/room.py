@@ -6,14 +6,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.objects import Box
 from models.surface import Surface
 from tasks.simulated_user.grasp import Grasp
 from tasks.user import SeenObject, UserConfiguration
-
-Array = NDArray[np.float64]
 
 _ROOM = 0.014
 """m, least distance of the middle of a fingertip from a neighbour's face."""

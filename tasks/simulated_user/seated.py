@@ -9,16 +9,14 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.frames import TouchFrame
 from models.mjcf_thing import MjcfThing
 from models.objects import Wrench
 from models.person import Person, PersonFrame
 from models.surface import Surface
 from tasks.user import Sight, User
-
-Array = NDArray[np.float64]
 
 
 class Seat:

@@ -8,16 +8,14 @@ the estimator of the hand's size has not been trained on them.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.frames import Contact, TouchFrame
 from models.kinematics import Kinematics
 from models.person import Person, PersonFrame
 from models.pose import POSE_SIZE
 from models.skeleton import ADULT, Skeleton
 from models.surface import Surface
-
-Array = NDArray[np.float64]
 
 _SPREADS = ((0.0, 0.0, 0.0), (-22.0, -7.0, 25.0), (20.0, 9.0, -10.0))
 """degrees relative to the middle of all ranges: extension of the fingers, their spreading about the

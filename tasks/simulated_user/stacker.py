@@ -10,7 +10,6 @@ from dataclasses import replace
 from enum import Enum, auto
 
 import numpy as np
-from numpy.typing import NDArray
 
 from models.frames import TouchFrame
 from models.objects import Box
@@ -23,8 +22,6 @@ from tasks.simulated_user.room import Surroundings, roomiest_grasp
 from tasks.simulated_user.user import SkilledUser
 from tasks.task import Goal
 from tasks.user import SeenObject, Sight, UserConfiguration
-
-Array = NDArray[np.float64]
 
 _OVER, _HARDLY_OVER = 0.014, 0.006
 """m above all other objects, height at which a box is carried, and below which it is raised

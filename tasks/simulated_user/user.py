@@ -6,8 +6,8 @@ from __future__ import annotations
 from enum import Enum, auto
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.frames import TouchFrame
 from models.surface import Surface
 from tasks.simulated_user.eye import Eye
@@ -15,8 +15,6 @@ from tasks.simulated_user.fingers import Fingers
 from tasks.simulated_user.grasp import Grasp
 from tasks.simulated_user.handling import Handling, handling_of
 from tasks.user import SeenObject, Sight, UserConfiguration
-
-Array = NDArray[np.float64]
 
 _IN_PLACE = 0.004
 """m, error of the fingers' positions within which the user closes them."""

@@ -187,10 +187,12 @@ TINY = 0.0005
 def torques(scene: Scene, data: mujoco.MjData) -> np.ndarray:
     """(18,) or (46,) N or N m, what each servo gives now: the norm of its outputs."""
     m = scene.model
-    return np.array([
-        np.linalg.norm(data.actuator_force[start : start + n])
-        for start, n in zip(m.actuator_outadr, m.actuator_outnum, strict=True)
-    ])  # fmt: skip
+    return np.array(
+        [
+            np.linalg.norm(data.actuator_force[start : start + n])
+            for start, n in zip(m.actuator_outadr, m.actuator_outnum, strict=True)
+        ]
+    )
 
 
 def far_away(rng: np.random.Generator) -> np.ndarray:
@@ -321,9 +323,14 @@ def test_a_rest_rotation_survives_the_file_as_a_quaternion():
 
 @pytest.mark.parametrize(
     "wrong",
-    [{"servo": "velocity"}, {"impulse": 0.0}, {"impulse": -1.0}, {"impulse": float("nan")},
-     {"impulse": float("inf")}],
-)  # fmt: skip
+    [
+        {"servo": "velocity"},
+        {"impulse": 0.0},
+        {"impulse": -1.0},
+        {"impulse": float("nan")},
+        {"impulse": float("inf")},
+    ],
+)
 def test_a_hand_that_cannot_be_is_refused(wrong):
     with pytest.raises(SceneError):
         Hand(**wrong)

@@ -116,8 +116,10 @@ def test_on_the_table_it_rests_where_it_was_put(shape, size):
     data.qpos[scene.qpos_slice(0)][2] = data.ctrl[2] = 0.5
     mujoco.mj_step(scene.model, data, 250)
     position, _ = scene.object_pose(data, "thing")
-    assert position == pytest.approx((0.03, 0.02, size * {"two": 0.05, "sphere": 0.03,
-                                      "capsule": 0.05}.get(shape, 0.01)), abs=5e-4)  # fmt: skip
+    assert position == pytest.approx(
+        (0.03, 0.02, size * {"two": 0.05, "sphere": 0.03, "capsule": 0.05}.get(shape, 0.01)),
+        abs=5e-4,
+    )
 
 
 def test_what_is_only_seen_is_solid_to_nobody():
@@ -167,8 +169,9 @@ def test_what_is_no_rigid_body_is_refused_in_a_line(text, says):
     assert "\n" not in str(error.value)
 
 
-@pytest.mark.parametrize("wrong", [{"mass": 0.0}, {"mass": np.nan}, {"size": -1.0}, {"name": ""},
-                                   {"name": "table"}])  # fmt: skip
+@pytest.mark.parametrize(
+    "wrong", [{"mass": 0.0}, {"mass": np.nan}, {"size": -1.0}, {"name": ""}, {"name": "table"}]
+)
 def test_impossible_things_are_refused(wrong):
     with pytest.raises(InputError):
         MjcfThing(**{"name": "thing", "mjcf": mjcf(SPHERE), "mass": 0.1, **wrong})

@@ -106,9 +106,10 @@ def test_one_vector_is_unwrapped_as_many_are(w, reference):
 
 @given(before=places, rng=generators)
 def test_touches_move_together_as_points_do(before, rng):
-    after = [(x + dx, y + dy) for (x, y), (dx, dy) in zip(
-        before, 0.01 * rng.normal(size=(len(before), 2)), strict=True
-    )]  # fmt: skip
+    after = [
+        (x + dx, y + dy)
+        for (x, y), (dx, dy) in zip(before, 0.01 * rng.normal(size=(len(before), 2)), strict=True)
+    ]
     found = common_motion(before, after)
     wanted = rigid_motion(np.reshape(before, (-1, 2)), np.reshape(after, (-1, 2)))
     np.testing.assert_allclose(found.carried, wanted.carried, atol=1e-12)
@@ -120,8 +121,10 @@ def test_touches_move_together_as_points_do(before, rng):
 
 @given(touches=places.filter(len), rng=generators)
 def test_best_predicts_one_contact_vector_as_it_predicts_many(touches, rng):
-    inches = {int(f): p for f, p in zip(rng.permutation(5), np.divide(touches, 0.0254).tolist(),
-                                        strict=False)}  # fmt: skip
+    inches = {
+        int(f): p
+        for f, p in zip(rng.permutation(5), np.divide(touches, 0.0254).tolist(), strict=False)
+    }
     u, encoder = contact_vector(inches), builtin("best").encoder
     many = encoder.predict(u[None])[0]
     scale = max(1.0, float(np.abs(many).max()))

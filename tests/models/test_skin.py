@@ -19,6 +19,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from models.arithmetic.arrays import Array
 from models.hand import Hand
 from models.kinematics import Kinematics
 from models.pose import POSE_SIZE, mirrored
@@ -32,8 +33,6 @@ from tools.skin.make_skin import STEP, extras, make
 from tools.skin.mesh import edges_of, volume
 from tools.skin.tone import tone_of
 from tools.skin.weights import folds, trial_poses, weights_of
-
-Array = NDArray[np.float64]
 
 OTHERS = (ADULT.mirrored(), ADULT.scaled(0.7), ADULT.scaled(1.25).mirrored())
 seeds = st.integers(0, 2**32 - 1)
@@ -175,9 +174,14 @@ def test_mujoco_bends_it_alike(skeleton: Skeleton) -> None:
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
         mujoco.mjv_updateScene(
-            model, data, mujoco.MjvOption(), None, mujoco.MjvCamera(),
-            mujoco.mjtCatBit.mjCAT_ALL, view,
-        )  # fmt: skip
+            model,
+            data,
+            mujoco.MjvOption(),
+            None,
+            mujoco.MjvCamera(),
+            mujoco.mjtCatBit.mjCAT_ALL,
+            view,
+        )
         expected = look.skin.at(q)
         for name, number in look.parts.items():
             start, count = view.skinvertadr[number], view.skinvertnum[number]

@@ -102,9 +102,13 @@ class Tab:
     """A page in the browser, on a screen of a size, with fingers on it."""
 
     def __init__(
-        self, browser: Browser, url: str, width: int = 640, height: int = 480,
+        self,
+        browser: Browser,
+        url: str,
+        width: int = 640,
+        height: int = 480,
         storage: dict[str, str] | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self._browser = browser
         # Each in a context of its own: nothing is remembered from another test.
         self._context = browser.call("Target.createBrowserContext")["browserContextId"]
@@ -120,8 +124,10 @@ class Tab:
             self.call(f"{domain}.enable")
         if storage:
             lines = [f"localStorage.setItem({k!r}, {v!r});" for k, v in storage.items()]
-            self.call("Page.addScriptToEvaluateOnNewDocument",
-                      source=f"try {{ {' '.join(lines)} }} catch {{}}")  # fmt: skip
+            self.call(
+                "Page.addScriptToEvaluateOnNewDocument",
+                source=f"try {{ {' '.join(lines)} }} catch {{}}",
+            )
         self._down: dict[int, dict[str, Any]] = {}
         self.go(url)
 
@@ -132,13 +138,19 @@ class Tab:
         self.call("Page.navigate", url=url)
 
     def resize(self, width: int, height: int) -> None:
-        self.call("Emulation.setDeviceMetricsOverride",
-                  width=width, height=height, deviceScaleFactor=1, mobile=True)  # fmt: skip
+        self.call(
+            "Emulation.setDeviceMetricsOverride",
+            width=width,
+            height=height,
+            deviceScaleFactor=1,
+            mobile=True,
+        )
 
     def evaluate(self, script: str) -> Any:
         """The value of an expression in the page."""
-        told = self.call("Runtime.evaluate", expression=script, returnByValue=True,
-                         awaitPromise=True)  # fmt: skip
+        told = self.call(
+            "Runtime.evaluate", expression=script, returnByValue=True, awaitPromise=True
+        )
         assert "exceptionDetails" not in told, told["exceptionDetails"]
         return told["result"].get("value")
 

@@ -7,14 +7,12 @@ from pathlib import Path
 
 import numpy as np
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.kinematics import Kinematics
 from models.motion.armature import Armature, chunks
 from models.motion.output import MotionWriter
 from models.skeleton import ADULT, Skeleton
-
-Array = NDArray[np.float64]
 
 HANDS = {"right": ADULT, "large left": ADULT.scaled(1.3).mirrored(), "small": ADULT.scaled(0.7)}
 

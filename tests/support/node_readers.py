@@ -26,8 +26,12 @@ def ask(*arguments: object) -> Any:
         pytest.skip(folder)
     said = subprocess.run(
         ["node", "read.mjs", *map(str, arguments)],
-        cwd=folder, capture_output=True, text=True, timeout=120, check=False,
-    )  # fmt: skip
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
     assert said.returncode == 0, said.stderr
     return json.loads(said.stdout)
 

@@ -56,8 +56,13 @@ class Page:
         self.seq = 0
         self.told: list[dict[str, Any]] = []
         self.skins: list[dict[str, Any]] = []
-        self.say(type="hello", protocol=self.protocol, client=self.name, role=self.role,
-                 screen=self.screen)  # fmt: skip
+        self.say(
+            type="hello",
+            protocol=self.protocol,
+            client=self.name,
+            role=self.role,
+            screen=self.screen,
+        )
 
     def say(self, **message: Any) -> None:
         self.socket.send(json.dumps(message))
@@ -91,8 +96,15 @@ class Page:
         assert len(message) == 32 + 28 * bodies + length
         poses = [struct.unpack_from("<7f", message, 32 + 28 * i) for i in range(bodies)]
         state = json.loads(message[32 + 28 * bodies :])
-        return {"type": "frame", "scene": scene, "number": number, "touch": touch, "time": at,
-                "poses": poses, "state": state}  # fmt: skip
+        return {
+            "type": "frame",
+            "scene": scene,
+            "number": number,
+            "touch": touch,
+            "time": at,
+            "poses": poses,
+            "state": state,
+        }
 
     def _received(self, end: float) -> str | bytes:
         """What comes before this time of the clock."""

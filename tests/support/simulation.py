@@ -6,15 +6,13 @@ import mujoco
 import numpy as np
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
-from numpy.typing import NDArray
 
 from benchmarks.pinch import pinch_poses
+from models.arithmetic.arrays import Array
 from models.hand import Hand
 from models.objects import Box
 from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT
-
-Array = NDArray[np.float64]
 
 TIMESTEPS = (0.001, 0.002, 0.004)
 """s, all of them whole parts of the control period."""

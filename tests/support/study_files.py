@@ -119,8 +119,9 @@ def killed_after(
 
 def told_finished(said: str) -> int:
     """How many trials a session had finished at least when it said this."""
-    numbers = [int(line.split("trial ")[1].split()[0]) for line in said.splitlines() if
-               "  trial " in line]  # fmt: skip
+    numbers = [
+        int(line.split("trial ")[1].split()[0]) for line in said.splitlines() if "  trial " in line
+    ]
     return max(numbers, default=1) - 1
 
 

@@ -110,8 +110,10 @@ def test_in_a_mirror_the_same_trial_is_drawn_for_the_hands_sides():
 
     def places(chosen):
         session = build(chosen, plan(SceneOptions(task=TASK)).makers)
-        return [r.reconstructor.surface.to_world(r.reconstructor.surface.size / 2)[0]
-                for r in session.rigs], session  # fmt: skip
+        return [
+            r.reconstructor.surface.to_world(r.reconstructor.surface.size / 2)[0]
+            for r in session.rigs
+        ], session
 
     (right, left), session = places(settings)
     (first, second), other = places(swapped)
@@ -234,8 +236,15 @@ def test_the_rectangle_around_one_surface_is_that_surface():
 
 def test_what_is_said_twice_is_for_the_second_hand():
     words = ["box-to-goal", "--device", "a", "--hand=left", "--device=b", "--hand", "right"]
-    assert named(words) == ["box-to-goal", "--device", "a", "--hand=left", "--second-device=b",
-                            "--second-hand", "right"]  # fmt: skip
+    assert named(words) == [
+        "box-to-goal",
+        "--device",
+        "a",
+        "--hand=left",
+        "--second-device=b",
+        "--second-hand",
+        "right",
+    ]
     with pytest.raises(InputError, match="two hands"):
         named(["--device", "a", "--device", "b", "--device", "c"])
 

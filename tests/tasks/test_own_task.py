@@ -60,8 +60,10 @@ def test_a_seed_and_a_version_are_one_trial():
 
     first = draw_task(Slide, 3, SURFACE)
     assert first == draw_task(Slide, 3, SURFACE)
-    starts = {draw_task(k, s, SURFACE).objects[0].position
-              for k, s in ((Slide, 3), (Slide, 4), (Second, 3), (Renamed, 3))}  # fmt: skip
+    starts = {
+        draw_task(k, s, SURFACE).objects[0].position
+        for k, s in ((Slide, 3), (Slide, 4), (Second, 3), (Renamed, 3))
+    }
     assert len(starts) == 4
 
 
@@ -293,16 +295,20 @@ def recorded(path: Path, task: str, **source: object) -> None:
 
 def test_a_recording_of_another_version_of_its_task_is_refused(tmp_path):
     path = tmp_path / "run.jsonl"
-    recorded(path, "tests.support.regress_tasks:Quick",
-    entry_point="tests.support.regress_tasks:Quick",
-             task_version=7)  # fmt: skip
+    recorded(
+        path,
+        "tests.support.regress_tasks:Quick",
+        entry_point="tests.support.regress_tasks:Quick",
+        task_version=7,
+    )
     with pytest.raises(RecordingError, match="version 1 of the task, not 7"):
         settings_of(load_recording(path))
 
 
 def test_a_recording_whose_task_is_gone_says_what_to_install(tmp_path):
     path = tmp_path / "run.jsonl"
-    recorded(path, "my-lab-gone", entry_point="gone_lab.tasks:Gone", package="gone-lab",
-             version="1.2")  # fmt: skip
+    recorded(
+        path, "my-lab-gone", entry_point="gone_lab.tasks:Gone", package="gone-lab", version="1.2"
+    )
     with pytest.raises(RecordingError, match=r"pip install 'gone-lab==1\.2'"):
         settings_of(load_recording(path))

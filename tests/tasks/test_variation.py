@@ -328,9 +328,21 @@ def test_no_text_is_taken_for_a_variation_that_it_is_not(text):
 
 @pytest.mark.parametrize(
     "text",
-    ["size", "size=", "size=nan", "size=0", "size=1,size=2", "mass=inf", "latency=-1", "speed=2",
-     "noise=99", "hand-size=0", "size=1e9", "=1"],
-)  # fmt: skip
+    [
+        "size",
+        "size=",
+        "size=nan",
+        "size=0",
+        "size=1,size=2",
+        "mass=inf",
+        "latency=-1",
+        "speed=2",
+        "noise=99",
+        "hand-size=0",
+        "size=1e9",
+        "=1",
+    ],
+)
 def test_what_is_no_variation_is_one_clear_error(text):
     with pytest.raises(InputError, match="--vary"):
         parse_variation(text)

@@ -11,11 +11,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from tools.skin.shapes import Limb, between, groove, step
-
-Array = NDArray[np.float64]
 
 REACH = (0.011, 0.016)
 """m from the bone's axis: within, a finger's crease is whole, beyond, there is none."""

@@ -8,9 +8,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from models.arithmetic.arrays import Array
 from tools.skin.field import WRIST_HALF, WRIST_MIDDLE, HandField
 
-Array = NDArray[np.float64]
 Faces = NDArray[np.int64]
 
 NAIL_RINGS, NAIL_SIDES = 6, 28
@@ -75,14 +75,27 @@ def _fan(rings: int, sides: int) -> Faces:
 
 
 CUFF_PROFILE = (
-    (-0.0395, 0.0006), (-0.0385, 0.0018), (-0.0380, 0.0034), (-0.0388, 0.0048), (-0.0405, 0.0055),
-    (-0.0500, 0.0058), (-0.0580, 0.0058),
-)  # fmt: skip
+    (-0.0395, 0.0006),
+    (-0.0385, 0.0018),
+    (-0.0380, 0.0034),
+    (-0.0388, 0.0048),
+    (-0.0405, 0.0055),
+    (-0.0500, 0.0058),
+    (-0.0580, 0.0058),
+)
 SLEEVE_PROFILE = (
-    (-0.0500, 0.0030), (-0.0478, 0.0050), (-0.0470, 0.0070), (-0.0476, 0.0088), (-0.0495, 0.0097),
-    (-0.0600, 0.0100), (-0.0750, 0.0104), (-0.0830, 0.0106), (-0.0850, 0.0090), (-0.0856, 0.0040),
+    (-0.0500, 0.0030),
+    (-0.0478, 0.0050),
+    (-0.0470, 0.0070),
+    (-0.0476, 0.0088),
+    (-0.0495, 0.0097),
+    (-0.0600, 0.0100),
+    (-0.0750, 0.0104),
+    (-0.0830, 0.0106),
+    (-0.0850, 0.0090),
+    (-0.0856, 0.0040),
     (-0.0856, -0.0080),
-)  # fmt: skip
+)
 """Place along the forearm and height over the wrist's skin, m, from the inside out."""
 
 
@@ -91,10 +104,16 @@ def tube(profile: ArrayLike, closed: bool) -> tuple[Array, Faces]:
     angle = 2 * np.pi * np.arange(CUFF_SIDES) / CUFF_SIDES
     rings = []
     for y, height in np.asarray(profile, float):
-        rings.append(np.stack([
-            (WRIST_HALF[0] + height) * np.cos(angle), np.full(CUFF_SIDES, y),
-            (WRIST_HALF[1] + height) * np.sin(angle) + WRIST_MIDDLE,
-        ], axis=1))  # fmt: skip
+        rings.append(
+            np.stack(
+                [
+                    (WRIST_HALF[0] + height) * np.cos(angle),
+                    np.full(CUFF_SIDES, y),
+                    (WRIST_HALF[1] + height) * np.sin(angle) + WRIST_MIDDLE,
+                ],
+                axis=1,
+            )
+        )
     triangles = []
     for ring in range(len(rings) - 1):
         a, b = ring * CUFF_SIDES, (ring + 1) * CUFF_SIDES
@@ -105,6 +124,7 @@ def tube(profile: ArrayLike, closed: bool) -> tuple[Array, Faces]:
     if closed:
         last = (len(rings) - 1) * CUFF_SIDES
         points = np.concatenate([points, points[last:].mean(axis=0, keepdims=True)])
-        triangles += [(last + i, last + (i + 1) % CUFF_SIDES, len(points) - 1)
-                      for i in range(CUFF_SIDES)]  # fmt: skip
+        triangles += [
+            (last + i, last + (i + 1) % CUFF_SIDES, len(points) - 1) for i in range(CUFF_SIDES)
+        ]
     return points, np.array(triangles, np.int64)

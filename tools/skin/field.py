@@ -12,16 +12,15 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from models.arithmetic.arrays import Array
 from models.frames import FINGERS
 from models.kinematics import Kinematics
 from models.pose import POSE_SIZE
 from models.skeleton import ADULT, Skeleton
 from tools.skin.creases import finger_lines, palm_relief, relief_of
 from tools.skin.shapes import Limb, between, cut, ellipsoid, melt, rounded_cone, step
-
-Array = NDArray[np.float64]
 
 WRIST_HALF = (0.0262, 0.0168)
 """m, half width and half thickness of the wrist."""
@@ -96,8 +95,10 @@ class HandField:
 
     def webs(self) -> list[tuple[Array, Array, tuple[int, int]]]:
         """Ends, m, of the edges of the webs, and between which fingers they are."""
-        found = [(a[0].at(0, WEB, -0.25), b[0].at(0, WEB, -0.25), (f + 1, f + 2))
-                 for f, (a, b) in enumerate(pairwise(self.fingers[1:]))]  # fmt: skip
+        found = [
+            (a[0].at(0, WEB, -0.25), b[0].at(0, WEB, -0.25), (f + 1, f + 2))
+            for f, (a, b) in enumerate(pairwise(self.fingers[1:]))
+        ]
         thumb, index = self.fingers[0][0].at(0.2, 0.62, 0.05), self.knuckles[1]
         return [(thumb, index * [1.02, 0.70, 1.0] - [0, 0, 0.007], (0, 1)), *found]
 
@@ -115,10 +116,26 @@ class HandField:
         middle = self._phalanx(p, second, 1.03, 0.98)
         body = melt(body, middle, 0.003)
         # Knuckles are wider than what is between them, and lie on the back.
-        body = melt(body, ellipsoid(p, second.at(0, 0.02, 0.14), second.radius * np.array(
-            [1.12, 1.35, 1.00]), between(first, second)), 0.006)  # fmt: skip
-        body = melt(body, ellipsoid(p, third.at(0, 0.0, 0.10), third.radius * np.array(
-            [1.11, 1.20, 0.98]), between(second, third)), 0.005)  # fmt: skip
+        body = melt(
+            body,
+            ellipsoid(
+                p,
+                second.at(0, 0.02, 0.14),
+                second.radius * np.array([1.12, 1.35, 1.00]),
+                between(first, second),
+            ),
+            0.006,
+        )
+        body = melt(
+            body,
+            ellipsoid(
+                p,
+                third.at(0, 0.0, 0.10),
+                third.radius * np.array([1.11, 1.20, 0.98]),
+                between(second, third),
+            ),
+            0.005,
+        )
         # Pads fill the inside between the creases.
         for limb, along, under, reach in ((first, 0.56, 0.34, 0.005), (second, 0.50, 0.30, 0.004)):
             half = [0.84 * limb.radius, 0.36 * limb.length, 0.81 * limb.radius]
@@ -139,13 +156,24 @@ class HandField:
         body = rounded_cone(p, root, first.at(0, 0.98, 0.0), 1.20 * first.radius, 0.0100)
         joint = ellipsoid(p, last.at(0, 0.0, 0.10), [0.0104, 0.0125, 0.0098], last.axes)
         body = melt(body, joint, 0.006)
-        body = melt(body, rounded_cone(p, last.at(0, 0.0, 0.0), last.at(0, THUMB_IP, 0.02),
-                                       1.20 * last.radius, 1.04 * last.radius), 0.005)  # fmt: skip
-        knuckle = ellipsoid(p, last.at(0, THUMB_IP, 0.08), last.radius * np.array(
-            [1.22, 1.35, 1.06]), last.axes)  # fmt: skip
+        body = melt(
+            body,
+            rounded_cone(
+                p,
+                last.at(0, 0.0, 0.0),
+                last.at(0, THUMB_IP, 0.02),
+                1.20 * last.radius,
+                1.04 * last.radius,
+            ),
+            0.005,
+        )
+        knuckle = ellipsoid(
+            p, last.at(0, THUMB_IP, 0.08), last.radius * np.array([1.22, 1.35, 1.06]), last.axes
+        )
         body = melt(body, knuckle, 0.004)
-        body = melt(body, ellipsoid(p, last.at(0, 0.27, -0.30), [
-            0.0084, 0.0115, 0.0076], last.axes), 0.005)  # fmt: skip
+        body = melt(
+            body, ellipsoid(p, last.at(0, 0.27, -0.30), [0.0084, 0.0115, 0.0076], last.axes), 0.005
+        )
         body = melt(body, self._tip(p, last, 1.16, THUMB_IP), 0.004)
         return body + relief_of(p, self._lines[finger])
 
@@ -155,11 +183,15 @@ class HandField:
         length = limb.length
         begin = start * length
         stem = rounded_cone(
-            local * [1.0 / wide, 1.0, 1.0], [0, begin, 0.02 * r], [0, length - 0.1 * r, -0.03 * r],
-            1.0 * r, 0.95 * r,
-        )  # fmt: skip
-        pulp = ellipsoid(local, [0, length - 0.42 * r, -0.16 * r],
-                         [0.97 * wide * r, 1.40 * r, 0.86 * r])  # fmt: skip
+            local * [1.0 / wide, 1.0, 1.0],
+            [0, begin, 0.02 * r],
+            [0, length - 0.1 * r, -0.03 * r],
+            1.0 * r,
+            0.95 * r,
+        )
+        pulp = ellipsoid(
+            local, [0, length - 0.42 * r, -0.16 * r], [0.97 * wide * r, 1.40 * r, 0.86 * r]
+        )
         bud = melt(stem, pulp, 0.0035)
         tilt = np.deg2rad(17.0)
         slope = local[:, 1] - (length - 0.55 * r)
@@ -203,8 +235,9 @@ class HandField:
     def _cushions(self, p: Array, knuckles: list[Array]) -> Array:
         """What lies on the inside of the palm."""
         thumb, little = self.fingers[0][0], knuckles[3]
-        heel = rounded_cone(p, [0.0205, 0.014, -0.0095], [little[0] - 0.0045, 0.058, -0.0098],
-                            0.0122, 0.0100)  # fmt: skip
+        heel = rounded_cone(
+            p, [0.0205, 0.014, -0.0095], [little[0] - 0.0045, 0.058, -0.0098], 0.0122, 0.0100
+        )
         ball = ellipsoid(p, thumb.at(0.42, 0.42, -0.50), [0.0135, 0.0300, 0.0130], thumb.axes)
         body = melt(heel, ball, 0.010)
         for a, b in pairwise(knuckles):
@@ -214,8 +247,9 @@ class HandField:
 
     def _thumb_web(self, p: Array, thumb: Array, edge: tuple[Array, Array]) -> Array:
         first, index = self.fingers[0][0], self.knuckles[1]
-        near = rounded_cone(p, first.at(0.0, 0.35, 0.0), index * [1.0, 0.45, 1.0] - [0, 0, 0.005],
-                            0.0100, 0.0090)  # fmt: skip
+        near = rounded_cone(
+            p, first.at(0.0, 0.35, 0.0), index * [1.0, 0.45, 1.0] - [0, 0, 0.005], 0.0100, 0.0090
+        )
         far = rounded_cone(p, *edge, 0.0052, 0.0062)
         root = rounded_cone(p, [-0.011, 0.010, -0.0085], thumb, 0.0132, 0.0125)
         return melt(melt(near, far, 0.012), root, 0.012)

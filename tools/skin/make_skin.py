@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.frames import FINGERS
 from models.skin.skin import FULL, SKIN_FILE, normals_of
 from tools.skin.extras import CUFF_PROFILE, SLEEVE_PROFILE, nail, tube
@@ -20,8 +21,6 @@ from tools.skin.field import HandField
 from tools.skin.mesh import flipped_edges, mesh_of, refined, settled
 from tools.skin.tone import tone_of
 from tools.skin.weights import weights_of
-
-Array = NDArray[np.float64]
 
 LOW, HIGH = np.array([-0.088, -0.076, -0.104]), np.array([0.072, 0.172, 0.036])
 """m, a box around the hand at the zero pose."""
@@ -64,8 +63,10 @@ def _longest(field: HandField, p: Array) -> Array:
 
 def extras(field: HandField) -> list[Piece]:
     pieces: list[Piece] = []
-    last = [max(i for i, b in enumerate(field.skeleton.bones) if b.finger == f)
-            for f in range(len(FINGERS))]  # fmt: skip
+    last = [
+        max(i for i, b in enumerate(field.skeleton.bones) if b.finger == f)
+        for f in range(len(FINGERS))
+    ]
     for finger, name in enumerate(FINGERS):
         places, triangles, edge = nail(field, finger)
         tone = np.stack([edge, np.ones(len(edge))], axis=1)

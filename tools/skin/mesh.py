@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from scipy.interpolate import RegularGridInterpolator
 from scipy.sparse import csr_matrix
 
+from models.arithmetic.arrays import Array
 from models.errors import InputError
 
-Array = NDArray[np.float64]
 Faces = NDArray[np.int64]
 Field = Callable[[Array], Array]
 
@@ -36,9 +36,10 @@ def mesh_of(
         from skimage.measure import marching_cubes
     except ImportError as error:
         raise InputError(
-            "the skin cannot be made anew: a package is missing", got=error.name,
+            "the skin cannot be made anew: a package is missing",
+            got=error.name,
             remedy="pip install 'hand-sandbox[skin]'",
-        ) from error  # fmt: skip
+        ) from error
     values, origin = _sampled(field, low, high, spacing)
     vertices, triangles, _, _ = marching_cubes(values, 0.0, spacing=(spacing,) * 3)
     points, kept = simplify(
@@ -189,8 +190,10 @@ def _least_angle(v: Array, a: int, b: int, c: int) -> float:
 
 def _flat(v: Array, a: int, b: int, c: int, d: int) -> bool:
     """Whether two triangles with the common edge ab lie nearly in a plane, before and after."""
-    normals = [np.cross(v[j] - v[i], v[k] - v[i])
-               for i, j, k in ((a, b, c), (b, a, d), (c, a, d), (d, b, c))]  # fmt: skip
+    normals = [
+        np.cross(v[j] - v[i], v[k] - v[i])
+        for i, j, k in ((a, b, c), (b, a, d), (c, a, d), (d, b, c))
+    ]
     lengths = [float(np.linalg.norm(n)) for n in normals]
     if min(lengths) < 1e-12:
         return False

@@ -7,12 +7,10 @@ except in creases and where flesh shadows flesh.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from tools.skin.field import HandField
 from tools.skin.shapes import step
-
-Array = NDArray[np.float64]
 
 CREASE_DARKNESS = 0.44
 """Brightness that the deepest crease takes away."""

@@ -13,13 +13,12 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_matrix, diags
 from scipy.sparse.linalg import splu
 
+from models.arithmetic.arrays import Array
 from models.pose import JOINTS, POSE_SIZE
 from models.skeleton import Skeleton
 from models.skin.skin import BONES, FULL, frames, motions
 from tools.skin.field import HandField
 from tools.skin.shapes import step
-
-Array = NDArray[np.float64]
 
 COLLAPSED = 0.01
 """Share of its area under which a triangle counts as folded."""

@@ -11,10 +11,9 @@ from encoders.capture import Capture
 from encoders.captures.conversion.fingers import LabelledTrack, distances
 from encoders.captures.conversion.joint_track import JointTrack
 from encoders.captures.conversion.report import ConversionReport, ConversionRules
+from models.arithmetic.arrays import Array
 from models.errors import CaptureError
 from models.frames import FINGERS
-
-Array = NDArray[np.float64]
 
 _ROUNDING = 1e-6
 """s, tolerance for rounded times."""

@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 from encoders.captures.conversion.joint_track import JointTrack
 from encoders.captures.conversion.report import ConversionReport, ConversionRules
 from encoders.captures.conversion.touch_log import ContactTrack
+from models.arithmetic.arrays import Array
 from models.frames import FINGERS
-
-Array = NDArray[np.float64]
 
 RESTING = 0.012
 """m, greatest height of the centre of a touching fingertip: its radius plus some error."""

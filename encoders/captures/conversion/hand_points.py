@@ -14,11 +14,10 @@ from encoders.captures.conversion.sites import PALM, Site
 from encoders.captures.conversion.skeleton_fit import fit_skeleton
 from encoders.captures.conversion.surface_frame import ON_PLANE, SurfaceFrame, frame_from_fingertips
 from encoders.captures.conversion.touch_log import ContactTrack
+from models.arithmetic.arrays import Array
 from models.errors import CaptureError
 from models.frames import FINGERS
 from models.skeleton import Skeleton
-
-Array = NDArray[np.float64]
 
 ON_SURFACE = 0.006
 """m, height of a touching fingertip's centre: its radius minus the compressed flesh."""

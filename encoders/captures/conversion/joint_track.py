@@ -8,13 +8,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.errors import CaptureError
 from models.kinematics import Kinematics
 from models.pose import POSE_SIZE, ROOT_ROTATION
 from models.rotations import unwrap_near
 from models.skeleton import Skeleton
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

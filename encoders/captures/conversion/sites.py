@@ -8,14 +8,12 @@ from typing import Annotated, Any
 
 import numpy as np
 from msgspec import Meta, Struct
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.errors import CaptureError
 from models.frames import FINGERS
 from models.json_input import checked
 from models.skeleton import Skeleton
-
-Array = NDArray[np.float64]
 
 PALM = -1
 """Index that stands for the palm with the wrist, which is not one of the 14 bones."""

@@ -16,13 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.captures.conversion.sites import PALM, Site
+from models.arithmetic.arrays import Array
 from models.errors import CaptureError
 from models.kinematics import Kinematics
 from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION, joint_vectors
 from models.rotations import exp, exp_and_left_jacobian, log, skew
 from models.skeleton import Skeleton
-
-Array = NDArray[np.float64]
 
 ACCURACY = 0.0015
 """m, accuracy of an observed point, which sets the weight of the pull to mid-range."""

@@ -9,11 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from models.arithmetic.arrays import Array
 from models.errors import CaptureError
-
-Array = NDArray[np.float64]
 
 ON_PLANE = 0.005
 """m from a plane within which a fingertip lies on it; a soft surface needs more."""

@@ -11,15 +11,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from encoders.captures.conversion.fingers import LabelledTrack, sample_times
 from encoders.captures.conversion.joint_track import JointTrack
 from encoders.captures.conversion.report import ConversionRules
 from encoders.captures.conversion.touch_log import ContactTrack
+from models.arithmetic.arrays import Array
 from models.errors import CaptureError
-
-Array = NDArray[np.float64]
 
 AGREES = 0.04
 """s, largest difference between a touch-down and its landing."""

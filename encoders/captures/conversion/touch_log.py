@@ -13,9 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.captures.conversion.report import ConversionReport, ConversionRules
+from models.arithmetic.arrays import Array
 from models.errors import CaptureError
-
-Array = NDArray[np.float64]
 
 _STILL = 1e-4
 """m, movement below which a contact rests."""

@@ -17,7 +17,6 @@ from dataclasses import replace
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from encoders.capture import Capture
 from encoders.captures.conversion.assemble import assemble
@@ -33,12 +32,11 @@ from encoders.correction import FingertipCorrection
 from encoders.paalm import Paalm
 from encoders.paalm.calibration import HandCalibration
 from encoders.regression.bone_fit import tip_targets
+from models.arithmetic.arrays import Array
 from models.errors import CaptureError
 from models.frames import HandFrame
 from models.kinematics import Kinematics
 from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION
-
-Array = NDArray[np.float64]
 
 OPEN_FRAMES = 200
 """Frames of the open hand at the beginning; the paper's 1000 lasted 10 s."""

@@ -10,11 +10,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.errors import CaptureError
-
-Array = NDArray[np.float64]
 
 MOST_DRIFT = 0.002
 """Largest relative difference of two clocks' seconds; crystals are within a tenth of that."""

@@ -8,15 +8,13 @@ elsewhere nor used by another touch, the one whose guessed place is nearest.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from encoders.captures.conversion.fingers import RESTING, LabelledTrack, sample_times
 from encoders.captures.conversion.report import ConversionReport, ConversionRules
 from encoders.captures.conversion.touch_log import ContactTrack
 from encoders.captures.paired.seen_track import SeenTrack
+from models.arithmetic.arrays import Array
 from models.frames import FINGERS
-
-Array = NDArray[np.float64]
 
 BESIDE = 0.015
 """m from a touch within which a visible fingertip labels it. It is more than half of the least

@@ -14,9 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.correction import PAD_HEIGHT
+from models.arithmetic.arrays import Array
 from models.errors import CaptureError
-
-Array = NDArray[np.float64]
 
 TURNS = 36
 """Number of rotations about the normal that are tried; the nearest one is off by 5 degrees at

@@ -16,13 +16,12 @@ from encoders.paalm import Paalm, PaalmOptions
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.hand_pose import PALM_CENTRE, hand_pose
 from encoders.paalm.rig import bone_lengths
+from models.arithmetic.arrays import Array
 from models.errors import CaptureError
 from models.frames import FINGERS, HandFrame, SeenHand
 from models.pose import ROOT_POSITION, ROOT_ROTATION, mirrored
 from models.rotations import exp, log, unwrapped
 from models.skeleton import ADULT, Bone, Skeleton
-
-Array = NDArray[np.float64]
 
 SMOOTHING = 0.02
 """s, standard deviation of the filter over poses. It is symmetric in time and adds no delay."""

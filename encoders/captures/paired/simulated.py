@@ -24,14 +24,13 @@ from encoders.paalm.palm import Palm
 from encoders.paalm.simulated.air import AirTake
 from encoders.paalm.simulated.forward import LeapTake, seen
 from encoders.regression.bone_fit import perturbed_skeleton
+from models.arithmetic.arrays import Array
 from models.frames import FINGERS, Contact, TouchFrame
 from models.kinematics import Kinematics
 from models.pose import ROOT_POSITION, ROOT_ROTATION
 from models.rotations import exp, unwrapped
 from models.skeleton import ADULT
 from models.surface import Surface
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -148,8 +147,9 @@ def simulate_paired(
     time, q, starts = _motion(rng, truth, c)
     surface = Surface()
     width = float(surface.size[0])
-    moved = np.concatenate([t + truth.time[truth.trial == k] - truth.time[truth.trial == k][0]
-                            for k, t in starts])  # fmt: skip
+    moved = np.concatenate(
+        [t + truth.time[truth.trial == k] - truth.time[truth.trial == k][0] for k, t in starts]
+    )
     truth = replace(truth, time=moved)
     touches = _touched(rng, truth, starts, time, q, c)
     if side == "left":
@@ -201,11 +201,14 @@ def _person(
     if who == "second":
         plain2 = second_subject.FROZEN
         clean2 = replace(
-            plain2, marker=0.0, palm_marker=0.0, tremble=0.0,
+            plain2,
+            marker=0.0,
+            palm_marker=0.0,
+            tremble=0.0,
             training_rate=c.script_rate,
             training_frames=_frames(plain2.training_frames, c.script * c.script_rate),
             test_frames=_frames(plain2.test_frames, c.play * plain2.test_rate),
-        )  # fmt: skip
+        )
         hand = second_subject.SLENDER
         capture = second_subject.simulate(clean2, seed, day, progress)
 
@@ -218,11 +221,16 @@ def _person(
         return capture, slender, longer * np.array(PALM_CENTRE)
     plain = subject.FROZEN
     clean = replace(
-        plain, day_joint=0.0, day_root=(0.0, 0.0), soft_tissue=0.0, joint_noise=0.0,
-        root_noise=(0.0, 0.0), training_rate=c.script_rate,
+        plain,
+        day_joint=0.0,
+        day_root=(0.0, 0.0),
+        soft_tissue=0.0,
+        joint_noise=0.0,
+        root_noise=(0.0, 0.0),
+        training_rate=c.script_rate,
         training_frames=_frames(plain.training_frames, c.script * c.script_rate),
         test_frames=_frames(plain.test_frames, c.play * plain.test_rate),
-    )  # fmt: skip
+    )
     rng = np.random.default_rng([seed, 0xB0E5])
     size = float(np.clip(1.0 + c.size * rng.standard_normal(), 0.88, 1.12))
     skeleton = perturbed_skeleton(ADULT.scaled(size), rng, c.bone, c.knuckle)

@@ -9,10 +9,8 @@ from numpy.typing import NDArray
 
 from encoders.captures.second_subject.configuration import SecondConfiguration
 from encoders.captures.second_subject.grips import GESTURES
+from models.arithmetic.arrays import Array, Mask
 from models.frames import FINGERS
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 SETS = np.array(
     [[bool(code >> f & 1) for f in range(5)] for code in range(32) if code.bit_count() >= 2]

@@ -8,12 +8,10 @@ overshoots a keyframe. No covariance of postures is assumed anywhere.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from encoders.captures.second_subject.configuration import SecondConfiguration
 from encoders.captures.second_subject.hand import FIRST, LAST, ROLL, SECOND, SWING, Hand
-
-Array = NDArray[np.float64]
+from models.arithmetic.arrays import Array
 
 GESTURES = ("move", "grasp", "pinch", "rotate")
 """The four of the paper's section 4."""
@@ -43,9 +41,20 @@ _BETWEEN = {
 """Grips at the two ends of every gesture, which moves to and fro between them."""
 
 MANNERS = (
-    "knuckles", "middle joints", "knuckles by finger", "middle joints by finger", "sweep", "spread",
-    "thumb first", "thumb second", "thumb swing", "thumb roll", "pitch", "roll", "palm height",
-)  # fmt: skip
+    "knuckles",
+    "middle joints",
+    "knuckles by finger",
+    "middle joints by finger",
+    "sweep",
+    "spread",
+    "thumb first",
+    "thumb second",
+    "thumb swing",
+    "thumb roll",
+    "pitch",
+    "roll",
+    "palm height",
+)
 """Parameters that vary in addition to the grip; all in rad, the last in m. Sweep: all fingers
 sideways, so that the hand stands askew over its touches. By finger: index less, little more."""
 

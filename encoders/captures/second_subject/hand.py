@@ -24,10 +24,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.frames import FINGERS
 from models.pose import BALL_JOINTS, JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION
-
-Array = NDArray[np.float64]
 
 ANGLES = ("swing", "first", "second", "roll", "last")
 """Angles of a finger, rad: sideways at the knuckle (towards the thumb positive); flexion of the

@@ -12,10 +12,9 @@ from numpy.typing import NDArray
 
 from encoders.captures.second_subject.configuration import SecondConfiguration
 from encoders.captures.second_subject.hand import Hand
+from models.arithmetic.arrays import Array
 from models.pose import BALL_JOINTS, JOINTS, ROOT_POSITION, ROOT_ROTATION
 from models.surface import Surface
-
-Array = NDArray[np.float64]
 
 _LAST = np.array([1, 4, 7, 10, 13])
 _FIRST = np.array([0, 2, 5, 8, 11])

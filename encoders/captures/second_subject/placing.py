@@ -17,10 +17,9 @@ from numpy.typing import NDArray
 from encoders.captures.second_subject.configuration import SecondConfiguration
 from encoders.captures.second_subject.hand import FIRST, SECOND, SWING, Hand, attitude
 from encoders.captures.second_subject.reach import reach
+from models.arithmetic.arrays import Array
 from models.frames import FINGERS
 from models.surface import Surface
-
-Array = NDArray[np.float64]
 
 _ROUNDS = 6
 """Rounds of meeting all constraints on the touches."""

@@ -11,11 +11,9 @@ are then clamped to their ranges: the finger only points towards an unreachable 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from encoders.captures.second_subject.hand import FIRST, LAST, SECOND, SWING, TENDON, Hand
-
-Array = NDArray[np.float64]
+from models.arithmetic.arrays import Array
 
 _HALVINGS = 16
 """Bisections of a range of 90 degrees, to a thousandth of a degree."""

@@ -29,11 +29,10 @@ from encoders.captures.second_subject.grips import (
 from encoders.captures.second_subject.hand import SLENDER
 from encoders.captures.second_subject.measurement import Markers, touches
 from encoders.captures.second_subject.placing import Wish, place
+from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.frames import FINGERS
 from models.surface import Surface
-
-Array = NDArray[np.float64]
 
 _PERSON, _DAY, _PLAY, _TAKE, _SENSORS = range(11, 16)
 """Purposes of random numbers; each has its own stream."""

@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.captures.subject.configuration import SubjectConfiguration
+from models.arithmetic.arrays import Array
 from models.frames import FINGERS
 from models.surface import Surface
-
-Array = NDArray[np.float64]
 
 GESTURES = ("move", "grasp", "pinch", "rotate")
 """The paper's gestures: "moving, grasping, pinching, and rotating motions" (section 4)."""

@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from encoders.captures.subject.configuration import SubjectConfiguration
+from models.arithmetic.arrays import Array
 from models.pose import POSE_SIZE
 from models.rotations import exp
 from models.skeleton import Skeleton
-
-Array = NDArray[np.float64]
 
 FREEDOMS = 27
 """Anatomic degrees of freedom: root 6, thumb 5, four for each other finger."""

@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 
 from encoders.captures.subject.configuration import SubjectConfiguration
 from encoders.captures.subject.gestures import GESTURES
+from models.arithmetic.arrays import Array
 from models.frames import FINGERS
-
-Array = NDArray[np.float64]
 
 SETS: tuple[tuple[int, ...], ...] = tuple(
     chosen for size in range(2, 6) for chosen in combinations(range(len(FINGERS)), size)

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from encoders.captures.subject.configuration import SubjectConfiguration
 from encoders.captures.subject.gestures import smooth_noise
+from models.arithmetic.arrays import Array
 from models.kinematics import Kinematics, Placement
 from models.limits import within_limits
 from models.pose import BALL_JOINTS, JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION
 from models.skeleton import Skeleton
 from models.surface import METRES_PER_INCH
-
-Array = NDArray[np.float64]
 
 
 def touches(

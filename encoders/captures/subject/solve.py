@@ -10,13 +10,11 @@ the solution contains an inverse, and the aim cannot be known from the touches a
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from encoders.captures.subject.posture import Anatomy
+from models.arithmetic.arrays import Array
 from models.kinematics import Kinematics
 from models.pose import JOINTS
-
-Array = NDArray[np.float64]
 
 ITERATIONS = 20
 

@@ -14,6 +14,7 @@ from encoders.captures.subject.posture import FREEDOMS, anatomy, lifting
 from encoders.captures.subject.script import Take, takes_of
 from encoders.captures.subject.sensors import day_error, measured_pose, touches
 from encoders.captures.subject.solve import PostureSolver
+from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.frames import FINGERS
 from models.kinematics import Kinematics
@@ -21,8 +22,6 @@ from models.pose import POSE_SIZE, ROOT_POSITION, ROOT_ROTATION
 from models.rotations import exp, log
 from models.skeleton import ADULT, Skeleton
 from models.surface import Surface
-
-Array = NDArray[np.float64]
 
 SUBJECT, DAY, TAKE = 0, 1, 2
 """Purposes of random numbers; each has its own stream, so that none shifts another."""

@@ -17,12 +17,11 @@ from scipy.ndimage import gaussian_filter1d
 from encoders.capture import Capture
 from encoders.paalm.angles import angles_of_joints, joints_of_angles
 from encoders.paalm.hand_pose import PALM_CENTRE
+from models.arithmetic.arrays import Array
 from models.kinematics import Kinematics
 from models.pose import ROOT_POSITION, ROOT_ROTATION
 from models.rotations import exp
 from models.skeleton import ADULT, Skeleton
-
-Array = NDArray[np.float64]
 
 _OVER_DEVICE = np.array([0.0, 0.0, 0.20])
 """m, position at which hands are held."""

@@ -10,11 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.paalm.simulated.forward import FROZEN_LEAP, LeapConfiguration
+from models.arithmetic.arrays import Array
 from models.errors import EncoderError
 from models.frames import FINGERS, HandFrame, SeenFinger, SeenHand, Vector
 from models.rotations import exp
-
-Array = NDArray[np.float64]
 
 DIALECTS = ("v3", "v1")
 _SLOW = 0.5

@@ -14,10 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.paalm.simulated.air import AirTake
+from models.arithmetic.arrays import Array
 from models.frames import HandFrame, SeenFinger, SeenHand, Vector
 from models.rotations import exp
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

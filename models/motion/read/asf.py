@@ -11,13 +11,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.errors import MotionError
 from models.motion.motion import Motion, turned_in_turn
 from models.motion.read.text import numbers, read_lines
-
-Array = NDArray[np.float64]
 
 INCH = 0.0254
 """m; a file's lengths divided by its `length` unit are taken for inches, the usual reading of the

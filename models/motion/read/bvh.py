@@ -11,13 +11,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.errors import MotionError
 from models.motion.motion import Motion, turned_in_turn
 from models.motion.read.text import numbers, read_lines
-
-Array = NDArray[np.float64]
 
 CENTIMETRE = 0.01
 """m, the most common unit of length."""

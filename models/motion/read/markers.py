@@ -10,12 +10,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.errors import MotionError
 from models.motion.read.text import numbers, read_lines
-
-Array = NDArray[np.float64]
 
 MILLIMETRE = 0.001
 """m, the unit of Qualisys exports."""

@@ -11,14 +11,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.errors import MotionError
 from models.motion.read.text import numbers, read_lines
 from models.pose import POSE_SIZE
 from models.skeleton import ADULT
-
-Array = NDArray[np.float64]
 
 COLUMNS: tuple[str, ...] = (
     *(f"root_{axis}" for axis in ("x", "y", "z", "rx", "ry", "rz")),

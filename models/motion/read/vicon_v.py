@@ -17,15 +17,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.errors import MotionError
 from models.motion.motion import Motion
 from models.motion.read.text import LARGEST, MOST
 from models.motion.read.vsk import MILLIMETRE, ViconSkeleton
 from models.rotations import exp
-
-Array = NDArray[np.float64]
 
 MAGIC, VERSION = b"V#", 1
 SECTION = struct.Struct("<I28s")
@@ -101,15 +99,19 @@ def motion_of(
         key = (match["segment"], match["kind"].lower(), match["axis"])
         if key in columns:
             raise MotionError(
-                "two subjects move the same segments", where=str(path), got=label[:60],
+                "two subjects move the same segments",
+                where=str(path),
+                got=label[:60],
                 remedy="Export one subject alone",
-            )  # fmt: skip
+            )
         columns[key] = i
     if not columns:
         raise MotionError(
-            "it moves none of the skeleton's segments", where=str(path),
-            got=", ".join(motion.labels[:4]), expected=f"{skeleton.names[0]} <a-X>",
-        )  # fmt: skip
+            "it moves none of the skeleton's segments",
+            where=str(path),
+            got=", ".join(motion.labels[:4]),
+            expected=f"{skeleton.names[0]} <a-X>",
+        )
 
     def vectors(name: str, kind: str) -> Array | None:
         here = [columns.get((name, kind, axis)) for axis in "XYZ"]

@@ -12,19 +12,21 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.errors import MotionError
 from models.motion.read.text import numbers, read_lines
 from models.rotations import exp
 
-Array = NDArray[np.float64]
-
 MILLIMETRE = 0.001
 
 JOINTS = {
-    "JointFree": 6, "JointBall": 3, "JointHardySpicer": 2, "JointHinge": 1, "JointDummy": 0,
-}  # fmt: skip
+    "JointFree": 6,
+    "JointBall": 3,
+    "JointHardySpicer": 2,
+    "JointHinge": 1,
+    "JointDummy": 0,
+}
 """Kinds of joints, and their degrees of freedom."""
 
 DEEPEST = 100
@@ -79,9 +81,11 @@ def read_vsk(path: Path, unit: float = MILLIMETRE) -> ViconSkeleton:
     skeleton = root.find("Skeleton")
     if root.tag != "KinematicModel" or skeleton is None:
         raise MotionError(
-            "this is not a VSK file", where=str(path), got=f"<{root.tag}>"[:40],
+            "this is not a VSK file",
+            where=str(path),
+            got=f"<{root.tag}>"[:40],
             expected="<KinematicModel> with a <Skeleton>",
-        )  # fmt: skip
+        )
     reader = _Reader(path, unit, _parameters(path, root))
     for segment in skeleton.findall("Segment"):
         reader.segment(segment, -1, 1)
@@ -118,9 +122,11 @@ class _Reader:
         kinds = [child.tag for child in element if child.tag.startswith("Joint")]
         if len(kinds) != 1 or kinds[0] not in JOINTS:
             raise MotionError(
-                "a segment needs one joint", where=where, got=", ".join(kinds)[:60],
+                "a segment needs one joint",
+                where=where,
+                got=", ".join(kinds)[:60],
                 expected=", ".join(JOINTS),
-            )  # fmt: skip
+            )
         index = len(self.found.names)
         self.found.names.append(name)
         self.found.parents.append(parent)

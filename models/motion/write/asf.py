@@ -12,14 +12,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.motion.armature import Y_UP, Armature, Keys
 from models.motion.euler import Continuous
 from models.motion.output import NUMBER, MotionWriter, checked_rate, rows
 from models.motion.read.asf import RATE_REMARK
-
-Array = NDArray[np.float64]
 
 ORDER = "ZYX"
 CENTIMETRES = 100.0
@@ -78,20 +76,32 @@ def _skeleton(armature: Armature, zero: Array) -> str:
         if below:
             hierarchy.append(" ".join([name, *below]))
     lines = [
-        ":version 1.10", ":name hand", ":units", "  mass 1.0", f"  length {LENGTH}", "  angle deg",
-        ":documentation", f"  A {armature.skeleton.side} hand of the Hand Sandbox, y up, cm",
+        ":version 1.10",
+        ":name hand",
+        ":units",
+        "  mass 1.0",
+        f"  length {LENGTH}",
+        "  angle deg",
+        ":documentation",
+        f"  A {armature.skeleton.side} hand of the Hand Sandbox, y up, cm",
         ":root",
-        "  order TX TY TZ RX RY RZ", "  axis XYZ", "  position 0 0 0", "  orientation 0 0 0",
+        "  order TX TY TZ RX RY RZ",
+        "  axis XYZ",
+        "  position 0 0 0",
+        "  orientation 0 0 0",
         ":bonedata",
-    ]  # fmt: skip
+    ]
     for number, (name, along, moves) in enumerate(bones, start=1):
         length = float(np.linalg.norm(along))
         x, y, z = (np.round(along / length, 12) + 0.0).tolist()
         lines += [
-            "  begin", f"    id {number}", f"    name {name}",
+            "  begin",
+            f"    id {number}",
+            f"    name {name}",
             f"    direction {x:.12f} {y:.12f} {z:.12f}",
-            f"    length {CENTIMETRES * length:.9f}", "    axis 0 0 0 XYZ",
-        ]  # fmt: skip
+            f"    length {CENTIMETRES * length:.9f}",
+            "    axis 0 0 0 XYZ",
+        ]
         if moves:
             lines += ["    dof rx ry rz", "    limits (-180.0 180.0)"]
             lines += ["           (-180.0 180.0)"] * 2

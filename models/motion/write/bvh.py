@@ -9,13 +9,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.motion.armature import Y_UP, Armature, Keys
 from models.motion.euler import Continuous
 from models.motion.output import NUMBER, MotionWriter, checked_rate, rows
-
-Array = NDArray[np.float64]
 
 CENTIMETRES = 100.0
 """Centimetres in a metre."""

@@ -15,16 +15,14 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.motion.armature import Armature, Keys
 from models.motion.output import MotionWriter, checked_rate, refused
 from models.pose import POSE_SIZE
 from models.rotations import matrix_to_quaternion
 from models.skin.gltf import FLOAT, GlbArrays, inverse_binds, material, primitive
 from models.skin.skin import Skin, frames
-
-Array = NDArray[np.float64]
 
 UP = [-float(np.sqrt(0.5)), 0.0, 0.0, float(np.sqrt(0.5))]
 """Quaternion x, y, z, w of the node that turns our z axis up into glTF's y."""
@@ -121,18 +119,29 @@ class GltfWriter(MotionWriter):
             primitives = [primitive(arrays, skin, p) for p in range(len(parts))]
             meshes.append({"name": self._names[i], "primitives": primitives})
             binds = inverse_binds(*frames(armature.skeleton, np.zeros(POSE_SIZE)))
-            skins.append({
-                "joints": list(range(start, start + len(armature.names))), "skeleton": start,
-                "inverseBindMatrices": arrays.add(binds, FLOAT, "MAT4"),
-            })  # fmt: skip
+            skins.append(
+                {
+                    "joints": list(range(start, start + len(armature.names))),
+                    "skeleton": start,
+                    "inverseBindMatrices": arrays.add(binds, FLOAT, "MAT4"),
+                }
+            )
         animation = self._animation(arrays, starts)
         out = self._outputs[0]
-        out.write(arrays.head({
-            "asset": {"version": "2.0", "generator": "Hand Sandbox"},
-            "scene": 0, "scenes": [{"nodes": tops}], "nodes": nodes, "meshes": meshes,
-            "skins": skins, "materials": [material(p.name) for p in parts],
-            "animations": [animation],
-        }))  # fmt: skip
+        out.write(
+            arrays.head(
+                {
+                    "asset": {"version": "2.0", "generator": "Hand Sandbox"},
+                    "scene": 0,
+                    "scenes": [{"nodes": tops}],
+                    "nodes": nodes,
+                    "meshes": meshes,
+                    "skins": skins,
+                    "materials": [material(p.name) for p in parts],
+                    "animations": [animation],
+                }
+            )
+        )
         out.write(bytes(arrays.bytes))
         for a in range(0, self.frames, 1 << 16):
             at = np.arange(a, min(a + (1 << 16), self.frames))
@@ -149,9 +158,10 @@ class GltfWriter(MotionWriter):
         for j, name in enumerate(armature.names):
             w, x, y, z = turns[j].tolist()
             node: dict[str, Any] = {
-                "name": name, "rotation": [x, y, z, w],
+                "name": name,
+                "rotation": [x, y, z, w],
                 "translation": (armature.offsets[j] if j else root).tolist(),
-            }  # fmt: skip
+            }
             if armature.children[j]:
                 node["children"] = [start + child for child in armature.children[j]]
             out.append(node)

@@ -6,15 +6,13 @@ import struct
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.motion.armature import Z_UP, Armature, Keys
 from models.motion.output import MotionWriter, checked_rate
 from models.motion.read.vicon_v import MAGIC, SECTION, VERSION
 from models.motion.write.vsk import MILLIMETRES, ORDER, vsk
 from models.rotations import log, unwrap_near
-
-Array = NDArray[np.float64]
 
 GROUP, FLOAT = 1, 5
 

@@ -32,26 +32,43 @@ def vsk(armature: Armature) -> bytes:
     for j, name in enumerate(armature.names):
         parent = armature.parents[j]
         at = MILLIMETRES * (zero[parent] @ armature.offsets[j])
-        segment = SubElement(segments[parent] if j else above, "Segment", {
-            "NAME": name, "POSITION": _text(at), "ORIENTATION": "0 0 0",
-            "BOUNDS": "0 0 0 0 0 0", "RGB": "255 255 255",
-        })  # fmt: skip
+        segment = SubElement(
+            segments[parent] if j else above,
+            "Segment",
+            {
+                "NAME": name,
+                "POSITION": _text(at),
+                "ORIENTATION": "0 0 0",
+                "BOUNDS": "0 0 0 0 0 0",
+                "RGB": "255 255 255",
+            },
+        )
         segments.append(segment)
         freedoms = 3 if j else 6
-        SubElement(segment, "JointBall" if j else "JointFree", {
-            "MEAN": " ".join(["0"] * freedoms),
-            "COVARIANCE": " ".join(f"{v:g}" for v in np.eye(freedoms).ravel()),
-        })  # fmt: skip
+        SubElement(
+            segment,
+            "JointBall" if j else "JointFree",
+            {
+                "MEAN": " ".join(["0"] * freedoms),
+                "COVARIANCE": " ".join(f"{v:g}" for v in np.eye(freedoms).ravel()),
+            },
+        )
     markers = SubElement(SubElement(model, "MarkerSet", {"NAME": "fingertips"}), "Markers")
     for j, end in enumerate(armature.ends):
         if np.isfinite(end).all():
             finger = armature.skeleton.bones[j - 1].finger
-            SubElement(markers, "Marker", {
-                "NAME": f"{FINGERS[finger]}_tip", "SEGMENT": armature.names[j],
-                "RGB": _COLOURS[finger], "POSITION": _text(MILLIMETRES * (zero[j] @ end)),
-                "COVARIANCE": " ".join(f"{v:g}" for v in np.eye(3).ravel()),
-                "RADIUS": f"{MILLIMETRES * armature.skeleton.tip_radius[finger]:.3f}",
-            })  # fmt: skip
+            SubElement(
+                markers,
+                "Marker",
+                {
+                    "NAME": f"{FINGERS[finger]}_tip",
+                    "SEGMENT": armature.names[j],
+                    "RGB": _COLOURS[finger],
+                    "POSITION": _text(MILLIMETRES * (zero[j] @ end)),
+                    "COVARIANCE": " ".join(f"{v:g}" for v in np.eye(3).ravel()),
+                    "RADIUS": f"{MILLIMETRES * armature.skeleton.tip_radius[finger]:.3f}",
+                },
+            )
     indent(model)
     head = '<?xml version="1.0" standalone="yes"?>\n'
     return (head + tostring(model, encoding="unicode") + "\n").encode("ascii")

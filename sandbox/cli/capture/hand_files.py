@@ -10,7 +10,6 @@ from typing import Annotated, Any
 
 import numpy as np
 from msgspec import Meta, Struct
-from numpy.typing import NDArray
 
 from encoders.captures.conversion import (
     ConversionReport,
@@ -20,6 +19,7 @@ from encoders.captures.conversion import (
     joints_from_points,
 )
 from encoders.captures.conversion.sites import mapped, recognised, sites_of
+from models.arithmetic.arrays import Array
 from models.errors import CaptureError, InputError
 from models.json_input import checked, decoded, read_bytes
 from models.motion.motion import Motion
@@ -32,8 +32,6 @@ from models.motion.read.vsk import MILLIMETRE as VSK_MILLIMETRE
 from models.motion.read.vsk import read_vsk
 from models.pose import mirrored
 from models.skeleton import ADULT
-
-Array = NDArray[np.float64]
 
 SKELETONS = {"amc": ".asf", "v": ".vsk"}
 """Kinds of motion that need a skeleton from another file, and what that is called."""

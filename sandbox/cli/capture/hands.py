@@ -95,9 +95,11 @@ def _files(options: Any) -> tuple[Path, Path, About]:
     about = read_about(folder)
     if options.side not in (None, about.side):
         raise InputError(
-            "another hand was recorded", where=f"--side {options.side}", got=about.side,
+            "another hand was recorded",
+            where=f"--side {options.side}",
+            got=about.side,
             remedy="Leave --side away; the folder says it",
-        )  # fmt: skip
+        )
     return folder / TOUCHES, folder / HANDS, about
 
 

@@ -168,9 +168,12 @@ def _follow(
     begin = time.monotonic()
     last: TouchFrame | None = None
     bar = Progress(
-        TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:3.0f} %"),
-        console=console, disable=not console.is_terminal,
-    )  # fmt: skip
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.percentage:3.0f} %"),
+        console=console,
+        disable=not console.is_terminal,
+    )
     with bar as progress:
         now_doing = progress.add_task("recording; Ctrl-C ends", total=1.0 if guide else None)
         session = progress.add_task("the whole session", total=1.0, visible=guide is not None)
@@ -231,9 +234,11 @@ def _hands(options: RecordOptions) -> HandDevice:
     path = Path(options.hands)
     if not path.is_file():
         raise InputError(
-            "no such device or file", where="--hands", got=options.hands,
+            "no such device or file",
+            where="--hands",
+            got=options.hands,
             expected=f"{LIVE}, or a recording of a Leap",
-        )  # fmt: skip
+        )
     return LeapFileDevice(read_leap(path))
 
 

@@ -48,5 +48,6 @@ def write_json(path: Path | None, values: dict[str, Any], sort_keys: bool = Fals
         path.write_text(text + "\n", encoding="utf-8")
     except OSError as error:
         # What was computed is over and was printed; only the file is missing.
-        raise InputError("the result cannot be written", where=f"--json {path}",
-                         got=error.strerror) from None  # fmt: skip
+        raise InputError(
+            "the result cannot be written", where=f"--json {path}", got=error.strerror
+        ) from None

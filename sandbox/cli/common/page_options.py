@@ -62,8 +62,12 @@ def open_page(
         InputError: The certificate or its key is missing or wrong.
     """
     if not 0 <= options.page_port <= 65535:
-        raise InputError("no such port", where="--page-port", got=options.page_port,
-                         expected="0 to 65535; 0 takes a free one")  # fmt: skip
+        raise InputError(
+            "no such port",
+            where="--page-port",
+            got=options.page_port,
+            expected="0 to 65535; 0 takes a free one",
+        )
     if (options.tls_cert is None) != (options.tls_key is None):
         raise InputError(
             "a certificate needs its key, and a key its certificate",

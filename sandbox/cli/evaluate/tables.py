@@ -71,9 +71,14 @@ def _table_1(report: Report) -> Table:
         if row(name) in paper:
             wrist, wrist_sem, angle, angle_sem = paper[row(name)]
             table.add_row(
-                _PAPER, f"{wrist:.2f}", f"{wrist_sem:.3f}", f"{angle:.2f}", f"{angle_sem:.3f}",
-                "", style="dim",
-            )  # fmt: skip
+                _PAPER,
+                f"{wrist:.2f}",
+                f"{wrist_sem:.3f}",
+                f"{angle:.2f}",
+                f"{angle_sem:.3f}",
+                "",
+                style="dim",
+            )
     return table
 
 
@@ -168,9 +173,17 @@ def _fit(report: Report) -> Table:
         known = row(name)
         if known in counts or known in times:
             table.add_row(
-                _PAPER, _number(counts.get(known), 1), "", "", "", "", "",
-                _number(times.get(known), 1), "", style="dim",
-            )  # fmt: skip
+                _PAPER,
+                _number(counts.get(known), 1),
+                "",
+                "",
+                "",
+                "",
+                "",
+                _number(times.get(known), 1),
+                "",
+                style="dim",
+            )
     return table
 
 

@@ -114,9 +114,15 @@ def show(
                 stream = source.frames()
         if view != "text" or picture is not None:
             show_pictures(
-                paalm, stream, view, recorded=file is not None, caption=source.caption,
-                seconds=seconds, picture=picture, port=port,
-            )  # fmt: skip
+                paalm,
+                stream,
+                view,
+                recorded=file is not None,
+                caption=source.caption,
+                seconds=seconds,
+                picture=picture,
+                port=port,
+            )
             return 0
         if not as_json:
             print(HEADER)

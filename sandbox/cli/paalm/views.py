@@ -82,9 +82,12 @@ def show_pictures(
 
 
 def _play(
-    paalm: Paalm, stream: Iterator[HandFrame], shown: Window | Page | File, paced: bool,
+    paalm: Paalm,
+    stream: Iterator[HandFrame],
+    shown: Window | Page | File,
+    paced: bool,
     seconds: float,
-) -> tuple[HandFrame, PaalmFrame] | None:  # fmt: skip
+) -> tuple[HandFrame, PaalmFrame] | None:
     """The last frame and what PAALM made of it."""
     begin: float | None = None
     started = time.monotonic()

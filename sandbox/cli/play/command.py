@@ -98,23 +98,29 @@ def _check(options: PlayOptions) -> None:
     find_task(plan(replace(options, record=None)).settings.task)
     if options.record is not None and not options.record.absolute().parent.is_dir():
         raise InputError(
-            "no such folder", where="--record", got=str(options.record.parent),
+            "no such folder",
+            where="--record",
+            got=str(options.record.parent),
             remedy="Make it, or record somewhere else",
-        )  # fmt: skip
+        )
 
 
 def _without_window(options: PlayOptions) -> int:
     """The same session as `sandbox run` plays: seen nowhere, or in a film."""
     if options.device in ("mouse", "web"):
         raise InputError(
-            "fingers that see nothing touch nothing", where=f"--view {options.view}",
-            got=options.device, expected="simulated, tuio or a file as --device",
-        )  # fmt: skip
+            "fingers that see nothing touch nothing",
+            where=f"--view {options.view}",
+            got=options.device,
+            expected="simulated, tuio or a file as --device",
+        )
     if options.max_latency is not None:
         raise InputError(
-            "latency is measured up to a picture", where="--max-latency",
-            got=f"--view {options.view}", expected="--view window or --view web",
-        )  # fmt: skip
+            "latency is measured up to a picture",
+            where="--max-latency",
+            got=f"--view {options.view}",
+            expected="--view window or --view web",
+        )
     scene = {f.name: getattr(options, f.name) for f in fields(SceneOptions)}
     film = options.film or Path(f"{Path(options.task).stem}.webp")
     drawn = film if options.view == "film" else None

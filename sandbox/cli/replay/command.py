@@ -73,14 +73,18 @@ def main(argv: list[str]) -> int:
     options = parse(ReplayOptions, "sandbox replay", argv)
     console = Console()
     if not 0.001 <= options.speed <= 1000.0:
-        raise InputError("not a speed", where="--speed", got=options.speed,
-                         expected="0.001 to 1000")  # fmt: skip
+        raise InputError(
+            "not a speed", where="--speed", got=options.speed, expected="0.001 to 1000"
+        )
     files = find_recordings(options.trial, options.out)
     showing = options.view != "none" or options.film is not None
     if showing and len(files) > 1:
-        raise InputError("only one trial can be shown", where=options.trial,
-                         got=f"{len(files)} recordings",
-                         remedy="Name one of them, such as " + files[0].stem)  # fmt: skip
+        raise InputError(
+            "only one trial can be shown",
+            where=options.trial,
+            got=f"{len(files)} recordings",
+            remedy="Name one of them, such as " + files[0].stem,
+        )
     status = 0
     for file in files:
         status = max(status, _replay(file, options, len(files) > 1, console))
@@ -132,9 +136,11 @@ def _replay(file: Path, options: ReplayOptions, brief: bool, console: Console) -
     else:
         _report(recording, session, verification, console)
         if not keeps and film is None and took > 0 and verification.compared:
-            console.print(f"[dim]{session.time:.1f} s of trial compared in {took:.2f} s, "
-                          f"{session.time / took:.1f} times faster than it was[/]",
-                          highlight=False)  # fmt: skip
+            console.print(
+                f"[dim]{session.time:.1f} s of trial compared in {took:.2f} s, "
+                f"{session.time / took:.1f} times faster than it was[/]",
+                highlight=False,
+            )
     if film is not None:
         console.print(f"film: {film}")
     if kept:

@@ -30,8 +30,13 @@ def show_in_window(
     from sandbox.views.window.keys import REPLAY_HELP
     from sandbox.views.window.window import Window
 
-    with Window(session.scene, session.whole_surface, title=f"replay: {session.task.name}",
-                caption=caption, in_air=in_air(session)) as window:  # fmt: skip
+    with Window(
+        session.scene,
+        session.whole_surface,
+        title=f"replay: {session.task.name}",
+        caption=caption,
+        in_air=in_air(session),
+    ) as window:
         window.help = REPLAY_HELP
         playback = Playback(snapshots, speed)
         whole = snapshots[-1].time

@@ -104,8 +104,9 @@ def main(argv: list[str]) -> int:
         print(FIRST_STEPS)
         return 0
     if argv[0] not in ACTIONS:
-        raise InputError("no such thing to do with a study", got=argv[0],
-                         expected=", ".join(ACTIONS))  # fmt: skip
+        raise InputError(
+            "no such thing to do with a study", got=argv[0], expected=", ".join(ACTIONS)
+        )
     options, action = ACTIONS[argv[0]]
     return action(parse(options, f"sandbox study {argv[0]}", argv[1:]), Console(soft_wrap=True))
 
@@ -116,11 +117,13 @@ def _new(options: NewOptions, console: Console) -> int:
         with options.file.open("xb") as file:
             file.write(template)
     except FileExistsError:
-        raise StudyError("the file exists already", where=str(options.file),
-                         remedy="Choose another name") from None  # fmt: skip
+        raise StudyError(
+            "the file exists already", where=str(options.file), remedy="Choose another name"
+        ) from None
     except OSError as error:
-        raise StudyError("the file cannot be written", where=str(options.file),
-                         got=error.strerror) from None  # fmt: skip
+        raise StudyError(
+            "the file cannot be written", where=str(options.file), got=error.strerror
+        ) from None
     console.print(f"{escape(str(options.file))}: edit it, then `sandbox study check`")
     return 0
 
@@ -136,8 +139,10 @@ def _check(options: CheckOptions, console: Console) -> int:
 
     design = _load(options.file)
     count = sum(1 for _ in combinations(design))
-    console.print(f"[green]{design.name}[/]: no mistakes, {count} combinations of levels, all of "
-                  "which can be run here")  # fmt: skip
+    console.print(
+        f"[green]{design.name}[/]: no mistakes, {count} combinations of levels, all of "
+        "which can be run here"
+    )
     return 0
 
 
@@ -153,26 +158,36 @@ def _plan(options: PlanOptions, console: Console) -> int:
     for number, session in product(range(count), range(1, design.sessions + 1)):
         steps = session_plan(design, number, session)
         trials = trials_of(steps)
-        orders = [_order([t.levels[f.name] for t in trials if not t.practice])
-                  for f in design.factors]  # fmt: skip
+        orders = [
+            _order([t.levels[f.name] for t in trials if not t.practice]) for f in design.factors
+        ]
         minutes.append(duration(design, steps) / 60)
         practice = max(practice, sum(t.practice for t in trials))
-        table.add_row(str(number + 1), *(str(session) for _ in several), *orders, str(len(trials)),
-                      f"{minutes[-1]:.0f}")  # fmt: skip
+        table.add_row(
+            str(number + 1),
+            *(str(session) for _ in several),
+            *orders,
+            str(len(trials)),
+            f"{minutes[-1]:.0f}",
+        )
     console.print(table)
-    console.print(f"a session takes about {max(minutes):.0f} min, all of them "
-                  f"{sum(minutes) / 60:.1f} h; a trial taken as {design.expected:g} s"
-                  + (f"; {practice} of a session's trials are practice" if practice else "")
-                  )  # fmt: skip
+    console.print(
+        f"a session takes about {max(minutes):.0f} min, all of them "
+        f"{sum(minutes) / 60:.1f} h; a trial taken as {design.expected:g} s"
+        + (f"; {practice} of a session's trials are practice" if practice else "")
+    )
     cycle = whole_cycle(design)
     if count % cycle:
-        console.print(f"[yellow]orders are used equally often after every {cycle} participants, "
-                      f"and {count} is no multiple of that[/]")  # fmt: skip
+        console.print(
+            f"[yellow]orders are used equally often after every {cycle} participants, "
+            f"and {count} is no multiple of that[/]"
+        )
     if not options.power:
         return 0
     if not 0.0 < options.spread < 10.0:
-        raise InputError("not a spread", where="--spread", got=options.spread,
-                         expected="between 0 and 10")  # fmt: skip
+        raise InputError(
+            "not a spread", where="--spread", got=options.spread, expected="between 0 and 10"
+        )
     for factor in design.factors:
         pairs = comb(len(factor.levels), 2)
         if not pairs:
@@ -207,8 +222,10 @@ def _simulate(options: SimulateOptions, console: Console) -> int:
     study = StudyFolder(options.out, design, SIMULATED, options.force_upgrade)
     count = options.participants or design.participants
     done = simulate(study, count, options.resume, sayer(console))
-    console.print(f"{escape(str(study.path))}: {done['participants']} simulated participants, "
-                  f"{done['trials']} trials that count, {done['excluded']} excluded")  # fmt: skip
+    console.print(
+        f"{escape(str(study.path))}: {done['participants']} simulated participants, "
+        f"{done['trials']} trials that count, {done['excluded']} excluded"
+    )
     return 0
 
 

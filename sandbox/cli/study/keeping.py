@@ -138,17 +138,21 @@ def export(options: ExportOptions, console: Console) -> int:
     from sandbox.study.share.privacy import Masking, anonymise
 
     if not options.anonymise and not options.bids:
-        raise InputError("what kind of copy is missing", where="sandbox study export",
-                         expected="--anonymise, --bids, or both",
-                         remedy="`sandbox study backup` copies everything as it is")  # fmt: skip
+        raise InputError(
+            "what kind of copy is missing",
+            where="sandbox study export",
+            expected="--anonymise, --bids, or both",
+            remedy="`sandbox study backup` copies everything as it is",
+        )
     masks = (options.drop, options.bin, options.keep_words, options.keep_hands)
     if any(masks) and not options.anonymise:
         raise InputError("--drop, --bin, --keep-words and --keep-hands are for --anonymise")
     study = StudyFolder.at(options.folder)
     _outside(study, options.out)
     refuse_existing(options.out)
-    masking = Masking(options.keep_words, options.drop, _bins(options.bin), options.recordings,
-                      options.keep_hands)  # fmt: skip
+    masking = Masking(
+        options.keep_words, options.drop, _bins(options.bin), options.recordings, options.keep_hands
+    )
     ppids = [person.ppid for person in study.participants()]
     say = _progress(console)
     if not options.bids:
@@ -174,8 +178,10 @@ def withdraw(options: WithdrawOptions, console: Console) -> int:
     if ppid not in withdrawn(study):
         study.find(ppid)
     if not options.yes:
-        console.print(f"Everything of {ppid} in {escape(str(study.path))} will be deleted; this "
-                      "cannot be undone. yes / no")  # fmt: skip
+        console.print(
+            f"Everything of {ppid} in {escape(str(study.path))} will be deleted; this "
+            "cannot be undone. yes / no"
+        )
         try:
             answer = input()
         except EOFError:
@@ -187,14 +193,17 @@ def withdraw(options: WithdrawOptions, console: Console) -> int:
     remains = ", what an earlier withdrawal had left" if deleted.before else ""
     console.print(f"{ppid}: {deleted.files} files deleted{remains}")
     if deleted.still:
-        console.print("[yellow]these files still name the participant, or may, since they are "
-                      "damaged; make them anew, or delete "
-                      "them:[/]")  # fmt: skip
+        console.print(
+            "[yellow]these files still name the participant, or may, since they are "
+            "damaged; make them anew, or delete "
+            "them:[/]"
+        )
     for path in deleted.still:
         console.print(f"  {escape(str(path))}")
     if deleted.copies:
-        console.print("[yellow]copies were made with the data in them; deleting those is up to "
-                      "you:[/]")  # fmt: skip
+        console.print(
+            "[yellow]copies were made with the data in them; deleting those is up to you:[/]"
+        )
     for copy in deleted.copies:
         there = "" if copy.there else "  (no longer there)"
         console.print(f"  {copy.time[:10]}  {copy.what}  {escape(str(copy.path))}{there}")
@@ -210,8 +219,11 @@ def backup(options: BackupOptions, console: Console) -> int:
     if options.check is not None:
         checked, path = check_backup(options.check), options.check
     elif options.folder is None or options.out is None:
-        raise InputError("a study and an archive are needed", where="sandbox study backup",
-                         expected="DIR --out FILE, or --check FILE")  # fmt: skip
+        raise InputError(
+            "a study and an archive are needed",
+            where="sandbox study backup",
+            expected="DIR --out FILE, or --check FILE",
+        )
     else:
         study = StudyFolder.at(options.folder)
         checked, path = back_up(study, options.out), options.out
@@ -239,8 +251,10 @@ def merge(options: MergeOptions, console: Console) -> int:
         remember_copy(study, "merge", options.out, ppids)
         # Who withdraws from the merged study is still in the folders that it came from.
         remember_copy(StudyFolder.at(options.out), "site", study.path, ppids)
-    console.print(f"{escape(str(options.out))}: {merged.people} participants; sites.csv says who "
-                  "comes from where")  # fmt: skip
+    console.print(
+        f"{escape(str(options.out))}: {merged.people} participants; sites.csv says who "
+        "comes from where"
+    )
     for old, new in merged.renamed.items():
         console.print(f"  {old} is {new} here: the other site has that pseudonym, too")
     if merged.both:
@@ -252,8 +266,11 @@ def merge(options: MergeOptions, console: Console) -> int:
 
 def _outside(study: StudyFolder, out: Path) -> None:
     if study.path.resolve() in (out.resolve(), *out.resolve().parents):
-        raise StudyError("a copy inside of what it is a copy of", where=str(out),
-                         remedy="Choose a folder elsewhere")  # fmt: skip
+        raise StudyError(
+            "a copy inside of what it is a copy of",
+            where=str(out),
+            remedy="Choose a folder elsewhere",
+        )
 
 
 def _bins(given: Sequence[str]) -> dict[str, float]:
@@ -265,8 +282,9 @@ def _bins(given: Sequence[str]) -> dict[str, float]:
         except ValueError:
             widths[name] = 0.0
         if not widths[name] > 0:
-            raise InputError("not an item and width", where="--bin", got=text,
-                             expected="such as age:10")  # fmt: skip
+            raise InputError(
+                "not an item and width", where="--bin", got=text, expected="such as age:10"
+            )
     return widths
 
 
@@ -297,8 +315,10 @@ def _tell(done: Anonymised, out: Path, console: Console) -> None:
     if done.without_consent:
         console.print(f"  {done.without_consent} who did not agree are left out")
     if done.hands:
-        console.print(f"  {done.hands} recordings of hands in the air are left out: they hold the "
-                      "lengths of fingers; --keep-hands keeps them")  # fmt: skip
+        console.print(
+            f"  {done.hands} recordings of hands in the air are left out: they hold the "
+            "lengths of fingers; --keep-hands keeps them"
+        )
     group_sizes = done.groups
     if group_sizes.exposed:
         console.print(

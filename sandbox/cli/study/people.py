@@ -27,22 +27,33 @@ def who_comes(options: RunOptions, study: StudyFolder, console: Console) -> Part
         return study.find(read_pseudonym(options.participant))
     unfinished = [person.ppid for person in study.participants() if not _finished(study, person)]
     if not options.participant:
-        raise StudyError("who takes part is missing", where="--participant",
-                         expected=", ".join(("new", *unfinished)))  # fmt: skip
+        raise StudyError(
+            "who takes part is missing",
+            where="--participant",
+            expected=", ".join(("new", *unfinished)),
+        )
     if options.session not in (None, 1):
-        raise StudyError("whoever is new begins with session 1", where="--session",
-                         got=options.session)  # fmt: skip
+        raise StudyError(
+            "whoever is new begins with session 1", where="--session", got=options.session
+        )
     if unfinished:
         console.print(f"[yellow]not finished yet: {', '.join(unfinished)}[/]")
     design = study.design
     if options.language and options.language not in design.languages:
-        raise StudyError("the design has no texts in this language", where="--language",
-                         got=options.language, expected=", ".join(design.languages))  # fmt: skip
+        raise StudyError(
+            "the design has no texts in this language",
+            where="--language",
+            got=options.language,
+            expected=", ".join(design.languages),
+        )
     if options.device == "simulated":
         return study.add(**simulated_person(design, len(study.participants())))
     checked = Person(options.hand, options.hand_size)
-    return study.add(hand=checked.hand, hand_size=checked.hand_size,
-                     language=options.language or design.languages[0])  # fmt: skip
+    return study.add(
+        hand=checked.hand,
+        hand_size=checked.hand_size,
+        language=options.language or design.languages[0],
+    )
 
 
 def next_session(study: StudyFolder, person: Participant) -> int:

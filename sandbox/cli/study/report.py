@@ -45,13 +45,13 @@ def report(options: ReportOptions, console: Console) -> int:
     from sandbox.study.report.make import make_report
 
     if options.out is not None and options.out.is_file():
-        raise InputError("this is a file", where="--out", got=str(options.out),
-                         expected="a folder")  # fmt: skip
+        raise InputError("this is a file", where="--out", got=str(options.out), expected="a folder")
     _bring_up_to_date(options.folder, console)
     with console.status("") as status:
         out = options.out or options.folder / "report"
-        page = make_report(options.folder, out, options.measure,
-                           lambda text: status.update(f"[dim]{text}[/]"))  # fmt: skip
+        page = make_report(
+            options.folder, out, options.measure, lambda text: status.update(f"[dim]{text}[/]")
+        )
     console.print(f"{escape(str(page))}: open it in a browser; tables and analysis.R are beside it")
     return 0
 

@@ -50,16 +50,19 @@ def run(options: RunOptions, console: Console) -> int:
     design = load_design(options.file)
     check_leap(options, design)
     check_second(options, design)
-    study = StudyFolder(options.out, design, PILOT if options.pilot else REAL,
-                        options.force_upgrade)  # fmt: skip
+    study = StudyFolder(
+        options.out, design, PILOT if options.pilot else REAL, options.force_upgrade
+    )
     say = sayer(console)
     controls = Controls(say)
     terminal = Terminal(controls)
     person = who_comes(options, study, console)
     number = options.session or next_session(study, person)
     if number > 1 and options.session is None and not has_begun(study, person, number):
-        say(f"{person.ppid} has finished session {number - 1} of {design.sessions}. Begin the "
-            "next? yes / no")  # fmt: skip
+        say(
+            f"{person.ppid} has finished session {number - 1} of {design.sessions}. Begin the "
+            "next? yes / no"
+        )
         if not _agreed(terminal):
             return 0
     with SessionFolder(study, person, number) as session:
@@ -69,9 +72,13 @@ def run(options: RunOptions, console: Console) -> int:
             if not _agreed(terminal):
                 return 0
         of_several = f", session {number} of {design.sessions}" if design.sessions > 1 else ""
-        say(f"participant {person.ppid}" + of_several + (", a pilot" if options.pilot else "")
+        say(
+            f"participant {person.ppid}"
+            + of_several
+            + (", a pilot" if options.pilot else "")
             + "; h and Enter shows your keys"
-            + ("" if options.has_page else ", while a question is open /h"))  # fmt: skip
+            + ("" if options.has_page else ", while a question is open /h")
+        )
         with ExitStack() as closing:
             clock = closing.enter_context(streaming(options.lsl, console))
             if clock:
@@ -146,10 +153,17 @@ def _play(
     calibrate = _average if simulated else hand_measurer(forms, person, leap, say)
     other = second.device if second else name
     runner = SessionRunner(
-        session, player, person_devices(touch, person, page, leap, second), forms, controls,
-        say, name, fitting(name, page, other), calibrate,
+        session,
+        player,
+        person_devices(touch, person, page, leap, second),
+        forms,
+        controls,
+        say,
+        name,
+        fitting(name, page, other),
+        calibrate,
         second_device=other,
-    )  # fmt: skip
+    )
     try:
         outcome = runner.run()
         if page is not None and outcome != "stopped":

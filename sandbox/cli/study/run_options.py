@@ -163,28 +163,44 @@ def check_options(options: RunOptions) -> None:
 
     entry = built_in(options.device)
     if entry is None or entry.in_air:
-        raise InputError("no such device for a study", where="--device",
-                         got=options.device,
-                         expected="web, mouse, tuio, evdev, evdev:NODE or simulated")  # fmt: skip
+        raise InputError(
+            "no such device for a study",
+            where="--device",
+            got=options.device,
+            expected="web, mouse, tuio, evdev, evdev:NODE or simulated",
+        )
     if options.device == "simulated" and not options.pilot:
-        raise StudyError("a simulated user is nobody's data", where="--device simulated",
-                         remedy="Add --pilot, or use `sandbox study simulate`")  # fmt: skip
+        raise StudyError(
+            "a simulated user is nobody's data",
+            where="--device simulated",
+            remedy="Add --pilot, or use `sandbox study simulate`",
+        )
     if options.touches == "web":
         if options.device not in ("web", "mouse"):
-            raise InputError("touches come from the page or from elsewhere, not both",
-                             where="--tablet, --lan", got=f"--device {options.device}",
-                             remedy="Leave one of them out")  # fmt: skip
+            raise InputError(
+                "touches come from the page or from elsewhere, not both",
+                where="--tablet, --lan",
+                got=f"--device {options.device}",
+                remedy="Leave one of them out",
+            )
         if options.forms == "terminal":
-            raise InputError("with trials on the page, forms are there, too",
-                             where="--forms terminal", remedy="Leave it out")  # fmt: skip
+            raise InputError(
+                "with trials on the page, forms are there, too",
+                where="--forms terminal",
+                remedy="Leave it out",
+            )
         return
     if options.view == "window" and not has_display():
-        raise InputError("no display to open a window on",
-                         remedy="--device web runs trials on a page, --view none without a view",
-                         )  # fmt: skip
+        raise InputError(
+            "no display to open a window on",
+            remedy="--device web runs trials on a page, --view none without a view",
+        )
     if options.view == "none" and options.device == "mouse":
-        raise InputError("the mouse needs a window", where="--device mouse",
-                         remedy="Use --device web or --device tuio")  # fmt: skip
+        raise InputError(
+            "the mouse needs a window",
+            where="--device mouse",
+            remedy="Use --device web or --device tuio",
+        )
     maker = (
         live_maker(touch_options(options)) if options.device not in ("mouse", "simulated") else None
     )
@@ -220,25 +236,41 @@ def check_second(options: RunOptions, design: Design) -> None:
     name = options.second_device
     if name is None:
         if wanted and options.device != "simulated":
-            raise InputError("the design has trials for two hands, and there is a device for one",
-                             where="--second-device",
-                             expected="mouse, tuio, evdev, evdev:NODE or simulated",
-                             remedy="Or write one_surface = true or second_device = 'simulated' "
-                             "under [settings] of the design")  # fmt: skip
+            raise InputError(
+                "the design has trials for two hands, and there is a device for one",
+                where="--second-device",
+                expected="mouse, tuio, evdev, evdev:NODE or simulated",
+                remedy="Or write one_surface = true or second_device = 'simulated' "
+                "under [settings] of the design",
+            )
         return
     if not wanted:
-        raise InputError("no trial of the design needs a second device", where="--second-device",
-                         got=name, remedy="Leave it out")  # fmt: skip
+        raise InputError(
+            "no trial of the design needs a second device",
+            where="--second-device",
+            got=name,
+            remedy="Leave it out",
+        )
     if name not in ("mouse", "tuio", PARTNER) and not is_evdev(name):
-        raise InputError("this device cannot be a second hand's in a study",
-                         where="--second-device", got=name,
-                         expected="mouse, tuio, evdev, evdev:NODE or simulated")  # fmt: skip
+        raise InputError(
+            "this device cannot be a second hand's in a study",
+            where="--second-device",
+            got=name,
+            expected="mouse, tuio, evdev, evdev:NODE or simulated",
+        )
     if name == options.device and name not in ("tuio", PARTNER):
-        raise InputError("one device cannot be both hands'", where="--second-device", got=name,
-                         remedy="Name another one, such as evdev:NODE")  # fmt: skip
+        raise InputError(
+            "one device cannot be both hands'",
+            where="--second-device",
+            got=name,
+            remedy="Name another one, such as evdev:NODE",
+        )
     if name == "mouse" and (options.touches == "web" or options.view == "none"):
-        raise InputError("the mouse needs a window", where="--second-device mouse",
-                         remedy="Use tuio, evdev or simulated")  # fmt: skip
+        raise InputError(
+            "the mouse needs a window",
+            where="--second-device mouse",
+            remedy="Use tuio, evdev or simulated",
+        )
     asked = second_touch_options(options)
     maker = live_maker(asked) if asked and name not in ("mouse", PARTNER) else None
     if maker is not None:
@@ -257,8 +289,9 @@ def where_served(options: RunOptions) -> PageOptions:
     """Where the participant's page is."""
     from sandbox.cli.common.page_options import PageOptions
 
-    return PageOptions(options.tablet, options.lan, options.page_port, options.tls_cert,
-                       options.tls_key)  # fmt: skip
+    return PageOptions(
+        options.tablet, options.lan, options.page_port, options.tls_cert, options.tls_key
+    )
 
 
 def touch_options(options: RunOptions) -> TouchOptions:

@@ -43,9 +43,11 @@ class LineFile(Closing):
             print(json.dumps(values, separators=(",", ":")), file=self._file, flush=True)
         except OSError as error:
             raise RecordingError(
-                "the recording cannot go on", where=str(self.path), got=error.strerror,
+                "the recording cannot go on",
+                where=str(self.path),
+                got=error.strerror,
                 remedy="Make room on the disk; what was recorded before is kept",
-            ) from None  # fmt: skip
+            ) from None
 
     def close(self) -> None:
         """Closes the file; may be called twice."""

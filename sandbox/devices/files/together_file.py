@@ -20,8 +20,8 @@ from typing import Any, Literal
 
 import numpy as np
 from msgspec import Struct
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.errors import RecordingError
 from models.frames import HandFrame, TouchFrame
 from models.json_input import decoded, numbered_lines, read_bytes
@@ -32,8 +32,6 @@ from sandbox.devices.leap.leap_file import read_leap
 from sandbox.devices.leap.leap_json import LeapDecoder
 from sandbox.devices.leap.leap_write import leap_message
 from sandbox.session.closing import Closing
-
-Array = NDArray[np.float64]
 
 TOUCHES, HANDS, ABOUT = "touches.jsonl", "hands.jsonl", "about.json"
 

@@ -74,9 +74,12 @@ def check_side(frames: Sequence[HandFrame], side: str, where: str, option: str) 
     if sides and None not in sides and side not in sides:
         other = ", ".join(sorted(str(s) for s in sides))
         raise InputError(
-            "this hand is not in the recording", where=where, got=side, expected=other,
+            "this hand is not in the recording",
+            where=where,
+            got=side,
+            expected=other,
             remedy=f"{option} {other}",
-        )  # fmt: skip
+        )
 
 
 def read_leap(path: Path) -> LeapRecording:

@@ -10,9 +10,15 @@ from encoders.paalm.simulated.forward import LeapConfiguration
 from models.errors import InputError
 
 _NOISY = (
-    "tip", "joint", "length_white", "length_slow", "direction", "palm_place", "palm_turn",
+    "tip",
+    "joint",
+    "length_white",
+    "length_slow",
+    "direction",
+    "palm_place",
+    "palm_turn",
     "lost_rate",
-)  # fmt: skip
+)
 MOST_NOISE, LONGEST = 20.0, 10.0
 """Times the frozen noise, and s, beyond which nobody could do anything."""
 
@@ -35,9 +41,11 @@ class LeapTrouble:
             value = getattr(self, name)
             if not (isfinite(value) and 0.0 <= value <= most):
                 raise InputError(
-                    "a simulated Leap cannot be like that", where=name, got=value,
+                    "a simulated Leap cannot be like that",
+                    where=name,
+                    got=value,
                     expected=f"0 to {most:g}",
-                )  # fmt: skip
+                )
 
     def applied(self, to: LeapConfiguration) -> LeapConfiguration:
         """The configuration with its noise."""
@@ -65,7 +73,9 @@ def parse_simulated(text: str) -> tuple[str, LeapTrouble]:
             values[name] = float(value)
         except ValueError:
             raise InputError(
-                "no such simulated Leap", where="--device", got=f"leap-simulated:{text}",
+                "no such simulated Leap",
+                where="--device",
+                got=f"leap-simulated:{text}",
                 expected=f"leap-simulated:{{{','.join(DIALECTS)}}}, with noise=TIMES or lose=S",
-            ) from None  # fmt: skip
+            ) from None
     return dialect, LeapTrouble(**values)

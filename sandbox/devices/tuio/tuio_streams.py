@@ -210,10 +210,16 @@ class Streams:
                     await self._read_tcp(reader, writer, f"tcp {target.host}:{target.port}")
                 else:
                     async with connect(
-                        target.url, compression=None, max_size=MAX_PACKET_BYTES, open_timeout=5,
-                        ping_interval=5, ping_timeout=5, close_timeout=1, proxy=None,
+                        target.url,
+                        compression=None,
+                        max_size=MAX_PACKET_BYTES,
+                        open_timeout=5,
+                        ping_interval=5,
+                        ping_timeout=5,
+                        close_timeout=1,
+                        proxy=None,
                         logger=_silent_logger(),
-                    ) as connection:  # fmt: skip
+                    ) as connection:
                         await self._read_websocket(connection, f"{target.host}:{target.port}")
             await asyncio.sleep(_REDIAL)
 

@@ -121,11 +121,14 @@ class MergedTouches(Device):
             if not device.looks:
                 continue
             hands = tuple(
-                replace(hand, contacts=tuple(
-                    replace(c, id=c.id // 2) for c in hand.contacts if c.id % 2 == k
-                ))
+                replace(
+                    hand,
+                    contacts=tuple(
+                        replace(c, id=c.id // 2) for c in hand.contacts if c.id % 2 == k
+                    ),
+                )
                 for hand in snapshot.hands
-            )  # fmt: skip
+            )
             device.show(replace(snapshot, hands=hands))
 
     @property

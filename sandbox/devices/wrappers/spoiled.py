@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.frames import Contact, TouchFrame
 from models.surface import Surface
 from sandbox.devices.wrappers.device_wrapper import DeviceWrapper
@@ -16,8 +16,6 @@ from sandbox.devices.wrappers.drop_outs import DropOuts
 from sandbox.session.device import Device
 from sandbox.session.messages import Snapshot
 from tasks.variation import Variation
-
-Array = NDArray[np.float64]
 
 GHOST_LENGTH = 0.1
 """s for which a ghost touch stays, as long as a lost one is away."""

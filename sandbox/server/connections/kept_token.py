@@ -31,9 +31,11 @@ def kept_token(path: Path) -> str:
         return _read(path)
     except OSError as error:
         raise InputError(
-            "the page's token cannot be kept", where=str(path), got=error.strerror,
+            "the page's token cannot be kept",
+            where=str(path),
+            got=error.strerror,
             remedy="Leave --page-port out: then every start has a token of its own",
-        ) from None  # fmt: skip
+        ) from None
     with os.fdopen(fresh, "w", encoding="ascii") as file:
         token = secrets.token_urlsafe(TOKEN_BYTES)
         file.write(token + "\n")

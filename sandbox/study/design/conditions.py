@@ -130,15 +130,21 @@ def check_conditions(design: Design, reader: Reader) -> None:
                 continue
             seen.add(str(error))
             names = ", ".join(f"{k} = {v.name}" for k, v in levels.items())
-            reader.wrong(_place(design, levels, error), f"{names}: {error}",
-                         "Change a level of this combination")  # fmt: skip
+            reader.wrong(
+                _place(design, levels, error),
+                f"{names}: {error}",
+                "Change a level of this combination",
+            )
 
 
 def _check_kinds(design: Design, reader: Reader) -> bool:
     wrong = False
     given = [(("settings",), design.settings)]
-    given += [(("factors", i, "levels"), level.settings)  # type: ignore[misc]
-              for i, factor in enumerate(design.factors) for level in factor.levels]  # fmt: skip
+    given += [
+        (("factors", i, "levels"), level.settings)  # type: ignore[misc]
+        for i, factor in enumerate(design.factors)
+        for level in factor.levels
+    ]
     for path, values in given:
         for name, value in values.items():
             is_flag = isinstance(value, bool)

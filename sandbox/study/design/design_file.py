@@ -42,8 +42,12 @@ def load_design(path: Path, try_out: bool = True) -> Design:
     try:
         text = path.read_text(encoding="utf-8")
     except OSError as error:
-        raise StudyError("the design cannot be read", where=str(path), got=error.strerror,
-                         remedy="`sandbox study new FILE` makes one") from None  # fmt: skip
+        raise StudyError(
+            "the design cannot be read",
+            where=str(path),
+            got=error.strerror,
+            remedy="`sandbox study new FILE` makes one",
+        ) from None
     except UnicodeDecodeError as error:
         raise StudyError("the design is no UTF-8 text", where=str(path), got=str(error)) from None
     return parse_design(text, path, try_out)
@@ -188,17 +192,23 @@ def _one_factor(table: Table, outer_ones: list[Factor]) -> Factor:
         above = next((f for f in outer_ones if f.name == outer), None)
         wanted = [level.name for level in above.levels] if above else []
         if above is None:
-            table.wrong("inside", f"there is no factor {outer!r} above this one",
-                        "Name a factor that stands above")  # fmt: skip
+            table.wrong(
+                "inside",
+                f"there is no factor {outer!r} above this one",
+                "Name a factor that stands above",
+            )
         elif not isinstance(raw, dict) or set(raw) != set(wanted):
-            table.wrong("levels", f"levels are needed for every level of {outer}",
-                        f"Write levels = {{{', '.join(f'{w} = [...]' for w in wanted)}}}"
-                        )  # fmt: skip
+            table.wrong(
+                "levels",
+                f"levels are needed for every level of {outer}",
+                f"Write levels = {{{', '.join(f'{w} = [...]' for w in wanted)}}}",
+            )
         else:
             nested = {k: _levels(table, v, setting) for k, v in raw.items()}
         if order == "between":
-            table.wrong("order", "a nested factor cannot be between participants",
-                        "Choose another order")  # fmt: skip
+            table.wrong(
+                "order", "a nested factor cannot be between participants", "Choose another order"
+            )
         lists = list(nested.values()) if nested else []
         levels = tuple({level.name: level for some in lists for level in some}.values())
     else:
@@ -208,8 +218,11 @@ def _one_factor(table: Table, outer_ones: list[Factor]) -> Factor:
     if one_a_session:
         _check_one_a_session(table, bool(outer_ones), bool(outer), order, len(levels))
     if order == "factorial" and max(map(len, lists), default=0) > MOST_FACTORIAL:
-        table.wrong("order", f"{len(levels)} levels have too many orders",
-                    f"Use latin, or at most {MOST_FACTORIAL} levels")  # fmt: skip
+        table.wrong(
+            "order",
+            f"{len(levels)} levels have too many orders",
+            f"Use latin, or at most {MOST_FACTORIAL} levels",
+        )
     table.done()
     return Factor(name, order, levels, outer, nested, one_a_session)
 
@@ -217,14 +230,23 @@ def _one_factor(table: Table, outer_ones: list[Factor]) -> Factor:
 def _check_one_a_session(table: Table, inner: bool, nested: bool, order: str, count: int) -> None:
     sessions = table.reader.sessions
     if inner or nested:
-        table.wrong("one_a_session", "only the outermost factor can have one level a session",
-                    "Put it first")  # fmt: skip
+        table.wrong(
+            "one_a_session",
+            "only the outermost factor can have one level a session",
+            "Put it first",
+        )
     elif order == "between":
-        table.wrong("one_a_session", "between participants everybody has the same level always",
-                    "Choose another order, or leave it out")  # fmt: skip
+        table.wrong(
+            "one_a_session",
+            "between participants everybody has the same level always",
+            "Choose another order, or leave it out",
+        )
     elif count != sessions:
-        table.wrong("one_a_session", f"{count} levels, and {sessions} sessions",
-                    f"Write sessions = {count} at the top, or leave it out")  # fmt: skip
+        table.wrong(
+            "one_a_session",
+            f"{count} levels, and {sessions} sessions",
+            f"Write sessions = {count} at the top, or leave it out",
+        )
 
 
 def _levels(table: Table, raw: Any, setting: str) -> tuple[Level, ...]:
@@ -237,16 +259,17 @@ def _levels(table: Table, raw: Any, setting: str) -> tuple[Level, ...]:
             settings = dict(value)
             name = settings.pop("name", "")
             if not isinstance(name, str) or not name or not settings:
-                table.wrong("levels", f"got {value!r}",
-                            'Write {name = "soft", contact = "soft"}')  # fmt: skip
+                table.wrong("levels", f"got {value!r}", 'Write {name = "soft", contact = "soft"}')
                 continue
         else:
             name, settings = str(value), {setting: value}
         unknown = sorted(set(settings) - set(SETTINGS))
         if unknown:
-            table.wrong("levels" if isinstance(value, dict) else "setting",
-                        f"there is no setting {unknown[0]!r}",
-                        "Settings are: " + ", ".join(SETTINGS))  # fmt: skip
+            table.wrong(
+                "levels" if isinstance(value, dict) else "setting",
+                f"there is no setting {unknown[0]!r}",
+                "Settings are: " + ", ".join(SETTINGS),
+            )
             if not isinstance(value, dict):
                 return ()
             continue
@@ -261,8 +284,11 @@ def _instruction(table: Table, factors: tuple[Factor, ...]) -> Instruction:
     level = table.string("level", "")
     names = next(([x.name for x in f.levels] for f in factors if f.name == at), [])
     if level and level not in names:
-        table.wrong("level", f"{at} has no level {level!r}",
-                    f"Levels: {', '.join(names)}" if names else "Set `at` to a factor")  # fmt: skip
+        table.wrong(
+            "level",
+            f"{at} has no level {level!r}",
+            f"Levels: {', '.join(names)}" if names else "Set `at` to a factor",
+        )
     instruction = Instruction(table.text("text"), at, level, table.session_numbers("sessions"))
     table.done()
     return instruction

@@ -154,8 +154,13 @@ def duration(design: Design, steps: list[Step]) -> float:
 
 def whole_cycle(design: Design) -> int:
     """Participants after which every factor's orders have been used equally often."""
-    return lcm(*(cycle(f.order, len(levels)) for f in design.factors
-                 for levels in (f.nested.values() if f.nested else [f.levels])))  # fmt: skip
+    return lcm(
+        *(
+            cycle(f.order, len(levels))
+            for f in design.factors
+            for levels in (f.nested.values() if f.nested else [f.levels])
+        )
+    )
 
 
 class _Plan:
@@ -255,9 +260,18 @@ class _Plan:
         what = values.get("task", "") if design.seeds == "shared" else sorted(levels.items())
         later = () if design.seeds == "shared" else self._later
         seed = _seed(design.seed, "trial", who, what, repetition, practice, *later)
-        return TrialStep(f"trial:{self._trial}", self._trial, self._block, self._in_block,
-                         repetition, practice > 0, levels, values, seed % 2**31,
-                         self._session)  # fmt: skip
+        return TrialStep(
+            f"trial:{self._trial}",
+            self._trial,
+            self._block,
+            self._in_block,
+            repetition,
+            practice > 0,
+            levels,
+            values,
+            seed % 2**31,
+            self._session,
+        )
 
     def _practice(self) -> Iterator[Step]:
         """Practice with the levels chosen so far, and the first of those that are not."""

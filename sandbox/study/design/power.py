@@ -54,9 +54,12 @@ def power(effect: float, n: int, alpha: float = 0.05, between: bool = False) -> 
 
 
 def detectable(
-    n: int, comparisons: int = 1, between: bool = False, wanted: float = 0.8,
+    n: int,
+    comparisons: int = 1,
+    between: bool = False,
+    wanted: float = 0.8,
     spread: float = SPREAD,
-) -> Detectable:  # fmt: skip
+) -> Detectable:
     """The smallest effect that n people detect with probability `wanted`.
 
     Args:

@@ -18,8 +18,11 @@ from sandbox.study.design.scoring import RULES, Scale
 def instruments() -> dict[str, str]:
     """Texts of the questionnaires in the package, by name."""
     folder = files("sandbox.study.design").joinpath("instruments")
-    texts = {entry.name.removesuffix(".toml"): entry.read_text(encoding="utf-8")
-             for entry in folder.iterdir() if entry.name.endswith(".toml")}  # fmt: skip
+    texts = {
+        entry.name.removesuffix(".toml"): entry.read_text(encoding="utf-8")
+        for entry in folder.iterdir()
+        if entry.name.endswith(".toml")
+    }
     return dict(sorted(texts.items()))
 
 
@@ -53,8 +56,9 @@ def read_form(table: Table, factors: list[str], folder: Path) -> Form:
     names = [item.name for item in items]
     for i, one in enumerate(names):
         if one and one in names[:i]:
-            source.reader.wrong((*source.path, "items", i, "name"), f"{one!r} is there twice",
-                                "Rename one of them")  # fmt: skip
+            source.reader.wrong(
+                (*source.path, "items", i, "name"), f"{one!r} is there twice", "Rename one of them"
+            )
     scales = tuple(_scale(t, items) for t in source.tables("scales"))
     if source is not table:
         source.done()
@@ -79,8 +83,11 @@ def read_item(table: Table) -> Item:
     if kind in ("scale", "number") and not low < high:
         table.wrong("low", f"{low:g} is not below {high:g}", "Swap low and high")
     elif kind == "scale" and (Fraction(repr(high)) - Fraction(repr(low))) % Fraction(repr(step)):
-        table.wrong("step", f"from {low:g}, steps of {step:g} do not end at {high:g}",
-                    "Change step or high: the last answer has to be one")  # fmt: skip
+        table.wrong(
+            "step",
+            f"from {low:g}, steps of {step:g} do not end at {high:g}",
+            "Change step or high: the last answer has to be one",
+        )
     ends = (table.text("low_means"), table.text("high_means")) if table.has("low_means") else None
     means = _means(table, choices)
     optional, shuffle = table.flag("optional"), table.flag("shuffle")
@@ -114,8 +121,11 @@ def arranged(form: Form, seed: int) -> Form:
 
 def _turned(item: Item, rng: np.random.Generator) -> Item:
     order = rng.permutation(len(item.choices))
-    return replace(item, choices=tuple(item.choices[i] for i in order),
-                   means=tuple(item.means[i] for i in order) if item.means else ())  # fmt: skip
+    return replace(
+        item,
+        choices=tuple(item.choices[i] for i in order),
+        means=tuple(item.means[i] for i in order) if item.means else (),
+    )
 
 
 def _means(table: Table, choices: tuple[str, ...]) -> tuple[Text, ...]:
@@ -124,8 +134,11 @@ def _means(table: Table, choices: tuple[str, ...]) -> tuple[Text, ...]:
         return ()
     given = table.raw("means")
     if not isinstance(given, list) or len(given) != len(choices):
-        table.wrong("means", f"{len(choices)} are needed, one for each choice",
-                    "Write a text for each choice, in their order")  # fmt: skip
+        table.wrong(
+            "means",
+            f"{len(choices)} are needed, one for each choice",
+            "Write a text for each choice, in their order",
+        )
         return ()
     # Each is read like any other text.
     return tuple(Table(table.reader, {"means": v}, table.path).text("means") for v in given)
@@ -143,13 +156,24 @@ def _scale(table: Table, items: tuple[Item, ...]) -> Scale:
     if not wanted:
         table.wrong("items", "a scale needs items", 'Write items = ["one", "two"]')
     if bool(pairs) != (rule == "weighted"):
-        table.wrong("pairs", "pairs and the rule weighted need each other",
-                    'Write rule = "weighted" and pairs, or neither')  # fmt: skip
+        table.wrong(
+            "pairs",
+            "pairs and the rule weighted need each other",
+            'Write rule = "weighted" and pairs, or neither',
+        )
     fitting = {i.name for i in items if i.kind == "choice" and set(i.choices) <= set(wanted)}
     _known(table, "pairs", pairs, fitting, "no choice among the items of this scale")
     bounds = tuple((known[n].low, known[n].high) for n in wanted if n in known)
-    scale = Scale(name, rule, wanted, bounds, frozenset(reverse), table.flag("from_zero"),
-                  float(table.number("factor", 1.0, -1e6, 1e6)), pairs)  # fmt: skip
+    scale = Scale(
+        name,
+        rule,
+        wanted,
+        bounds,
+        frozenset(reverse),
+        table.flag("from_zero"),
+        float(table.number("factor", 1.0, -1e6, 1e6)),
+        pairs,
+    )
     table.done()
     return scale
 
@@ -164,16 +188,18 @@ def _known(table: Table, key: str, names: tuple[str, ...], fit: set[str], what: 
 def _packaged(table: Table, use: str) -> str | None:
     known = instruments()
     if use not in known:
-        table.wrong("use", f"there is no questionnaire {use!r}",
-                    f"Write one of {', '.join(known)}, or give a file")  # fmt: skip
+        table.wrong(
+            "use",
+            f"there is no questionnaire {use!r}",
+            f"Write one of {', '.join(known)}, or give a file",
+        )
     return known.get(use)
 
 
 def _beside(table: Table, file: str, folder: Path) -> str | None:
     """The text of a questionnaire's file, which stands beside the design or below it."""
     if Path(file).is_absolute() or ".." in Path(file).parts:
-        table.wrong("file", f"{file} is not beside the design",
-                    "Put it into the design's folder")  # fmt: skip
+        table.wrong("file", f"{file} is not beside the design", "Put it into the design's folder")
         return None
     if Path(file).suffix != ".toml" or file == "design.toml":
         # A copy of it will stand in the study's folder, among other files.

@@ -47,8 +47,9 @@ class DesignError(StudyError):
         count = len(self.mistakes)
         lines = "".join(f"\n  {m}" for m in self.mistakes)
         more = "" if tried else "\n  Levels are tried once this is put right."
-        super().__init__(f"{count} mistake{'s' * (count > 1)} in the design{lines}{more}",
-                         where=file)  # fmt: skip
+        super().__init__(
+            f"{count} mistake{'s' * (count > 1)} in the design{lines}{more}", where=file
+        )
 
 
 class Reader:
@@ -124,8 +125,9 @@ class Table:
         """A name of a file, a column or a row."""
         name = self.string(key)
         if name and not NAME.match(name):
-            self.wrong(key, f"got {name!r}",
-                       "Use up to 64 letters, digits, - and _; it names files")  # fmt: skip
+            self.wrong(
+                key, f"got {name!r}", "Use up to 64 letters, digits, - and _; it names files"
+            )
         return name
 
     def flag(self, key: str) -> bool:
@@ -163,8 +165,11 @@ class Table:
         value, most = self.raw(key), self.reader.sessions
         numbers = isinstance(value, list) and all(type(v) is int for v in value)
         if not numbers or not value or not all(1 <= v <= most for v in value):
-            self.wrong(key, f"got {value!r}", "Write numbers of sessions such as [1]; there "
-                       f"are so many: {most} (`sessions`)")  # fmt: skip
+            self.wrong(
+                key,
+                f"got {value!r}",
+                f"Write numbers of sessions such as [1]; there are so many: {most} (`sessions`)",
+            )
             return ()
         return tuple(value)
 
@@ -177,8 +182,11 @@ class Table:
         if isinstance(value, dict) and all(isinstance(v, str) for v in value.values()):
             missing = [lang for lang in languages if not value.get(lang)]
             if missing:
-                self.wrong(key, f"no text in {', '.join(missing)}",
-                           f'Add {missing[0]} = "..." or remove the language')  # fmt: skip
+                self.wrong(
+                    key,
+                    f"no text in {', '.join(missing)}",
+                    f'Add {missing[0]} = "..." or remove the language',
+                )
             return {lang: value.get(lang, "") for lang in languages}
         example = ", ".join(f'{lang} = "..."' for lang in languages)
         wanted = '"..."' if len(languages) == 1 else f"{{{example}}}"
@@ -211,7 +219,9 @@ class Table:
         """Whatever was not taken is unknown."""
         for key in self._values:
             near = get_close_matches(key, self._known, 1)
-            remedy = f"Did you mean {near[0]}?" if near else "Known here: " + ", ".join(
-                sorted(set(self._known))
-            )  # fmt: skip
+            remedy = (
+                f"Did you mean {near[0]}?"
+                if near
+                else "Known here: " + ", ".join(sorted(set(self._known)))
+            )
             self.wrong(key, "no such key", remedy)

@@ -11,10 +11,8 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-
+from models.arithmetic.arrays import Array
 
 SECOND = "hand2_"
 """Begins the names of columns of a second hand, which are as those of the first."""

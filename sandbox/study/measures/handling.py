@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 RELEASE = 0.1
 """s without any push of the hand, after which a thing has been let go."""
@@ -17,14 +17,17 @@ FALL = 0.010
 little above its place is put down."""
 PALM = "p"
 
-Mask = NDArray[np.bool_]
-
 
 def stretches(mask: ArrayLike) -> list[tuple[int, int]]:
     """First and last index of every run of true values."""
     edges = np.diff(np.concatenate([[0], np.asarray(mask, bool).astype(int), [0]]))
-    return list(zip(np.flatnonzero(edges > 0).tolist(),
-                    (np.flatnonzero(edges < 0) - 1).tolist(), strict=True))  # fmt: skip
+    return list(
+        zip(
+            np.flatnonzero(edges > 0).tolist(),
+            (np.flatnonzero(edges < 0) - 1).tolist(),
+            strict=True,
+        )
+    )
 
 
 def handled(digits: Sequence[str], grip: ArrayLike, period: float) -> list[tuple[int, int]]:

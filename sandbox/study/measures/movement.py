@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from models.arithmetic.arrays import Array
 
 STILL = 0.001
 """m; of a path that is shorter than this, neither efficiency nor smoothness mean anything."""

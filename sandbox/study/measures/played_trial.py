@@ -6,8 +6,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.frames import FINGERS
 from models.scene import CONTROL_PERIOD
 from sandbox.study.measures.columns import Columns
@@ -22,7 +22,6 @@ JUMP = 0.05
 
 DOWN = "down"
 
-Array = NDArray[np.float64]
 Values = dict[str, Any]
 
 

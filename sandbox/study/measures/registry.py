@@ -39,8 +39,12 @@ def register(measure: Measure) -> None:
     """
     _check(measure, "register")
     if find_measure(measure.name) is not None:
-        raise InputError("another measure has this name", where="register", got=measure.name,
-                         remedy="Give it a name of its own")  # fmt: skip
+        raise InputError(
+            "another measure has this name",
+            where="register",
+            got=measure.name,
+            remedy="Give it a name of its own",
+        )
     _registered.append(measure)
 
 
@@ -73,18 +77,29 @@ def _offered() -> tuple[Measure, ...]:
     for name, entries in sorted(offered(GROUP).items()):
         where = f"entry point {name} = {entries[0].value} of {package(entries[0])}"
         if len(entries) > 1 or name in {measure.name for measure in BUILT_IN}:
-            raise InputError("several measures have this name", where=where, got=name,
-                             remedy="Uninstall all but one of the packages")  # fmt: skip
+            raise InputError(
+                "several measures have this name",
+                where=where,
+                got=name,
+                remedy="Uninstall all but one of the packages",
+            )
         try:
             measure = entries[0].load()
         except Exception as error:
-            raise InputError("a measure of an installed package cannot be loaded", where=where,
-                             got=failure(error), remedy="Mend or uninstall the package",
-                             ) from error  # fmt: skip
+            raise InputError(
+                "a measure of an installed package cannot be loaded",
+                where=where,
+                got=failure(error),
+                remedy="Mend or uninstall the package",
+            ) from error
         _check(measure, where)
         if measure.name != name:
-            raise InputError("the entry point and its measure have different names", where=where,
-                             got=measure.name, expected=name)  # fmt: skip
+            raise InputError(
+                "the entry point and its measure have different names",
+                where=where,
+                got=measure.name,
+                expected=name,
+            )
         loaded.append(measure)
     return tuple(loaded)
 
@@ -92,14 +107,24 @@ def _offered() -> tuple[Measure, ...]:
 def _check(measure: object, where: str) -> None:
     """Refuses what is not a complete measure."""
     if not isinstance(measure, Measure):
-        raise InputError("this is not a measure", where=where, got=type(measure).__name__,
-                         expected="sandbox.study.measures.measure.Measure")  # fmt: skip
+        raise InputError(
+            "this is not a measure",
+            where=where,
+            got=type(measure).__name__,
+            expected="sandbox.study.measures.measure.Measure",
+        )
     ways = [w for w in (measure.of_trial, measure.of_result, measure.of_trials) if w is not None]
     if len(ways) != 1:
-        raise InputError("a measure is computed in exactly one way",
-                         where=f"{where}, {measure.name}", got=len(ways),
-                         expected="one of of_trial, of_result, of_trials")  # fmt: skip
+        raise InputError(
+            "a measure is computed in exactly one way",
+            where=f"{where}, {measure.name}",
+            got=len(ways),
+            expected="one of of_trial, of_result, of_trials",
+        )
     if not measure.name.isidentifier():
-        raise InputError("a measure is named like a column", where=where, got=measure.name,
-                         expected="letters, digits and underscores, such as palm_height_m",
-                         )  # fmt: skip
+        raise InputError(
+            "a measure is named like a column",
+            where=where,
+            got=measure.name,
+            expected="letters, digits and underscores, such as palm_height_m",
+        )

@@ -6,9 +6,7 @@ from collections.abc import Sequence
 from math import log2
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
-
-Array = NDArray[np.float64]
+from numpy.typing import ArrayLike
 
 WIDTH = 4.133
 """Effective width over the standard deviation of endpoints: 4 percent of a normal distribution lie

@@ -15,11 +15,10 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.frames import FINGERS
 from models.scene import TABLE, Scene, touching_sensor
 from tasks.sensing import SUPPORT
-
-Array = NDArray[np.float64]
 
 PALM = "p"
 """Stands for the palm among the letters of digits."""

@@ -119,8 +119,12 @@ def locked(path: Path, wait: bool, what: str = "") -> Iterator[None]:
             fcntl.flock(fd, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
         except BlockingIOError:
             holder = os.pread(fd, 100, 0).decode(errors="replace").strip()
-            raise StudyError(f"{what} is in use by another program", where=str(path.parent),
-                             got=holder or None, remedy="End that one first") from None  # fmt: skip
+            raise StudyError(
+                f"{what} is in use by another program",
+                where=str(path.parent),
+                got=holder or None,
+                remedy="End that one first",
+            ) from None
         _sign(fd)
         yield
     finally:

@@ -101,8 +101,11 @@ class StudyFolder:
         from sandbox.study.design.design_file import load_design
 
         if not (path / "study.json").is_file():
-            raise StudyError("not a folder of a study", where=str(path),
-                             expected="a folder with study.json, such as studies/NAME")  # fmt: skip
+            raise StudyError(
+                "not a folder of a study",
+                where=str(path),
+                expected="a folder with study.json, such as studies/NAME",
+            )
         folder = cls.__new__(cls)
         folder._about = read_about(path / "study.json")
         folder.path, folder.mode = path, str(folder._about["mode"])
@@ -144,9 +147,13 @@ class StudyFolder:
         known = self.participants()
         participant = next((p for p in known if p.ppid == ppid), None)
         if participant is None:
-            raise StudyError("no such participant", where=str(self.path), got=ppid,
-                             expected=", ".join(p.ppid for p in known[-8:]) or "new",
-                             remedy="`--participant new` makes one")  # fmt: skip
+            raise StudyError(
+                "no such participant",
+                where=str(self.path),
+                got=ppid,
+                expected=", ".join(p.ppid for p in known[-8:]) or "new",
+                remedy="`--participant new` makes one",
+            )
         return participant
 
     def add(self, number: int | None = None, **about: Any) -> Participant:
@@ -188,25 +195,43 @@ class StudyFolder:
     def _lock_to(self, build: dict[str, Any], upgrade: str) -> None:
         path = self.path / "study.json"
         if not path.exists():
-            self._about = {"schema": SCHEMA, "study": str(uuid4()), "experiment": self.design.name,
-                           "mode": self.mode, "created": now(), "build": build}  # fmt: skip
+            self._about = {
+                "schema": SCHEMA,
+                "study": str(uuid4()),
+                "experiment": self.design.name,
+                "mode": self.mode,
+                "created": now(),
+                "build": build,
+            }
             write_atomically(path, _json(self._about))
             return
         self._about = read_about(path)
         if self._about["mode"] != self.mode:
-            raise StudyError(f"this folder holds {self._about['mode']} data", where=str(self.path),
-                             got=self.mode, remedy="Give another folder with --out")  # fmt: skip
+            raise StudyError(
+                f"this folder holds {self._about['mode']} data",
+                where=str(self.path),
+                got=self.mode,
+                remedy="Give another folder with --out",
+            )
         different = changes(self._about["build"], build)
         if not different:
             return
         if not upgrade:
-            raise StudyError("the study is locked to what it began with, and this is not that",
-                             where=str(self.path), got=", ".join(different),
-                             remedy='Go back to that, or go on with --force-upgrade "REASON", '
-                                    "which is logged")  # fmt: skip
+            raise StudyError(
+                "the study is locked to what it began with, and this is not that",
+                where=str(self.path),
+                got=", ".join(different),
+                remedy='Go back to that, or go on with --force-upgrade "REASON", which is logged',
+            )
         with self._journal() as journal:
-            journal.append("upgrade", durable=True, reason=upgrade, changed=different,
-                           before=self._about["build"], after=build)  # fmt: skip
+            journal.append(
+                "upgrade",
+                durable=True,
+                reason=upgrade,
+                changed=different,
+                before=self._about["build"],
+                after=build,
+            )
         self._about = {**self._about, "build": build}
         write_atomically(path, _json(self._about))
 

@@ -84,8 +84,13 @@ class Journal:
             StudyError: It cannot be written, and the journal is unchanged; or, for a durable
                 record, it was written but may not be on the disk.
         """
-        record = {"n": len(self.records), "time": now(), "clock": round(time.monotonic(), 6),
-                  "kind": kind, **values}  # fmt: skip
+        record = {
+            "n": len(self.records),
+            "time": now(),
+            "clock": round(time.monotonic(), 6),
+            "kind": kind,
+            **values,
+        }
         data = json.dumps(record, separators=(",", ":"), ensure_ascii=False).encode() + b"\n"
         try:
             self._write(data)

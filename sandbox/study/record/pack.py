@@ -37,8 +37,11 @@ def pack(recording: Path) -> Path:
         stored = read_stored(target)
         if stored.data != data or not stored.whole:
             target.unlink()
-            raise StudyError("what is read is not what was written", where=str(target),
-                             remedy="Do not trust this disk; nothing is lost yet")  # fmt: skip
+            raise StudyError(
+                "what is read is not what was written",
+                where=str(target),
+                remedy="Do not trust this disk; nothing is lost yet",
+            )
         recording.unlink()
         sync_folder(recording.parent)
     except OSError as error:

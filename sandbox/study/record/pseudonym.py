@@ -52,7 +52,11 @@ def read_pseudonym(text: str) -> str:
     name = text.strip().upper().translate(_SLIPS)
     sound = len(name) == LENGTH + 1 and set(name) <= set(ALPHABET)
     if not sound or _check(name[:-1]) != name[-1]:
-        raise StudyError("not a participant's id", where="--participant", got=text,
-                         expected="new, or six signs such as participants.csv lists",
-                         remedy="Look for a slip: the last sign checks the others")  # fmt: skip
+        raise StudyError(
+            "not a participant's id",
+            where="--participant",
+            got=text,
+            expected="new, or six signs such as participants.csv lists",
+            remedy="Look for a slip: the last sign checks the others",
+        )
     return name

@@ -54,8 +54,12 @@ class SessionFolder(Closing):
         self._check_turn()
         self.path = session_path(study.path, person.ppid, number)
         self.steps: list[Step] = session_plan(study.design, person.number, number)
-        for folder in (self.path, self.path / "trials", self.path / "trackers",
-                       self.path / "session_info"):  # fmt: skip
+        for folder in (
+            self.path,
+            self.path / "trials",
+            self.path / "trackers",
+            self.path / "session_info",
+        ):
             make_folder(folder)
         self._recording: Path | None = None
         self._syncing: Syncing | None = None
@@ -80,10 +84,19 @@ class SessionFolder(Closing):
         self._recover()
         self.resumed = bool(self.state.start)
         kind = "session_resume" if self.resumed else "session_start"
-        self.write(kind, durable=True, schema=SCHEMA, study=self.study.id,
-                   experiment=self.study.design.name, mode=self.study.mode,
-                   design=self.study.design.digest, session=self.number, versions=versions(),
-                   build=self.study.build, **vars(self.person))  # fmt: skip
+        self.write(
+            kind,
+            durable=True,
+            schema=SCHEMA,
+            study=self.study.id,
+            experiment=self.study.design.name,
+            mode=self.study.mode,
+            design=self.study.design.digest,
+            session=self.number,
+            versions=versions(),
+            build=self.study.build,
+            **vars(self.person),
+        )
         self._syncing = Syncing(self._sync)
         self._closing.callback(self._syncing.close)
 
@@ -97,8 +110,9 @@ class SessionFolder(Closing):
             try:
                 self._syncing.check()
             except OSError as error:
-                raise explain(error, self.path, "the disk did not take what was written before") \
-                    from None  # fmt: skip
+                raise explain(
+                    error, self.path, "the disk did not take what was written before"
+                ) from None
         record = self.journal.append(kind, durable, **values)
         self.state.take(record)
         # Other instruments hear what happens, and nothing that anybody has said.
@@ -113,10 +127,20 @@ class SessionFolder(Closing):
         """
         attempt = len(self.state.attempts.get(trial.number, [])) + 1
         file = self._free(trial.number, attempt)
-        self.write("trial_start", step=trial.id, trial=trial.number, attempt=attempt, file=file,
-                   block=trial.block, in_block=trial.in_block, repetition=trial.repetition,
-                   practice=trial.practice, levels=trial.levels, values=trial.values,
-                   seed=trial.seed)  # fmt: skip
+        self.write(
+            "trial_start",
+            step=trial.id,
+            trial=trial.number,
+            attempt=attempt,
+            file=file,
+            block=trial.block,
+            in_block=trial.in_block,
+            repetition=trial.repetition,
+            practice=trial.practice,
+            levels=trial.levels,
+            values=trial.values,
+            seed=trial.seed,
+        )
         self._recording = self.path / file
         return self._recording
 
@@ -133,8 +157,14 @@ class SessionFolder(Closing):
         """Writes that an attempt was broken off."""
         start = self.state.attempts[trial.number][-1].start
         self._recording = None
-        self.write("trial_broken", step=trial.id, trial=trial.number, attempt=start["attempt"],
-                   file=start["file"], why=why)  # fmt: skip
+        self.write(
+            "trial_broken",
+            step=trial.id,
+            trial=trial.number,
+            attempt=start["attempt"],
+            file=start["file"],
+            why=why,
+        )
 
     def close(self) -> None:
         """Lets others open it."""
@@ -165,40 +195,59 @@ class SessionFolder(Closing):
             raise explain(error, path, "the recording cannot be kept") from None
         self._recording = None
         more = {"adopted": True} if adopted else {}
-        self.write("trial_end", durable=True, step=start["step"], trial=start["trial"],
-                   attempt=start["attempt"], file=start["file"],
-                   result=result.kept_in(KeptIn.JOURNAL), **more)  # fmt: skip
+        self.write(
+            "trial_end",
+            durable=True,
+            step=start["step"],
+            trial=start["trial"],
+            attempt=start["attempt"],
+            file=start["file"],
+            result=result.kept_in(KeptIn.JOURNAL),
+            **more,
+        )
 
     def _check_turn(self) -> None:
         """Refuses a session that the design does not know, or whose forerunner is not finished."""
         planned = self.study.design.sessions
         if not 1 <= self.number <= planned:
             times = "once" if planned == 1 else f"{planned} times"
-            raise StudyError(f"by the design everybody comes {times}", where="--session",
-                             got=self.number,
-                             remedy="`sessions` in the design says how often")  # fmt: skip
+            raise StudyError(
+                f"by the design everybody comes {times}",
+                where="--session",
+                got=self.number,
+                remedy="`sessions` in the design says how often",
+            )
         if self.number == 1:
             return
         done = {s.number for s in sessions_of(self.study, self.person) if s.state.complete}
         missing = next((n for n in range(1, self.number) if n not in done), None)
         if missing is not None:
-            raise StudyError(f"session {missing} comes first, and is not finished",
-                             where=f"participant {self.person.ppid}", got=f"session {self.number}",
-                             remedy=f"Go on with --session {missing}; there the key s skips what "
-                                    "will not be done")  # fmt: skip
+            raise StudyError(
+                f"session {missing} comes first, and is not finished",
+                where=f"participant {self.person.ppid}",
+                got=f"session {self.number}",
+                remedy=f"Go on with --session {missing}; there the key s skips what "
+                "will not be done",
+            )
 
     def _check(self) -> None:
         """Refuses a folder that is another study's, such as one copied in from a pilot."""
         start = self.state.start
-        mine = {"study": self.study.id, "mode": self.study.mode, "session": self.number,
-                **vars(self.person)}  # fmt: skip
+        mine = {
+            "study": self.study.id,
+            "mode": self.study.mode,
+            "session": self.number,
+            **vars(self.person),
+        }
         wrong = [name for name, value in mine.items() if start.get(name) != value]
         if wrong:
-            raise StudyError("this session belongs to another study, participant or time",
-                             where=str(self.path),
-                             got=", ".join(f"{n} {start.get(n)}" for n in wrong),
-                             expected=", ".join(f"{n} {mine[n]}" for n in wrong),
-                             remedy="Put it back where it came from")  # fmt: skip
+            raise StudyError(
+                "this session belongs to another study, participant or time",
+                where=str(self.path),
+                got=", ".join(f"{n} {start.get(n)}" for n in wrong),
+                expected=", ".join(f"{n} {mine[n]}" for n in wrong),
+                remedy="Put it back where it came from",
+            )
 
     def _check_plan(self) -> None:
         """Raises an error if the plan differs from that of the existing trials.
@@ -209,16 +258,19 @@ class SessionFolder(Closing):
         for trial, attempts in self.state.attempts.items():
             start, plan = attempts[-1].start, planned.get(trial)
             if plan is None or (plan.seed, plan.levels) != (start["seed"], start["levels"]):
-                raise StudyError("this session was begun by another plan, since the design changed",
-                                 where=f"{self.path}, trial {trial}",
-                                 remedy="Finish it with the design that it began with, or leave "
-                                        "it as it is and take a new participant")  # fmt: skip
+                raise StudyError(
+                    "this session was begun by another plan, since the design changed",
+                    where=f"{self.path}, trial {trial}",
+                    remedy="Finish it with the design that it began with, or leave "
+                    "it as it is and take a new participant",
+                )
 
     def _recover(self) -> None:
         """Adds, or marks as interrupted, the attempt that was running when the program ended."""
         attempt = self.state.open_attempt()
-        broken = {(r["trial"], r["attempt"]) for r in self.journal.records
-                  if r["kind"] == "trial_broken"}  # fmt: skip
+        broken = {
+            (r["trial"], r["attempt"]) for r in self.journal.records if r["kind"] == "trial_broken"
+        }
         if attempt is None or (attempt.start["trial"], attempt.start["attempt"]) in broken:
             return
         start = attempt.start
@@ -226,9 +278,14 @@ class SessionFolder(Closing):
         if result is not None:
             self._commit(attempt, result, adopted=True)
         else:
-            self.write("trial_broken", step=start["step"], trial=start["trial"],
-                       attempt=start["attempt"], file=start["file"],
-                       why="the program ended")  # fmt: skip
+            self.write(
+                "trial_broken",
+                step=start["step"],
+                trial=start["trial"],
+                attempt=start["attempt"],
+                file=start["file"],
+                why="the program ended",
+            )
 
     def _sync(self) -> None:
         self.journal.sync()

@@ -13,9 +13,11 @@ NEEDS = ("pandas", "statsmodels", "matplotlib", "jinja2")
 
 
 def make_report(
-    folder: Path, out: Path, measures: Sequence[str] = (),
+    folder: Path,
+    out: Path,
+    measures: Sequence[str] = (),
     say: Callable[[str], object] = lambda text: None,
-) -> Path:  # fmt: skip
+) -> Path:
     """Creates a report.
 
     Args:
@@ -61,6 +63,9 @@ def check_libraries() -> None:
 
     missing = [name for name in NEEDS if find_spec(name) is None]
     if missing:
-        raise StudyError("the report needs more libraries", got=", ".join(missing),
-                         expected="the extra `study`",
-                         remedy="pip install 'hand-sandbox[study]'")  # fmt: skip
+        raise StudyError(
+            "the report needs more libraries",
+            got=", ".join(missing),
+            expected="the extra `study`",
+            remedy="pip install 'hand-sandbox[study]'",
+        )

@@ -37,8 +37,11 @@ FILES: dict[str, tuple[Column, ...]] = {
         ("trials", "", "trials it is from"),
         ("mean", "see unit", "over people, each counting once; geometric for logarithmic measures"),
         *INTERVAL,
-        ("within_low", "see unit", "lower end of the interval for comparing, without differences "
-         "between people"),
+        (
+            "within_low",
+            "see unit",
+            "lower end of the interval for comparing, without differences between people",
+        ),
         ("within_high", "see unit", "upper end of the same"),
     ),
     "comparisons.csv": (
@@ -120,7 +123,7 @@ FILES: dict[str, tuple[Column, ...]] = {
         ("ending", "", "success, or the status without one"),
         ("trials", "", "how many"),
     ),
-}  # fmt: skip
+}
 """Every file's columns; the codebook is made of this."""
 TRIALS: tuple[Column, ...] = (
     ("condition", "", "levels of all factors"),
@@ -143,11 +146,15 @@ def tables(found: Analysis) -> dict[str, bytes]:
         "scores.csv": _scores(found),
         "score_comparisons.csv": _score_comparisons(found),
         "exclusions.csv": [{**vars(s), "step": s.what} for s in flow(found.data)],
-        "endings.csv": [{"condition": c, "ending": e, "trials": n}
-                        for c, kinds in endings(found.data).items() for e, n in kinds.items()],
-    }  # fmt: skip
-    files = {name: csv_bytes(rows[name], [c for c, _, _ in columns])
-             for name, columns in FILES.items()}  # fmt: skip
+        "endings.csv": [
+            {"condition": c, "ending": e, "trials": n}
+            for c, kinds in endings(found.data).items()
+            for e, n in kinds.items()
+        ],
+    }
+    files = {
+        name: csv_bytes(rows[name], [c for c, _, _ in columns]) for name, columns in FILES.items()
+    }
     names, trials = _trials(found)
     files["trials.csv"] = csv_bytes(trials, names)
     files["codebook.csv"] = _codebook(found, names)
@@ -158,8 +165,9 @@ def csv_bytes(rows: Sequence[Row], columns: Sequence[str]) -> bytes:
     """A table with ten digits of every number, as R, pandas and spreadsheets read it."""
     import pandas as pd
 
-    cells = [{k: int(v) if isinstance(v, bool | np.bool_) else v for k, v in row.items()}
-             for row in rows]  # fmt: skip
+    cells = [
+        {k: int(v) if isinstance(v, bool | np.bool_) else v for k, v in row.items()} for row in rows
+    ]
     text: str = pd.DataFrame(cells, columns=list(columns), dtype=object).to_csv(
         index=False, lineterminator="\n", float_format="%.10g"
     )
@@ -186,13 +194,21 @@ def _modelled(found: Analysis) -> Iterable[Modelled]:
 
 def _means(found: Analysis) -> list[Row]:
     return [
-        {"measure": one.what.name, "unit": one.what.unit, "by": by, "name": s.name,
-         "people": s.people, "trials": s.trials, **_interval(s.mean),
-         "within_low": _known(s.within.low), "within_high": _known(s.within.high)}
+        {
+            "measure": one.what.name,
+            "unit": one.what.unit,
+            "by": by,
+            "name": s.name,
+            "people": s.people,
+            "trials": s.trials,
+            **_interval(s.mean),
+            "within_low": _known(s.within.low),
+            "within_high": _known(s.within.high),
+        }
         for one in _described(found)
         for by, some in (("condition", one.conditions), *one.levels.items())
         for s in some
-    ]  # fmt: skip
+    ]
 
 
 def _comparisons(found: Analysis) -> list[Row]:
@@ -211,23 +227,42 @@ def _comparisons(found: Analysis) -> list[Row]:
 def _differences(measure: str, model: str, kind: str, some: Sequence[Difference]) -> list[Row]:
     change = (lambda x: x) if kind == "difference" else np.exp
     return [
-        {"measure": measure, "model": model, "factor": d.pair.factor.name, "first": d.pair.first,
-         "second": d.pair.second, "kind": kind, "estimate": _known(change(d.estimate.value)),
-         "low": _known(change(d.estimate.low)), "high": _known(change(d.estimate.high)),
-         "error": _known(d.error), "freedom": _known(d.freedom), "p": _known(d.p),
-         "p_holm": _known(p)}
+        {
+            "measure": measure,
+            "model": model,
+            "factor": d.pair.factor.name,
+            "first": d.pair.first,
+            "second": d.pair.second,
+            "kind": kind,
+            "estimate": _known(change(d.estimate.value)),
+            "low": _known(change(d.estimate.low)),
+            "high": _known(change(d.estimate.high)),
+            "error": _known(d.error),
+            "freedom": _known(d.freedom),
+            "p": _known(d.p),
+            "p_holm": _known(p),
+        }
         for d, p in zip(some, adjusted(some), strict=True)
-    ]  # fmt: skip
+    ]
 
 
 def _shares(measure: str, some: Sequence[Successes]) -> list[Row]:
     return [
-        {"measure": measure, "model": SHARES, "factor": d.pair.factor.name, "first": d.pair.first,
-         "second": d.pair.second, "kind": "difference", "estimate": _known(d.estimate.value),
-         "low": _known(d.estimate.low), "high": _known(d.estimate.high), "p": _known(d.p),
-         "p_holm": _known(p)}
+        {
+            "measure": measure,
+            "model": SHARES,
+            "factor": d.pair.factor.name,
+            "first": d.pair.first,
+            "second": d.pair.second,
+            "kind": "difference",
+            "estimate": _known(d.estimate.value),
+            "low": _known(d.estimate.low),
+            "high": _known(d.estimate.high),
+            "p": _known(d.p),
+            "p_holm": _known(p),
+        }
         for d, p in zip(some, adjusted(some), strict=True)
-    ]  # fmt: skip
+    ]
 
 
 def _models(found: Analysis) -> list[Row]:
@@ -236,17 +271,25 @@ def _models(found: Analysis) -> list[Row]:
         if isinstance(one.model, Mixed):
             about = {"measure": one.described.what.name, "model": MIXED}
             errors = np.sqrt(np.diag(one.model.covariance))
-            rows += [{**about, "term": n, "estimate": float(v), "error": float(e)} for n, v, e in
-                     zip(one.model.names, one.model.coefficients, errors, strict=True)]  # fmt: skip
-            rows += [{**about, "term": f"sd {k}", "estimate": v}
-                     for k, v in one.model.spreads.items()]  # fmt: skip
+            rows += [
+                {**about, "term": n, "estimate": float(v), "error": float(e)}
+                for n, v, e in zip(one.model.names, one.model.coefficients, errors, strict=True)
+            ]
+            rows += [
+                {**about, "term": f"sd {k}", "estimate": v} for k, v in one.model.spreads.items()
+            ]
     if isinstance(found.censored, Censored):
         about = {"measure": "time_s", "model": CENSORED}
         for i, name in enumerate(found.censored.names):
             unit = np.eye(len(found.censored.names))[i]
-            rows.append({**about, "term": name,
-                         "estimate": float(found.censored.coefficients[i]),
-                         "error": _known(found.censored.error(unit))})  # fmt: skip
+            rows.append(
+                {
+                    **about,
+                    "term": name,
+                    "estimate": float(found.censored.coefficients[i]),
+                    "error": _known(found.censored.error(unit)),
+                }
+            )
         rows.append({**about, "term": "sd total", "estimate": found.censored.sigma})
     return rows
 
@@ -254,11 +297,17 @@ def _models(found: Analysis) -> list[Row]:
 def _contrasts(found: Analysis) -> list[Row]:
     data = found.data
     return [
-        {"factor": pair.factor.name, "first": pair.first, "second": pair.second,
-         "condition": data.conditions[i], "weight": float(w)}
+        {
+            "factor": pair.factor.name,
+            "first": pair.first,
+            "second": pair.second,
+            "condition": data.conditions[i],
+            "weight": float(w),
+        }
         for pair in pairs_of(data)
-        for i, w in enumerate(pair.weights(len(data.conditions))) if w
-    ]  # fmt: skip
+        for i, w in enumerate(pair.weights(len(data.conditions)))
+        if w
+    ]
 
 
 def _people(found: Analysis) -> list[Row]:
@@ -274,21 +323,34 @@ def _people(found: Analysis) -> list[Row]:
 
 def _scores(found: Analysis) -> list[Row]:
     return [
-        {"questionnaire": s.questionnaire, "scale": s.scale, "level": level,
-         "people": int(np.isfinite(s.values[:, j]).sum()), **_interval(s.means[j])}
-        for s in found.scales for j, level in enumerate(s.levels)
-    ]  # fmt: skip
+        {
+            "questionnaire": s.questionnaire,
+            "scale": s.scale,
+            "level": level,
+            "people": int(np.isfinite(s.values[:, j]).sum()),
+            **_interval(s.means[j]),
+        }
+        for s in found.scales
+        for j, level in enumerate(s.levels)
+    ]
 
 
 def _score_comparisons(found: Analysis) -> list[Row]:
     return [
-        {"questionnaire": s.questionnaire, "scale": s.scale, "first": d.pair.first,
-         "second": d.pair.second, "estimate": _known(d.estimate.value),
-         "low": _known(d.estimate.low), "high": _known(d.estimate.high), "p": _known(d.p),
-         "p_holm": _known(p)}
+        {
+            "questionnaire": s.questionnaire,
+            "scale": s.scale,
+            "first": d.pair.first,
+            "second": d.pair.second,
+            "estimate": _known(d.estimate.value),
+            "low": _known(d.estimate.low),
+            "high": _known(d.estimate.high),
+            "p": _known(d.p),
+            "p_holm": _known(p),
+        }
         for s in found.scales
         for d, p in zip(s.differences, adjusted_scales(s), strict=True)
-    ]  # fmt: skip
+    ]
 
 
 def _trials(found: Analysis) -> tuple[list[str], list[Row]]:
@@ -296,9 +358,19 @@ def _trials(found: Analysis) -> tuple[list[str], list[Row]]:
     factors = [f.column for f in data.factors]
     first = [n for n in ("ppid", "session_num", "trial_num") if n in data.used.columns]
     measures = [d.what.name for d in _described(found)]
-    names = list(dict.fromkeys([*first, *factors, *(n for n, _, _ in TRIALS), "success", "time_s",
-                                *[n for n in ("status",) if n in data.used.columns],
-                                *measures]))  # fmt: skip
+    names = list(
+        dict.fromkeys(
+            [
+                *first,
+                *factors,
+                *(n for n, _, _ in TRIALS),
+                "success",
+                "time_s",
+                *[n for n in ("status",) if n in data.used.columns],
+                *measures,
+            ]
+        )
+    )
     table = data.used.assign(log2_position=np.log2(data.used["position"].astype(float)))
     if len(table):
         table["log2_position"] -= table["log2_position"].mean()
@@ -307,19 +379,34 @@ def _trials(found: Analysis) -> tuple[list[str], list[Row]]:
     for row in table[names].to_dict("records"):
         row |= {n: int(row[n]) for n in whole if n in row and row[n] == row[n]}
         row["time_s"] = _known(row["time_s"])
-        rows.append({k: (None if v != v else f"{v:.10g}" if isinstance(v, float) else v)
-                     for k, v in row.items()})  # fmt: skip
+        rows.append(
+            {
+                k: (None if v != v else f"{v:.10g}" if isinstance(v, float) else v)
+                for k, v in row.items()
+            }
+        )
     return names, rows
 
 
 def _codebook(found: Analysis, trials: Sequence[str]) -> bytes:
     ours = {n: (u, m) for n, u, m in TRIALS}
     rows: list[Row] = [
-        {"file": "trials.csv", "column": n,
-         **dict(zip(("unit", "meaning"), ours.get(n, found.data.codebook.get(n, ("", ""))),
-                    strict=True))}
+        {
+            "file": "trials.csv",
+            "column": n,
+            **dict(
+                zip(
+                    ("unit", "meaning"),
+                    ours.get(n, found.data.codebook.get(n, ("", ""))),
+                    strict=True,
+                )
+            ),
+        }
         for n in trials
-    ]  # fmt: skip
-    rows += [{"file": file, "column": n, "unit": u, "meaning": m}
-             for file, columns in FILES.items() for n, u, m in columns]  # fmt: skip
+    ]
+    rows += [
+        {"file": file, "column": n, "unit": u, "meaning": m}
+        for file, columns in FILES.items()
+        for n, u, m in columns
+    ]
     return csv_bytes(rows, ("file", "column", "unit", "meaning"))

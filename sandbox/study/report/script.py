@@ -106,8 +106,13 @@ def script(found: Analysis) -> str:
     """The R script."""
     data = found.data
     texts = ["ppid", "condition", "status", *(f.column for f in data.factors)]
-    parts = [HEAD.format(texts=_vector(texts), conditions=_vector(list(data.conditions)),
-                         within=_vector([f.name for f in data.factors if f.within]))]  # fmt: skip
+    parts = [
+        HEAD.format(
+            texts=_vector(texts),
+            conditions=_vector(list(data.conditions)),
+            within=_vector([f.name for f in data.factors if f.within]),
+        )
+    ]
     for one in (found.time, *found.asked):
         if one is not None and isinstance(one.model, Mixed):
             parts.append(_mixed(one, one.model))
@@ -131,22 +136,31 @@ def _mixed(one: Modelled, model: Mixed) -> str:
     if PRACTICE in model.names:
         terms.append("practice")
     terms.append("(1 | ppid)")
-    terms += [f"(1 | ppid:`factor_{k.removeprefix('person x ')}`)" for k in model.spreads
-              if k.startswith("person x ")]  # fmt: skip
+    terms += [
+        f"(1 | ppid:`factor_{k.removeprefix('person x ')}`)"
+        for k in model.spreads
+        if k.startswith("person x ")
+    ]
     more = ""
     if what.scale == LOG:
         more = f" & trials${what.name} > 0"
     if what.name == "time_s":
         more += " & trials$success == 1"
     # A measure of several trials together stands in all of their rows.
-    thin = "" if model.trials == sum(s.trials for s in one.described.conditions) else (
-        "rows <- rows[!duplicated(rows[c('ppid', 'condition')]), ]\n")  # fmt: skip
+    thin = (
+        ""
+        if model.trials == sum(s.trials for s in one.described.conditions)
+        else ("rows <- rows[!duplicated(rows[c('ppid', 'condition')]), ]\n")
+    )
     return MIXED.format(
-        title=what.title, scale=" of the logarithm" if what.scale == LOG else "", name=what.name,
-        more=more, thin=thin,
+        title=what.title,
+        scale=" of the logarithm" if what.scale == LOG else "",
+        name=what.name,
+        more=more,
+        thin=thin,
         forward=f"log(rows${what.name})" if what.scale == LOG else f"rows${what.name}",
         formula="y ~ " + " + ".join(terms),
-    )  # fmt: skip
+    )
 
 
 def _vector(names: list[str]) -> str:

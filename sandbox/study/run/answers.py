@@ -58,14 +58,19 @@ def read_answer(item: Item, text: str, language: str = "") -> Any:
     if not text:
         if item.optional:
             return None
-        raise StudyError("an answer is needed", where=item.name,
-                         expected=hint(item, language) or None)  # fmt: skip
+        raise StudyError(
+            "an answer is needed", where=item.name, expected=hint(item, language) or None
+        )
     if item.kind == "choice":
         names = [(c, item.called(c, language) if language else c) for c in item.choices]
         found = [c for c, called in names if text.lower() in (c.lower(), called.lower())]
         if not found:
-            raise StudyError("this is none of the choices", where=item.name, got=text,
-                             expected=", ".join(item.choices))  # fmt: skip
+            raise StudyError(
+                "this is none of the choices",
+                where=item.name,
+                got=text,
+                expected=", ".join(item.choices),
+            )
         return found[0]
     if item.kind == "text":
         return text
@@ -97,14 +102,22 @@ def check_answer(item: Item, value: object) -> Any:
         # The bounds come first: Python cannot make a float of every whole number.
         case (("scale" | "number"), float() | int()) if item.low <= value <= item.high:
             return _number(item, float(value), str(value))
-    raise StudyError("this is no answer to the question", where=item.name, got=str(value)[:80],
-                     expected=hint(item) or "words")  # fmt: skip
+    raise StudyError(
+        "this is no answer to the question",
+        where=item.name,
+        got=str(value)[:80],
+        expected=hint(item) or "words",
+    )
 
 
 def _number(item: Item, value: float, told: str) -> Any:
     if not (item.low <= value <= item.high and (item.kind == "number" or _on_step(item, value))):
-        raise StudyError("this is no such number", where=item.name, got=told,
-                         expected=f"{item.low:g} to {item.high:g} by {item.step:g}")  # fmt: skip
+        raise StudyError(
+            "this is no such number",
+            where=item.name,
+            got=told,
+            expected=f"{item.low:g} to {item.high:g} by {item.step:g}",
+        )
     return int(value) if value == int(value) else value
 
 

@@ -85,10 +85,14 @@ class TerminalForms:
             self._show(f"{left:.0f} s more, please")
 
     def _item(self, item: Item, language: str, ready: Ready) -> Any:
-        ends = "" if item.ends is None else " to ".join(
-            f"{value:g} ({end[language]})"
-            for value, end in zip((item.low, item.high), item.ends, strict=True)
-        )  # fmt: skip
+        ends = (
+            ""
+            if item.ends is None
+            else " to ".join(
+                f"{value:g} ({end[language]})"
+                for value, end in zip((item.low, item.high), item.ends, strict=True)
+            )
+        )
         self._show(f"{item.ask[language]} {ends or hint(item, language)}")
         while True:
             text = self._line(ready)
@@ -107,8 +111,11 @@ class TerminalForms:
     def _line(self, ready: Ready) -> str:
         text = self._terminal.ask(ready)
         if text is None:
-            raise StudyError("nobody can answer", where="the terminal",
-                             remedy="Use a terminal; the study resumes at this step")  # fmt: skip
+            raise StudyError(
+                "nobody can answer",
+                where="the terminal",
+                remedy="Use a terminal; the study resumes at this step",
+            )
         return text
 
 

@@ -36,8 +36,12 @@ class PageForms:
 
         def lay() -> None:
             words = self._page.words
-            self._page.lay("rest", title=words["rest"], text=words["rest_over"],
-                           seconds=max(until - time.monotonic(), 0.0))  # fmt: skip
+            self._page.lay(
+                "rest",
+                title=words["rest"],
+                text=words["rest_over"],
+                seconds=max(until - time.monotonic(), 0.0),
+            )
 
         self._left(ready, ("done",), lay, until)
 
@@ -46,8 +50,9 @@ class PageForms:
         views = [item_view(item, language) for item in form.items]
 
         def lay() -> None:
-            self._page.lay("form", title=form.title.get(language, ""), items=views,
-                           answers=draft.answers)  # fmt: skip
+            self._page.lay(
+                "form", title=form.title.get(language, ""), items=views, answers=draft.answers
+            )
 
         self._page.await_somebody(ready)
         lay()
@@ -126,5 +131,14 @@ def item_view(item: Item, language: str) -> ItemView:
     """A question as the page gets it."""
     ends = [end.get(language, "") for end in item.ends] if item.ends else ["", ""]
     choices = [Choice(choice, item.called(choice, language)) for choice in item.choices]
-    return ItemView(item.name, item.kind, item.ask.get(language, ""), item.optional, choices,  # type: ignore[arg-type]
-                    item.low, item.high, item.step, *ends)  # fmt: skip
+    return ItemView(
+        item.name,
+        item.kind,  # type: ignore[arg-type]
+        item.ask.get(language, ""),
+        item.optional,
+        choices,
+        item.low,
+        item.high,
+        item.step,
+        *ends,
+    )

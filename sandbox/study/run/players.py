@@ -115,9 +115,13 @@ class WindowPlayer:
         with attempt.open() as trial:
             session = trial.session
             self.close()
-            self._window = Window(session.scene, session.whole_surface, title=session.task.name,
-                                  caption=self.caption,
-                                  in_air=ask.settings.in_air)  # fmt: skip
+            self._window = Window(
+                session.scene,
+                session.whole_surface,
+                title=session.task.name,
+                caption=self.caption,
+                in_air=ask.settings.in_air,
+            )
             self._window.attach(*(rig.device for rig in session.rigs))
             live = LiveTrial(trial, news=session.first_rig.device.news)
             live.start()

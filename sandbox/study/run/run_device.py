@@ -104,8 +104,11 @@ def person_devices(
         elif second is not None or settings.hands[1].in_air is not None:
             asked = second or options
         else:
-            raise StudyError("the trial is for two hands, and there is a device for one",
-                             where=settings.task, remedy="Use --second-device")  # fmt: skip
+            raise StudyError(
+                "the trial is for two hands, and there is a device for one",
+                where=settings.task,
+                remedy="Use --second-device",
+            )
         return with_lift((first, opens(asked, trial, settings, 1)), keys)
 
     return of_trial

@@ -138,29 +138,48 @@ class SessionRunner:
                 case ConsentStep():
                     agreed = self.forms.consent(design.consent[language], self._ready)
                     read = blake2b(design.consent[language].encode(), digest_size=16)
-                    session.write("consent", durable=True, step=step.id, agreed=agreed,
-                                  version=design.consent_version, language=language,
-                                  text=read.hexdigest())  # fmt: skip
+                    session.write(
+                        "consent",
+                        durable=True,
+                        step=step.id,
+                        agreed=agreed,
+                        version=design.consent_version,
+                        language=language,
+                        text=read.hexdigest(),
+                    )
                 case InstructionStep():
                     self.forms.instruct(step.instruction.text[language], self._ready)
                     session.write("step_done", step=step.id)
                 case CalibrationStep():
                     found = self.calibrate(self._ready)
-                    session.write("calibration", durable=True, step=step.id,
-                                  hand=session.person.hand, calibration=found)  # fmt: skip
+                    session.write(
+                        "calibration",
+                        durable=True,
+                        step=step.id,
+                        hand=session.person.hand,
+                        calibration=found,
+                    )
                 case FormStep():
                     began = time.monotonic()
                     self.say(f"{session.person.ppid}  form {step.form.name}")
                     draft = Draft(
                         dict(session.state.drafts.get(step.id, {})),
-                        lambda item, answer: session.write("draft", step=step.id, item=item,
-                                                           answer=answer),
+                        lambda item, answer: session.write(
+                            "draft", step=step.id, item=item, answer=answer
+                        ),
                         step.id,
-                    )  # fmt: skip
+                    )
                     answers = self.forms.ask(step.form, language, self._ready, draft)
-                    session.write("answers", durable=True, step=step.id, form=step.form.name,
-                                  block=step.block, levels=step.levels, answers=answers,
-                                  seconds=round(time.monotonic() - began, 3))  # fmt: skip
+                    session.write(
+                        "answers",
+                        durable=True,
+                        step=step.id,
+                        form=step.form.name,
+                        block=step.block,
+                        levels=step.levels,
+                        answers=answers,
+                        seconds=round(time.monotonic() - began, 3),
+                    )
                 case BreakStep():
                     self.forms.rest(step.least, self._ready)
                     session.write("step_done", step=step.id)
@@ -186,16 +205,29 @@ class SessionRunner:
             "device": self.device,
             **({"user": person.user} if person.user is not None else {}),
             **({"second": self._second(trial)} if len(settings.hands) > 1 else {}),
-            "study": {"experiment": session.study.design.name, "mode": session.study.mode,
-                      "ppid": person.ppid, "session": session.number, "trial": trial.number,
-                      "attempt": start["attempt"], "practice": trial.practice,
-                      "levels": trial.levels},
-        }  # fmt: skip
+            "study": {
+                "experiment": session.study.design.name,
+                "mode": session.study.mode,
+                "ppid": person.ppid,
+                "session": session.number,
+                "trial": trial.number,
+                "attempt": start["attempt"],
+                "practice": trial.practice,
+                "levels": trial.levels,
+            },
+        }
         try:
             played = self.player.play(
-                Ask(settings, self.open_devices(trial, settings), record, about,
-                    session.study.design.time_limit, self._watch, lambda: self.controls.paused)
-            )  # fmt: skip
+                Ask(
+                    settings,
+                    self.open_devices(trial, settings),
+                    record,
+                    about,
+                    session.study.design.time_limit,
+                    self._watch,
+                    lambda: self.controls.paused,
+                )
+            )
         except InputError as error:
             self._broken(trial, str(error))
             raise
@@ -306,8 +338,13 @@ class SessionRunner:
             case "r" if began and running is not None and self._under_way(running):
                 self._left, self._why = "r", words or "repeated"
             case "r" if self._last is not None:
-                session.write("repeat", durable=True, step=self._last.id,
-                              trial=self._last.number, reason=words)  # fmt: skip
+                session.write(
+                    "repeat",
+                    durable=True,
+                    step=self._last.id,
+                    trial=self._last.number,
+                    reason=words,
+                )
                 self._left, self._why = "r", words or "repeated"
                 self.say(f"trial {self._last.number} is repeated")
             case "s" | "q":
@@ -321,8 +358,10 @@ class SessionRunner:
         left = [s for s in self.session.steps if s.id not in self.session.state.finished]
         now = self._step.id if self._step else "the beginning"
         pause = ", paused" if self.controls.paused else ""
-        return f"{self.session.person.ppid}: {done} of {of} trials, at {now}{pause}; {len(left)} " \
-               "steps left, this one included"  # fmt: skip
+        return (
+            f"{self.session.person.ppid}: {done} of {of} trials, at {now}{pause}; {len(left)} "
+            "steps left, this one included"
+        )
 
     def _under_way(self, trial: TrialStep) -> bool:
         attempt = self.session.state.attempts[trial.number][-1]

@@ -110,9 +110,15 @@ def simulated_hand(
             leap = SimulatedLeap(task, user, seed, whose.in_air.at, person=whose.person, hand=hand)
             return cast(Device, leap)
         device = SimulatedDevice(
-            task, user, surface, seed, settings.labels == "device",
-            person=whose.person, hand=hand, home=home(hand, settings, surface),
-        )  # fmt: skip
+            task,
+            user,
+            surface,
+            seed,
+            settings.labels == "device",
+            person=whose.person,
+            hand=hand,
+            home=home(hand, settings, surface),
+        )
         if settings.variation.spoils:
             return SpoiledDevice(device, settings.variation, surface, seed + hand * NEXT_PERSON)
         return device
@@ -159,8 +165,11 @@ def simulate(
         StudyError: There are some already, and nobody said to go on with them.
     """
     if study.participants() and not resume:
-        raise StudyError("there are simulated participants already", where=str(study.path),
-                         remedy="--resume goes on with them; or use another --out")  # fmt: skip
+        raise StudyError(
+            "there are simulated participants already",
+            where=str(study.path),
+            remedy="--resume goes on with them; or use another --out",
+        )
     tables = StudyTables(study, say)
     for number in range(participants):
         outcome = run_simulated(study, number, say, tables=tables)

@@ -60,13 +60,24 @@ class StudyPage:
         self.wait()
 
     def lay(
-        self, kind: str, title: str = "", text: str = "", items: Sequence[ItemView] = (),
-        answers: dict[str, Given] | None = None, seconds: float = 0.0,
-    ) -> None:  # fmt: skip
+        self,
+        kind: str,
+        title: str = "",
+        text: str = "",
+        items: Sequence[ItemView] = (),
+        answers: dict[str, Given] | None = None,
+        seconds: float = 0.0,
+    ) -> None:
         """Puts a sheet before the participant, in place of what was there."""
         self._sheet = Sheet(
-            self._sheet.sheet + 1, kind, title, text, list(items), dict(answers or {}), seconds,  # type: ignore[arg-type]
-        )  # fmt: skip
+            self._sheet.sheet + 1,
+            kind,  # type: ignore[arg-type]
+            title,
+            text,
+            list(items),
+            dict(answers or {}),
+            seconds,
+        )
         self.server.lay(self._sheet)
 
     def wait(self, word: str = "wait") -> None:

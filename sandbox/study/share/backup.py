@@ -52,8 +52,11 @@ def back_up(study: StudyFolder, out: Path) -> Checked:
     """
     refuse_existing(out)
     if study.path.resolve() in out.resolve().parents:
-        raise StudyError("a backup inside of what it is a backup of", where=str(out),
-                         remedy="Put it on another disk")  # fmt: skip
+        raise StudyError(
+            "a backup inside of what it is a backup of",
+            where=str(out),
+            remedy="Put it on another disk",
+        )
     make_folder(out.parent)
     work = out.parent / f"{TEMPORARY}{os.getpid()}-{out.name}"
     try:
@@ -96,15 +99,21 @@ def check_backup(path: Path) -> Checked:
             while archive.fileobj and archive.fileobj.read(1 << 20):
                 pass
     except (OSError, EOFError, tarfile.TarError, ValueError, zlib.error) as error:
-        raise StudyError("the backup is damaged", where=str(path), got=str(error)[:120],
-                         remedy="Make another one; the study itself is untouched"
-                         ) from None  # fmt: skip
+        raise StudyError(
+            "the backup is damaged",
+            where=str(path),
+            got=str(error)[:120],
+            remedy="Make another one; the study itself is untouched",
+        ) from None
     listed = {line[66:]: line[:64] for line in sums.splitlines()}
     wrong = sorted(n for n in {*listed, *digests} if listed.get(n) != digests.get(n))
     if not listed or wrong or "study.json" not in digests:
-        raise StudyError("the backup is damaged" if listed else "not a backup of a study",
-                         where=str(path), got=", ".join(wrong[:5]) or None,
-                         expected="every file as it is listed in " + SUMS)  # fmt: skip
+        raise StudyError(
+            "the backup is damaged" if listed else "not a backup of a study",
+            where=str(path),
+            got=", ".join(wrong[:5]) or None,
+            expected="every file as it is listed in " + SUMS,
+        )
     trials = sum(_finished(name, data, digests, path) for name, data in journals.items())
     ppids = tuple(sorted({PurePosixPath(name).parts[0] for name in journals}))
     return Checked(ppids, len(digests), size, trials)
@@ -117,8 +126,9 @@ def _finished(name: str, data: bytes, found: dict[str, str], path: Path) -> int:
     here = PurePosixPath(name).parent
     lost = [f for f in ended if not {str(here / f), str(here / (f + SUFFIX))} & found.keys()]
     if lost:
-        raise StudyError("recordings of finished trials are missing", where=str(path),
-                         got=", ".join(lost[:5]))  # fmt: skip
+        raise StudyError(
+            "recordings of finished trials are missing", where=str(path), got=", ".join(lost[:5])
+        )
     return len(ended)
 
 
@@ -140,8 +150,10 @@ def _contents(folder: Path) -> Iterator[tuple[str, bytes]]:
     """Names and contents of all files, journals first."""
     # All journals are read before the first look at what else there is: a trial that ends meanwhile
     # is in no journal here, and its recording does no harm.
-    journals = {path: path.read_bytes() for path in
-                sorted((*folder.glob("*.jsonl"), *folder.glob("*/S*/journal.jsonl")))}  # fmt: skip
+    journals = {
+        path: path.read_bytes()
+        for path in sorted((*folder.glob("*.jsonl"), *folder.glob("*/S*/journal.jsonl")))
+    }
     for path, data in journals.items():
         yield path.relative_to(folder).as_posix(), data
     listed = sorted(path for path in folder.rglob("*") if not path.is_dir())

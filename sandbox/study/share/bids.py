@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.errors import StudyError
 from models.rotations import quaternion_exp
 from models.scene import CONTROL_PERIOD
@@ -35,7 +35,6 @@ from sandbox.study.tables.trial_table import RESULT, SESSION, trial_rows
 TRACKSYS = "handsandbox"
 QUATERNION = ("quat_w", "quat_x", "quat_y", "quat_z")
 
-Array = NDArray[np.float64]
 Say = Callable[[str], object]
 
 
@@ -75,13 +74,18 @@ def export_bids(study: StudyFolder, out: Path, say: Say) -> int:
             rows = [trial_rows(study.design, state) for state in states]
             mine = [row for some in rows for row in some]
             exclude_person(study.design, states, mine)
-            written = sum(_session(study, session, work, some)
-                          for session, some in zip(sessions, rows, strict=True))  # fmt: skip
+            written = sum(
+                _session(study, session, work, some)
+                for session, some in zip(sessions, rows, strict=True)
+            )
             if not written:
                 continue
             runs += written
-            people.append(person_row(study.design, states, planned_trials(study, person), mine,
-                                     study.design.sessions))  # fmt: skip
+            people.append(
+                person_row(
+                    study.design, states, planned_trials(study, person), mine, study.design.sessions
+                )
+            )
             say(f"sub-{person.ppid}: {written} runs")
         if not runs:
             raise StudyError("the study has no trial that counts", where=str(study.path))
@@ -120,17 +124,23 @@ def _run(session: Path, folder: Path, stem: str, row: Row) -> None:
     touches = _table(session / row["touches_location_0"])
     events = [_trial_event(row, start), *touch_events(touches, start)]
     _tsv(folder / f"{stem}_motion.tsv", None, np.char.mod("%.6g", data).tolist())
-    _tsv(folder / f"{stem}_channels.tsv", list(Channel.__dataclass_fields__),
-         [list(vars(channel).values()) for channel in channels])  # fmt: skip
+    _tsv(
+        folder / f"{stem}_channels.tsv",
+        list(Channel.__dataclass_fields__),
+        [list(vars(channel).values()) for channel in channels],
+    )
     factors = [name for name in row if name.startswith("factor_")]
     columns = [*event_columns(), *factors]
     _tsv(folder / f"{stem}_events.tsv", columns, [[e.get(c) for c in columns] for e in events])
-    _json(folder / f"{stem}_motion.json",
-          motion_about(row, channels, len(data), 1.0 / CONTROL_PERIOD, TRACKSYS))  # fmt: skip
+    _json(
+        folder / f"{stem}_motion.json",
+        motion_about(row, channels, len(data), 1.0 / CONTROL_PERIOD, TRACKSYS),
+    )
     _json(folder / f"{stem}_channels.json", channel_frames())
-    _json(folder / f"{stem}_events.json",
-          {**event_columns(), **{f: {"Description": "level of this factor"} for f in factors}}
-          )  # fmt: skip
+    _json(
+        folder / f"{stem}_events.json",
+        {**event_columns(), **{f: {"Description": "level of this factor"} for f in factors}},
+    )
 
 
 def motion(frames: Columns) -> tuple[list[Channel], Array]:
@@ -164,8 +174,11 @@ def touch_events(touches: Columns, start: float) -> list[Row]:
         contacts = [c if h == "1" else SECOND + c for c, h in zip(contacts, hands, strict=True)]
     for i, (contact, finger) in enumerate(zip(contacts, touches.words("finger"), strict=True)):
         onset = events.setdefault(contact, {"onset": times[i] - start, "trial_type": "touch"})
-        onset |= {"duration": times[i] - start - onset["onset"], "contact": contact,
-                  "finger": finger or onset.get("finger")}  # fmt: skip
+        onset |= {
+            "duration": times[i] - start - onset["onset"],
+            "contact": contact,
+            "finger": finger or onset.get("finger"),
+        }
     return sorted(events.values(), key=lambda event: float(event["onset"]))
 
 
@@ -188,17 +201,23 @@ def _table(path: Path) -> Columns:
     try:
         return Columns.read(path.read_bytes())
     except OSError:
-        raise StudyError("a trial's table is missing", where=str(path),
-                         remedy="Opening the session makes it again: `sandbox study run`, or "
-                                "`simulate --resume`") from None  # fmt: skip
+        raise StudyError(
+            "a trial's table is missing",
+            where=str(path),
+            remedy="Opening the session makes it again: `sandbox study run`, or "
+            "`simulate --resume`",
+        ) from None
 
 
 def _about(study: StudyFolder, work: Path, people: Sequence[Row]) -> None:
     _json(work / "dataset_description.json", dataset_description(study))
     (work / "README").write_text(readme(study), encoding="utf-8")
     asked = names_of(person_columns(study.design))
-    used = [name for name in ("hand", "hand_size", "language", "simulated", "complete", "excluded")
-            if name in asked] + [item.name for item in study.design.demographics]  # fmt: skip
+    used = [
+        name
+        for name in ("hand", "hand_size", "language", "simulated", "complete", "excluded")
+        if name in asked
+    ] + [item.name for item in study.design.demographics]
     rows = [[f"sub-{p['ppid']}", *(p.get(name) for name in used)] for p in people]
     _tsv(work / "participants.tsv", ["participant_id", *used], rows)
     _json(work / "participants.json", participant_columns(study.design, used))
@@ -237,9 +256,14 @@ def dataset_description(study: StudyFolder) -> dict[str, Any]:
         "Name": title + kind,
         "BIDSVersion": VERSION,
         "DatasetType": "raw",
-        "GeneratedBy": [{"Name": "Hand Sandbox", "Version": versions()["hand-sandbox"],
-                         "Description": f"sandbox study export --bids; {study.mode} data"}],
-    }  # fmt: skip
+        "GeneratedBy": [
+            {
+                "Name": "Hand Sandbox",
+                "Version": versions()["hand-sandbox"],
+                "Description": f"sandbox study export --bids; {study.mode} data",
+            }
+        ],
+    }
 
 
 def readme(study: StudyFolder) -> str:
@@ -267,7 +291,7 @@ def motion_about(
     return {
         "TaskName": str(row["task"]),
         "TaskDescription": f"trial {row['trial_num']}, block {row['block_num']}, repetition "
-                           f"{row['repetition']}, encoder {row['encoder']}, seed {row['seed']}",
+        f"{row['repetition']}, encoder {row['encoder']}, seed {row['seed']}",
         "SamplingFrequency": rate,
         "SamplingFrequencyEffective": rate,
         "TrackingSystemName": tracksys,
@@ -282,20 +306,30 @@ def motion_about(
         "MissingValues": "n/a",
         "TrackedPointsCount": len({channel.tracked_point for channel in channels}),
         "SpatialAxes": "RAS",
-    }  # fmt: skip
+    }
 
 
 def channel_frames() -> dict[str, Any]:
     """`_channels.json`: the frames in which channels are."""
-    return {"reference_frame": {
-        "Description": "frame in which position and rotation are told",
-        "Levels": {
-            "world": {"SpatialAxes": "RAS", "RotationOrder": "n/a", "RotationRule": "right-hand",
-                      "Description": "x right, y away from the person, z up"},
-            "parent": {"SpatialAxes": "n/a", "RotationOrder": "n/a", "RotationRule": "right-hand",
-                       "Description": "the bone before, in the open flat hand"},
-        },
-    }}  # fmt: skip
+    return {
+        "reference_frame": {
+            "Description": "frame in which position and rotation are told",
+            "Levels": {
+                "world": {
+                    "SpatialAxes": "RAS",
+                    "RotationOrder": "n/a",
+                    "RotationRule": "right-hand",
+                    "Description": "x right, y away from the person, z up",
+                },
+                "parent": {
+                    "SpatialAxes": "n/a",
+                    "RotationOrder": "n/a",
+                    "RotationRule": "right-hand",
+                    "Description": "the bone before, in the open flat hand",
+                },
+            },
+        }
+    }
 
 
 def event_columns() -> dict[str, Any]:
@@ -303,17 +337,21 @@ def event_columns() -> dict[str, Any]:
     meanings = {column.name: column.meaning for column in (*SESSION, *RESULT)}
     return {
         "onset": {"Description": "since the first frame of the motion file", "Units": "s"},
-        "duration": {"Description": "of the trial until it was decided, or of the touch",
-                     "Units": "s"},
-        "trial_type": {"Description": "what it is",
-                       "Levels": {"trial": "the whole trial", "touch": "a finger on the surface"}},
+        "duration": {
+            "Description": "of the trial until it was decided, or of the touch",
+            "Units": "s",
+        },
+        "trial_type": {
+            "Description": "what it is",
+            "Levels": {"trial": "the whole trial", "touch": "a finger on the surface"},
+        },
         **{
             name: {"Description": meanings[name], "Levels": {"0": "no", "1": "yes"}}
             for name in ("success", "excluded")
         },
         "contact": {"Description": "id of the touch"},
         "finger": {"Description": "which finger it was taken for, at last"},
-    }  # fmt: skip
+    }
 
 
 def participant_columns(design: Design, used: Sequence[str]) -> dict[str, Any]:

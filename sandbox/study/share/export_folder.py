@@ -45,5 +45,8 @@ def refuse_existing(out: Path) -> None:
         StudyError: Something is there.
     """
     if out.exists() or out.is_symlink():
-        raise StudyError("it exists already, and nothing is written over", where=str(out),
-                         remedy="Choose another name with --out")  # fmt: skip
+        raise StudyError(
+            "it exists already, and nothing is written over",
+            where=str(out),
+            remedy="Choose another name with --out",
+        )

@@ -56,6 +56,7 @@ def copies(study: StudyFolder, ppid: str | None = None) -> list[Copy]:
         return []
     copies_made = [
         Copy(r["kind"], Path(r["path"]), r["time"], tuple(r["ppids"]), Path(r["path"]).exists())
-        for r in read_journal(path) if r["kind"] != "recovered"
-    ]  # fmt: skip
+        for r in read_journal(path)
+        if r["kind"] != "recovered"
+    ]
     return [copy for copy in copies_made if ppid is None or ppid in copy.ppids]

@@ -72,8 +72,14 @@ def merge(first: StudyFolder, second: StudyFolder, out: Path, force: str = "") -
     new_id = str(uuid4())
     chosen = _choose(sites, merged)
     with new_folder(out) as work:
-        about = {"schema": SCHEMA, "study": new_id, "experiment": first.design.name,
-                 "mode": first.mode, "created": now(), "build": first.build}  # fmt: skip
+        about = {
+            "schema": SCHEMA,
+            "study": new_id,
+            "experiment": first.design.name,
+            "mode": first.mode,
+            "created": now(),
+            "build": first.build,
+        }
         write_atomically(work / "study.json", json.dumps(about, indent=1).encode() + b"\n")
         write_design(work, first.design)
         _write_journal(work, sites, chosen, different, force)
@@ -96,16 +102,21 @@ def _check(first: StudyFolder, second: StudyFolder, force: str) -> list[str]:
         ("one design", first.design.digest, second.design.digest),
     ):
         if mine != other:
-            raise StudyError(f"these are not {what}", where=str(second.path), got=other,
-                             expected=mine,
-                             remedy="Only folders of one and the same study are merged"
-                             )  # fmt: skip
+            raise StudyError(
+                f"these are not {what}",
+                where=str(second.path),
+                got=other,
+                expected=mine,
+                remedy="Only folders of one and the same study are merged",
+            )
     different = changes(first.build, second.build)
     if different and not force:
-        raise StudyError("the sites ran with different programs", where=str(second.path),
-                         got=", ".join(different),
-                         remedy='Merge nevertheless with --force-different "REASON", which is '
-                                "logged")  # fmt: skip
+        raise StudyError(
+            "the sites ran with different programs",
+            where=str(second.path),
+            got=", ".join(different),
+            remedy='Merge nevertheless with --force-different "REASON", which is logged',
+        )
     return different
 
 
@@ -147,9 +158,12 @@ def _same_person(first: StudyFolder, second: StudyFolder, ppid: str) -> StudyFol
         return None
     shared = min(len(one), len(other))
     if one[:shared] != other[:shared]:
-        raise StudyError("a participant went on at both sites", where=str(second.path), got=ppid,
-                         remedy="Decide which folder holds the right data, and remove the other"
-                         )  # fmt: skip
+        raise StudyError(
+            "a participant went on at both sites",
+            where=str(second.path),
+            got=ppid,
+            remedy="Decide which folder holds the right data, and remove the other",
+        )
     return first if len(one) >= len(other) else second
 
 
@@ -174,16 +188,25 @@ def _fresh(taken: set[str]) -> str:
 
 
 def _write_journal(
-    work: Path, sites: Mapping[str, StudyFolder], chosen: Mapping[tuple[str, str], str],
-    different: list[str], force: str,
-) -> None:  # fmt: skip
+    work: Path,
+    sites: Mapping[str, StudyFolder],
+    chosen: Mapping[tuple[str, str], str],
+    different: list[str],
+    force: str,
+) -> None:
     """The study's journal: where everything comes from, then both sites' records."""
     of = {site: [new for (s, _), new in chosen.items() if s == site] for site in sites}
-    records: list[Record] = [{
-        "time": now(), "clock": 0.0, "kind": "merged",
-        "sites": {site: {"study": study.id, "ppids": of[site]} for site, study in sites.items()},
-        **({"reason": force, "changed": different} if different else {}),
-    }]  # fmt: skip
+    records: list[Record] = [
+        {
+            "time": now(),
+            "clock": 0.0,
+            "kind": "merged",
+            "sites": {
+                site: {"study": study.id, "ppids": of[site]} for site, study in sites.items()
+            },
+            **({"reason": force, "changed": different} if different else {}),
+        }
+    ]
     tombs: set[str] = set()
     for site, study in sites.items():
         path = study.path / "study.jsonl"
@@ -219,8 +242,10 @@ def _rename(session: Path, new: str, study: str) -> None:
     """Puts another study's id into a copied session, and a new pseudonym if there is one."""
     path = session / JOURNAL
     renamed = {"study": study} | ({"ppid": new} if new else {})
-    records = [{k: renamed.get(k, v) if r["kind"].startswith("session_") else v
-                for k, v in r.items()} for r in read_journal(path)]  # fmt: skip
+    records = [
+        {k: renamed.get(k, v) if r["kind"].startswith("session_") else v for k, v in r.items()}
+        for r in read_journal(path)
+    ]
     write_atomically(path, lines(records), durable=False)
     for recording in (session / TRIALS).glob("*.jsonl*") if new else ():
         where = str(recording)

@@ -90,8 +90,9 @@ def anonymise(study: StudyFolder, out: Path, masking: Masking, say: Say) -> Anon
     """
     _check(study.design, masking)
     sessions = {person.ppid: kept_session for person, kept_session in all_sessions(study)}
-    agreed = {p: some for p, some in sessions.items()
-              if all(s.state.consent is not False for s in some)}  # fmt: skip
+    agreed = {
+        p: some for p, some in sessions.items() if all(s.state.consent is not False for s in some)
+    }
     if not agreed:
         raise StudyError("there is nobody to export", where=str(study.path))
     names = _new_names(agreed)
@@ -109,8 +110,13 @@ def anonymise(study: StudyFolder, out: Path, masking: Masking, say: Say) -> Anon
                 say(f"{names[old]}: {len(session.records)} records")
                 _write_session(work, session, disguise, masking)
         anonymised = _finish(work, masking, len(sessions) - len(agreed))
-    starts = [r for some in agreed.values() for session in some for r in session.records
-              if r["kind"] == "trial_start"]  # fmt: skip
+    starts = [
+        r
+        for some in agreed.values()
+        for session in some
+        for r in session.records
+        if r["kind"] == "trial_start"
+    ]
     hidden = masking.recordings and not masking.hands
     return replace(anonymised, hands=sum(hidden and in_the_air(r["values"]) for r in starts))
 
@@ -119,8 +125,12 @@ def _check(design: Design, masking: Masking) -> None:
     known = [item.name for item in design.demographics]
     for name in (*masking.drop, *(masking.bins or {})):
         if name not in known:
-            raise StudyError("nobody was asked this", where="--drop or --bins", got=name,
-                             expected=", ".join(known) or "no demographics")  # fmt: skip
+            raise StudyError(
+                "nobody was asked this",
+                where="--drop or --bins",
+                got=name,
+                expected=", ".join(known) or "no demographics",
+            )
 
 
 def _new_names(sessions: Mapping[str, object]) -> dict[str, str]:
@@ -136,8 +146,9 @@ def _new_names(sessions: Mapping[str, object]) -> dict[str, str]:
 
 def _answer(design: Design, masking: Masking) -> Callable[[str, str, Any], Any]:
     """The kept part of an answer: no words, and demographics as selected."""
-    kinds = {(form.name, item.name): item.kind for form in design.questionnaires
-             for item in form.items}  # fmt: skip
+    kinds = {
+        (form.name, item.name): item.kind for form in design.questionnaires for item in form.items
+    }
     kinds |= {(DEMOGRAPHICS, item.name): item.kind for item in design.demographics}
 
     def kept(form: str, item: str, value: Any) -> Any:
@@ -160,12 +171,17 @@ def _write_people(
     records: list[Record] = []
     for old in sorted(sessions, key=names.__getitem__):
         start = sessions[old][0].state.start
-        records.append({
-            "n": len(records), "time": EPOCH.isoformat(timespec="milliseconds"), "clock": 0.0,
-            "kind": "participant", "ppid": names[old],
-            **{k: start[k] for k in ("number", "hand", "hand_size", "language")},
-            "user": without_places(start["user"]),
-        })  # fmt: skip
+        records.append(
+            {
+                "n": len(records),
+                "time": EPOCH.isoformat(timespec="milliseconds"),
+                "clock": 0.0,
+                "kind": "participant",
+                "ppid": names[old],
+                **{k: start[k] for k in ("number", "hand", "hand_size", "language")},
+                "user": without_places(start["user"]),
+            }
+        )
     write_atomically(work / "study.jsonl", lines(records))
 
 
@@ -203,27 +219,45 @@ def _finish(work: Path, masking: Masking, without_consent: int) -> Anonymised:
     people: list[dict[str, Any]] = []
     for sessions in rebuild_all(copy).values():
         start = sessions[0].state.start
-        asked = [r["answers"] for s in sessions for r in s.state.answers.values()
-                 if r["form"] == DEMOGRAPHICS]  # fmt: skip
-        people.append({"hand": start["hand"], "language": start["language"],
-                       **(asked[-1] if asked else {})})  # fmt: skip
+        asked = [
+            r["answers"]
+            for s in sessions
+            for r in s.state.answers.values()
+            if r["form"] == DEMOGRAPHICS
+        ]
+        people.append(
+            {"hand": start["hand"], "language": start["language"], **(asked[-1] if asked else {})}
+        )
     columns = ["hand", "language"] + [
-        item.name for item in design.demographics
+        item.name
+        for item in design.demographics
         if item.name not in masking.drop and (masking.words or item.kind != "text")
-    ]  # fmt: skip
+    ]
     columns = [name for name in columns if len({p.get(name) for p in people}) > 1]
     group_sizes = groups(people, columns)
     (work / ".lock").unlink(missing_ok=True)
-    write_atomically(work / ABOUT, _json({
-        "participants": len(people), "left_out_without_consent": without_consent,
-        "words_kept": masking.words, "left_out": list(masking.drop),
-        "rounded_down_to": dict(masking.bins or {}), "recordings": masking.recordings,
-        "recordings_of_hands_in_the_air": masking.recordings and masking.hands,
-        "compared": list(group_sizes.columns), "smallest_group": group_sizes.smallest,
-        "people_in_groups_below_5": group_sizes.exposed,
-        "may_still_tell": ["the order of arrival (participant_number)", "hand_size",
-                           "how somebody moves (touches and poses)"],
-    }))  # fmt: skip
+    write_atomically(
+        work / ABOUT,
+        _json(
+            {
+                "participants": len(people),
+                "left_out_without_consent": without_consent,
+                "words_kept": masking.words,
+                "left_out": list(masking.drop),
+                "rounded_down_to": dict(masking.bins or {}),
+                "recordings": masking.recordings,
+                "recordings_of_hands_in_the_air": masking.recordings and masking.hands,
+                "compared": list(group_sizes.columns),
+                "smallest_group": group_sizes.smallest,
+                "people_in_groups_below_5": group_sizes.exposed,
+                "may_still_tell": [
+                    "the order of arrival (participant_number)",
+                    "hand_size",
+                    "how somebody moves (touches and poses)",
+                ],
+            }
+        ),
+    )
     return Anonymised(len(people), without_consent, group_sizes)
 
 

@@ -26,15 +26,35 @@ WITHHELD = "(words are left out)"
 
 _ATTEMPT = ("step", "trial", "attempt", "file")
 KEPT: dict[str, tuple[str, ...]] = {
-    "session_start": ("schema", "experiment", "mode", "design", "session", "versions", "build",
-                      "number", "hand", "hand_size", "language", "user"),
+    "session_start": (
+        "schema",
+        "experiment",
+        "mode",
+        "design",
+        "session",
+        "versions",
+        "build",
+        "number",
+        "hand",
+        "hand_size",
+        "language",
+        "user",
+    ),
     "session_end": ("complete",),
     "consent": ("step", "agreed", "version", "language", "text"),
     "step_done": ("step",),
     "calibration": ("step",),
     "answers": ("step", "form", "block", "levels", "seconds"),
-    "trial_start": (*_ATTEMPT, "block", "in_block", "repetition", "practice", "levels", "values",
-                    "seed"),
+    "trial_start": (
+        *_ATTEMPT,
+        "block",
+        "in_block",
+        "repetition",
+        "practice",
+        "levels",
+        "values",
+        "seed",
+    ),
     "trial_end": (*_ATTEMPT, "result", "adopted"),
     "trial_broken": _ATTEMPT,
     "repeat": ("step", "trial"),
@@ -47,10 +67,17 @@ KEPT: dict[str, tuple[str, ...]] = {
     "released": (),
     "pause": (),
     "go_on": (),
-}  # fmt: skip
+}
 KEPT["session_resume"] = KEPT["session_start"]
-WORDS = {"trial_broken": "why", "repeat": "reason", "skip": "reason", "exclude": "reason",
-         "note": "text", "upgrade": "reason", "released": "reason"}  # fmt: skip
+WORDS = {
+    "trial_broken": "why",
+    "repeat": "reason",
+    "skip": "reason",
+    "exclude": "reason",
+    "note": "text",
+    "upgrade": "reason",
+    "released": "reason",
+}
 """By kind: where the experimenter's words are."""
 LEFT_OUT = "left_out"
 """Kind that replaces records of other kinds: drafts of forms, and kinds that are not listed."""
@@ -130,16 +157,22 @@ def disguised_line(line: bytes, disguise: Disguise, where: str = "recording") ->
 
 def _one(record: Record, start: Record, disguise: Disguise) -> Record:
     kind = record["kind"] if record["kind"] in KEPT else LEFT_OUT
-    masked: Record = {"n": record["n"], "time": _shifted(record["time"], start["time"]),
-                     "clock": round(record["clock"] - start["clock"], 6), "kind": kind}  # fmt: skip
+    masked: Record = {
+        "n": record["n"],
+        "time": _shifted(record["time"], start["time"]),
+        "clock": round(record["clock"] - start["clock"], 6),
+        "kind": kind,
+    }
     masked |= {k: without_places(record[k]) for k in KEPT.get(kind, ()) if k in record}
     if kind in NAMED:
         masked["ppid"] = disguise.ppid
     if kind in ("session_start", "session_resume"):
         masked["study"] = disguise.study
     if kind == "answers":
-        masked["answers"] = {item: disguise.answer(record["form"], item, value)
-                            for item, value in record["answers"].items()}  # fmt: skip
+        masked["answers"] = {
+            item: disguise.answer(record["form"], item, value)
+            for item, value in record["answers"].items()
+        }
     if kind in WORDS:
         key = WORDS[kind]
         masked[key] = record.get(key, "") if disguise.words else WITHHELD

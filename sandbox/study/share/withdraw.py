@@ -85,8 +85,12 @@ def _without(record: Record, ppid: str, reason: str) -> Record:
     if record["kind"] == WITHDRAWN:
         return record
     if record.get("ppid") == ppid:
-        entry: Record = {"n": record["n"], "time": now(), "clock": round(time.monotonic(), 6),
-                         "kind": REMOVED}  # fmt: skip
+        entry: Record = {
+            "n": record["n"],
+            "time": now(),
+            "clock": round(time.monotonic(), 6),
+            "kind": REMOVED,
+        }
         if record["kind"] == "participant":
             entry |= {"kind": WITHDRAWN, "ppid": ppid, "reason": reason}
         return entry
@@ -116,8 +120,11 @@ def _delete(folder: Path) -> int:
 
 def _forget_site(path: Path, ppid: str) -> None:
     if path.exists():
-        kept = [line for line in path.read_bytes().splitlines(keepends=True)
-                if not line.startswith(f"{ppid},".encode())]  # fmt: skip
+        kept = [
+            line
+            for line in path.read_bytes().splitlines(keepends=True)
+            if not line.startswith(f"{ppid},".encode())
+        ]
         write_atomically(path, b"".join(kept))
 
 

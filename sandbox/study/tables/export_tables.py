@@ -20,8 +20,9 @@ def rebuild_all(study: StudyFolder) -> dict[str, list[KeptSession]]:
     for person, sessions in all_sessions(study):
         for session in sessions:
             (session.path / "session_info").mkdir(exist_ok=True)
-            write_session(study, session.path, session.state, plan_of(study, session),
-                          session.records)  # fmt: skip
+            write_session(
+                study, session.path, session.state, plan_of(study, session), session.records
+            )
         found[person.ppid] = sessions
     rebuild_study(study)
     return found

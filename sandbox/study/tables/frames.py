@@ -40,9 +40,10 @@ REASONS = "reasons"
 """Key of a file of measures: why cells are empty, by measure."""
 STEMS = {"frames": "frames", "touches": "touches"}
 POSE_COLUMNS = tuple(
-    f"q_{name}_{axis}" for name in ("position", "rotation", *(b.name for b in ADULT.bones))
+    f"q_{name}_{axis}"
+    for name in ("position", "rotation", *(b.name for b in ADULT.bones))
     for axis in "xyz"
-)  # fmt: skip
+)
 """The 48 numbers of a pose, in its own order."""
 
 
@@ -210,11 +211,18 @@ class FrameTable:
     def _touches(self) -> dict[str, Any]:
         """Columns by name, a row for every contact of every snapshot."""
         rows = [
-            (s.time, c.id, *map(float, c.position),
-             "" if c.label is None else FINGERS[c.label], c.state, number)
-            for s in self._snapshots for number, hand in enumerate(s.hands, start=1)
+            (
+                s.time,
+                c.id,
+                *map(float, c.position),
+                "" if c.label is None else FINGERS[c.label],
+                c.state,
+                number,
+            )
+            for s in self._snapshots
+            for number, hand in enumerate(s.hands, start=1)
             for c in hand.contacts
-        ]  # fmt: skip
+        ]
         names = ["time_s", "contact", "x", "y", "z", "finger", "state"]
         if self._snapshots and len(self._snapshots[0].hands) > 1:
             names.append("hand")
@@ -347,10 +355,11 @@ def _parquet(table: dict[str, Any]) -> bytes:
     from pyarrow import parquet
 
     columns = {
-        name: pa.array(values.astype(np.float32)) if isinstance(values, np.ndarray)
+        name: pa.array(values.astype(np.float32))
+        if isinstance(values, np.ndarray)
         else pa.array(values, type=pa.type_for_alias(frame_column(name).type))
         for name, values in table.items()
-    }  # fmt: skip
+    }
     sink = pa.BufferOutputStream()
     parquet.write_table(pa.table(columns), sink, compression="zstd")
     return bytes(sink.getvalue())

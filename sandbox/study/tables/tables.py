@@ -158,8 +158,15 @@ def rebuild_session(session: SessionFolder, durable: bool = True, say: Say = _si
     Raises:
         StudyError: One cannot be written; the older one is still there.
     """
-    write_session(session.study, session.path, session.state, session.steps,
-                  session.journal.records, durable, say)  # fmt: skip
+    write_session(
+        session.study,
+        session.path,
+        session.state,
+        session.steps,
+        session.journal.records,
+        durable,
+        say,
+    )
 
 
 def write_session(
@@ -213,11 +220,15 @@ def write_session(
 def log_bytes(records: Iterable[Record]) -> bytes:
     """UXF's log: time, kind, and the record itself."""
     rows = [
-        {"timestamp": r["time"], "log_type": r["kind"],
-         "message": json.dumps({k: v for k, v in r.items() if k not in ("time", "kind")},
-                               ensure_ascii=False)}
+        {
+            "timestamp": r["time"],
+            "log_type": r["kind"],
+            "message": json.dumps(
+                {k: v for k, v in r.items() if k not in ("time", "kind")}, ensure_ascii=False
+            ),
+        }
         for r in records
-    ]  # fmt: skip
+    ]
     return csv_bytes(rows, ["timestamp", "log_type", "message"])
 
 

@@ -33,23 +33,31 @@ SESSION = (
     Column("participant_number", "", "order of arrival, from 0; it decides the order of levels"),
     Column("hand", "", "hand that touches: left or right"),
     Column("hand_size", "", "length of the hand over that of the hand that encoders learned from"),
-    Column("attempt", "", "number of the attempt of this trial, from 1; session_info/log.csv lists "
-           "attempts that were broken off"),
+    Column(
+        "attempt",
+        "",
+        "number of the attempt of this trial, from 1; session_info/log.csv lists "
+        "attempts that were broken off",
+    ),
     Column("counted", "0/1", "1: the attempt of the trial that counts; use only these rows"),
     Column("practice", "0/1", "1: a practice trial, which is no part of the results"),
-    Column("repetition", "", "number of the trial among those with the same levels, from 1; 0 in "
-           "practice"),
+    Column(
+        "repetition",
+        "",
+        "number of the trial among those with the same levels, from 1; 0 in practice",
+    ),
     Column("excluded", "0/1", "1: left out by a rule or by the experimenter; never deleted"),
     Column("exclusion_reason", "", "`rule NAME`, the experimenter's words, or `participant: ...`"),
-)  # fmt: skip
+)
 FILES = (
     Column("trial_recording_location_0", "", "file of the recording; `sandbox replay FILE`"),
     Column("hand_pose_location_0", "", "file of the 60 Hz table; the extra `study` adds .parquet"),
     Column("touches_location_0", "", "file of all touches, one row for each contact and moment"),
 )
 FILE_NAMES = tuple(column.name for column in FILES)
-RESULT = tuple(Column(name, fields()[name].unit, fields()[name].meaning)
-               for name in kept_fields(KeptIn.TABLE))  # fmt: skip
+RESULT = tuple(
+    Column(name, fields()[name].unit, fields()[name].meaning) for name in kept_fields(KeptIn.TABLE)
+)
 """Fields of the trial's result."""
 
 

@@ -11,16 +11,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from PIL import Image, ImageDraw, ImageFont
 
 from encoders.paalm.calibration import measure, pointing
 from encoders.paalm.paalm import PaalmHand
+from models.arithmetic.arrays import Array
 from models.frames import FINGERS, HandFrame, SeenHand
 from sandbox.views import palette
 from sandbox.views.palette import Colour
-
-Array = NDArray[np.float64]
 
 GROUND: Colour = (0.125, 0.145, 0.165)
 _FINE = 2
@@ -210,9 +209,11 @@ def _sphere(pen: _Pen, hand: HandPicture) -> None:
     r = hand.sphere * pen.scale
     line, fill = palette.bytes_of(_dimmed(palette.OUTLINE, 0.7)), _dimmed(palette.OUTLINE, 0.16)
     pen.draw.ellipse(
-        (x - r, y - r, x + r, y + r), fill=palette.bytes_of(fill)[:3], outline=line[:3],
+        (x - r, y - r, x + r, y + r),
+        fill=palette.bytes_of(fill)[:3],
+        outline=line[:3],
         width=max(1, round(1.5 * pen.unit)),
-    )  # fmt: skip
+    )
     # The circle that lies across the normal shows how the ball is turned.
     across = np.linalg.svd(hand.normal[None])[2][1:]
     turns = np.linspace(0.0, 2.0 * np.pi, 49)

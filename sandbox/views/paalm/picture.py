@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from encoders.paalm.hand_pose import hand_pose
 from encoders.paalm.paalm import PaalmFrame, PaalmHand
+from models.arithmetic.arrays import Array
 from models.frames import FINGERS, HandFrame
 from models.hand import Hand
 from models.kinematics import Kinematics
@@ -26,8 +26,6 @@ from sandbox.views.lens import Lens
 from sandbox.views.paalm.diagram import GROUND, HandMemory, HandPicture, diagram
 from sandbox.views.renderer import Renderer
 from tasks.score import Score
-
-Array = NDArray[np.float64]
 
 SIZE = (1100, 620)
 """px, of a new picture."""
@@ -164,8 +162,10 @@ class PaalmPicture(Closing):
             radius = "none" if seen.sphere is None else f"{1000 * seen.sphere:.0f} mm{told}"
             pen.text(
                 (margin, margin + round((22 + 18 * i) * scale)),
-                f"{seen.side} palm sphere: {radius}", font=small, fill=faint,
-            )  # fmt: skip
+                f"{seen.side} palm sphere: {radius}",
+                font=small,
+                fill=faint,
+            )
         wide = self.size[0] // max(1, len(known))
         for i, (side, hand) in enumerate(known.items()):
             self._angles(pen, side, hand, i * wide + margin, half[1], small, scale)
@@ -175,9 +175,15 @@ class PaalmPicture(Closing):
             pen.text(place, self.caption, font=small, fill=warn, anchor="rs")
 
     def _angles(
-        self, pen: ImageDraw.ImageDraw, side: str, hand: PaalmHand, x: int, y: int,
-        font: ImageFont.FreeTypeFont | ImageFont.ImageFont, scale: float,
-    ) -> None:  # fmt: skip
+        self,
+        pen: ImageDraw.ImageDraw,
+        side: str,
+        hand: PaalmHand,
+        x: int,
+        y: int,
+        font: ImageFont.FreeTypeFont | ImageFont.ImageFont,
+        scale: float,
+    ) -> None:
         faint = palette.bytes_of(palette.FAINT)[:3]
         step, wide = round(21 * scale), round(78 * scale)
         y += round(10 * scale)

@@ -9,9 +9,10 @@ from typing import Any
 
 import glfw
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from PIL import Image
 
+from models.arithmetic.arrays import Array
 from models.errors import HandSandboxError
 from models.scene import Scene
 from models.surface import Surface
@@ -27,8 +28,6 @@ from sandbox.views.renderer import Renderer
 from sandbox.views.window.context import Loan, WindowContext
 from sandbox.views.window.keys import HINT, LEAP, keys
 from sandbox.views.window.plainness import Plainness
-
-Array = NDArray[np.float64]
 
 SIZE = (1024, 680)
 """px (of the screen's own coordinates), of a new window."""

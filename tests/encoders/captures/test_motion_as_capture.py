@@ -47,11 +47,23 @@ def folder(truth, tmp_path_factory):
 
 def converted(folder, kind, out, *more) -> int:
     up, hand = KINDS[kind][1], folder / f"hand.{kind}"
-    return main([
-        "capture", "--touches", str(folder / "shown.jsonl"), "--joints", str(hand),
-        "--mapping", str(folder / f"{up}.toml"), "--offset", str(AHEAD), "--simulated",
-        "--out", str(out), *map(str, more),
-    ])  # fmt: skip
+    return main(
+        [
+            "capture",
+            "--touches",
+            str(folder / "shown.jsonl"),
+            "--joints",
+            str(hand),
+            "--mapping",
+            str(folder / f"{up}.toml"),
+            "--offset",
+            str(AHEAD),
+            "--simulated",
+            "--out",
+            str(out),
+            *map(str, more),
+        ]
+    )
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -54,9 +54,15 @@ def hands_time(s: PairedSession) -> np.ndarray:
 def converted(s: PairedSession, shift: float = 0.0, **options):
     report = ConversionReport()
     capture = capture_from_hands(
-        log_of(s), s.leap.frames, hands_time(s) + shift, open_hand(s.leap.frames, s.side),
-        ConversionRules(), report, {"simulated": True}, **options,
-    )  # fmt: skip
+        log_of(s),
+        s.leap.frames,
+        hands_time(s) + shift,
+        open_hand(s.leap.frames, s.side),
+        ConversionRules(),
+        report,
+        {"simulated": True},
+        **options,
+    )
     return capture, report.notes
 
 
@@ -282,14 +288,16 @@ def test_a_folder_becomes_a_capture_that_says_it_is_simulated(folder, tmp_path, 
     ("options", "expected"),
     [
         (["--recorded", "{day}", "--side", "left"], "another hand was recorded"),
-        (["--touches", "{day}/touches.jsonl", "--hands", "{day}/hands.jsonl", "--side", "left"],
-         "not in the recording"),
+        (
+            ["--touches", "{day}/touches.jsonl", "--hands", "{day}/hands.jsonl", "--side", "left"],
+            "not in the recording",
+        ),
         (["--recorded", "{empty}"], "no folder of"),
         (["--recorded", "{late}"], "does not begin with an open right hand"),
         (["--hands", "{day}/hands.jsonl"], "no touches"),
         (["--recorded", "{day}", "--joints", "x.bvh"], "one recording of the hand"),
     ],
-)  # fmt: skip
+)
 def test_what_does_not_go_together_is_one_line(folder, tmp_path, capsys, options, expected):
     late = tmp_path / "late"
     late.mkdir()
@@ -322,9 +330,17 @@ def test_a_full_disk_is_told_at_once_and_what_was_recorded_before_is_kept(tmp_pa
 def test_a_session_is_not_written_over(folder, capsys):
     before = {path.name: path.read_bytes() for path in folder.iterdir()}
     status, _, err = said(
-        capsys, "record", "--touches", folder / TOUCHES, "--hands", folder / HANDS, "--out", folder,
-        "--seconds", "1",
-    )  # fmt: skip
+        capsys,
+        "record",
+        "--touches",
+        folder / TOUCHES,
+        "--hands",
+        folder / HANDS,
+        "--out",
+        folder,
+        "--seconds",
+        "1",
+    )
     assert status == 2 and "not written over" in err
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
 
@@ -332,9 +348,18 @@ def test_a_session_is_not_written_over(folder, capsys):
 def test_recording_files_as_devices_keeps_them_together(folder, tmp_path, capsys):
     copy = tmp_path / "copy"
     status, _, err = said(
-        capsys, "record", "--touches", folder / TOUCHES, "--hands", folder / HANDS, "--out", copy,
-        "--free", "--seconds", "6.5",
-    )  # fmt: skip
+        capsys,
+        "record",
+        "--touches",
+        folder / TOUCHES,
+        "--hands",
+        folder / HANDS,
+        "--out",
+        copy,
+        "--free",
+        "--seconds",
+        "6.5",
+    )
     assert status == 0, err
     assert json.loads((copy / "about.json").read_text())["simulated"] is True
     first = [json.loads((d / TOUCHES).read_text().splitlines()[1])["host"] for d in (copy, folder)]

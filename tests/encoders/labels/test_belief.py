@@ -32,8 +32,9 @@ def touches(draw: st.DrawFn, least: int = 1, most: int = 5) -> Contacts:
 
 def moved(contacts: Contacts, rng: np.random.Generator) -> Contacts:
     step = rng.normal(0, 0.004, (len(contacts), 2))
-    return {i: (x + dx, y + dy) for (i, (x, y)), (dx, dy) in zip(contacts.items(), step,
-                                                                 strict=True)}  # fmt: skip
+    return {
+        i: (x + dx, y + dy) for (i, (x, y)), (dx, dy) in zip(contacts.items(), step, strict=True)
+    }
 
 
 def table(belief: BeliefLabels, ids: list[int]) -> dict[tuple[int, ...], float]:
@@ -77,9 +78,10 @@ def test_of_contacts_that_leave_the_labels_are_summed_out(
     places = [list(contacts).index(i) for i in stay]
     for labels, probability in table(belief, stay).items():
         expected = sum(
-            p for all_, p in before.items() if all(all_[at] == f for at, f in zip(places, labels,
-                                                                                 strict=True))
-        )  # fmt: skip
+            p
+            for all_, p in before.items()
+            if all(all_[at] == f for at, f in zip(places, labels, strict=True))
+        )
         assert probability == pytest.approx(expected, abs=1e-9)
 
 
@@ -130,8 +132,9 @@ def test_a_hand_that_opens_and_turns_shows_which_fingers_touch() -> None:
     at every frame."""
     capture = builtin_capture()
     wrong = {"at first": 0, "at last": 0, "never asked again": 0}
-    takes = [t for t in np.unique(capture.trial) if 2 <= capture.down[capture.trial == t][0].sum()
-             <= 3]  # fmt: skip
+    takes = [
+        t for t in np.unique(capture.trial) if 2 <= capture.down[capture.trial == t][0].sum() <= 3
+    ]
     for trial in takes:
         frames = np.flatnonzero(capture.trial == trial)
         truth = {int(f): int(f) for f in np.flatnonzero(capture.down[frames[0]])}

@@ -60,9 +60,12 @@ def test_a_contact_never_changes_hands_while_it_is_down_and_no_hand_has_six(hist
 
 
 @given(
-    st.integers(1, 5), st.integers(1, 5), st.floats(-0.03, 0.03), st.floats(-0.03, 0.03),
+    st.integers(1, 5),
+    st.integers(1, 5),
+    st.floats(-0.03, 0.03),
+    st.floats(-0.03, 0.03),
     st.randoms(use_true_random=False),
-)  # fmt: skip
+)
 @settings(max_examples=60, deadline=None)
 def test_two_hands_that_come_down_at_their_homes_are_told_apart_whatever_the_ids(n, m, x, y, mix):
     right = [(px + x, py + y) for px, py in fan((0.30, 0.10), n)]

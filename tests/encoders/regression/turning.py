@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from models.arithmetic.arrays import Array
 from models.pose import ROOT_POSITION, ROOT_ROTATION
 from models.rotations import exp, log
-
-Array = NDArray[np.float64]
 
 
 def turned_pose(q: ArrayLike, angle: float, about: ArrayLike) -> Array:

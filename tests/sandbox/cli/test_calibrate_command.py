@@ -169,9 +169,15 @@ def test_a_profile_survives_its_file(
 
 
 SOUND = {
-    "kind": "hand-sandbox profile", "schema": 1, "hand": "left", "hand_size": 0.9, "turn": 0,
-    "hand_size_95": [0.8, 1.0], "device": "tuio", "simulated": False,
-}  # fmt: skip
+    "kind": "hand-sandbox profile",
+    "schema": 1,
+    "hand": "left",
+    "hand_size": 0.9,
+    "turn": 0,
+    "hand_size_95": [0.8, 1.0],
+    "device": "tuio",
+    "simulated": False,
+}
 
 values = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
@@ -195,11 +201,19 @@ def test_a_profile_with_any_other_value_is_sound_or_one_clear_error(tmp_path_fac
 
 @pytest.mark.parametrize(
     "data",
-    [b"", b"\xff\xfe", b"[]", b"{", b'{"kind": 1}', b"[" * 100_000, json.dumps(
-        {k: v for k, v in SOUND.items() if k != "turn"}).encode(),
-     json.dumps({**SOUND, "more": 1}).encode(), json.dumps({**SOUND, "schema": 2}).encode(),
-     json.dumps({**SOUND, "hand_size": 10**400}).encode()],
-)  # fmt: skip
+    [
+        b"",
+        b"\xff\xfe",
+        b"[]",
+        b"{",
+        b'{"kind": 1}',
+        b"[" * 100_000,
+        json.dumps({k: v for k, v in SOUND.items() if k != "turn"}).encode(),
+        json.dumps({**SOUND, "more": 1}).encode(),
+        json.dumps({**SOUND, "schema": 2}).encode(),
+        json.dumps({**SOUND, "hand_size": 10**400}).encode(),
+    ],
+)
 def test_a_file_that_is_no_profile_is_refused_with_its_name(data, tmp_path):
     path = tmp_path / "p.json"
     path.write_bytes(data)

@@ -81,10 +81,21 @@ def assert_as_played(path: Path, truth, degrees: float, wrist: float, ahead: flo
 
 def test_touches_and_bvh_become_a_capture_by_taps(folder, truth, capsys, tmp_path):
     status, out, err = converted(
-        capsys, "--touches", folder / "shown.jsonl", "--joints", folder / "hand.bvh",
-        "--mapping", folder / "corners.toml", "--sync", "tap", "--out", tmp_path / "c.npz",
-        "--subject", "P07", "--simulated",
-    )  # fmt: skip
+        capsys,
+        "--touches",
+        folder / "shown.jsonl",
+        "--joints",
+        folder / "hand.bvh",
+        "--mapping",
+        folder / "corners.toml",
+        "--sync",
+        "tap",
+        "--out",
+        tmp_path / "c.npz",
+        "--subject",
+        "P07",
+        "--simulated",
+    )
     assert status == 0, err
     assert "with one finger" in out and "taps agreeing" in out and "offset" in out
     capture = assert_as_played(tmp_path / "c.npz", truth, degrees=4.0, wrist=0.004)
@@ -94,18 +105,34 @@ def test_touches_and_bvh_become_a_capture_by_taps(folder, truth, capsys, tmp_pat
 
 def test_touches_and_a_table_become_a_capture_by_clock(folder, truth, capsys, tmp_path):
     status, _, err = converted(
-        capsys, "--touches", folder / "shown.jsonl", "--joints", folder / "hand.csv",
-        "--sync", "clock", "--offset", AHEAD, "--scale", SCALE, "--out", tmp_path / "c.npz",
-    )  # fmt: skip
+        capsys,
+        "--touches",
+        folder / "shown.jsonl",
+        "--joints",
+        folder / "hand.csv",
+        "--sync",
+        "clock",
+        "--offset",
+        AHEAD,
+        "--scale",
+        SCALE,
+        "--out",
+        tmp_path / "c.npz",
+    )
     assert status == 0, err
     assert_as_played(tmp_path / "c.npz", truth, degrees=0.5, wrist=0.001)
 
 
 def test_markers_alone_become_a_capture(folder, truth, capsys, tmp_path):
     status, out, err = converted(
-        capsys, "--markers", folder / "hand.tsv", "--mapping", folder / "corners.toml",
-        "--out", tmp_path / "c.npz",
-    )  # fmt: skip
+        capsys,
+        "--markers",
+        folder / "hand.tsv",
+        "--mapping",
+        folder / "corners.toml",
+        "--out",
+        tmp_path / "c.npz",
+    )
     assert status == 0, err
     assert "within 5 mm" in out
     assert_as_played(tmp_path / "c.npz", truth, degrees=8.0, wrist=0.010, ahead=0.0)
@@ -118,10 +145,20 @@ def test_a_left_hand_comes_out_as_its_mirror_image(truth, capsys, tmp_path):
     write_shown(tmp_path / "left.jsonl", replace(log, xy=log.xy * [-1.0, 1.0]))
     (tmp_path / "corners.toml").write_text(CORNERS)
     status, _, err = converted(
-        capsys, "--touches", tmp_path / "left.jsonl", "--markers", tmp_path / "left.tsv",
-        "--side", "left", "--mapping", tmp_path / "corners.toml", "--offset", AHEAD,
-        "--out", tmp_path / "c.npz",
-    )  # fmt: skip
+        capsys,
+        "--touches",
+        tmp_path / "left.jsonl",
+        "--markers",
+        tmp_path / "left.tsv",
+        "--side",
+        "left",
+        "--mapping",
+        tmp_path / "corners.toml",
+        "--offset",
+        AHEAD,
+        "--out",
+        tmp_path / "c.npz",
+    )
     assert status == 0, err
     capture = assert_as_played(tmp_path / "c.npz", truth, degrees=8.0, wrist=0.010)
     assert (capture.meta["side"], capture.meta["recorded_side"]) == ("right", "left")
@@ -147,9 +184,18 @@ def test_a_packet_capture_and_a_recording_say_the_same(folder, truth, capsys, tm
     for touches, offset in ((tmp_path / "packets.jsonl", 0.0), (tmp_path / "run.jsonl", AHEAD)):
         # A packet capture's clock begins with its first packet.
         status, _, err = converted(
-            capsys, "--touches", touches, "--joints", folder / "hand.csv", "--offset", offset,
-            "--surface", f"{1000 * WIDTH:g}x{1000 * HEIGHT:g}mm", "--out", tmp_path / "c.npz",
-        )  # fmt: skip
+            capsys,
+            "--touches",
+            touches,
+            "--joints",
+            folder / "hand.csv",
+            "--offset",
+            offset,
+            "--surface",
+            f"{1000 * WIDTH:g}x{1000 * HEIGHT:g}mm",
+            "--out",
+            tmp_path / "c.npz",
+        )
         assert status == 0, err
         assert ("breaks off" in err) == (touches.name == "run.jsonl")
         captures.append(assert_as_played(tmp_path / "c.npz", truth, 0.5, 0.001, ahead=offset))
@@ -159,9 +205,16 @@ def test_a_packet_capture_and_a_recording_say_the_same(folder, truth, capsys, tm
 
 def test_an_encoder_is_trained_on_what_was_converted(folder, capsys, tmp_path):
     converted(
-        capsys, "--touches", folder / "shown.jsonl", "--joints", folder / "hand.csv",
-        "--offset", AHEAD, "--out", tmp_path / "c.npz",
-    )  # fmt: skip
+        capsys,
+        "--touches",
+        folder / "shown.jsonl",
+        "--joints",
+        folder / "hand.csv",
+        "--offset",
+        AHEAD,
+        "--out",
+        tmp_path / "c.npz",
+    )
     capture = load_capture(tmp_path / "c.npz")
     assert len(np.unique(capture.trial)) > 1
     out = tmp_path / "model.npz"
@@ -175,9 +228,14 @@ def test_an_encoder_is_trained_on_what_was_converted(folder, capsys, tmp_path):
 def test_the_real_glove_becomes_a_capture(shared_data, capsys, tmp_path):
     """Fingers on a pillow: a soft surface, so that 10 mm must pass for touching it."""
     status, out, err = converted(
-        capsys, "--markers", shared_data / "formats" / "hand-markers.tsv.gz",
-        "--threshold", 10, "--out", tmp_path / "c.npz",
-    )  # fmt: skip
+        capsys,
+        "--markers",
+        shared_data / "formats" / "hand-markers.tsv.gz",
+        "--threshold",
+        10,
+        "--out",
+        tmp_path / "c.npz",
+    )
     assert status == 0, err
     assert "hand scale" in out
     capture = load_capture(tmp_path / "c.npz")
@@ -189,9 +247,12 @@ def test_the_real_glove_becomes_a_capture(shared_data, capsys, tmp_path):
 
 def test_a_hard_surface_is_not_seen_where_there_is_a_pillow(shared_data, capsys, tmp_path):
     status, _, err = converted(
-        capsys, "--markers", shared_data / "formats" / "hand-markers.tsv.gz",
-        "--out", tmp_path / "c.npz",
-    )  # fmt: skip
+        capsys,
+        "--markers",
+        shared_data / "formats" / "hand-markers.tsv.gz",
+        "--out",
+        tmp_path / "c.npz",
+    )
     assert status == 2
     assert "no plane" in err and "corners" in err
     assert not (tmp_path / "c.npz").exists()
@@ -252,9 +313,14 @@ def test_what_cannot_be_converted_is_one_clear_line_and_exit_2(folder, capsys, t
 def test_a_mapping_file_with_a_wrong_part_is_refused(folder, capsys, tmp_path, text):
     (tmp_path / "m.toml").write_text(text)
     status, _, err = converted(
-        capsys, "--markers", folder / "hand.tsv", "--mapping", tmp_path / "m.toml",
-        "--out", tmp_path / "c.npz",
-    )  # fmt: skip
+        capsys,
+        "--markers",
+        folder / "hand.tsv",
+        "--mapping",
+        tmp_path / "m.toml",
+        "--out",
+        tmp_path / "c.npz",
+    )
     assert status == 2
     assert err.count("sandbox: ") == 1
 
@@ -270,9 +336,14 @@ def test_markers_on_the_corners_tell_where_the_surface_is(truth, capsys, tmp_pat
         json.dumps({"surface": {"top_left": "c1", "top_right": "c2", "bottom_left": "c3"}})
     )
     status, _, err = converted(
-        capsys, "--markers", tmp_path / "hand.tsv", "--mapping", tmp_path / "m.json",
-        "--out", tmp_path / "c.npz",
-    )  # fmt: skip
+        capsys,
+        "--markers",
+        tmp_path / "hand.tsv",
+        "--mapping",
+        tmp_path / "m.json",
+        "--out",
+        tmp_path / "c.npz",
+    )
     assert status == 0, err
     assert_as_played(tmp_path / "c.npz", truth, degrees=8.0, wrist=0.010, ahead=0.0)
 

@@ -9,10 +9,17 @@ import pytest
 from sandbox.cli.main import COMMANDS, main
 from sandbox.cli.study.command import ACTIONS
 
-WITH_PARTS = {"touches": ("show", "record", "send"), "leap": ("fake", "simulate"),
-              "paalm": ("show", "calibrate"), "study": tuple(ACTIONS)}  # fmt: skip
-EVERY = [[name, *part] for name in COMMANDS
-         for part in ([[p] for p in WITH_PARTS[name]] if name in WITH_PARTS else [[]])]  # fmt: skip
+WITH_PARTS = {
+    "touches": ("show", "record", "send"),
+    "leap": ("fake", "simulate"),
+    "paalm": ("show", "calibrate"),
+    "study": tuple(ACTIONS),
+}
+EVERY = [
+    [name, *part]
+    for name in COMMANDS
+    for part in ([[p] for p in WITH_PARTS[name]] if name in WITH_PARTS else [[]])
+]
 
 
 def refused(capsys: pytest.CaptureFixture[str], *argv: str) -> str:

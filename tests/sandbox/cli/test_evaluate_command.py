@@ -50,9 +50,15 @@ def pictures(folder) -> tuple[Path, dict]:
     out = folder / "pictures"
     report = folder / "drawn.json"
     status = evaluate(
-        folder, "--capture", str(folder / "tests"), "--no-copas", "--json", str(report),
-        "--plots", str(out),
-    )  # fmt: skip
+        folder,
+        "--capture",
+        str(folder / "tests"),
+        "--no-copas",
+        "--json",
+        str(report),
+        "--plots",
+        str(out),
+    )
     assert status == 0
     return out, json.loads(report.read_text())
 

@@ -152,10 +152,20 @@ def test_the_size_of_a_touch_is_in_metres() -> None:
 
 EVENTS = st.tuples(
     st.sampled_from([EV_SYN, EV_ABS, 1, 4]),
-    st.sampled_from([SYN_REPORT, SYN_DROPPED, ABS_MT_SLOT, ABS_MT_POSITION_X,
-                     ABS_MT_POSITION_Y, ABS_MT_TRACKING_ID, ABS_MT_TOOL_TYPE, 999]),
+    st.sampled_from(
+        [
+            SYN_REPORT,
+            SYN_DROPPED,
+            ABS_MT_SLOT,
+            ABS_MT_POSITION_X,
+            ABS_MT_POSITION_Y,
+            ABS_MT_TRACKING_ID,
+            ABS_MT_TOOL_TYPE,
+            999,
+        ]
+    ),
     st.sampled_from([-(2**31), -1, 0, 1, 2, 5, 63, 64, 2**31 - 1]),
-)  # fmt: skip
+)
 
 
 @given(st.lists(EVENTS, max_size=60))

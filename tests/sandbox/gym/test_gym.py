@@ -332,9 +332,15 @@ def test_a_picture_is_drawn_only_when_it_is_asked_for():
 
 @pytest.mark.parametrize(
     "wrong",
-    [{"task": "no-such"}, {"action": "think"}, {"reward": "gold"}, {"render_mode": "human"},
-     {"encodr": "best"}, {"labels": "guess"}],
-)  # fmt: skip
+    [
+        {"task": "no-such"},
+        {"action": "think"},
+        {"reward": "gold"},
+        {"render_mode": "human"},
+        {"encodr": "best"},
+        {"labels": "guess"},
+    ],
+)
 def test_what_cannot_be_made_is_refused_with_what_can(wrong):
     with pytest.raises(InputError, match="got"):
         HandSandboxEnv(**wrong)

@@ -97,8 +97,12 @@ def test_a_direction_ends_where_success_is_lower_beyond_chance_and_no_later():
 def test_values_that_are_asked_for_are_all_run_even_where_it_breaks():
     (curve,) = found_by(Heavy, "mass=8,1,0.5,4,2,2").curves
     assert [(p.value, p.breaks) for p in curve.points] == [
-        (0.5, False), (1.0, False), (2.0, False), (4.0, True), (8.0, True),
-    ]  # fmt: skip
+        (0.5, False),
+        (1.0, False),
+        (2.0, False),
+        (4.0, True),
+        (8.0, True),
+    ]
     assert curve.breaks_above == 4.0
 
 
@@ -170,8 +174,9 @@ def test_the_command_prints_a_table_writes_a_report_and_draws_a_picture(tmp_path
     assert "sandbox run heavy --seed 0 --vary mass=4 --record" in printed
     read = json.loads(report.read_text())
     assert [(c["task"], c["varied"], c["breaks_above"]) for c in read["curves"]] == [
-        ("heavy", "mass", 4.0), ("heavy", "start", None),
-    ]  # fmt: skip
+        ("heavy", "mass", 4.0),
+        ("heavy", "start", None),
+    ]
     assert [len(p["trials"]) for p in read["curves"][0]["points"]] == [5, 5]
     assert "variation" not in read["configuration"]
     ElementTree.fromstring(plot.read_text())

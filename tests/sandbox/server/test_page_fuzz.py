@@ -24,7 +24,11 @@ MESSAGES: list[dict[str, object]] = [
     {"type": "resized", "screen": SCREEN},
     {"type": "touches", "seq": 1, "t": 16.0, "contacts": [[1, 500.0, 300.0, 20.0]]},
     {
-        "type": "touches", "seq": 2, "t": 32.0, "lift": 0.5, "cancelled": [1, 7],
+        "type": "touches",
+        "seq": 2,
+        "t": 32.0,
+        "lift": 0.5,
+        "cancelled": [1, 7],
         "contacts": [[i, 40.0 * i, 700.0 - 30.0 * i, 1.0] for i in range(10)],
     },
     {"type": "touches", "seq": 3, "t": 48.0, "contacts": [], "cancelled": []},
@@ -32,7 +36,7 @@ MESSAGES: list[dict[str, object]] = [
     {"type": "drawn", "frame": 4, "after_ms": 21.0},
     {"type": "beat", "t": 1000.0, "round_trip_ms": 2.0},
     {"type": "ask", "what": "retry", "value": ""},
-]  # fmt: skip
+]
 ODD = [
     *(None, True, "", "x" * 70, "\x00", "\ud800", [], {}, [[]], -1, 0, 1, 2**31, 2**53, 2**64),
     *(1e308, 1e999, -1e999, float("nan"), 0.5, -0.0, "touches", [[1, 2, 3]], [[1, 2, 3, 4]] * 21),

@@ -110,9 +110,18 @@ def test_the_page_comes_with_the_token_and_may_load_nothing_from_elsewhere(serve
 
 @pytest.mark.parametrize(
     "path",
-    ["/", "/index.html", "/?token=wrong", "/?token=", "/../pyproject.toml", "//", "/?token",
-     "/?token=TOKEN&token=x", "/?token=x&token=TOKEN"],
-)  # fmt: skip
+    [
+        "/",
+        "/index.html",
+        "/?token=wrong",
+        "/?token=",
+        "/../pyproject.toml",
+        "//",
+        "/?token",
+        "/?token=TOKEN&token=x",
+        "/?token=x&token=TOKEN",
+    ],
+)
 def test_without_the_token_there_is_nothing(server, path):
     answer = get(server.url, path.replace("TOKEN", server.access.token))
     assert answer.status == 403

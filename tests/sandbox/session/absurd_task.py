@@ -23,10 +23,18 @@ class Runaway(Box):
             body.remove(joint)
         # Armature outweighs what a box of any mass in the task's range has by itself.
         inertia = 1e-3
-        SubElement(body, "joint", {
-            "name": self.name, "type": "hinge", "axis": "0 0 1", "armature": f"{inertia}",
-            "stiffness": f"{-inertia * GROWTH**2}", "springref": "20",
-        })  # fmt: skip
+        SubElement(
+            body,
+            "joint",
+            {
+                "name": self.name,
+                "type": "hinge",
+                "axis": "0 0 1",
+                "armature": f"{inertia}",
+                "stiffness": f"{-inertia * GROWTH**2}",
+                "springref": "20",
+            },
+        )
         return body
 
 

@@ -8,15 +8,13 @@ from functools import cached_property
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.frames import FINGERS
 from models.hand import CONTACT_HAND
 from models.one_pose import OnePose
 from models.scene_hand import Link
 from models.skeleton import ADULT, Skeleton
-
-Array = NDArray[np.float64]
 
 LENGTH, RADIUS = 0.03, 0.008
 """m, of each of a pin's two links."""
@@ -57,34 +55,65 @@ class PinHand:
     def body(self) -> Element:
         palm = Element("body", {"name": self.palm, "childclass": "pins"})
         for name in FINGERS:
-            upper = SubElement(palm, "body", {
-                # y points down, along the pin.
-                "name": f"{self.name}_{name}_upper", "euler": "-90 0 0", "gravcomp": "1",
-            })  # fmt: skip
+            upper = SubElement(
+                palm,
+                "body",
+                {
+                    # y points down, along the pin.
+                    "name": f"{self.name}_{name}_upper",
+                    "euler": "-90 0 0",
+                    "gravcomp": "1",
+                },
+            )
             for axis, direction in zip("xyz", ("1 0 0", "0 0 1", "0 -1 0"), strict=True):
-                SubElement(upper, "joint", {
-                    "name": f"{self.name}_{name}_{axis}", "type": "slide", "axis": direction,
-                    "armature": "1",
-                })  # fmt: skip
-            lower = SubElement(upper, "body", {
-                "name": f"{self.name}_{name}_lower", "pos": f"0 {LENGTH} 0", "gravcomp": "1",
-            })  # fmt: skip
+                SubElement(
+                    upper,
+                    "joint",
+                    {
+                        "name": f"{self.name}_{name}_{axis}",
+                        "type": "slide",
+                        "axis": direction,
+                        "armature": "1",
+                    },
+                )
+            lower = SubElement(
+                upper,
+                "body",
+                {
+                    "name": f"{self.name}_{name}_lower",
+                    "pos": f"0 {LENGTH} 0",
+                    "gravcomp": "1",
+                },
+            )
             for body, part in ((upper, "upper"), (lower, "lower")):
-                SubElement(body, "geom", {
-                    "name": f"{self.name}_{name}_{part}", "fromto": f"0 0 0 0 {LENGTH} 0",
-                    "size": f"{RADIUS}", "contype": str(CONTACT_HAND), "conaffinity": "0",
-                })  # fmt: skip
+                SubElement(
+                    body,
+                    "geom",
+                    {
+                        "name": f"{self.name}_{name}_{part}",
+                        "fromto": f"0 0 0 0 {LENGTH} 0",
+                        "size": f"{RADIUS}",
+                        "contype": str(CONTACT_HAND),
+                        "conaffinity": "0",
+                    },
+                )
         return palm
 
     def actuators(self) -> list[Element]:
         return [
-            Element("position", {
-                "name": f"{self.name}_{name}_{axis}", "joint": f"{self.name}_{name}_{axis}",
-                "kp": "8000", "dampratio": "1", "forcerange": "-100 100",
-            })
+            Element(
+                "position",
+                {
+                    "name": f"{self.name}_{name}_{axis}",
+                    "joint": f"{self.name}_{name}_{axis}",
+                    "kp": "8000",
+                    "dampratio": "1",
+                    "forcerange": "-100 100",
+                },
+            )
             for name in FINGERS
             for axis in "xyz"
-        ]  # fmt: skip
+        ]
 
     def controls(self, q: Array) -> Array:
         """(15,) m, each pin's upper end above the fingertip of the pose."""

@@ -103,8 +103,15 @@ def test_soft_fingers_give_way_and_push_with_three_newtons_at_most():
 def test_hard_again_is_what_it_was_to_the_bit():
     session = scripted(lambda now: (), seed=1)
     model = session.scene.model
-    kept = [a.copy() for a in (model.geom_solref, model.geom_solimp, model.geom_solmix,
-                               model.actuator_forcerange)]  # fmt: skip
+    kept = [
+        a.copy()
+        for a in (
+            model.geom_solref,
+            model.geom_solimp,
+            model.geom_solmix,
+            model.actuator_forcerange,
+        )
+    ]
     session.set_contact("soft")
     run(session, 0.5)
     assert np.any(np.isclose(model.geom_solref[:, 0], SOFT_SOLREF[0]))

@@ -64,8 +64,9 @@ class FakeMaya:
     def select(self, *names: str, clear: bool = False) -> None:
         self.selected = [] if clear else [self._find(n) for n in names]
 
-    def ls(self, *names: str, selection: bool = False, type: str | None = None,
-           long: bool = False) -> list[str]:  # fmt: skip
+    def ls(
+        self, *names: str, selection: bool = False, type: str | None = None, long: bool = False
+    ) -> list[str]:
         found = self.selected if selection else [n for x in names if (n := self._get(x))]
         return [n.path if long else self._said(n) for n in found if type in (None, n.kind)]
 
@@ -114,8 +115,15 @@ class FakeMaya:
         self.evaluate()
         return [tuple(node.triple(name).tolist())]
 
-    def xform(self, name: str, *, query: bool, worldSpace: bool, translation: bool = False,
-              matrix: bool = False) -> list[float]:  # fmt: skip
+    def xform(
+        self,
+        name: str,
+        *,
+        query: bool,
+        worldSpace: bool,
+        translation: bool = False,
+        matrix: bool = False,
+    ) -> list[float]:
         assert query and worldSpace and translation != matrix
         self.evaluate()
         place, turn = self._find(name).world()
@@ -149,8 +157,13 @@ class FakeMaya:
             raise RuntimeError("a pole vector needs a rotate plane handle")
         return [self._constrain("poleVectorConstraint", target, name)]
 
-    def parentConstraint(self, *names: str, maintainOffset: bool = False, query: bool = False,
-                         targetList: bool = False) -> list[str]:  # fmt: skip
+    def parentConstraint(
+        self,
+        *names: str,
+        maintainOffset: bool = False,
+        query: bool = False,
+        targetList: bool = False,
+    ) -> list[str]:
         if query:
             assert targetList
             return [self._said(self._find(names[0]).about["target"])]
@@ -176,9 +189,17 @@ class FakeMaya:
             self._from_curves()
         return self.time
 
-    def bakeResults(self, names: list[str], *, time: tuple[float, float], attribute: list[str],
-                    simulation: bool, sampleBy: float, disableImplicitControl: bool,
-                    preserveOutsideKeys: bool) -> int:  # fmt: skip
+    def bakeResults(
+        self,
+        names: list[str],
+        *,
+        time: tuple[float, float],
+        attribute: list[str],
+        simulation: bool,
+        sampleBy: float,
+        disableImplicitControl: bool,
+        preserveOutsideKeys: bool,
+    ) -> int:
         assert simulation and preserveOutsideKeys
         before, nodes = self.time, [self._find(n) for n in names]
         baked: dict[tuple[int, str], dict[float, float]] = {}
@@ -205,9 +226,16 @@ class FakeMaya:
         assert query and axis
         return self._up
 
-    def undoInfo(self, *, query: bool = False, state: bool = False, openChunk: bool = False,
-                 closeChunk: bool = False, chunkName: str = "",
-                 stateWithoutFlush: bool | None = None) -> bool:  # fmt: skip
+    def undoInfo(
+        self,
+        *,
+        query: bool = False,
+        state: bool = False,
+        openChunk: bool = False,
+        closeChunk: bool = False,
+        chunkName: str = "",
+        stateWithoutFlush: bool | None = None,
+    ) -> bool:
         if openChunk:
             self._did(chunkName)
             self._chunks += 1
@@ -220,8 +248,15 @@ class FakeMaya:
     def warning(self, text: str) -> None:
         self.warnings.append(text)
 
-    def commandPort(self, port: str | None = None, *, name: str = "", query: bool = False,
-                    close: bool = False, **flags: Any) -> bool:  # fmt: skip
+    def commandPort(
+        self,
+        port: str | None = None,
+        *,
+        name: str = "",
+        query: bool = False,
+        close: bool = False,
+        **flags: Any,
+    ) -> bool:
         if query:
             return port in self.ports
         if close:

@@ -281,8 +281,10 @@ def test_keys_of_a_recorded_hand_all_reach_a_scene_over_a_port_that(how, monkeyp
 @pytest.fixture(scope="module")
 def recording(tmp_path_factory):
     path = tmp_path_factory.mktemp("stream") / "run.jsonl"
-    assert main(["run", "box-to-goal", "--device", "simulated", "--seed", "3", "--record",
-                 str(path)]) == 0  # fmt: skip
+    assert (
+        main(["run", "box-to-goal", "--device", "simulated", "--seed", "3", "--record", str(path)])
+        == 0
+    )
     return path
 
 

@@ -168,10 +168,15 @@ class OnPage:
         try:
             with SessionFolder(self.study, self.person) as session:
                 self.outcome = SessionRunner(
-                    session, self.player, person_devices(touch, self.person, self.page),
-                    PageForms(self.page, lambda: self.controls.paused), self.controls,
-                    self.said.append, "web", fitting("web", self.page),
-                ).run()  # fmt: skip
+                    session,
+                    self.player,
+                    person_devices(touch, self.person, self.page),
+                    PageForms(self.page, lambda: self.controls.paused),
+                    self.controls,
+                    self.said.append,
+                    "web",
+                    fitting("web", self.page),
+                ).run()
             self.page.lay("end", text=self.page.words["end"])
         except BaseException as error:
             self.failure = error
@@ -228,8 +233,10 @@ def play(running: OnPage, tab: Any, enough: Callable[[Snapshot], bool] = lambda 
         if not running.player.moments.empty() or not frames:
             continue  # the browser is slower than time: only the newest counts
         scale = PPI / METRES_PER_INCH
-        wanted = [(c.id, round(corner[0] + c.x * scale, 2), round(corner[1] + c.y * scale, 2))
-                  for c in frames[-1].contacts]  # fmt: skip
+        wanted = [
+            (c.id, round(corner[0] + c.x * scale, 2), round(corner[1] + c.y * scale, 2))
+            for c in frames[-1].contacts
+        ]
         if wanted != last:
             tab.touch(wanted)
             last = wanted

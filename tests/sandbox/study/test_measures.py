@@ -9,15 +9,14 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.rotations import exp
 from sandbox.study.measures.handling import FALL, drops, grasps, handled
 from sandbox.study.measures.labels import label_errors, label_switches
 from sandbox.study.measures.movement import efficiency, path_length, sparc, speeds, straight
 from sandbox.study.measures.throughput import WIDTH, along, throughput
 
-Array = NDArray[np.float64]
 PERIOD = 0.016
 
 

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.frames import FINGERS
 from models.surface import Surface
 from sandbox.devices.simulated.simulated import SimulatedDevice
@@ -35,7 +35,6 @@ from tasks.task import Goal, Task
 from tasks.user import UserConfiguration
 from tests.support.study_files import DESIGN, design, open_study
 
-Array = NDArray[np.float64]
 PERIOD = 0.016
 DOCS = Path(__file__).resolve().parents[3] / "docs" / "measures.md"
 
@@ -87,10 +86,11 @@ def test_a_half_circle_of_palm_and_box_has_the_measures_of_geometry() -> None:
     arc, goal = half_circle(), np.array([0.11, 0.0, 0.0])
     n = len(arc)
     found = measure_trial(
-        table(arc[::-1], arc, goal, box_digits=["ti"] * n, box_grip_N=[1.0] * n,
-              box_off_rad=[0.1] * n),
+        table(
+            arc[::-1], arc, goal, box_digits=["ti"] * n, box_grip_N=[1.0] * n, box_off_rad=[0.1] * n
+        ),
         ended(n * PERIOD),
-    ).values  # fmt: skip
+    ).values
     for what in ("palm", "object"):
         assert found[f"{what}_path_m"] == pytest.approx(0.05 * np.pi, rel=1e-3)
         assert found[f"{what}_efficiency"] == pytest.approx(2 / np.pi, rel=1e-3)
@@ -125,7 +125,7 @@ def test_a_regrasp_or_a_drop_or_a_thing_put_back_is_no_success_at_the_first_atte
         ({"box_by": ["table"] * 29 + [""] * 4 + ["table"] * 27}, lifted, 0, (0, 0, 1, False)),
         ({}, still, 1, (0, 0, 0, False)),
         ({}, still, 0, (0, 0, 0, True)),
-    ]  # fmt: skip
+    ]
     for columns, box, respawned, told in cases:
         digits = columns.get("box_digits", [""] * n)
         made = table(
@@ -181,8 +181,9 @@ def test_a_thing_is_turned_by_the_nearest_turn_that_looks_the_same(
 ) -> None:
     class Seen:
         position = np.zeros(3)
-        rotation = np.array([[np.cos(turn), -np.sin(turn), 0.0],
-                             [np.sin(turn), np.cos(turn), 0.0], [0.0, 0.0, 1.0]])  # fmt: skip
+        rotation = np.array(
+            [[np.cos(turn), -np.sin(turn), 0.0], [np.sin(turn), np.cos(turn), 0.0], [0.0, 0.0, 1.0]]
+        )
 
     assert turn_off(Seen(), Goal("box", (0.0, 0.0, 0.0), 0.0), alike) == pytest.approx(off)  # type: ignore[arg-type]
 

@@ -54,8 +54,14 @@ def test_a_trial_is_found_by_its_name_with_and_without_its_session(
         assert find_recordings(folder, out) == whole
 
 
-NOTHING = ("quick-simulated/{}/S001/T099", "quick-simulated/NOBODY/T001", "nothing",
-           "quick-simulated/{}/S001/journal", "T1", ".")  # fmt: skip
+NOTHING = (
+    "quick-simulated/{}/S001/T099",
+    "quick-simulated/NOBODY/T001",
+    "nothing",
+    "quick-simulated/{}/S001/journal",
+    "T1",
+    ".",
+)
 
 
 @pytest.mark.parametrize("name", NOTHING)

@@ -53,8 +53,16 @@ def folder(finished: StudyFolder) -> Path:
 def test_every_trial_has_one_row_one_recording_and_its_tables(folder: Path) -> None:
     rows = rows_of(folder / "trial_results.csv")
     assert [int(r["trial_num"]) for r in rows] == list(range(1, TRIALS + 1))
-    assert list(rows[0])[:8] == ["experiment", "ppid", "session_num", "trial_num", "block_num",
-                                 "trial_num_in_block", "start_time", "end_time"]  # fmt: skip
+    assert list(rows[0])[:8] == [
+        "experiment",
+        "ppid",
+        "session_num",
+        "trial_num",
+        "block_num",
+        "trial_num_in_block",
+        "start_time",
+        "end_time",
+    ]
     for row in rows:
         recording = load_recording(folder / row["trial_recording_location_0"])
         assert not recording.damage and recording.end is not None
@@ -126,11 +134,17 @@ def test_a_journal_that_lost_its_last_records_is_completed_from_the_recording_or
 
 
 def test_a_resumed_session_that_is_complete_adds_no_trial(finished: StudyFolder) -> None:
-    before = [r for r in read_journal(next(finished.path.glob("*/S001/journal.jsonl")))
-              if r["kind"].startswith("trial")]  # fmt: skip
+    before = [
+        r
+        for r in read_journal(next(finished.path.glob("*/S001/journal.jsonl")))
+        if r["kind"].startswith("trial")
+    ]
     assert run_simulated(finished, 0, quiet) is Outcome.COMPLETE
-    after = [r for r in read_journal(next(finished.path.glob("*/S001/journal.jsonl")))
-             if r["kind"].startswith("trial")]  # fmt: skip
+    after = [
+        r
+        for r in read_journal(next(finished.path.glob("*/S001/journal.jsonl")))
+        if r["kind"].startswith("trial")
+    ]
     assert before == after
 
 
@@ -266,13 +280,19 @@ def test_rules_exclude_by_what_was_measured(tmp_path: Path) -> None:
     assert len({row["excluded"] for row in rows}) == 2
 
 
-@given(st.lists(st.lists(st.none() | st.text() | st.integers() | st.booleans(), min_size=2,
-                         max_size=2), max_size=4))  # fmt: skip
+@given(
+    st.lists(
+        st.lists(st.none() | st.text() | st.integers() | st.booleans(), min_size=2, max_size=2),
+        max_size=4,
+    )
+)
 def test_tables_keep_every_cell(cells: list[list[object]]) -> None:
     data = csv_bytes([dict(zip("ab", row, strict=True)) for row in cells], ["a", "b"])
     read = list(csv.reader(io.StringIO(data.decode(), newline="")))
-    told = [["" if c is None else str(int(c)) if isinstance(c, bool) else str(c) for c in row]
-            for row in cells]  # fmt: skip
+    told = [
+        ["" if c is None else str(int(c)) if isinstance(c, bool) else str(c) for c in row]
+        for row in cells
+    ]
     one_end = [[c.replace("\r\n", "\n").replace("\r", "\n") for c in row] for row in told]
     assert read == [["a", "b"], *one_end]
 

@@ -23,9 +23,10 @@ from sandbox.study.share.bids import export_bids, task_label
 from sandbox.trial.replay import replay
 from tests.support.study_files import DESIGN, TRIALS, design
 
-NAME = re.compile(r"sub-[0-9A-Z]+_task-[A-Za-z0-9]+_tracksys-[a-z]+_run-\d+_"
-                  r"(motion\.tsv|motion\.json|channels\.tsv|channels\.json|events\.tsv|events\.json)$"
-                  )  # fmt: skip
+NAME = re.compile(
+    r"sub-[0-9A-Z]+_task-[A-Za-z0-9]+_tracksys-[a-z]+_run-\d+_"
+    r"(motion\.tsv|motion\.json|channels\.tsv|channels\.json|events\.tsv|events\.json)$"
+)
 
 
 @pytest.fixture(scope="module")

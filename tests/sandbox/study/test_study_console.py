@@ -61,9 +61,14 @@ def run_with(out: Path, lines: dict[int, str]) -> tuple[StudyFolder, SessionStat
     person = study.add(**simulated_person(study.design, 0))
     typist = Typist(lines)
     with SessionFolder(study, person) as session:
-        outcome = SessionRunner(session, HeadlessPlayer(), simulated_devices(person),
-                                SimulatedForms(1), typist.controls, typist.said.append
-                                ).run()  # fmt: skip
+        outcome = SessionRunner(
+            session,
+            HeadlessPlayer(),
+            simulated_devices(person),
+            SimulatedForms(1),
+            typist.controls,
+            typist.said.append,
+        ).run()
         return study, session.state, outcome, typist
 
 
@@ -136,8 +141,14 @@ def test_without_consent_nothing_is_played(tmp_path: Path) -> None:
     controls = Controls()
     terminal = Terminal(controls, Patient("no\n"))
     with SessionFolder(study, person) as session:
-        runner = SessionRunner(session, HeadlessPlayer(), simulated_devices(person),
-                               TerminalForms(terminal, quiet), controls, quiet)  # fmt: skip
+        runner = SessionRunner(
+            session,
+            HeadlessPlayer(),
+            simulated_devices(person),
+            TerminalForms(terminal, quiet),
+            controls,
+            quiet,
+        )
         assert runner.run() is Outcome.NO_CONSENT
         assert not session.state.attempts
 
@@ -147,8 +158,18 @@ def test_a_session_in_the_terminal_asks_plays_and_hears_the_experimenter(
 ) -> None:
     file = tmp_path / "design.toml"
     file.write_text(DESIGN)
-    command = ["study", "run", str(file), "--out", str(tmp_path), "--pilot", "--device",
-               "simulated", "--view", "none"]  # fmt: skip
+    command = [
+        "study",
+        "run",
+        str(file),
+        "--out",
+        str(tmp_path),
+        "--pilot",
+        "--device",
+        "simulated",
+        "--view",
+        "none",
+    ]
     monkeypatch.setattr("sys.stdin", Patient("maybe\n/n hello\nyes\n17\n33\n25\n101\n95\n"))
     assert main([*command, "--participant", "new"]) == 0
     told = capsys.readouterr().out
@@ -156,8 +177,9 @@ def test_a_session_in_the_terminal_asks_plays_and_hears_the_experimenter(
     folder = tmp_path / "quick-pilot"
     assert [r["answer"] for r in rows_of(folder / "questionnaires.csv")] == ["33", "25", "95"]
     assert {r["mode"] for r in rows_of(folder / "trial_results.csv")} == {"pilot"}
-    notes = [r for r in read_journal(next(folder.glob("*/S001/journal.jsonl")))
-             if r["kind"] == "note"]  # fmt: skip
+    notes = [
+        r for r in read_journal(next(folder.glob("*/S001/journal.jsonl"))) if r["kind"] == "note"
+    ]
     assert [n["text"] for n in notes] == ["hello"]
     assert main([*command]) == 2
     assert main([*(c for c in command if c != "--pilot"), "--participant", "new"]) == 2

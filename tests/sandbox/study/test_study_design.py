@@ -66,8 +66,11 @@ def test_a_balanced_latin_square_has_each_place_and_each_pair_equally_often(n: i
     assert len(pairs) == n * (n - 1)
 
 
-@given(n=st.integers(1, 5), row=st.integers(0, 10_000), rule=st.sampled_from(
-    ["latin", "factorial", "random", "blocked"]))  # fmt: skip
+@given(
+    n=st.integers(1, 5),
+    row=st.integers(0, 10_000),
+    rule=st.sampled_from(["latin", "factorial", "random", "blocked"]),
+)
 def test_every_order_of_levels_is_a_permutation(n: int, row: int, rule: str) -> None:
     assert sorted(order_of(rule, n, row, (row,))) == list(range(n))
 
@@ -171,29 +174,37 @@ def test_repetitions_go_round_inside_of_a_factor_where_asked() -> None:
 
 
 def test_nested_levels_occur_only_where_they_belong() -> None:
-    text = CROSSED.replace('order = "latin"\nlevels = ["box-to-goal", "wrench-turn"]',
+    text = CROSSED.replace(
+        'order = "latin"\nlevels = ["box-to-goal", "wrench-turn"]',
         'inside = "contact"\n'
-        'levels = {hard = ["stack"], soft = ["box-to-goal", "wrench-turn"], none = ["stack"]}'
-    )  # fmt: skip
+        'levels = {hard = ["stack"], soft = ["box-to-goal", "wrench-turn"], none = ["stack"]}',
+    )
     found = [tuple(x.name for x in c.values()) for c in combinations(design(text))]
-    assert found == [("hard", "stack"), ("soft", "box-to-goal"), ("soft", "wrench-turn"),
-                     ("none", "stack")]  # fmt: skip
+    assert found == [
+        ("hard", "stack"),
+        ("soft", "box-to-goal"),
+        ("soft", "wrench-turn"),
+        ("none", "stack"),
+    ]
 
 
 def test_between_participants_everybody_has_one_level() -> None:
     text = CROSSED.replace('order = "latin"', 'order = "between"', 1)
-    groups = [{t.levels["contact"] for t in trials_of(session_plan(design(text), n))}
-              for n in range(6)]  # fmt: skip
+    groups = [
+        {t.levels["contact"] for t in trials_of(session_plan(design(text), n))} for n in range(6)
+    ]
     assert [next(iter(g)) for g in groups] == ["hard", "soft", "none"] * 2
     assert all(len(g) == 1 for g in groups)
 
 
 def test_a_level_may_set_several_things() -> None:
-    text = CROSSED.replace('["hard", "soft", "none"]',
-                           '[{name = "gentle", contact = "soft", impulse = "safe"}, "hard"]'
-                           )  # fmt: skip
-    trial = next(t for t in trials_of(session_plan(design(text), 0))
-                 if t.levels["contact"] == "gentle")  # fmt: skip
+    text = CROSSED.replace(
+        '["hard", "soft", "none"]',
+        '[{name = "gentle", contact = "soft", impulse = "safe"}, "hard"]',
+    )
+    trial = next(
+        t for t in trials_of(session_plan(design(text), 0)) if t.levels["contact"] == "gentle"
+    )
     settings = run_settings(trial.values, trial.seed, "left", 1.1)
     assert (settings.contact, settings.impulse) == ("soft", 0.5)
     assert settings.hands == (HandSettings("left", 1.1),) and settings.encoder == "linear"
@@ -274,8 +285,15 @@ def test_our_own_designs_are_without_mistake(name: str) -> None:
 def test_lines_of_a_file_are_found_past_texts_of_several_lines() -> None:
     text = '# one\na = """\nb = 3\n[c]\n"""\n[[d]]\n  e = 1\n[d.f]\ng = 2\n[[d]]\n\'e\' = 4 # x\n'
     lines = TomlLines(text)
-    wanted = {("a",): 2, ("b",): 1, ("d", 0): 6, ("d", 0, "e"): 7, ("d", 0, "f", "g"): 9,
-              ("d", 1, "e"): 11, ("d", 1, "z"): 10}  # fmt: skip
+    wanted = {
+        ("a",): 2,
+        ("b",): 1,
+        ("d", 0): 6,
+        ("d", 0, "e"): 7,
+        ("d", 0, "f", "g"): 9,
+        ("d", 1, "e"): 11,
+        ("d", 1, "z"): 10,
+    }
     assert {path: lines.of(path) for path in wanted} == wanted
 
 
@@ -307,12 +325,22 @@ def test_a_slip_in_a_pseudonym_is_seen(place: int, sign: str) -> None:
             read_pseudonym(wrong)
 
 
-@pytest.mark.parametrize(("sound", "wrong", "told"), [
-    ("seed = 5", "seed = 5\nsessions = 0", "Write a whole number from 1 to 99"),
-    ("seed = 5", 'seed = 5\nlanguages = ["en", "de"]\n[consent]\ntext = "?"', "one text, and the"),
-    ("[[factors]]", '[settings]\none_surface = true\ntask = "carry-together"\n[[factors]]',
-     "too small for this task"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("sound", "wrong", "told"),
+    [
+        ("seed = 5", "seed = 5\nsessions = 0", "Write a whole number from 1 to 99"),
+        (
+            "seed = 5",
+            'seed = 5\nlanguages = ["en", "de"]\n[consent]\ntext = "?"',
+            "one text, and the",
+        ),
+        (
+            "[[factors]]",
+            '[settings]\none_surface = true\ntask = "carry-together"\n[[factors]]',
+            "too small for this task",
+        ),
+    ],
+)
 def test_what_a_study_cannot_be_is_said_before_anybody_comes(
     sound: str, wrong: str, told: str
 ) -> None:

@@ -69,9 +69,15 @@ def test_touches_over_tuio_are_played_and_inches_are_a_guess_unless_the_design_t
     options = TouchOptions(device="tuio", port=free_port())
     with SessionFolder(study, person) as session, somebody_touches(options.port):
         runner = SessionRunner(
-            session, HeadlessPlayer(paced=True), person_devices(options, person),
-            SimulatedForms(1), Controls(), lambda text: None, "tuio", fitting("tuio"),
-        )  # fmt: skip
+            session,
+            HeadlessPlayer(paced=True),
+            person_devices(options, person),
+            SimulatedForms(1),
+            Controls(),
+            lambda text: None,
+            "tuio",
+            fitting("tuio"),
+        )
         assert runner.run() is Outcome.COMPLETE
     folder = session_path(study.path, person.ppid)
     rows = list(csv.DictReader((folder / "trial_results.csv").open()))
@@ -85,10 +91,15 @@ def test_touches_over_tuio_are_played_and_inches_are_a_guess_unless_the_design_t
 
 @pytest.mark.parametrize(
     "wrong",
-    [["--device", "evdev:/dev/input/nothing"], ["--device", "nothing"], ["--lan", "nowhere"],
-     ["--device", "web", "--forms", "terminal"], ["--tablet", "--device", "tuio"],
-     ["--device", "mouse", "--view", "none"]],
-)  # fmt: skip
+    [
+        ["--device", "evdev:/dev/input/nothing"],
+        ["--device", "nothing"],
+        ["--lan", "nowhere"],
+        ["--device", "web", "--forms", "terminal"],
+        ["--tablet", "--device", "tuio"],
+        ["--device", "mouse", "--view", "none"],
+    ],
+)
 def test_what_cannot_be_is_said_before_anybody_takes_part(
     tmp_path: Path, wrong: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:

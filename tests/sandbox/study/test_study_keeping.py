@@ -61,8 +61,12 @@ def test_who_withdraws_is_gone_but_for_a_tombstone_and_others_are_untouched(
     (tomb,) = [r for r in records if "ppid" in r and r["ppid"] == gone]
     assert set(tomb) == {"n", "time", "clock", "kind", "ppid", "reason"}
     assert tomb["kind"] == "withdrawn" and tomb["reason"] == "by phone"
-    for table in ("trial_results.csv", "participants.csv", "questionnaires.csv",
-                  "questionnaire_scores.csv"):  # fmt: skip
+    for table in (
+        "trial_results.csv",
+        "participants.csv",
+        "questionnaires.csv",
+        "questionnaire_scores.csv",
+    ):
         assert {r["ppid"] for r in rows_of(study.path / table)} <= {stays}
     assert {p: p.read_bytes() for p in before} == before
     assert withdrawn(study) == {gone}
@@ -78,8 +82,9 @@ def test_a_withdrawal_that_was_cut_short_is_ended_by_another_call(study: StudyFo
     kept.rename(folder)
     found = withdraw(study, gone, "second")
     assert found.before and found.files > 20 and not folder.exists()
-    assert [r["reason"] for r in read_journal(study.path / "study.jsonl")
-            if r["kind"] == "withdrawn"] == ["first"]  # fmt: skip
+    assert [
+        r["reason"] for r in read_journal(study.path / "study.jsonl") if r["kind"] == "withdrawn"
+    ] == ["first"]
 
 
 def test_the_number_of_who_withdrew_goes_to_the_next_newcomer(study: StudyFolder) -> None:
@@ -190,7 +195,8 @@ def test_two_sites_become_one_study_that_opens_resumes_and_counts_everybody_once
     assert found.people == 3 and not found.renamed and not found.both
     merged = StudyFolder(tmp_path / "c", design(), SIMULATED)
     assert {p.ppid for p in merged.participants()} == {
-        p.ppid for s in (study, other) for p in s.participants()}  # fmt: skip
+        p.ppid for s in (study, other) for p in s.participants()
+    }
     rows = rows_of(merged.path / "trial_results.csv")
     assert len(rows) == 3 * TRIALS and all(r["counted"] == "1" for r in rows)
     assert [r["site"] for r in rows_of(merged.path / "sites.csv")] == ["A", "A", "B"]
@@ -236,8 +242,9 @@ def test_who_is_in_both_folders_is_taken_once_from_where_they_went_further(
         assert found.people == 1 and found.both == [later.participants()[0].ppid]
         path = session_path(tmp_path / f"c{i}/quick-simulated", found.both[0])
         assert "went on here" in (path / "journal.jsonl").read_text()
-    with SessionFolder(StudyFolder(tmp_path / "a", design(), SIMULATED),
-                       later.participants()[0]) as session:  # fmt: skip
+    with SessionFolder(
+        StudyFolder(tmp_path / "a", design(), SIMULATED), later.participants()[0]
+    ) as session:
         session.write("note", text="and elsewhere, too", trial=None)
     with pytest.raises(StudyError, match="went on at both sites"):
         merge(folders[0], folders[1], tmp_path / "d")

@@ -42,8 +42,12 @@ def test_a_backup_an_export_and_a_withdrawal_follow_each_other(
     assert main(["study", "backup", str(folder), "--out", str(archive)]) == 0
     assert main(["study", "backup", "--check", str(archive)]) == 0
     assert capsys.readouterr().out.count(f"2 participants, {2 * TRIALS} finished trials") == 2
-    assert main(["study", "export", str(folder), "--anonymise", "--bin", "age:10",
-                 "--out", str(shared)]) == 0  # fmt: skip
+    assert (
+        main(
+            ["study", "export", str(folder), "--anonymise", "--bin", "age:10", "--out", str(shared)]
+        )
+        == 0
+    )
     assert "k = 1: 2 people share their" in capsys.readouterr().out
     about = json.loads((shared / "anonymised.json").read_text())
     assert about["rounded_down_to"] == {"age": 10.0} and about["people_in_groups_below_5"] == 2
@@ -105,9 +109,13 @@ def test_two_folders_are_merged_by_a_command(
     ],
 )
 def test_a_mistake_costs_one_line_and_nothing_else(
-    folder: Path, words: list[str], what: str, capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path,
-) -> None:  # fmt: skip
+    folder: Path,
+    words: list[str],
+    what: str,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+) -> None:
     monkeypatch.chdir(tmp_path)
     before = {p: p.read_bytes() for p in folder.rglob("*") if p.is_file()}
     assert main(["study", *(word.format(folder) for word in words)]) == 2

@@ -46,9 +46,10 @@ def steps(text: str, number: int) -> list[type]:
 
 
 def test_whoever_has_trials_over_a_leap_is_measured_before_them_and_nobody_else() -> None:
-    some = SHORT.replace('name = "contact"\norder = "latin"\nlevels = ["hard", "soft"]',
-                         'name = "device"\norder = "between"\nlevels = ["touch", "leap"]'
-                         ).replace('"contact"', '"device"')  # fmt: skip
+    some = SHORT.replace(
+        'name = "contact"\norder = "latin"\nlevels = ["hard", "soft"]',
+        'name = "device"\norder = "between"\nlevels = ["touch", "leap"]',
+    ).replace('"contact"', '"device"')
     over = steps(some, 1)
     assert over.index(CalibrationStep) < over.index(TrialStep) and over.count(CalibrationStep) == 1
     assert CalibrationStep not in steps(some, 0)
@@ -69,11 +70,16 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
     try:
         with SessionFolder(found, person) as session:
             runner = SessionRunner(
-                session, HeadlessPlayer(),
+                session,
+                HeadlessPlayer(),
                 person_devices(TouchOptions(device="mouse"), person, leap=server.address),
-                forms, Controls(), lambda text: None, "leap", fitting("mouse"),
+                forms,
+                Controls(),
+                lambda text: None,
+                "leap",
+                fitting("mouse"),
                 hand_measurer(forms, person, server.address, lambda text: None, WANTED),
-            )  # fmt: skip
+            )
             assert runner.run() is Outcome.COMPLETE
     finally:
         server.close()

@@ -116,8 +116,13 @@ def test_a_whole_session_is_asked_and_played_on_the_page(running: OnPage) -> Non
     assert running.ended() is Outcome.COMPLETE
     rows = list(csv.DictReader((running.folder / "questionnaires.csv").open(encoding="utf-8")))
     found = {r["item"]: r["answer"] for r in rows}
-    assert found == {"handedness": "left", "age": "33", "tablets": "7", "remarks": "",
-                     "effort": "85"}  # fmt: skip
+    assert found == {
+        "handedness": "left",
+        "age": "33",
+        "tablets": "7",
+        "remarks": "",
+        "effort": "85",
+    }
     trials = list(csv.DictReader((running.folder / "trial_results.csv").open(encoding="utf-8")))
     assert [(r["practice"], r["counted"]) for r in trials] == [("1", "1"), ("0", "1")]
 
@@ -128,9 +133,14 @@ def test_what_is_no_answer_is_refused_and_a_form_is_left_only_when_it_is_whole(
     with opened(running) as page:
         form = agreed(page)
         odd: list[tuple[str, object]] = [
-            ("handedness", "none of these"), ("handedness", 1), ("age", 17), ("age", "33"),
-            ("tablets", 3.5), ("tablets", 0), ("remarks", 5),
-        ]  # fmt: skip
+            ("handedness", "none of these"),
+            ("handedness", 1),
+            ("age", 17),
+            ("age", "33"),
+            ("tablets", 3.5),
+            ("tablets", 0),
+            ("remarks", 5),
+        ]
         for item, value in odd:
             answer(page, form, item, value)
             assert page.until("refusal")["item"] == item
@@ -378,9 +388,13 @@ def test_with_trials_elsewhere_the_page_has_the_forms_and_says_where_to_look(
     try:
         with SessionFolder(study, person) as session:
             runner = SessionRunner(
-                session, Beside(HeadlessPlayer(), page), simulated_devices(person),
-                PageForms(page), controls, said.append,
-            )  # fmt: skip
+                session,
+                Beside(HeadlessPlayer(), page),
+                simulated_devices(person),
+                PageForms(page),
+                controls,
+                said.append,
+            )
             thread = threading.Thread(target=runner.run)
             thread.start()
             with Page(server.url) as seen:

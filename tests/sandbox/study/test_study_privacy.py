@@ -56,8 +56,15 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
             session.write("exclude", trial=2, reason=SECRET)
             session.write("draft", step="form:x", item="remarks", answer=SECRET)
             answers = {"age": 37, "remarks": SECRET}
-            session.write("answers", step="form:demographics", form="demographics", block=0,
-                          levels={}, answers=answers, seconds=1.0)  # fmt: skip
+            session.write(
+                "answers",
+                step="form:demographics",
+                form="demographics",
+                block=0,
+                levels={},
+                answers=answers,
+                seconds=1.0,
+            )
             session.write("of_a_later_version", name=SECRET)
     rebuild_study(found)
     return found
@@ -113,8 +120,13 @@ def test_results_are_the_same_but_for_names_and_dates(
 ) -> None:
     def results(folder: StudyFolder) -> list[dict[str, str]]:
         rows = rows_of(folder.path / "trial_results.csv")
-        files = ("ppid", "trial_recording_location_0", "hand_pose_location_0",
-                 "touches_location_0", "exclusion_reason")  # fmt: skip
+        files = (
+            "ppid",
+            "trial_recording_location_0",
+            "hand_pose_location_0",
+            "touches_location_0",
+            "exclusion_reason",
+        )
         rows.sort(key=lambda r: (int(r["participant_number"]), int(r["trial_num"])))
         return [{k: v for k, v in r.items() if k not in files} for r in rows]
 
@@ -181,11 +193,21 @@ def test_a_copy_is_never_written_over_anything(study: StudyFolder, tmp_path: Pat
 words = st.text(min_size=8).map(lambda t: "secret " + t)
 
 
-@given(st.dictionaries(st.sampled_from(["reason", "why", "text", "name", "path", "answer"]), words),
-       st.sampled_from([*KEPT, "unknown"]))  # fmt: skip
+@given(
+    st.dictionaries(st.sampled_from(["reason", "why", "text", "name", "path", "answer"]), words),
+    st.sampled_from([*KEPT, "unknown"]),
+)
 def test_whatever_words_a_record_holds_none_of_them_stay(said: dict[str, str], kind: str) -> None:
-    record = {"n": 0, "time": "2026-11-21T10:00:00.000+00:00", "clock": 5.0, "kind": kind,
-              "form": "f", "answers": {}, "ppid": "3B5G5T", **said}  # fmt: skip
+    record = {
+        "n": 0,
+        "time": "2026-11-21T10:00:00.000+00:00",
+        "clock": 5.0,
+        "kind": kind,
+        "form": "f",
+        "answers": {},
+        "ppid": "3B5G5T",
+        **said,
+    }
     # A consent's `text` is the digest of what was read.
     if kind == "consent":
         record.pop("text", None)

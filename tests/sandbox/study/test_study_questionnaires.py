@@ -147,8 +147,12 @@ def test_every_text_of_the_package_is_there_in_english_and_in_german(use: str) -
 def test_pairs_are_asked_in_another_order_by_everybody_and_ratings_are_not() -> None:
     text = DESIGN + '\n[[questionnaires]]\nuse = "nasa-tlx"\nat = "end"\n'
     plan = [session_plan(design(text), number) for number in range(8)]
-    forms = [s.form for steps in plan for s in steps
-             if isinstance(s, FormStep) and s.form.name == "nasa-tlx"]  # fmt: skip
+    forms = [
+        s.form
+        for steps in plan
+        for s in steps
+        if isinstance(s, FormStep) and s.form.name == "nasa-tlx"
+    ]
     assert len(forms) == 8
     assert all(tuple(i.name for i in f.items[:6]) == TLX for f in forms)
     orders = {tuple((i.name, i.choices) for i in f.items[6:]) for f in forms}
@@ -271,7 +275,9 @@ def test_scores_are_a_table_with_conditions_that_is_rebuilt_like_all_others(
     path = study.path / "questionnaire_scores.csv"
     rows = list(csv.DictReader(path.open(encoding="utf-8")))
     assert [(r["instrument"], r["scale"], r["place"]) for r in rows] == [
-        ("sus", "sus", "1"), ("sus", "sus", "2")]  # fmt: skip
+        ("sus", "sus", "1"),
+        ("sus", "sus", "2"),
+    ]
     assert {r["factor_contact"] for r in rows} == {"hard", "soft"}
     asked = list(csv.DictReader((study.path / "questionnaires.csv").open(encoding="utf-8")))
     for row in rows:
@@ -282,8 +288,10 @@ def test_scores_are_a_table_with_conditions_that_is_rebuilt_like_all_others(
         }
         (wanted,) = scores(study.design.questionnaires[1].scales, given)
         assert float(row["score"]) == wanted.value and row["items_missing"] == "0"
-    meanings = {(r["table"], r["column"]) for r in
-                csv.DictReader((study.path / "codebook.csv").open(encoding="utf-8"))}  # fmt: skip
+    meanings = {
+        (r["table"], r["column"])
+        for r in csv.DictReader((study.path / "codebook.csv").open(encoding="utf-8"))
+    }
     assert all(("questionnaire_scores.csv", name) in meanings for name in rows[0])
     before = path.read_bytes()
     path.unlink()

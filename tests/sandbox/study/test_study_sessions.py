@@ -59,8 +59,9 @@ def quiet(text: str) -> None:
 
 def crossed(sessions: int, order: str = "latin", seeds: str = "own", more: str = "") -> Design:
     text = CROSSED.replace("SESSIONS", str(sessions)).replace("ORDER", order)
-    return design(text.replace("SEEDS", seeds).replace('order = "latin"', 'order = "latin"' + more,
-                                                       1))  # fmt: skip
+    return design(
+        text.replace("SEEDS", seeds).replace('order = "latin"', 'order = "latin"' + more, 1)
+    )
 
 
 def trials(plan: Design, person: int, session: int) -> list[TrialStep]:
@@ -119,8 +120,9 @@ def test_a_random_order_is_drawn_anew_and_levels_between_people_stay() -> None:
 
 def test_one_level_a_session_spreads_a_factor_over_sessions_in_balanced_order() -> None:
     plan = crossed(2, more="\none_a_session = true")
-    of = {(n, s): {t.levels["contact"] for t in trials(plan, n, s)}
-          for n in range(6) for s in (1, 2)}  # fmt: skip
+    of = {
+        (n, s): {t.levels["contact"] for t in trials(plan, n, s)} for n in range(6) for s in (1, 2)
+    }
     assert all(len(levels) == 1 for levels in of.values())
     assert all(of[n, 1] | of[n, 2] == {"hard", "soft"} for n in range(6))
     assert Counter(*[[min(of[n, 1]) for n in range(6)]]) == {"hard": 3, "soft": 3}
@@ -142,16 +144,26 @@ def test_consent_and_questions_about_the_person_come_once_and_the_rest_where_it_
     assert [sum(t.practice for t in trials_of(plan)) for plan in plans] == [2, 0]
 
 
-@pytest.mark.parametrize(("sound", "wrong", "told"), [
-    ("practice_sessions = [1]", "practice_sessions = [3]", "such as .1.; there are so many: 2"),
-    ("practice_sessions = [1]", "practice_sessions = [true]", "got .True."),
-    ("practice_sessions = [1]", "practice_sessions = 1", "got 1"),
-    ('order = "latin"', 'order = "between"\none_a_session = true', "Choose another order"),
-    ('["hard", "soft"]', '["hard", "soft", "none"]\none_a_session = true',
-     "3 levels, and 2 sessions. Write sessions = 3"),
-    ("[trials]", '[[factors]]\nname = "servo"\nlevels = ["orientation", "position"]\n'
-     "one_a_session = true\n[trials]", "only the outermost factor"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("sound", "wrong", "told"),
+    [
+        ("practice_sessions = [1]", "practice_sessions = [3]", "such as .1.; there are so many: 2"),
+        ("practice_sessions = [1]", "practice_sessions = [true]", "got .True."),
+        ("practice_sessions = [1]", "practice_sessions = 1", "got 1"),
+        ('order = "latin"', 'order = "between"\none_a_session = true', "Choose another order"),
+        (
+            '["hard", "soft"]',
+            '["hard", "soft", "none"]\none_a_session = true',
+            "3 levels, and 2 sessions. Write sessions = 3",
+        ),
+        (
+            "[trials]",
+            '[[factors]]\nname = "servo"\nlevels = ["orientation", "position"]\n'
+            "one_a_session = true\n[trials]",
+            "only the outermost factor",
+        ),
+    ],
+)
 def test_a_mistake_about_sessions_is_told(sound: str, wrong: str, told: str) -> None:
     with pytest.raises(DesignError, match=told):
         design(TWICE.replace(sound, wrong, 1))
@@ -172,8 +184,10 @@ def test_both_sessions_have_folders_and_rows_of_their_own(study: StudyFolder) ->
         own = session_path(study.path, person.ppid, 2) / "trial_results.csv"
         assert [r["trial_num"] for r in rows_of(own)] == ["1", "2"]
     people = rows_of(study.path / "participants.csv")
-    assert [(r["sessions_done"], r["trials_done"], r["trials_planned"], r["complete"], r["consent"])
-            for r in people] == 2 * [("2", "6", "6", "1", "1")]  # fmt: skip
+    assert [
+        (r["sessions_done"], r["trials_done"], r["trials_planned"], r["complete"], r["consent"])
+        for r in people
+    ] == 2 * [("2", "6", "6", "1", "1")]
     assert all(r["age"] for r in people)
 
 
@@ -233,8 +247,10 @@ def test_copies_hold_both_sessions_and_count_everybody_once(
     for person in copy.participants():
         sessions = sessions_of(copy, person)
         assert [s.number for s in sessions] == [1, 2] and all(s.state.complete for s in sessions)
-    hashes = [sorted(r["state_hash"] for r in rows_of(s.path / "trial_results.csv"))
-              for s in (study, copy)]  # fmt: skip
+    hashes = [
+        sorted(r["state_hash"] for r in rows_of(s.path / "trial_results.csv"))
+        for s in (study, copy)
+    ]
     assert hashes[0] == hashes[1]
     assert export_bids(study, tmp_path / "bids", quiet) == 2 * (2 + SECOND)
     for person in study.participants():
@@ -297,8 +313,20 @@ def test_the_command_begins_the_next_session_and_refuses_what_is_not_its_turn(
     (tmp_path / "design.toml").write_text(TWICE)
     monkeypatch.chdir(Path(__file__).parents[3])
     monkeypatch.setattr("sys.stdin", io.StringIO(""))
-    run = ["study", "run", str(tmp_path / "design.toml"), "--out", str(tmp_path), "--pilot",
-           "--device", "simulated", "--view", "none", "--forms", "page"]  # fmt: skip
+    run = [
+        "study",
+        "run",
+        str(tmp_path / "design.toml"),
+        "--out",
+        str(tmp_path),
+        "--pilot",
+        "--device",
+        "simulated",
+        "--view",
+        "none",
+        "--forms",
+        "page",
+    ]
     assert main([*run, "--participant", "new", "--session", "2"]) == 2
     assert "begins with session 1" in capsys.readouterr().err
     study = StudyFolder(tmp_path, design(TWICE), "pilot")

@@ -120,10 +120,16 @@ def test_a_pilot_is_run_with_a_device_for_each_hand(tmp_path: Path) -> None:
     touch, second = (TouchOptions(device=device) for device in ("mouse", "simulated"))
     with SessionFolder(study, person, 1) as session:
         outcome = SessionRunner(
-            session, HeadlessPlayer(), person_devices(touch, person, second=second),
-            SimulatedForms(1), Controls(), lambda text: None, "mouse",
-            fitting("mouse", second="simulated"), second_device="simulated",
-        ).run()  # fmt: skip
+            session,
+            HeadlessPlayer(),
+            person_devices(touch, person, second=second),
+            SimulatedForms(1),
+            Controls(),
+            lambda text: None,
+            "mouse",
+            fitting("mouse", second="simulated"),
+            second_device="simulated",
+        ).run()
     assert outcome is Outcome.COMPLETE
     recording = load_recording(next(study.path.glob("*/S001/trials/*.jsonl*")))
     settings = RunSettings.from_json(recording.header["settings"])
@@ -203,5 +209,9 @@ def test_a_design_whose_task_has_no_room_on_one_surface_is_refused() -> None:
 
 def test_two_digits_grasp_only_where_they_are_of_one_hand() -> None:
     assert [grasps([digits], [(0, 0)]) for digits in ("ti", "tT", "tTI", "tpP", "TM")] == [
-        1, 0, 1, 0, 1,
-    ]  # fmt: skip
+        1,
+        0,
+        1,
+        0,
+        1,
+    ]

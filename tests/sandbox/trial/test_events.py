@@ -22,8 +22,9 @@ def test_events_are_lines_that_are_added_to_a_file(tmp_path: Path) -> None:
         log = EventLog(path)
         log.tell("trial_start", seed=number)
         assert json.loads(path.read_text().splitlines()[-1]) == {
-            "event": "trial_start", "seed": number,
-        }  # fmt: skip
+            "event": "trial_start",
+            "seed": number,
+        }
         log.close()
         log.close()
     assert len(path.read_text().splitlines()) == 2

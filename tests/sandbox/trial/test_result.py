@@ -15,10 +15,19 @@ from sandbox.trial.result import KeptIn, TrialResult, fields, kept_fields
 from tasks.score import Status
 
 RESULT = TrialResult(
-    task="box-to-goal", seed=3, success=True, instant=True, held=True, final=False,
-    status=Status.HELD, progress=0.5, time_s=1.25, reason="", state_hash="ab",
+    task="box-to-goal",
+    seed=3,
+    success=True,
+    instant=True,
+    held=True,
+    final=False,
+    status=Status.HELD,
+    progress=0.5,
+    time_s=1.25,
+    reason="",
+    state_hash="ab",
     extra={"lab": "room 2"},
-)  # fmt: skip
+)
 
 
 def test_every_field_has_a_meaning_and_every_record_keeps_some():

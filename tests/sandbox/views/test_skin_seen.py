@@ -8,8 +8,8 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.frames import FINGERS
 from models.hand import Hand
 from models.objects import Box
@@ -24,8 +24,6 @@ from sandbox.views.hand_look import skinned_model
 from sandbox.views.renderer import Renderer
 from tests.support.viewed import Viewed, viewed
 from tools.skin.weights import trial_poses
-
-Array = NDArray[np.float64]
 
 
 @pytest.fixture(scope="module")

@@ -198,8 +198,15 @@ def test_a_mouse_is_one_finger_and_the_rectangle_lies_in_the_middle(
     tab.wait("!!document.querySelector('.task').textContent")
     corner = (WIDTH - 5.6 * PPI) / 2, (HEIGHT - 4.2 * PPI) / 2
     for kind, x in (("mousePressed", 220), ("mouseMoved", 250), ("mouseReleased", 250)):
-        tab.call("Input.dispatchMouseEvent", type=kind, x=x, y=240, button="left", buttons=1,
-                 clickCount=1)  # fmt: skip
+        tab.call(
+            "Input.dispatchMouseEvent",
+            type=kind,
+            x=x,
+            y=240,
+            button="left",
+            buttons=1,
+            clickCount=1,
+        )
     found = frames(stage, lambda found: bool(found) and not found[-1].contacts)
     places = [px(frame) for frame in found if frame.contacts]
     assert {len(place) for place in places} == {1}
@@ -363,8 +370,12 @@ def test_what_the_buttons_ask_for_is_heard(stage: Stage, tab: Tab) -> None:
 
     assert wait_for(heard)
     assert found == [
-        ("retry", ""), ("hand", "left"), ("pause", ""), ("resume", ""), ("task", "box-to-goal")
-    ]  # fmt: skip
+        ("retry", ""),
+        ("hand", "left"),
+        ("pause", ""),
+        ("resume", ""),
+        ("task", "box-to-goal"),
+    ]
 
 
 @pytest.mark.parametrize("task", ["box-to-goal", "stack-vertical"])

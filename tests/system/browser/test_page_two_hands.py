@@ -110,12 +110,15 @@ def _as_the_users_know_it(
         return snapshot
     places = surface.to_world(np.array([[x, y] for _, x, y in down]) * METRES_PER_INCH)
     hands = tuple(
-        replace(hand, contacts=tuple(
-            replace(c, id=down[int(np.argmin(np.linalg.norm(places - c.position, axis=1)))][0])
-            for c in hand.contacts
-        ))
+        replace(
+            hand,
+            contacts=tuple(
+                replace(c, id=down[int(np.argmin(np.linalg.norm(places - c.position, axis=1)))][0])
+                for c in hand.contacts
+            ),
+        )
         for hand in snapshot.hands
-    )  # fmt: skip
+    )
     return replace(snapshot, hands=hands)
 
 

@@ -160,12 +160,18 @@ def test_a_participant_goes_through_a_study_with_two_pages_closed_in_it(
         assert not tab.events("Runtime.exceptionThrown")
         tab.close()
     told = {r["item"]: r["answer"] for r in rows(running, "questionnaires.csv")}
-    assert told == {"handedness": "left", "age": "33", "tablets": "7",
-                    "remarks": "schön\nhier", "effort": "80"}  # fmt: skip
+    assert told == {
+        "handedness": "left",
+        "age": "33",
+        "tablets": "7",
+        "remarks": "schön\nhier",
+        "effort": "80",
+    }
     trials = rows(running, "trial_results.csv")
     assert [(r["practice"], r["counted"], r["attempt"]) for r in trials] == [
-        ("1", "1", "1"), ("0", "1", "1")
-    ]  # fmt: skip
+        ("1", "1", "1"),
+        ("0", "1", "1"),
+    ]
     # Hands at real time, through a browser that draws in software: they need time to succeed.
     assert limit == 5 or any(r["success"] == "1" for r in trials)
     assert all(float(r["first_contact_s"]) < 1.0 for r in trials)
@@ -215,12 +221,31 @@ class Program:
         self._said = folder / "said.txt"
         with self._said.open("w") as said:
             self._process = subprocess.Popen(
-                [sys.executable, "-m", "sandbox.cli.main", "study", "run",
-                 str(folder / "design.toml"), "--participant", participant, "--out", str(folder),
-                 "--device", "web", "--language", "de", "--resume", "--page-port", str(port)],
-                stdin=subprocess.PIPE, stdout=said, stderr=subprocess.STDOUT, text=True,
+                [
+                    sys.executable,
+                    "-m",
+                    "sandbox.cli.main",
+                    "study",
+                    "run",
+                    str(folder / "design.toml"),
+                    "--participant",
+                    participant,
+                    "--out",
+                    str(folder),
+                    "--device",
+                    "web",
+                    "--language",
+                    "de",
+                    "--resume",
+                    "--page-port",
+                    str(port),
+                ],
+                stdin=subprocess.PIPE,
+                stdout=said,
+                stderr=subprocess.STDOUT,
+                text=True,
                 env={**os.environ, "XDG_CONFIG_HOME": str(folder), "HOME": str(folder)},
-            )  # fmt: skip
+            )
 
     def says(self, pattern: str, seconds: float = 30.0) -> str:
         """Waits for words on the terminal."""

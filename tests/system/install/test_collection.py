@@ -23,10 +23,24 @@ def test_no_test_file_trains_loads_or_builds_a_model_when_it_is_imported(tmp_pat
     loading.write_text(LOADING, encoding="utf-8")
     plugins = ("-p", "tests.system.install.refuse_work", "-p", "no:cacheprovider")
     outcome = subprocess.run(
-        [sys.executable, "-m", "pytest", "--collect-only", "-qq", "-n", "0", *plugins,
-         "--continue-on-collection-errors", str(ROOT / "tests"), str(loading)],
-        cwd=ROOT, capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        [
+            sys.executable,
+            "-m",
+            "pytest",
+            "--collect-only",
+            "-qq",
+            "-n",
+            "0",
+            *plugins,
+            "--continue-on-collection-errors",
+            str(ROOT / "tests"),
+            str(loading),
+        ],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     wrong = re.findall("^ERROR .*", outcome.stdout, re.MULTILINE)
     assert len(wrong) == 1, outcome.stdout[-3000:]
     assert f"{loading.name}:3: in <module>" in outcome.stdout

@@ -25,12 +25,18 @@ SHORT = (
 def run(name: str, folder: Path, *arguments: str) -> str:
     """Runs an example in a folder; what it prints."""
     answer = subprocess.run(
-        [sys.executable, "-c",
-         f"import sys, runpy; sys.path.insert(0, {str(ROOT)!r}); sys.argv[1:] = {arguments!r}\n"
-         f"runpy.run_path({str(EXAMPLES / name)!r}, run_name='__main__')"],
-        cwd=folder, env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        [
+            sys.executable,
+            "-c",
+            f"import sys, runpy; sys.path.insert(0, {str(ROOT)!r}); sys.argv[1:] = {arguments!r}\n"
+            f"runpy.run_path({str(EXAMPLES / name)!r}, run_name='__main__')",
+        ],
+        cwd=folder,
+        env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert answer.returncode == 0, answer.stderr
     assert "Warning" not in answer.stderr
     return answer.stdout

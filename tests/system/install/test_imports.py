@@ -137,8 +137,12 @@ def test_numpy_before_sandbox_is_warned_of_and_after_it_is_not():
         environment = {"PATH": "/usr/bin", "PYTHONPATH": str(ROOT)}
         answer = subprocess.run(
             [sys.executable, "-c", program.format(*order)],
-            cwd=ROOT, env=environment, capture_output=True, text=True, check=True,
-        )  # fmt: skip
+            cwd=ROOT,
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=True,
+        )
         counts.append(int(answer.stdout))
     x86 = platform.machine().lower() in ("x86_64", "amd64")
     assert counts == [int(x86), 0]

@@ -51,21 +51,38 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
         for name, text in METADATA.items():
             archive.writestr(f"tiny_lab-0.3.dist-info/{name}", text)
     subprocess.run(
-        [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--no-index",
-         "--disable-pip-version-check", "--target", str(target), str(wheel)],
+        [
+            sys.executable,
+            "-m",
+            "pip",
+            "install",
+            "--quiet",
+            "--no-deps",
+            "--no-index",
+            "--disable-pip-version-check",
+            "--target",
+            str(target),
+            str(wheel),
+        ],
         check=True,
-    )  # fmt: skip
+    )
     return target
 
 
 def sandbox(site: Path | None, *arguments: str) -> subprocess.CompletedProcess[str]:
     path = [str(site)] if site else []
     return subprocess.run(
-        [sys.executable, "-c",
-         f"import sys; sys.path[:0] = {[str(ROOT), *path]!r}\n"
-         f"from sandbox.cli.main import main; sys.exit(main({list(arguments)!r}))"],
-        capture_output=True, text=True, cwd=ROOT, check=False,
-    )  # fmt: skip
+        [
+            sys.executable,
+            "-c",
+            f"import sys; sys.path[:0] = {[str(ROOT), *path]!r}\n"
+            f"from sandbox.cli.main import main; sys.exit(main({list(arguments)!r}))",
+        ],
+        capture_output=True,
+        text=True,
+        cwd=ROOT,
+        check=False,
+    )
 
 
 def test_an_installed_package_s_task_is_listed_run_recorded_and_replayed(installed, tmp_path):
@@ -87,8 +104,9 @@ def test_an_installed_package_s_task_is_listed_run_recorded_and_replayed(install
 
 def test_an_installed_task_that_is_broken_is_refused_alone(installed, tmp_path):
     out = tmp_path / "out.json"
-    ran = sandbox(installed, "regress", "--tasks", "tiny-lab-timed", "--seeds", "0:2",
-                  "--json", str(out))  # fmt: skip
+    ran = sandbox(
+        installed, "regress", "--tasks", "tiny-lab-timed", "--seeds", "0:2", "--json", str(out)
+    )
     assert ran.returncode == 0, ran.stderr
     found = json.loads(out.read_text())["tasks"]["tiny-lab-timed"]
     assert (found["n"], found["successes"]) == (2, 1)

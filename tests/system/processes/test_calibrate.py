@@ -15,17 +15,36 @@ from sandbox.options.profiles import load_profile
 def command(*arguments: str, home: Path) -> subprocess.CompletedProcess:
     return subprocess.run(
         [sys.executable, "-m", "sandbox.cli.main", *arguments],
-        cwd=home, capture_output=True, text=True, timeout=120, check=False,
-        env={"PYTHONPATH": str(Path(__file__).parents[3]), "PATH": "/usr/bin:/bin",
-             "HOME": str(home), "XDG_CONFIG_HOME": str(home / "config"), "COLUMNS": "200"},
-    )  # fmt: skip
+        cwd=home,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+        env={
+            "PYTHONPATH": str(Path(__file__).parents[3]),
+            "PATH": "/usr/bin:/bin",
+            "HOME": str(home),
+            "XDG_CONFIG_HOME": str(home / "config"),
+            "COLUMNS": "200",
+        },
+    )
 
 
 @pytest.fixture(scope="module")
 def calibrated(tmp_path_factory):
     home = tmp_path_factory.mktemp("home")
-    done = command("calibrate", "--device", "simulated", "--hand-size", "0.88", "--hand", "left",
-                   "--turn", "90", home=home)  # fmt: skip
+    done = command(
+        "calibrate",
+        "--device",
+        "simulated",
+        "--hand-size",
+        "0.88",
+        "--hand",
+        "left",
+        "--turn",
+        "90",
+        home=home,
+    )
     return done, home
 
 

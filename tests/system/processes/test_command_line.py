@@ -22,8 +22,12 @@ def test_the_program_is_a_module_too_and_tells_its_version():
 def test_the_command_line_knows_the_hand(tmp_path):
     done = subprocess.run(
         [sys.executable, "-m", "sandbox.cli.main", "run", "--hand", "left", "--hand-size", "9"],
-        cwd=tmp_path, capture_output=True, text=True, timeout=240, check=False,
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=240,
+        check=False,
         env={"PYTHONPATH": str(Path(__file__).parents[3]), "PATH": "/usr/bin:/bin"},
-    )  # fmt: skip
+    )
     assert done.returncode == 2 and "--hand-size" in done.stderr
     assert len(done.stderr.splitlines()) == 1

@@ -59,9 +59,13 @@ def heard(
     folder = tmp_path_factory.mktemp("lsl")
     outlets = LslOutlets()
     reader = subprocess.Popen(
-        [sys.executable, str(Path(__file__).with_name("lsl_reader.py")), outlets.source,
-         str(folder / "heard.jsonl")]
-    )  # fmt: skip
+        [
+            sys.executable,
+            str(Path(__file__).with_name("lsl_reader.py")),
+            outlets.source,
+            str(folder / "heard.jsonl"),
+        ]
+    )
     try:
         assert outlets.wait_for_consumers(60.0)
         chosen = plan(SCENE)
@@ -89,8 +93,9 @@ def test_touches_that_were_sent_are_those_of_the_recording_to_the_bit(heard: Hea
     inputs: list[Any] = list(recording.inputs[0])
     assert len(found) == len(inputs) > 5
     for sample, line in zip(found, inputs, strict=True):
-        assert np.array_equal(sample, touch_sample(line.step, line.frame.time, line.frame),
-                              equal_nan=True)  # fmt: skip
+        assert np.array_equal(
+            sample, touch_sample(line.step, line.frame.time, line.frame), equal_nan=True
+        )
 
 
 def test_poses_that_were_sent_are_those_that_the_recording_replays_to(heard: Heard) -> None:
@@ -142,9 +147,13 @@ def test_listening_changes_no_state_of_a_trial(heard: Heard, tmp_path: Path) -> 
 
 
 contacts = st.builds(
-    Contact, id=st.integers(0, 10**6), x=st.floats(-1, 1), y=st.floats(-1, 1),
-    size=st.none() | st.floats(0, 0.1), label=st.none() | st.integers(0, 4),
-)  # fmt: skip
+    Contact,
+    id=st.integers(0, 10**6),
+    x=st.floats(-1, 1),
+    y=st.floats(-1, 1),
+    size=st.none() | st.floats(0, 0.1),
+    label=st.none() | st.integers(0, 4),
+)
 
 
 @given(st.lists(contacts, max_size=14, unique_by=lambda c: c.id))
@@ -159,7 +168,10 @@ def test_a_touch_sample_tells_every_contact_up_to_ten(found: list[Contact]) -> N
             continue
         contact = told[i]
         assert (named[f"id_{i}"], named[f"x_{i}"], named[f"y_{i}"]) == (
-            contact.id, contact.x, contact.y)  # fmt: skip
+            contact.id,
+            contact.x,
+            contact.y,
+        )
         assert math.isnan(named[f"finger_{i}"]) == (contact.label is None)
 
 
@@ -171,8 +183,13 @@ def test_two_hands_have_streams_of_their_own() -> None:
     streams = outlets._streams
     outlets._queue.put(None)
     outlets._thread.join()
-    assert set(streams) == {"sandbox_touch", "sandbox_hand", "sandbox_markers",
-                            "sandbox_touch_2", "sandbox_hand_2"}  # fmt: skip
+    assert set(streams) == {
+        "sandbox_touch",
+        "sandbox_hand",
+        "sandbox_markers",
+        "sandbox_touch_2",
+        "sandbox_hand_2",
+    }
 
 
 def test_a_command_that_streams_plays_the_same_trial_and_writes_the_clocks_down(

@@ -73,8 +73,13 @@ def words(url: str) -> list[bytes]:
         "Upgrade: websocket\r\nConnection: Upgrade\r\nOrigin: http://evil.example\r\n"
         "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n"
     )
-    return [b"", start.encode(), b"\x00\xff" * 32 + b"\r\n\r\n", f"{start}\r\n".encode(),
-            foreign.encode()]  # fmt: skip
+    return [
+        b"",
+        start.encode(),
+        b"\x00\xff" * 32 + b"\r\n\r\n",
+        f"{start}\r\n".encode(),
+        foreign.encode(),
+    ]
 
 
 def storm(url: str, count: int) -> float:

@@ -35,11 +35,24 @@ def test_a_page_that_draws_after_40_ms_is_within_50_ms_and_not_within_30(
 ) -> None:
     events = tmp_path / "events.jsonl"
     process = subprocess.Popen(
-        [sys.executable, "-m", "sandbox.cli.main", "play", "--view", "web",
-         "--max-latency", limit, "--events", str(events)],
-        cwd=ROOT, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        [
+            sys.executable,
+            "-m",
+            "sandbox.cli.main",
+            "play",
+            "--view",
+            "web",
+            "--max-latency",
+            limit,
+            "--events",
+            str(events),
+        ],
+        cwd=ROOT,
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
         env={**os.environ, "COLUMNS": "160"},
-    )  # fmt: skip
+    )
     try:
         with Page(wait_for(events, process, "listening")["address"]) as page:
             page.until("scene")
@@ -64,6 +77,7 @@ def test_a_page_that_draws_after_40_ms_is_within_50_ms_and_not_within_30(
 
 
 def wait_for_end(path: Path) -> dict[str, Any]:
-    (found,) = [e for e in map(json.loads, path.read_text().splitlines())
-                if e["event"] == "trial_end"]  # fmt: skip
+    (found,) = [
+        e for e in map(json.loads, path.read_text().splitlines()) if e["event"] == "trial_end"
+    ]
     return dict(found)

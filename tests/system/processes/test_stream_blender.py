@@ -53,8 +53,10 @@ def streamed(python: str, folder: Path, hand: HandLines, keys: Keys, *words: str
     (folder / "side.py").write_text(script("blender"))
     side = subprocess.Popen(
         [python, "side.py", "--port", "0", *words],
-        cwd=folder, stdout=subprocess.PIPE, text=True,
-    )  # fmt: skip
+        cwd=folder,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
     assert side.stdout is not None
     said = ""
     while "listening" not in said:
@@ -122,8 +124,20 @@ def test_chains_of_any_number_of_bones_reach_as_far_and_point_as_the_fingers_do(
     keys = armature.keys(moving(ADULT, 60, 5))
     hand = HandLines(armature, "right", BLENDER)
     chains = [f"chain{c}_0" for c in range(3)]
-    streamed(python, tmp_path, hand, keys, "--open", "rig.blend", "--armature", "Rig",
-             "--chains", *chains, "--out", "theirs.bvh")  # fmt: skip
+    streamed(
+        python,
+        tmp_path,
+        hand,
+        keys,
+        "--open",
+        "rig.blend",
+        "--armature",
+        "Rig",
+        "--chains",
+        *chains,
+        "--out",
+        "theirs.bvh",
+    )
     theirs = read_bvh(tmp_path / "theirs.bvh")
     placed = theirs.place()
     joints, tips = armature.place(keys)

@@ -115,5 +115,6 @@ def test_kills_in_both_sessions_lose_nothing_and_count_nothing_twice(tmp_path: P
     assert finished == [FIRST, SECOND] and in_second
     rows = rows_of(study.path / "trial_results.csv")
     assert [(r["session_num"], r["trial_num"]) for r in rows if r["counted"] == "1"] == [
-        *(("1", str(n + 1)) for n in range(FIRST)), *(("2", str(n + 1)) for n in range(SECOND)),
-    ]  # fmt: skip
+        *(("1", str(n + 1)) for n in range(FIRST)),
+        *(("2", str(n + 1)) for n in range(SECOND)),
+    ]

@@ -174,9 +174,19 @@ def test_a_journal_on_a_full_device_says_so(tmp_path: Path) -> None:
 
 
 HELD = TrialResult(
-    task="box-to-goal", encoder="best", seed=0, success=True, instant=True, held=True, final=True,
-    status=Status.HELD, progress=1.0, time_s=2.0, reason="", state_hash="00",
-)  # fmt: skip
+    task="box-to-goal",
+    encoder="best",
+    seed=0,
+    success=True,
+    instant=True,
+    held=True,
+    final=True,
+    status=Status.HELD,
+    progress=1.0,
+    time_s=2.0,
+    reason="",
+    state_hash="00",
+)
 
 
 def test_a_session_whose_recording_never_reaches_the_disk_finishes_no_trial(

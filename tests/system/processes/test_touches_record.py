@@ -58,9 +58,12 @@ def test_who_only_looks_at_the_first_lines_is_no_fault_of_the_file(tmp_path: Pat
     file = tmp_path / "frames.jsonl"
     line = [sys.executable, "-m", "sandbox.cli.main", "touches", "record", str(file)]
     with subprocess.Popen(
-        [*line, "--device", CIRCLING, "--frames", "400"], stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE, text=True, cwd=ROOT,
-    ) as recorder:  # fmt: skip
+        [*line, "--device", CIRCLING, "--frames", "400"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=ROOT,
+    ) as recorder:
         assert recorder.stdout is not None and recorder.stderr is not None
         assert recorder.stdout.readline()
         recorder.stdout.close()

@@ -25,8 +25,10 @@ ROOT = Path(__file__).resolve().parents[3]
 @pytest.fixture(scope="module")
 def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("run") / "run.jsonl"
-    assert main(["run", "box-to-goal", "--device", "simulated", "--seed", "3", "--record",
-                 str(path)]) == 0  # fmt: skip
+    assert (
+        main(["run", "box-to-goal", "--device", "simulated", "--seed", "3", "--record", str(path)])
+        == 0
+    )
     return path
 
 
@@ -44,9 +46,12 @@ def program() -> Iterator[list[subprocess.Popen[str]]]:
 def start(recording: Path, *options: str, **more: str) -> subprocess.Popen[str]:
     return subprocess.Popen(
         [sys.executable, "-m", "sandbox.cli.main", "replay", str(recording), *options],
-        cwd=ROOT, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        cwd=ROOT,
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
         env={**os.environ, "COLUMNS": "200", **more},
-    )  # fmt: skip
+    )
 
 
 def test_the_page_shows_a_replay_at_real_time_and_can_pause_it_and_begin_again(

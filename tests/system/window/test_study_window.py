@@ -33,8 +33,14 @@ def hashes(out: Path, player: Player) -> list[str]:
     study = open_study(out, SHORT)
     person = study.add(**simulated_person(study.design, 0))
     with SessionFolder(study, person) as session:
-        runner = SessionRunner(session, player, simulated_devices(person), SimulatedForms(1),
-                               Controls(), lambda text: None)  # fmt: skip
+        runner = SessionRunner(
+            session,
+            player,
+            simulated_devices(person),
+            SimulatedForms(1),
+            Controls(),
+            lambda text: None,
+        )
         assert runner.run() is Outcome.COMPLETE
     player.close()
     folder = session_path(study.path, person.ppid)

@@ -201,11 +201,21 @@ class Play:
     def __init__(self, display: Screen, folder: Path, *options: str) -> None:
         self.display, self.path = display, folder / "events.jsonl"
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "sandbox.cli.main", "play", *options,
-             "--events", str(self.path)],
-            cwd=ROOT, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+            [
+                sys.executable,
+                "-m",
+                "sandbox.cli.main",
+                "play",
+                *options,
+                "--events",
+                str(self.path),
+            ],
+            cwd=ROOT,
+            text=True,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
             env={**os.environ, "DISPLAY": display.name, "COLUMNS": "160"},
-        )  # fmt: skip
+        )
 
     def events(self, kind: str) -> list[dict[str, Any]]:
         lines = self.path.read_text().splitlines() if self.path.exists() else []

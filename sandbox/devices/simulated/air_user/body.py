@@ -10,14 +10,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from encoders.paalm.angles import FRAMES, joints_of_angles
 from encoders.paalm.chain import FINGER_LIMITS, THUMB_LIMITS, FingerChain
 from encoders.paalm.coupling import Coupling
 from encoders.paalm.simulated.air import FROZEN_AIR, body_of
-
-Array = NDArray[np.float64]
+from models.arithmetic.arrays import Array
 
 AXIS = float(np.deg2rad(52.0))
 """rad in the palm, from its x, direction from the thumb's tip to the fingers' that the resting

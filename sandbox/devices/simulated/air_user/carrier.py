@@ -8,14 +8,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.objects import Tray
 from sandbox.devices.simulated.air_user.holds import Hold
 from sandbox.devices.simulated.air_user.person import AirPerson, Stage
 from tasks.user import SeenObject, Sight
-
-Array = NDArray[np.float64]
 
 _AHEAD = 0.020
 """m by which one's own end is raised above the other one."""

@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.objects import Box, Thing, Tray, Wrench
 from tasks.goals import flat_yaw
 from tasks.task import Goal
 from tasks.user import SeenObject
-
-Array = NDArray[np.float64]
 
 _STEP = float(np.deg2rad(25.0))
 """rad of one movement with a thing that turns about a bolt."""
@@ -57,9 +55,11 @@ def check(thing: Thing) -> None:
     """
     if not isinstance(thing, Box | Wrench | Tray):
         raise InputError(
-            "the simulated user in the air does not know such a thing", got=thing.name,
-            expected="boxes, wrenches and trays", remedy="--device leap for a hand of your own",
-        )  # fmt: skip
+            "the simulated user in the air does not know such a thing",
+            got=thing.name,
+            expected="boxes, wrenches and trays",
+            remedy="--device leap for a hand of your own",
+        )
 
 
 def hold_of(seen: SeenObject, near: Array) -> Hold:

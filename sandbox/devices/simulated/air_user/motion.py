@@ -5,12 +5,10 @@ from __future__ import annotations
 from math import exp, log2
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from sandbox.devices.simulated.air_user.body import Pinch
 from tasks.user import UserConfiguration
-
-Array = NDArray[np.float64]
 
 _ARM = 0.10
 """m: a turn by an angle is a movement as long as one this far from the wrist's axis."""

@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 from enum import Enum, auto
 
 import numpy as np
-from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from sandbox.devices.simulated.air_user.body import AXIS, PINCHING, STRETCHED, Body, Pinch
 from sandbox.devices.simulated.air_user.holds import (
     Hold,
@@ -27,8 +27,6 @@ from sandbox.devices.simulated.air_user.motion import Motion
 from tasks.simulated_user.eye import Eye
 from tasks.task import Goal
 from tasks.user import SeenObject, Sight, UserConfiguration
-
-Array = NDArray[np.float64]
 
 _ASIDE = 0.025
 """m beside the line from the drawn thumb to the fingers at which a thing has slipped out."""

@@ -127,17 +127,21 @@ def analyse(data: StudyData, measures: Sequence[str] = ()) -> Analysis:
         asked=[_model(data, what) for what in asked],
         rest=[_describe(data, what) for what in rest],
         scales=scales(data),
-        places={f.name: places(data, time, f) for f in data.factors
-                if time and timed and f.within and len(f.levels) > 1},
+        places={
+            f.name: places(data, time, f)
+            for f in data.factors
+            if time and timed and f.within and len(f.levels) > 1
+        },
         learning=learning(data, time, main) if time and timed else [],
         main=main,
-    )  # fmt: skip
+    )
 
 
 def _describe(data: StudyData, what: Quantity) -> Described:
     several = [f for f in data.factors if len(f.levels) > 1]
-    return Described(what, summaries(data, what),
-                     {f.name: summaries(data, what, f) for f in several})  # fmt: skip
+    return Described(
+        what, summaries(data, what), {f.name: summaries(data, what, f) for f in several}
+    )
 
 
 def _model(data: StudyData, what: Quantity) -> Modelled:

@@ -104,10 +104,17 @@ def _scale(
             mine = mine[np.isfinite(mine)]
             if len(mine):
                 values[i, j] = mine.mean()
-    return Scale(name, scale, score, factor, levels, values,
-                 tuple(mean_interval(list(column)) for column in values.T),
-                 tuple(within_intervals(values)),
-                 tuple(_differences(factor, levels, values)))  # fmt: skip
+    return Scale(
+        name,
+        scale,
+        score,
+        factor,
+        levels,
+        values,
+        tuple(mean_interval(list(column)) for column in values.T),
+        tuple(within_intervals(values)),
+        tuple(_differences(factor, levels, values)),
+    )
 
 
 def _level(data: StudyData, rows: DataFrame) -> tuple[Factor | None, np.ndarray]:
@@ -118,9 +125,15 @@ def _level(data: StudyData, rows: DataFrame) -> tuple[Factor | None, np.ndarray]
     if "at" in rows.columns:
         for factor in reversed(data.factors):
             # `encoder=best`, or the level's name alone.
-            named = rows["at"].str.split(r"[;,] ?", regex=True).map(
-                lambda parts, f=factor: next((x for p in parts for x in f.levels
-                                              if p in (x, f"{f.name}={x}")), ""))  # fmt: skip
+            named = (
+                rows["at"]
+                .str.split(r"[;,] ?", regex=True)
+                .map(
+                    lambda parts, f=factor: next(
+                        (x for p in parts for x in f.levels if p in (x, f"{f.name}={x}")), ""
+                    )
+                )
+            )
             if len(named) and (named != "").all():
                 return factor, named.to_numpy()
     return None, np.full(len(rows), ALL)
@@ -139,16 +152,20 @@ def _differences(
                 d = b - a
                 d = d[np.isfinite(d)]
                 error = float(d.std(ddof=1) / np.sqrt(len(d))) if len(d) > 1 else np.nan
-                differences.append(t_difference(pair, float(d.mean()) if len(d) else np.nan, error,
-                                          len(d) - 1.0))  # fmt: skip
+                differences.append(
+                    t_difference(pair, float(d.mean()) if len(d) else np.nan, error, len(d) - 1.0)
+                )
                 continue
             a, b = a[np.isfinite(a)], b[np.isfinite(b)]
             if len(a) < 2 or len(b) < 2:
                 continue
             va, vb = a.var(ddof=1) / len(a), b.var(ddof=1) / len(b)
             # Welch's degrees of freedom.
-            freedom = ((va + vb) ** 2 / (va**2 / (len(a) - 1) + vb**2 / (len(b) - 1))
-                       if va + vb > 0.0 else 0.0)  # fmt: skip
+            freedom = (
+                (va + vb) ** 2 / (va**2 / (len(a) - 1) + vb**2 / (len(b) - 1))
+                if va + vb > 0.0
+                else 0.0
+            )
             differences.append(
                 t_difference(
                     pair, float(b.mean() - a.mean()), float(np.sqrt(va + vb)), float(freedom)

@@ -57,8 +57,9 @@ class Censored:
         return float(np.sqrt((count - 1) / count * ((values - values.mean()) ** 2).sum()))
 
 
-def tobit(X: np.ndarray, y: np.ndarray, seen: np.ndarray, start: np.ndarray | None = None
-          ) -> np.ndarray | None:  # fmt: skip
+def tobit(
+    X: np.ndarray, y: np.ndarray, seen: np.ndarray, start: np.ndarray | None = None
+) -> np.ndarray | None:
     """Most likely parameters of a normal variable of which some values are only lower bounds.
 
     Args:
@@ -90,8 +91,9 @@ def tobit(X: np.ndarray, y: np.ndarray, seen: np.ndarray, start: np.ndarray | No
     def likelihood(p: np.ndarray) -> float:
         if p[k] <= 0.0:
             return -np.inf
-        return float(count * np.log(p[k]) - 0.5 * ((values @ p) ** 2).sum()
-                     + log_ndtr(bounds @ p).sum())  # fmt: skip
+        return float(
+            count * np.log(p[k]) - 0.5 * ((values @ p) ** 2).sum() + log_ndtr(bounds @ p).sum()
+        )
 
     now = likelihood(theta)
     for _ in range(100):
@@ -133,10 +135,17 @@ def fit_censored(data: StudyData) -> Censored | str:
     if fit is None:
         return "the model has no most likely parameters here"
     who = rows["ppid"].to_numpy()
-    replicates = np.array([_without(X, y, seen, who != ppid, fit)
-                           for ppid in dict.fromkeys(who)])  # fmt: skip
-    return Censored(tuple(present), tuple(names), fit[:-1] / fit[-1], replicates,
-                    float(1.0 / fit[-1]), people, len(rows), int((~seen).sum()))  # fmt: skip
+    replicates = np.array([_without(X, y, seen, who != ppid, fit) for ppid in dict.fromkeys(who)])
+    return Censored(
+        tuple(present),
+        tuple(names),
+        fit[:-1] / fit[-1],
+        replicates,
+        float(1.0 / fit[-1]),
+        people,
+        len(rows),
+        int((~seen).sum()),
+    )
 
 
 def _without(

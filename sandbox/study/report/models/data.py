@@ -22,8 +22,19 @@ if TYPE_CHECKING:
 
 NEEDED = ("ppid", "trial_num", "counted", "practice", "excluded", "success", "time_s")
 """Required columns of `trial_results.csv`."""
-NUMBERS = ("session_num", "trial_num", "counted", "practice", "excluded", "success", "time_s",
-           "attempt", "block_num", "trial_num_in_block", "repetition")  # fmt: skip
+NUMBERS = (
+    "session_num",
+    "trial_num",
+    "counted",
+    "practice",
+    "excluded",
+    "success",
+    "time_s",
+    "attempt",
+    "block_num",
+    "trial_num_in_block",
+    "repetition",
+)
 FACTOR = "factor_"
 SESSION = "session"
 """The factor that a study has where people do the same in several sessions."""
@@ -105,21 +116,29 @@ def load_study(folder: Path) -> StudyData:
     """
     path = folder / "trial_results.csv"
     if not path.is_file():
-        raise StudyError("the folder has no trial_results.csv", where=str(folder),
-                         expected="the folder of a study",
-                         remedy="It is OUT/NAME, OUT/NAME-pilot or OUT/NAME-simulated")  # fmt: skip
+        raise StudyError(
+            "the folder has no trial_results.csv",
+            where=str(folder),
+            expected="the folder of a study",
+            remedy="It is OUT/NAME, OUT/NAME-pilot or OUT/NAME-simulated",
+        )
     trials = read_table(path)
     missing = [name for name in NEEDED if name not in trials.columns]
     if missing:
-        raise StudyError("columns are missing", where=str(path), got=", ".join(trials.columns[:8]),
-                         expected=", ".join(missing))  # fmt: skip
+        raise StudyError(
+            "columns are missing",
+            where=str(path),
+            got=", ".join(trials.columns[:8]),
+            expected=", ".join(missing),
+        )
     for name in NUMBERS:
         if name in trials.columns:
             trials[name] = to_numbers(trials[name], path)
     meanings = _codebook(folder)
     about = _about(folder)
-    answers, scores = (_optional(folder / name) for name in (
-        "questionnaires.csv", "questionnaire_scores.csv"))  # fmt: skip
+    answers, scores = (
+        _optional(folder / name) for name in ("questionnaires.csv", "questionnaire_scores.csv")
+    )
     if _did_the_same_again(trials):
         for table in (trials, answers, scores):
             _name_sessions(table)
@@ -155,12 +174,14 @@ def read_table(path: Path) -> DataFrame:
     try:
         return pd.read_csv(path, dtype=str, keep_default_na=False, encoding="utf-8")
     except (ValueError, pd.errors.ParserError) as error:
-        raise StudyError("not a table", where=str(path), got=str(error).strip()[:120],
-                         remedy="Opening the study again makes its tables anew: "
-                                "`sandbox study run`")  from None  # fmt: skip
+        raise StudyError(
+            "not a table",
+            where=str(path),
+            got=str(error).strip()[:120],
+            remedy="Opening the study again makes its tables anew: `sandbox study run`",
+        ) from None
     except OSError as error:
-        raise StudyError("the table cannot be read", where=str(path),
-                         got=error.strerror) from None  # fmt: skip
+        raise StudyError("the table cannot be read", where=str(path), got=error.strerror) from None
 
 
 def to_numbers(column: Series, path: Path | None = None) -> Series:
@@ -175,8 +196,11 @@ def to_numbers(column: Series, path: Path | None = None) -> Series:
     wrong = numbers.isna() & (column.astype(str).str.strip() != "")
     if path is not None and wrong.any():
         row = int(wrong.to_numpy().argmax())
-        raise StudyError("not a number", where=f"{path}: {column.name}, row {row + 2}",
-                         got=str(column.iloc[row])[:40])  # fmt: skip
+        raise StudyError(
+            "not a number",
+            where=f"{path}: {column.name}, row {row + 2}",
+            got=str(column.iloc[row])[:40],
+        )
     return numbers
 
 
@@ -190,8 +214,12 @@ def _only(trials: DataFrame, column: str, path: Path) -> str:
     """The one value of a column; empty where there is none."""
     values = [x for x in dict.fromkeys(trials.get(column, ())) if x]
     if len(values) > 1:
-        raise StudyError("data of different kinds must not be mixed", where=f"{path}: {column}",
-                         got=", ".join(values[:4]), expected="the same in every row")  # fmt: skip
+        raise StudyError(
+            "data of different kinds must not be mixed",
+            where=f"{path}: {column}",
+            got=", ".join(values[:4]),
+            expected="the same in every row",
+        )
     return str(values[0]) if values else ""
 
 
@@ -268,8 +296,9 @@ def _used(trials: DataFrame, factors: Sequence[Factor]) -> tuple[DataFrame, tupl
     rank = {f.column: {x: i for i, x in enumerate(f.levels)} for f in factors}
     seen = used[["condition", *columns]].drop_duplicates()
     keys = [tuple(rank[c].get(row[c], -1) for c in columns) for _, row in seen.iterrows()]
-    conditions = tuple(str(seen["condition"].iloc[i]) for i in
-                       sorted(range(len(keys)), key=keys.__getitem__))  # fmt: skip
+    conditions = tuple(
+        str(seen["condition"].iloc[i]) for i in sorted(range(len(keys)), key=keys.__getitem__)
+    )
     number = {name: i for i, name in enumerate(conditions)}
     used["cell"] = np.array([number[x] for x in used["condition"]], dtype=int)
     used["censored"] = used["success"] != 1

@@ -30,8 +30,10 @@ class Step:
 def flow(data: StudyData) -> list[Step]:
     """From all finished attempts to the trials used, step by step."""
     trials = data.trials
-    steps = [Step("began", len(data.people), 0, True),
-             Step("finished attempts", trials["ppid"].nunique(), len(trials), True)]  # fmt: skip
+    steps = [
+        Step("began", len(data.people), 0, True),
+        Step("finished attempts", trials["ppid"].nunique(), len(trials), True),
+    ]
     rest = trials
     for what, gone in (
         ("replaced by a later attempt", trials["counted"] != 1),

@@ -60,8 +60,7 @@ def within_intervals(table: np.ndarray) -> list[Estimate]:
     centred = whole - whole.mean(axis=1, keepdims=True) + whole.mean()
     spread = centred.std(axis=0, ddof=1) * sqrt(count / (count - 1))
     halves = t_quantile(people - 1) * spread / sqrt(people)
-    return [Estimate(m.value, m.value - h, m.value + h)
-            for m, h in zip(means, halves, strict=True)]  # fmt: skip
+    return [Estimate(m.value, m.value - h, m.value + h) for m, h in zip(means, halves, strict=True)]
 
 
 @dataclass(frozen=True)

@@ -124,8 +124,17 @@ def fit_mixed(data: StudyData, rows: DataFrame, y: np.ndarray) -> Mixed | str:
         factors = factors[:-1]
     spreads, converged = fit
     covariance, coefficients = _generalised(rows, y, X, factors, spreads)
-    return Mixed(tuple(present), tuple(names), coefficients, covariance, spreads, people,
-                 len(rows), tuple(left_out), converged)  # fmt: skip
+    return Mixed(
+        tuple(present),
+        tuple(names),
+        coefficients,
+        covariance,
+        spreads,
+        people,
+        len(rows),
+        tuple(left_out),
+        converged,
+    )
 
 
 def _fit(
@@ -166,9 +175,12 @@ def _fit(
 
 
 def _generalised(
-    rows: DataFrame, y: np.ndarray, X: np.ndarray, factors: Sequence[Factor],
+    rows: DataFrame,
+    y: np.ndarray,
+    X: np.ndarray,
+    factors: Sequence[Factor],
     spreads: dict[str, float],
-) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+) -> tuple[np.ndarray, np.ndarray]:
     """Covariance and values of the fixed effects, given all spreads: generalised least squares."""
     information = np.zeros((X.shape[1], X.shape[1]))
     score = np.zeros(X.shape[1])

@@ -43,23 +43,32 @@ def places(data: StudyData, what: Quantity, factor: Factor) -> list[Place]:
     corrected = _corrected(data, rows["cell"].to_numpy(int), y, level)
     at = place[rows.index]
     everywhere = data.used[["ppid", factor.column, *outer]].assign(place=place)
-    often = Counter(zip(*(everywhere.drop_duplicates()[c] for c in (factor.column, "place")),
-                        strict=True))  # fmt: skip
+    often = Counter(
+        zip(*(everywhere.drop_duplicates()[c] for c in (factor.column, "place")), strict=True)
+    )
     result = []
     for name in factor.levels:
         for number in sorted({p for x, p in often if x == name}):
             mine = (level == name) & (at == number)
             means = _by_person(rows["ppid"].to_numpy()[mine], corrected[mine])
-            result.append(Place(factor.name, name, int(number), often[name, number],
-                               _back(what, mean_interval(means))))  # fmt: skip
+            result.append(
+                Place(
+                    factor.name,
+                    name,
+                    int(number),
+                    often[name, number],
+                    _back(what, mean_interval(means)),
+                )
+            )
     return result
 
 
 def _place(data: StudyData, factor: Factor, outer: list[str]) -> np.ndarray:
     used = data.used
     groups = used.groupby(["ppid", *outer], sort=False)[factor.column]
-    return groups.transform(lambda column: column.map(
-        {x: i + 1 for i, x in enumerate(dict.fromkeys(column))})).to_numpy(int)  # fmt: skip
+    return groups.transform(
+        lambda column: column.map({x: i + 1 for i, x in enumerate(dict.fromkeys(column))})
+    ).to_numpy(int)
 
 
 def balanced(found: list[Place], factor: Factor) -> bool:
@@ -114,8 +123,15 @@ def learning(data: StudyData, what: Quantity, factor: Factor | None) -> list[Lea
         for k in sorted(set(step[level == name])):
             mine = (level == name) & (step == k)
             means = _by_person(rows["ppid"].to_numpy()[mine], corrected[mine])
-            result.append(Learned(name, int(k) * size + 1, (int(k) + 1) * size,
-                                 _back(what, mean_interval(means)), len(means)))  # fmt: skip
+            result.append(
+                Learned(
+                    name,
+                    int(k) * size + 1,
+                    (int(k) + 1) * size,
+                    _back(what, mean_interval(means)),
+                    len(means),
+                )
+            )
     return result
 
 

@@ -66,8 +66,12 @@ def quantity(data: StudyData, name: str) -> Quantity:
     known = registry.find_measure(name)
     if name not in data.used.columns or name in ("cell", "position", "condition", "censored"):
         known_here = ", ".join(q.name for q in quantities(data))
-        raise StudyError("no such measure in this study", where="--measure", got=name,
-                         expected=known_here or "none")  # fmt: skip
+        raise StudyError(
+            "no such measure in this study",
+            where="--measure",
+            got=name,
+            expected=known_here or "none",
+        )
     values = to_numbers(data.used[name])
     values = values[np.isfinite(values)]
     if not len(values):

@@ -153,15 +153,18 @@ def odds(data: StudyData) -> list[Difference] | str:
     shares = used.groupby("condition")["success"].mean()
     flat = [name for name in data.conditions if shares[name] in (0.0, 1.0)]
     if flat:
-        return ("there are no finite odds where all or no trials succeeded: "
-                + "; ".join(flat[:6]))  # fmt: skip
+        return "there are no finite odds where all or no trials succeeded: " + "; ".join(flat[:6])
     X, names, present = fixed_effects(used, data.conditions)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
-            fit = GEE(used["success"].to_numpy(), X, groups=used["ppid"].to_numpy(),
-                      family=Binomial(), cov_struct=Exchangeable()
-                      ).fit(cov_type="bias_reduced")  # fmt: skip
+            fit = GEE(
+                used["success"].to_numpy(),
+                X,
+                groups=used["ppid"].to_numpy(),
+                family=Binomial(),
+                cov_struct=Exchangeable(),
+            ).fit(cov_type="bias_reduced")
         except (np.linalg.LinAlgError, ValueError) as wrong:
             return f"the equations cannot be solved here: {wrong}"
     values, covariance = np.asarray(fit.params), np.asarray(fit.cov_params())

@@ -63,8 +63,11 @@ def trials_of(data: StudyData, what: Quantity) -> np.ndarray:
 def cells_of(data: StudyData, factor: Factor) -> list[tuple[str, list[int]]]:
     """Each level of a factor with the numbers of its conditions."""
     seen = data.used[["cell", factor.column]].drop_duplicates()
-    return [(level, [int(c) for c in seen.loc[seen[factor.column] == level, "cell"]])
-            for level in factor.levels if (seen[factor.column] == level).any()]  # fmt: skip
+    return [
+        (level, [int(c) for c in seen.loc[seen[factor.column] == level, "cell"]])
+        for level in factor.levels
+        if (seen[factor.column] == level).any()
+    ]
 
 
 def summaries(data: StudyData, what: Quantity, factor: Factor | None = None) -> list[Summary]:
@@ -77,8 +80,11 @@ def summaries(data: StudyData, what: Quantity, factor: Factor | None = None) -> 
     """
     if not len(data.used):
         return []
-    groups = ([(name, [i]) for i, name in enumerate(data.conditions)] if factor is None
-              else cells_of(data, factor))  # fmt: skip
+    groups = (
+        [(name, [i]) for i, name in enumerate(data.conditions)]
+        if factor is None
+        else cells_of(data, factor)
+    )
     own, trials = person_means(data, what), trials_of(data, what)
     table = np.column_stack([_mean(own[:, cells]) for _, cells in groups])
     people = np.isfinite(table).sum(axis=0)
@@ -86,8 +92,10 @@ def summaries(data: StudyData, what: Quantity, factor: Factor | None = None) -> 
     if what.scale == SHARE:
         shares = _shares(data, what, groups, table)
         means = [Estimate(s.value, s.low, s.high) for s in shares]
-        within = [Estimate(m.value, max(0.0, w.low), min(1.0, w.high)) if np.isfinite(w.low) else w
-                  for m, w in zip(means, within, strict=True)]  # fmt: skip
+        within = [
+            Estimate(m.value, max(0.0, w.low), min(1.0, w.high)) if np.isfinite(w.low) else w
+            for m, w in zip(means, within, strict=True)
+        ]
     else:
         means = [_back(what, mean_interval(list(column))) for column in table.T]
     return [
@@ -108,16 +116,18 @@ def _back(what: Quantity, e: Estimate) -> Estimate:
     return Estimate(what.back(e.value), what.back(e.low), what.back(e.high))
 
 
-def _shares(data: StudyData, what: Quantity, groups: list[tuple[str, list[int]]],
-            table: np.ndarray) -> list[Share]:  # fmt: skip
+def _shares(
+    data: StudyData, what: Quantity, groups: list[tuple[str, list[int]]], table: np.ndarray
+) -> list[Share]:
     _, own, done = rates(data, what.name)
     who = done.any(axis=1)
     usual = design_effect(list(_mean(own)[who]), [int(n) for n in done[who].sum(axis=1)])
     shares = []
     for (_, cells), column in zip(groups, table.T, strict=True):
         known = np.isfinite(column)
-        shares.append(share(list(column[known]),
-                           [int(n) for n in done[:, cells].sum(axis=1)[known]], usual))  # fmt: skip
+        shares.append(
+            share(list(column[known]), [int(n) for n in done[:, cells].sum(axis=1)[known]], usual)
+        )
     return shares
 
 

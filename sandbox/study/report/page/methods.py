@@ -48,11 +48,12 @@ def methods_section(found: Analysis) -> Section:
         section.say(
             "Completion time of trials that succeeded: a linear mixed model of its logarithm, with "
             "a mean for every condition and a linear effect of the logarithm of the trial's number "
-            "(practice), random effects of person" + "".join(f", {t}" for t in terms)
+            "(practice), random effects of person"
+            + "".join(f", {t}" for t in terms)
             + ", fitted by restricted maximum likelihood. Levels are compared by their means over "
             "the levels of the other factors, weighed equally; degrees of freedom are those of a "
             "paired t test over people, or of groups."
-        )  # fmt: skip
+        )
     if found.unseen:
         section.say(
             "Completion time of all trials: log time is normal around the same means, and a trial "
@@ -66,13 +67,18 @@ def methods_section(found: Analysis) -> Section:
         "generalised estimating equations. P values of pairs of one factor are also adjusted after "
         "Holm 1979."
     )
-    section.say("docs/report.md of Hand Sandbox tells how often these intervals cover the truth in "
-                "studies whose truth is known.")  # fmt: skip
-    section.parts.append(Table("Files beside this page", ["File", "What it has"],
-                               [list(f) for f in FILES]))  # fmt: skip
+    section.say(
+        "docs/report.md of Hand Sandbox tells how often these intervals cover the truth in "
+        "studies whose truth is known."
+    )
+    section.parts.append(
+        Table("Files beside this page", ["File", "What it has"], [list(f) for f in FILES])
+    )
     software = ", ".join(f"{name} {_version(name)}" for name in LIBRARIES)
-    section.say(f"Made of {words.count(len(data.trials), 'row')} of trial_results.csv (SHA-256 "
-                f"{data.digest[:16]}…) with {software}.")  # fmt: skip
+    section.say(
+        f"Made of {words.count(len(data.trials), 'row')} of trial_results.csv (SHA-256 "
+        f"{data.digest[:16]}…) with {software}."
+    )
     return section
 
 

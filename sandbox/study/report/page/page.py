@@ -35,8 +35,11 @@ WARNINGS = {
     "runs, and nothing about people.",
     "pilot": "A rehearsal. These data are no part of the study.",
 }
-UNKNOWN = ("Of unknown kind", "{}, data of unknown kind",
-           "These tables do not say whether people took part.")  # fmt: skip
+UNKNOWN = (
+    "Of unknown kind",
+    "{}, data of unknown kind",
+    "These tables do not say whether people took part.",
+)
 MOST_FINDINGS = 12
 
 
@@ -105,8 +108,9 @@ def _facts(found: Analysis) -> list[tuple[str, str, str]]:
         facts.append(("Success", words.percent(rate), f"{won} of {len(data.used)} trials"))
     if found.time:
         middle = float(data.used.loc[~data.used["censored"], "time_s"].median())
-        facts.append(("Median completion time", f"{words.number(middle)} s",
-                      "of trials that succeeded"))  # fmt: skip
+        facts.append(
+            ("Median completion time", f"{words.number(middle)} s", "of trials that succeeded")
+        )
     return facts
 
 

@@ -66,9 +66,13 @@ class Dot:
 
 @contextmanager
 def _figure(
-    body: float, left: float = 0.75, above: float = 0.1, below: float = 0.55, columns: int = 1,
+    body: float,
+    left: float = 0.75,
+    above: float = 0.1,
+    below: float = 0.55,
+    columns: int = 1,
     **how: Any,
-) -> Iterator[tuple[Any, list[Any]]]:  # fmt: skip
+) -> Iterator[tuple[Any, list[Any]]]:
     """A figure with given margins, inches: computing them would take longer than drawing."""
     from matplotlib import rc_context
     from matplotlib.backends.backend_svg import FigureCanvasSVG
@@ -79,8 +83,9 @@ def _figure(
         figure = Figure(figsize=(WIDTH, height))
         FigureCanvasSVG(figure)
         axes = figure.subplots(1, columns, squeeze=False, **how)
-        figure.subplots_adjust(left / WIDTH, below / height, 1.0 - 0.15 / WIDTH,
-                               1.0 - above / height, wspace=0.08)  # fmt: skip
+        figure.subplots_adjust(
+            left / WIDTH, below / height, 1.0 - 0.15 / WIDTH, 1.0 - above / height, wspace=0.08
+        )
         yield figure, list(axes[0])
 
 
@@ -101,8 +106,12 @@ def _per_row(series: Sequence[str]) -> int:
 
 def _legend(figure: Any, axes: Any, series: Sequence[str]) -> None:
     if len(series) > 1:
-        figure.legend(*axes.get_legend_handles_labels(), loc="upper left", borderaxespad=0.2,
-                      ncols=_per_row(series))  # fmt: skip
+        figure.legend(
+            *axes.get_legend_handles_labels(),
+            loc="upper left",
+            borderaxespad=0.2,
+            ncols=_per_row(series),
+        )
 
 
 def svg_of(figure: Any, name: str, title: str) -> str:
@@ -128,15 +137,26 @@ def svg_of(figure: Any, name: str, title: str) -> str:
     for colour, variable in _NAMES.items():
         text = text.replace(colour, f"var({variable})")
     text = re.sub(r"#0a0b0(\d)", r"var(--s\1)", text)
-    text = re.sub(r'^<svg [^>]*?viewBox="([^"]+)"[^>]*>',
-                  rf'<svg viewBox="\1" role="img" aria-label="{escape(title)}">', text, count=1,
-                  flags=re.DOTALL)  # fmt: skip
+    text = re.sub(
+        r'^<svg [^>]*?viewBox="([^"]+)"[^>]*>',
+        rf'<svg viewBox="\1" role="img" aria-label="{escape(title)}">',
+        text,
+        count=1,
+        flags=re.DOTALL,
+    )
     return text.strip()
 
 
-def dots(name: str, title: str, label: str, rows: Sequence[str], series: Sequence[str],
-         values: dict[tuple[str, str], Dot], log: bool = False,
-         limits: tuple[float, float] | None = None) -> str:  # fmt: skip
+def dots(
+    name: str,
+    title: str,
+    label: str,
+    rows: Sequence[str],
+    series: Sequence[str],
+    values: dict[tuple[str, str], Dot],
+    log: bool = False,
+    limits: tuple[float, float] | None = None,
+) -> str:
     """Means by row and series, side by side, with their intervals.
 
     Args:
@@ -161,10 +181,12 @@ def dots(name: str, title: str, label: str, rows: Sequence[str], series: Sequenc
                 colour = SERIES[j % len(SERIES)]
                 for e, width in ((dot.thin, 1.4), (dot.thick, 4.0)):
                     if e is not None and np.isfinite(e.low) and np.isfinite(e.high):
-                        axes.plot([e.low, e.high], [y, y], color=colour, lw=width,
-                                  solid_capstyle="butt")  # fmt: skip
-                axes.plot([dot.value], [y], MARKERS[j % 8], color=colour, ms=7.0, mec=PAPER,
-                          mew=1.0)  # fmt: skip
+                        axes.plot(
+                            [e.low, e.high], [y, y], color=colour, lw=width, solid_capstyle="butt"
+                        )
+                axes.plot(
+                    [dot.value], [y], MARKERS[j % 8], color=colour, ms=7.0, mec=PAPER, mew=1.0
+                )
             if len(series) > 1:
                 axes.plot(
                     [], [], MARKERS[j % 8] + "-", color=SERIES[j % 8], label=_label(one), ms=7.0
@@ -180,9 +202,16 @@ def dots(name: str, title: str, label: str, rows: Sequence[str], series: Sequenc
         return svg_of(figure, name, title)
 
 
-def forest(name: str, title: str, label: str, rows: Sequence[str],
-           values: Sequence[Sequence[Estimate]], series: Sequence[str], none: float,
-           log: bool = False) -> str:  # fmt: skip
+def forest(
+    name: str,
+    title: str,
+    label: str,
+    rows: Sequence[str],
+    values: Sequence[Sequence[Estimate]],
+    series: Sequence[str],
+    none: float,
+    log: bool = False,
+) -> str:
     """Differences with intervals, and a line at no difference.
 
     Args:
@@ -216,9 +245,16 @@ def forest(name: str, title: str, label: str, rows: Sequence[str],
         return svg_of(figure, name, title)
 
 
-def lines_by_person(name: str, title: str, label: str, panels: Sequence[str],
-                    levels: Sequence[Sequence[str]], values: Sequence[np.ndarray],
-                    means: Sequence[Sequence[Estimate]], log: bool = False) -> str:  # fmt: skip
+def lines_by_person(
+    name: str,
+    title: str,
+    label: str,
+    panels: Sequence[str],
+    levels: Sequence[Sequence[str]],
+    values: Sequence[np.ndarray],
+    means: Sequence[Sequence[Estimate]],
+    log: bool = False,
+) -> str:
     """A line for each person from level to level, and the mean over people.
 
     Args:
@@ -231,8 +267,9 @@ def lines_by_person(name: str, title: str, label: str, panels: Sequence[str],
         log: True for a logarithmic axis.
     """
     tilted = any(len(some) > 4 for some in levels)
-    with _figure(2.8, above=0.3, below=0.95 if tilted else 0.4, columns=len(panels),
-                 sharey=True) as (figure, all_axes):  # fmt: skip
+    with _figure(
+        2.8, above=0.3, below=0.95 if tilted else 0.4, columns=len(panels), sharey=True
+    ) as (figure, all_axes):
         for k, axes in enumerate(all_axes):
             x = np.arange(len(levels[k]))
             # People who did one level only are points, a little apart.
@@ -245,12 +282,16 @@ def lines_by_person(name: str, title: str, label: str, panels: Sequence[str],
             axes.plot(x, centre, "-", color=SERIES[0], lw=2.0)
             for j, e in enumerate(means[k]):
                 if np.isfinite(e.low) and np.isfinite(e.high):
-                    axes.plot([j, j], [e.low, e.high], color=SERIES[0], lw=4.0,
-                              solid_capstyle="butt")  # fmt: skip
+                    axes.plot(
+                        [j, j], [e.low, e.high], color=SERIES[0], lw=4.0, solid_capstyle="butt"
+                    )
             axes.plot(x, centre, "o", color=SERIES[0], ms=8.0, mec=PAPER)
-            axes.set_xticks(x, [_short(s) for s in levels[k]],
-                            rotation=25 if tilted else 0,
-                            ha="right" if tilted else "center")  # fmt: skip
+            axes.set_xticks(
+                x,
+                [_short(s) for s in levels[k]],
+                rotation=25 if tilted else 0,
+                ha="right" if tilted else "center",
+            )
             axes.set_xlim(-0.5, len(x) - 0.5)
             axes.set_title(panels[k])
             axes.grid(axis="x", visible=False)
@@ -260,9 +301,16 @@ def lines_by_person(name: str, title: str, label: str, panels: Sequence[str],
         return svg_of(figure, name, title)
 
 
-def curves(name: str, title: str, label: str, along: str, series: Sequence[str],
-           x: Sequence[Sequence[float]], values: Sequence[Sequence[Estimate]],
-           log: bool = False) -> str:  # fmt: skip
+def curves(
+    name: str,
+    title: str,
+    label: str,
+    along: str,
+    series: Sequence[str],
+    x: Sequence[Sequence[float]],
+    values: Sequence[Sequence[Estimate]],
+    log: bool = False,
+) -> str:
     """Means along something, with bands or bars.
 
     Args:
@@ -275,8 +323,9 @@ def curves(name: str, title: str, label: str, along: str, series: Sequence[str],
     with _figure(2.6, above=_above(series)) as (figure, (axes,)):
         for j, one in enumerate(series):
             colour = SERIES[j % 8]
-            low, mid, high = (np.array([getattr(e, k) for e in values[j]])
-                              for k in ("low", "value", "high"))  # fmt: skip
+            low, mid, high = (
+                np.array([getattr(e, k) for e in values[j]]) for k in ("low", "value", "high")
+            )
             shift = 0.06 * (j - (len(series) - 1) / 2) if len(x[j]) < 8 else 0.0
             at = np.asarray(x[j], dtype=float) + shift
             if len(at) >= 8:

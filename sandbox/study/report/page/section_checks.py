@@ -25,13 +25,21 @@ def exclusions_section(found: Analysis) -> Section:
     section = Section("exclusions", "What was left out")
     data = found.data
     rows = [
-        [s.what, str(s.participants) if s.remains else _minus(s.participants),
-         ("" if s.what == "began" else str(s.trials)) if s.remains else _minus(s.trials)]
+        [
+            s.what,
+            str(s.participants) if s.remains else _minus(s.participants),
+            ("" if s.what == "began" else str(s.trials)) if s.remains else _minus(s.trials),
+        ]
         for s in flow(data)
-    ]  # fmt: skip
-    section.parts.append(Table("From everything to what is used here",
-                               ["Step", "Participants", "Trials"], rows,
-                               "Nothing is ever deleted; trial_results.csv has all."))  # fmt: skip
+    ]
+    section.parts.append(
+        Table(
+            "From everything to what is used here",
+            ["Step", "Participants", "Trials"],
+            rows,
+            "Nothing is ever deleted; trial_results.csv has all.",
+        )
+    )
     missing = unfinished(data)
     if missing:
         section.say(
@@ -39,13 +47,16 @@ def exclusions_section(found: Analysis) -> Section:
         )
     kinds = list(next(iter(endings(data).values()), {}))
     if kinds:
-        section.parts.append(Table(
-            "How the trials used ended", ["Condition", *kinds],
-            [[c, *(str(n[k]) for k in kinds)] for c, n in endings(data).items()],
-            "timeout: the time was up; failed: something was lost or broken for good; diverged and "
-            "input_ended: the simulation or the device failed. All but successes count as no "
-            "success.",
-        ))  # fmt: skip
+        section.parts.append(
+            Table(
+                "How the trials used ended",
+                ["Condition", *kinds],
+                [[c, *(str(n[k]) for k in kinds)] for c, n in endings(data).items()],
+                "timeout: the time was up; failed: something was lost or broken for good; diverged "
+                "and input_ended: the simulation or the device failed. All but successes count as "
+                "no success.",
+            )
+        )
     return section
 
 
@@ -81,23 +92,39 @@ def _spaghetti(found: Analysis, one: Modelled) -> Picture:
         means = [[_scaled(s.mean, scale) for s in one.described.conditions]]
     panels = [f.name for f in several] or [""]
     label = f"{what.title} (% of trials)" if what.scale == SHARE else what.label
-    svg = plots.lines_by_person(f"people-{what.name}", f"{what.title} of every person", label,
-                                panels, levels, values, means, what.scale == LOG)  # fmt: skip
+    svg = plots.lines_by_person(
+        f"people-{what.name}",
+        f"{what.title} of every person",
+        label,
+        panels,
+        levels,
+        values,
+        means,
+        what.scale == LOG,
+    )
     show = words.number
-    rows = [[ppid, *(show(v) for part in values for v in part[i])]
-            for i, ppid in enumerate(data.ppids)]  # fmt: skip
+    rows = [
+        [ppid, *(show(v) for part in values for v in part[i])] for i, ppid in enumerate(data.ppids)
+    ]
     unit = "%" if what.scale == SHARE else what.unit
-    return Picture(svg, f"{what.title}: a thin line is a person; the thick one is the mean, with "
-                   "95 % intervals for comparing.",
-                   Table(f"{what.title} of every person ({unit})",
-                         ["Participant", *(x for some in levels for x in some)], rows))  # fmt: skip
+    return Picture(
+        svg,
+        f"{what.title}: a thin line is a person; the thick one is the mean, with "
+        "95 % intervals for comparing.",
+        Table(
+            f"{what.title} of every person ({unit})",
+            ["Participant", *(x for some in levels for x in some)],
+            rows,
+        ),
+    )
 
 
 def _row_means(values: np.ndarray) -> np.ndarray:
     known = np.isfinite(values)
     n = known.sum(axis=1)
-    return np.divide(np.where(known, values, 0.0).sum(axis=1), n, out=np.full(len(n), np.nan),
-                     where=n > 0)  # fmt: skip
+    return np.divide(
+        np.where(known, values, 0.0).sum(axis=1), n, out=np.full(len(n), np.nan), where=n > 0
+    )
 
 
 def _scaled(e: Estimate, by: float) -> Estimate:
@@ -139,17 +166,33 @@ def _learning(found: Analysis) -> Picture:
     series = list(dict.fromkeys(p.level for p in points))
     at = [[(p.first + p.last) / 2 for p in points if p.level == s] for s in series]
     values = [[_drawn(p.mean, p.people) for p in points if p.level == s] for s in series]
-    rows = [[p.level, str(p.first) if p.first == p.last else f"{p.first} to {p.last}",
-             str(p.people), words.number(p.mean.value),
-             words.interval(words.number(p.mean.low), words.number(p.mean.high))]
-            for p in points]  # fmt: skip
-    svg = plots.curves("learning", "Completion time from trial to trial", "Completion time (s)",
-                       "trial with this level", series, at, values, True)  # fmt: skip
+    rows = [
+        [
+            p.level,
+            str(p.first) if p.first == p.last else f"{p.first} to {p.last}",
+            str(p.people),
+            words.number(p.mean.value),
+            words.interval(words.number(p.mean.low), words.number(p.mean.high)),
+        ]
+        for p in points
+    ]
+    svg = plots.curves(
+        "learning",
+        "Completion time from trial to trial",
+        "Completion time (s)",
+        "trial with this level",
+        series,
+        at,
+        values,
+        True,
+    )
     what = f" by {found.main.name}" if found.main else ""
-    return Picture(svg, f"Completion time from trial to trial{what}, what other factors make of it "
-                   f"taken out; 95 % intervals over people, where they are {FEWEST} or more.",
-                   Table("Learning curves", ["Level", "Trial", "People", "Mean, s",
-                                             "95 % interval"], rows))  # fmt: skip
+    return Picture(
+        svg,
+        f"Completion time from trial to trial{what}, what other factors make of it "
+        f"taken out; 95 % intervals over people, where they are {FEWEST} or more.",
+        Table("Learning curves", ["Level", "Trial", "People", "Mean, s", "95 % interval"], rows),
+    )
 
 
 def _order(section: Section, found: Analysis, name: str) -> None:
@@ -159,26 +202,48 @@ def _order(section: Section, found: Analysis, name: str) -> None:
     series = list(dict.fromkeys(p.level for p in some))
     at = [[float(p.place) for p in some if p.level == s] for s in series]
     values = [[_drawn(p.mean, p.times) for p in some if p.level == s] for s in series]
-    rows = [[p.level, str(p.place), str(p.times), words.number(p.mean.value),
-             words.interval(words.number(p.mean.low), words.number(p.mean.high))]
-            for p in some]  # fmt: skip
+    rows = [
+        [
+            p.level,
+            str(p.place),
+            str(p.times),
+            words.number(p.mean.value),
+            words.interval(words.number(p.mean.low), words.number(p.mean.high)),
+        ]
+        for p in some
+    ]
     after = neighbours(found.data, factor)
     told = ", ".join(f"{a} then {b}: {n}" for (a, b), n in sorted(after.items()))
-    svg = plots.curves(f"order-{_id(name)}", f"Completion time by place of each level of {name}",
-                       "Completion time (s)", f"place of the level of {name}", series, at, values,
-                       True)  # fmt: skip
-    section.parts.append(Picture(
-        svg, f"Order of {name}: every level was {'' if even else 'not '}equally often at every "
-        "place. Lines that run side by side mean that the comparison does not hang on the order.",
-        Table(f"Completion time by place of {name}",
-              ["Level", "Place", "Times", "Mean, s", "95 % interval"], rows,
-              f"Right after each other: {told}." if told else ""),
-    ))  # fmt: skip
+    svg = plots.curves(
+        f"order-{_id(name)}",
+        f"Completion time by place of each level of {name}",
+        "Completion time (s)",
+        f"place of the level of {name}",
+        series,
+        at,
+        values,
+        True,
+    )
+    section.parts.append(
+        Picture(
+            svg,
+            f"Order of {name}: every level was {'' if even else 'not '}equally often at every "
+            "place. Lines that run side by side mean that the comparison does not depend on the "
+            "order.",
+            Table(
+                f"Completion time by place of {name}",
+                ["Level", "Place", "Times", "Mean, s", "95 % interval"],
+                rows,
+                f"Right after each other: {told}." if told else "",
+            ),
+        )
+    )
     if not even:
         section.say(
             f"The order of {name} is not balanced among the trials used. The models take practice "
-            "into account, and nothing else that order may do.", "note",
-        )  # fmt: skip
+            "into account, and nothing else that order may do.",
+            "note",
+        )
 
 
 def _id(name: str) -> str:
@@ -221,12 +286,20 @@ def _scales(number: int, some: list[Scale]) -> Picture:
     label = "score" if first.score else "answer"
     svg = plots.dots(f"scale-{number}", title, f"{title}: {label}", names, first.levels, values)
     rows = [row for name, s in zip(names, some, strict=True) for row in _scale_rows(name, s)]
-    kind = ("scores" if several else "score") if first.score else (
-        "single questions" if several else "a single question")  # fmt: skip
-    return Picture(svg, f"{title} ({kind}): means over people with 95 % intervals; thick lines are "
-                   "for comparing.",
-                   Table(f"{title}, {kind}", ["Level, or pair", "People", "Mean or difference",
-                                              "95 % interval", "p", "p, Holm"], rows))  # fmt: skip
+    kind = (
+        ("scores" if several else "score")
+        if first.score
+        else ("single questions" if several else "a single question")
+    )
+    return Picture(
+        svg,
+        f"{title} ({kind}): means over people with 95 % intervals; thick lines are for comparing.",
+        Table(
+            f"{title}, {kind}",
+            ["Level, or pair", "People", "Mean or difference", "95 % interval", "p", "p, Holm"],
+            rows,
+        ),
+    )
 
 
 def _scale_rows(name: str, scale: Scale) -> list[list[str]]:
@@ -235,15 +308,28 @@ def _scale_rows(name: str, scale: Scale) -> list[list[str]]:
             return level
         return name if scale.factor is None else f"{name}: {level}"
 
-    rows = [[called(level), str(int(np.isfinite(scale.values[:, j]).sum())),
-             words.number(scale.means[j].value),
-             words.interval(words.number(scale.means[j].low), words.number(scale.means[j].high)),
-             "", ""]
-            for j, level in enumerate(scale.levels)]  # fmt: skip
-    rows += [[called(d.pair.title), "", words.number(d.estimate.value),
-              words.interval(words.number(d.estimate.low), words.number(d.estimate.high)),
-              words.p_value(d.p), words.p_value(p)]
-             for d, p in zip(scale.differences, adjusted(scale), strict=True)]  # fmt: skip
+    rows = [
+        [
+            called(level),
+            str(int(np.isfinite(scale.values[:, j]).sum())),
+            words.number(scale.means[j].value),
+            words.interval(words.number(scale.means[j].low), words.number(scale.means[j].high)),
+            "",
+            "",
+        ]
+        for j, level in enumerate(scale.levels)
+    ]
+    rows += [
+        [
+            called(d.pair.title),
+            "",
+            words.number(d.estimate.value),
+            words.interval(words.number(d.estimate.low), words.number(d.estimate.high)),
+            words.p_value(d.p),
+            words.p_value(p),
+        ]
+        for d, p in zip(scale.differences, adjusted(scale), strict=True)
+    ]
     return rows
 
 
@@ -253,9 +339,12 @@ def others_section(found: Analysis) -> Section:
     if not found.rest:
         section.say("There are no further measures.")
         return section
-    section.say("These are described and not tested: who looks at many measures finds differences "
-                "by chance. `--measure NAME` adds the comparison of one that was chosen "
-                "beforehand.", "note")  # fmt: skip
+    section.say(
+        "These are described and not tested: who looks at many measures finds differences "
+        "by chance. `--measure NAME` adds the comparison of one that was chosen "
+        "beforehand.",
+        "note",
+    )
     for one in found.rest:
         picture = means_picture(found.data, one, f"m-{one.what.name}")
         better = {"high": " More is better.", "low": " Less is better."}.get(one.what.better, "")

@@ -35,9 +35,13 @@ def time_section(found: Analysis) -> Section:
     section.say(
         f"Of {words.count(len(data.used), 'trial')}, {len(data.used) - unseen} succeeded; their "
         "times are averaged as logarithms (geometric means)."
-        + (f" {unseen} did not, and their completion times are only known to be longer than they "
-           "lasted." if unseen else "")
-    )  # fmt: skip
+        + (
+            f" {unseen} did not, and their completion times are only known to be longer than they "
+            "lasted."
+            if unseen
+            else ""
+        )
+    )
     section.parts.append(means_picture(data, found.time.described, "time"))
     _compare_times(section, found, unseen)
     return section
@@ -60,34 +64,57 @@ def _compare_times(section: Section, found: Analysis, unseen: int) -> None:
             "Trials without success are mostly those that would have taken long. Leaving them out "
             "makes conditions with many of them look faster than they are, so the comparison that "
             "knows of them is to be read first; the mixed model of the trials that succeeded is "
-            "beside it.", "note",
-        )  # fmt: skip
+            "beside it.",
+            "note",
+        )
     if not leading:
         return
     titles = [d.pair.title for d in leading]
     by_title = [{d.pair.title: d for d in some} for _, some in ways]
     rows = [
-        [title, name, words.change(d.estimate.value),
-         words.interval(words.change(d.estimate.low), words.change(d.estimate.high)),
-         words.p_value(d.p), words.p_value(p)]
+        [
+            title,
+            name,
+            words.change(d.estimate.value),
+            words.interval(words.change(d.estimate.low), words.change(d.estimate.high)),
+            words.p_value(d.p),
+            words.p_value(p),
+        ]
         for title in titles
-        for (name, some), known in zip(ways, by_title, strict=True) if title in known
-        for d, p in zip(some, adjusted(some), strict=True) if d.pair.title == title
-    ]  # fmt: skip
+        for (name, some), known in zip(ways, by_title, strict=True)
+        if title in known
+        for d, p in zip(some, adjusted(some), strict=True)
+        if d.pair.title == title
+    ]
     nothing = Estimate(float("nan"), float("nan"), float("nan"))
-    values = [[_factor(known[t].estimate) if t in known else nothing for t in titles]
-              for known in by_title]  # fmt: skip
-    section.parts.append(Picture(
-        plots.forest("time-pairs", "Ratios of completion times with 95 % intervals",
-                     "ratio of completion times (1: no difference)", titles, values,
-                     [name for name, _ in ways], 1.0, True),
-        "How much longer (right of the line) or shorter (left) the first-named level takes, "
-        "averaged over the other factors, with 95 % intervals. All trials: those without success "
-        "are taken as longer than they lasted.",
-        Table("Differences in completion time", ["Levels", "From", "Change", "95 % interval", "p",
-              "p, Holm"], rows, "Successes only: by the mixed model. p Holm is adjusted for all "
-              "pairs of levels of the same factor; intervals are each for itself."),
-    ))  # fmt: skip
+    values = [
+        [_factor(known[t].estimate) if t in known else nothing for t in titles]
+        for known in by_title
+    ]
+    section.parts.append(
+        Picture(
+            plots.forest(
+                "time-pairs",
+                "Ratios of completion times with 95 % intervals",
+                "ratio of completion times (1: no difference)",
+                titles,
+                values,
+                [name for name, _ in ways],
+                1.0,
+                True,
+            ),
+            "How much longer (right of the line) or shorter (left) the first-named level takes, "
+            "averaged over the other factors, with 95 % intervals. All trials: those without "
+            "success are taken as longer than they lasted.",
+            Table(
+                "Differences in completion time",
+                ["Levels", "From", "Change", "95 % interval", "p", "p, Holm"],
+                rows,
+                "Successes only: by the mixed model. p Holm is adjusted for all "
+                "pairs of levels of the same factor; intervals are each for itself.",
+            ),
+        )
+    )
     if isinstance(model, Mixed):
         section.parts.append(_model_table(model, LOG))
 
@@ -122,40 +149,64 @@ def success_section(found: Analysis) -> Section:
         section.say(f"Odds ratios: {found.odds}.", "note")
     elif found.odds:
         rows = [
-            [d.pair.title, words.number(exp(d.estimate.value)),
-             words.interval(words.number(exp(d.estimate.low)), words.number(exp(d.estimate.high))),
-             words.p_value(d.p), words.p_value(p)]
+            [
+                d.pair.title,
+                words.number(exp(d.estimate.value)),
+                words.interval(
+                    words.number(exp(d.estimate.low)), words.number(exp(d.estimate.high))
+                ),
+                words.p_value(d.p),
+                words.p_value(p),
+            ]
             for d, p in zip(found.odds, adjusted(found.odds), strict=True)
-        ]  # fmt: skip
-        section.parts.append(Table(
-            "Odds ratios of success, by generalised estimating equations",
-            ["Levels", "Odds ratio", "95 % interval", "p", "p, Holm"], rows,
-            "Trials of one person are exchangeable; errors after Mancl and DeRouen.",
-        ))  # fmt: skip
+        ]
+        section.parts.append(
+            Table(
+                "Odds ratios of success, by generalised estimating equations",
+                ["Levels", "Odds ratio", "95 % interval", "p", "p, Holm"],
+                rows,
+                "Trials of one person are exchangeable; errors after Mancl and DeRouen.",
+            )
+        )
     return section
 
 
 def _share_pairs(name: str, some: Sequence[Successes]) -> Picture:
     titles = [d.pair.title for d in some]
     rows = [
-        [d.pair.title, words.percent(d.first.value), words.percent(d.second.value),
-         words.points(d.estimate.value),
-         words.interval(words.points(d.estimate.low), words.points(d.estimate.high)),
-         words.p_value(d.p), words.p_value(p)]
+        [
+            d.pair.title,
+            words.percent(d.first.value),
+            words.percent(d.second.value),
+            words.points(d.estimate.value),
+            words.interval(words.points(d.estimate.low), words.points(d.estimate.high)),
+            words.p_value(d.p),
+            words.p_value(p),
+        ]
         for d, p in zip(some, adjusted(some), strict=True)
-    ]  # fmt: skip
-    hundred = [Estimate(100 * d.estimate.value, 100 * d.estimate.low, 100 * d.estimate.high)
-               for d in some]  # fmt: skip
+    ]
+    hundred = [
+        Estimate(100 * d.estimate.value, 100 * d.estimate.low, 100 * d.estimate.high) for d in some
+    ]
     return Picture(
-        plots.forest(f"{name}-pairs", "Differences of shares with 95 % intervals",
-                     "percentage points (0: no difference)", titles, [hundred], ["shares"], 0.0),
+        plots.forest(
+            f"{name}-pairs",
+            "Differences of shares with 95 % intervals",
+            "percentage points (0: no difference)",
+            titles,
+            [hundred],
+            ["shares"],
+            0.0,
+        ),
         "How much more often (right of the line) or less often (left) trials with the first-named "
         "level succeed, with 95 % intervals.",
-        Table("Differences in shares of trials",
-              ["Levels", "second", "first", "Points", "95 % interval", "p", "p, Holm"],
-              [[r[0], r[2], r[1], *r[3:]] for r in rows],
-              "p is of a permutation test over people."),
-    )  # fmt: skip
+        Table(
+            "Differences in shares of trials",
+            ["Levels", "second", "first", "Points", "95 % interval", "p", "p, Holm"],
+            [[r[0], r[2], r[1], *r[3:]] for r in rows],
+            "p is of a permutation test over people.",
+        ),
+    )
 
 
 def asked_section(one: Modelled) -> Section:
@@ -187,13 +238,20 @@ def asked_sections(found: Analysis) -> list[Section]:
 def _pairs_table(what: Quantity, some: Sequence[Difference]) -> Table:
     show = words.change if what.scale == LOG else words.number
     rows = [
-        [d.pair.title, show(d.estimate.value),
-         words.interval(show(d.estimate.low), show(d.estimate.high)),
-         words.p_value(d.p), words.p_value(p)]
+        [
+            d.pair.title,
+            show(d.estimate.value),
+            words.interval(show(d.estimate.low), show(d.estimate.high)),
+            words.p_value(d.p),
+            words.p_value(p),
+        ]
         for d, p in zip(some, adjusted(some), strict=True)
-    ]  # fmt: skip
-    return Table("Differences, by the mixed model",
-                 ["Levels", "Difference", "95 % interval", "p", "p, Holm"], rows)  # fmt: skip
+    ]
+    return Table(
+        "Differences, by the mixed model",
+        ["Levels", "Difference", "95 % interval", "p", "p, Holm"],
+        rows,
+    )
 
 
 def means_picture(data: StudyData, one: Described, name: str) -> Picture:
@@ -214,16 +272,28 @@ def means_picture(data: StudyData, one: Described, name: str) -> Picture:
         return Estimate(hundred * e.value, hundred * e.low, hundred * e.high)
 
     values = {
-        places.get(s.name, ("", "all")): plots.Dot(hundred * s.mean.value, scaled(s.mean),
-                                                   scaled(s.within))
+        places.get(s.name, ("", "all")): plots.Dot(
+            hundred * s.mean.value, scaled(s.mean), scaled(s.within)
+        )
         for s in one.conditions
-    }  # fmt: skip
+    }
     label = f"{what.title} (% of trials)" if what.scale == SHARE else what.label
     limits = (-2.0, 102.0) if what.scale == SHARE else None
-    svg = plots.dots(f"{name}-means", f"{what.title} by condition", label, rows, series, values,
-                     what.scale == LOG, limits)  # fmt: skip
-    return Picture(svg, f"{what.title} by condition. {HOW_TO_READ}",
-                   means_table(data, one, f"{what.title} by condition and by level"))  # fmt: skip
+    svg = plots.dots(
+        f"{name}-means",
+        f"{what.title} by condition",
+        label,
+        rows,
+        series,
+        values,
+        what.scale == LOG,
+        limits,
+    )
+    return Picture(
+        svg,
+        f"{what.title} by condition. {HOW_TO_READ}",
+        means_table(data, one, f"{what.title} by condition and by level"),
+    )
 
 
 def means_table(data: StudyData, one: Described, caption: str) -> Table:
@@ -240,8 +310,10 @@ def means_table(data: StudyData, one: Described, caption: str) -> Table:
         rows.append([s.name, *_mean_cells(s, show), *extra])
     for factor, some in one.levels.items():
         if len(one.levels) > 1:
-            rows += [[f"{factor}: {s.name}", *_mean_cells(s, show), *([""] if timed else [])]
-                     for s in some]  # fmt: skip
+            rows += [
+                [f"{factor}: {s.name}", *_mean_cells(s, show), *([""] if timed else [])]
+                for s in some
+            ]
     unit = f", {what.unit}" if what.unit and what.scale != SHARE else ""
     head = ["Condition", "People", "Trials", f"Mean{unit}", "95 % interval", "for comparing"]
     note = (
@@ -254,9 +326,13 @@ def means_table(data: StudyData, one: Described, caption: str) -> Table:
 
 def _mean_cells(s: Summary, show: object) -> list[str]:
     assert callable(show)
-    return [str(s.people), str(s.trials), show(s.mean.value),
-            words.interval(show(s.mean.low), show(s.mean.high)),
-            words.interval(show(s.within.low), show(s.within.high))]  # fmt: skip
+    return [
+        str(s.people),
+        str(s.trials),
+        show(s.mean.value),
+        words.interval(show(s.mean.low), show(s.mean.high)),
+        words.interval(show(s.within.low), show(s.within.high)),
+    ]
 
 
 def _factor(e: Estimate) -> Estimate:

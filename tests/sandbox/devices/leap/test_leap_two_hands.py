@@ -138,8 +138,16 @@ def test_a_simulated_leap_is_as_noisy_and_forgetful_as_it_is_asked_to_be():
     noisy = asdict(LeapTrouble(3.0).applied(FROZEN_LEAP))
     changed = {name: value for name, value in noisy.items() if value != getattr(FROZEN_LEAP, name)}
     assert changed == {name: 3.0 * getattr(FROZEN_LEAP, name) for name in changed}
-    assert set(changed) == {"tip", "joint", "length_white", "length_slow", "direction",
-                            "palm_place", "palm_turn", "lost_rate"}  # fmt: skip
+    assert set(changed) == {
+        "tip",
+        "joint",
+        "length_white",
+        "length_slow",
+        "direction",
+        "palm_place",
+        "palm_turn",
+        "lost_rate",
+    }
 
 
 @pytest.mark.parametrize("wrong", ["v9", "noise", "noise=loud", "noise=nan", "lose=-1", "v1=2"])

@@ -12,9 +12,23 @@ from sandbox.study.tables.column import csv_bytes
 from tools.planted_study import COLUMNS, Truth, write_study
 
 SMALL = Truth(people=6, repetitions=2)
-FILES = {"report.html", "analysis.R", "trials.csv", "means.csv", "comparisons.csv", "models.csv",
-         "contrasts.csv", "people.csv", "order.csv", "learning.csv", "scores.csv",
-         "score_comparisons.csv", "exclusions.csv", "endings.csv", "codebook.csv"}  # fmt: skip
+FILES = {
+    "report.html",
+    "analysis.R",
+    "trials.csv",
+    "means.csv",
+    "comparisons.csv",
+    "models.csv",
+    "contrasts.csv",
+    "people.csv",
+    "order.csv",
+    "learning.csv",
+    "scores.csv",
+    "score_comparisons.csv",
+    "exclusions.csv",
+    "endings.csv",
+    "codebook.csv",
+}
 
 Rows = list[dict[str, Any]]
 
@@ -82,6 +96,12 @@ def report(folder: Path) -> Page:
 def hostile_names(rows: Rows) -> Rows:
     names = {"a": '<script>alert("1")</script>', "b": "_$x^, 'ü' \"q\"", "c": "=1"}
     people = {"P001": "12E345", "P002": "000123", "P003": "1"}
-    return [{**r, "factor_encoder": names[r["factor_encoder"]],
-             "ppid": people.get(r["ppid"], r["ppid"]), "experiment": "<b>&amp;"}
-            for r in rows]  # fmt: skip
+    return [
+        {
+            **r,
+            "factor_encoder": names[r["factor_encoder"]],
+            "ppid": people.get(r["ppid"], r["ppid"]),
+            "experiment": "<b>&amp;",
+        }
+        for r in rows
+    ]

@@ -150,8 +150,14 @@ def test_tables_open_in_pandas_as_they_are(plain: Path) -> None:
 
 def test_levels_stand_in_the_order_of_the_design(tmp_path: Path) -> None:
     planted(tmp_path)
-    book = [{"table": "trial_results.csv", "column": "factor_encoder", "unit": "",
-             "meaning": "level: c, a, b, never-used"}]  # fmt: skip
+    book = [
+        {
+            "table": "trial_results.csv",
+            "column": "factor_encoder",
+            "unit": "",
+            "meaning": "level: c, a, b, never-used",
+        }
+    ]
     (tmp_path / "codebook.csv").write_bytes(csv_bytes(book, tuple(book[0])))
     assert load_study(tmp_path).factor("encoder").levels == ("c", "a", "b")
 
@@ -178,12 +184,17 @@ def test_scores_of_questionnaires_are_compared_within_people(tmp_path: Path) -> 
     planted(tmp_path)
     rng = np.random.default_rng(5)
     rows = [
-        {"ppid": f"P{i:03d}", "instrument": "nasa-tlx", "scale": "raw", "factor_encoder": level,
-         "score": 50 + own + effect + rng.normal()}
+        {
+            "ppid": f"P{i:03d}",
+            "instrument": "nasa-tlx",
+            "scale": "raw",
+            "factor_encoder": level,
+            "score": 50 + own + effect + rng.normal(),
+        }
         for i in range(1, 7)
         for own in [20 * rng.normal()]
         for level, effect in (("a", 0.0), ("b", -10.0))
-    ]  # fmt: skip
+    ]
     (tmp_path / "questionnaire_scores.csv").write_bytes(csv_bytes(rows, tuple(rows[0])))
     page = report(tmp_path)
     assert "nasa-tlx: raw" in page.text
@@ -191,12 +202,15 @@ def test_scores_of_questionnaires_are_compared_within_people(tmp_path: Path) -> 
     assert float(pair["low"]) < -10.0 < float(pair["high"]) < -5.0
 
 
-@pytest.mark.parametrize(("text", "said"), [
-    (b"ppid,time_s\nA,1\n", "columns are missing"),
-    (b"", "not a table"),
-    (b"\xff\xfe\x00", "not a table"),
-    (b'a,b\n"', "not a table|columns are missing"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (b"ppid,time_s\nA,1\n", "columns are missing"),
+        (b"", "not a table"),
+        (b"\xff\xfe\x00", "not a table"),
+        (b'a,b\n"', "not a table|columns are missing"),
+    ],
+)
 def test_what_is_no_table_of_trials_is_refused_in_one_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], text: bytes, said: str
 ) -> None:

@@ -195,9 +195,10 @@ def test_leaving_out_what_did_not_succeed_hides_an_effect_and_the_censored_model
     rows, y = rows_with(data, quantity(data, "time_s"))
     model, whole = fit_mixed(data, rows, y), fit_censored(data)
     assert isinstance(model, Mixed) and isinstance(whole, Censored)
-    told = [next(d.estimate.value for d in some if (d.pair.first, d.pair.second) == ("a", "c"))
-            for some in (mixed_differences(data, rows, model),
-                         censored_differences(data, whole))]  # fmt: skip
+    told = [
+        next(d.estimate.value for d in some if (d.pair.first, d.pair.second) == ("a", "c"))
+        for some in (mixed_differences(data, rows, model), censored_differences(data, whole))
+    ]
     assert told[1] == pytest.approx(truth.log_ratio(0, 2), abs=0.08)
     assert told[0] > 0.75 * truth.log_ratio(0, 2)
 

@@ -80,15 +80,24 @@ def a_level_nobody_succeeds_with(rows: Rows) -> Rows:
 
 
 def a_person_without_success(rows: Rows) -> Rows:
-    return [{**r, **({"success": 0, "status": "failed"} if r["ppid"] == "P002" else {})}
-            for r in rows]  # fmt: skip
+    return [
+        {**r, **({"success": 0, "status": "failed"} if r["ppid"] == "P002" else {})} for r in rows
+    ]
 
 
 def one_success_of_a_level(rows: Rows) -> Rows:
     kept = next(i for i, r in enumerate(rows) if r["factor_encoder"] == "b" and r["success"] == "1")
-    return [{**r, **({"success": 0, "status": "timeout", "time_s": 20.0}
-                     if r["factor_encoder"] == "b" and i != kept else {})}
-            for i, r in enumerate(rows)]  # fmt: skip
+    return [
+        {
+            **r,
+            **(
+                {"success": 0, "status": "timeout", "time_s": 20.0}
+                if r["factor_encoder"] == "b" and i != kept
+                else {}
+            ),
+        }
+        for i, r in enumerate(rows)
+    ]
 
 
 def between_people(rows: Rows) -> Rows:
@@ -111,18 +120,38 @@ def a_later_attempt(rows: Rows) -> Rows:
     return [{**rows[0], "counted": 0}, {**rows[0], "attempt": 2}, *rows[1:]]
 
 
-@pytest.mark.parametrize("change", [
-    nobody_succeeds, everybody_succeeds, all_excluded, one_person, two_people, one_trial,
-    half_finished_with_a_person_without_success, only_practice, nothing, equal_times, time_zero,
-    times_missing, a_level_nobody_succeeds_with, one_success_of_a_level, between_people,
-    one_level_only, one_trial_of_each, nested_with_hostile_names_and_a_later_attempt,
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "change",
+    [
+        nobody_succeeds,
+        everybody_succeeds,
+        all_excluded,
+        one_person,
+        two_people,
+        one_trial,
+        half_finished_with_a_person_without_success,
+        only_practice,
+        nothing,
+        equal_times,
+        time_zero,
+        times_missing,
+        a_level_nobody_succeeds_with,
+        one_success_of_a_level,
+        between_people,
+        one_level_only,
+        one_trial_of_each,
+        nested_with_hostile_names_and_a_later_attempt,
+    ],
+)
 def test_of_any_study_there_is_a_report(tmp_path: Path, change: Callable[[Rows], Rows]) -> None:
     rows = change(planted(tmp_path))
     put(tmp_path, rows)
     page = report(tmp_path)
-    used = [r for r in rows if str(r["counted"]) == "1" and str(r["practice"]) != "1"
-            and str(r["excluded"]) != "1"]  # fmt: skip
+    used = [
+        r
+        for r in rows
+        if str(r["counted"]) == "1" and str(r["practice"]) != "1" and str(r["excluded"]) != "1"
+    ]
     assert f"Trials used {len(used)} " in page.text
     assert len(rows_of(tmp_path / "report" / "trials.csv")) == len(used)
     for name in FILES:

@@ -44,11 +44,21 @@ def result(step: TrialStep, seconds: float) -> TrialResult:
     """The result of a trial that took so long."""
     won = seconds < 6.0
     return TrialResult(
-        task="quick", task_version=1, encoder="linear", seed=step.seed, success=won, instant=won,
-        held=won, final=won, status=Status.HELD if won else Status.TIMEOUT, progress=float(won),
-        time_s=seconds, reason="" if won else "too far", state_hash="00",
+        task="quick",
+        task_version=1,
+        encoder="linear",
+        seed=step.seed,
+        success=won,
+        instant=won,
+        held=won,
+        final=won,
+        status=Status.HELD if won else Status.TIMEOUT,
+        progress=float(won),
+        time_s=seconds,
+        reason="" if won else "too far",
+        state_hash="00",
         measures={"first_contact_s": 0.25, "lost_s": 0.0},
-    )  # fmt: skip
+    )
 
 
 class Sessions:
@@ -87,9 +97,15 @@ class Sessions:
         step = session.state.next_step(session.steps)
         while step is not None and not isinstance(step, TrialStep):
             if isinstance(step, FormStep):
-                session.write("answers", step=step.id, form=step.form.name, block=step.block,
-                              levels=step.levels, seconds=1.0,
-                              answers={item.name: 3 for item in step.form.items})  # fmt: skip
+                session.write(
+                    "answers",
+                    step=step.id,
+                    form=step.form.name,
+                    block=step.block,
+                    levels=step.levels,
+                    seconds=1.0,
+                    answers={item.name: 3 for item in step.form.items},
+                )
             else:
                 session.write("step_done", step=step.id)
             step = session.state.next_step(session.steps)
@@ -99,8 +115,13 @@ class Sessions:
         recording = session.begin(step)
         recording.write_text("a recording\n")
         session.finish(step, result(step, seconds))
-        values = {"version": VERSION, "truth": "", "drops": 1, "move_amplitude_m": seconds,
-                  "move_error_m": seconds / 10.0}  # fmt: skip
+        values = {
+            "version": VERSION,
+            "truth": "",
+            "drops": 1,
+            "move_amplitude_m": seconds,
+            "move_error_m": seconds / 10.0,
+        }
         path = session.path / "trackers" / f"measures_{recording.stem}.json"
         path.write_text(json.dumps(values))
 
@@ -121,8 +142,17 @@ class Sessions:
             self.trial(session, number)
 
 
-ACTIONS = ("trial", "trial", "trial", "new", "exclude_trial", "exclude_person", "repeat", "finish",
-           "withdraw")  # fmt: skip
+ACTIONS = (
+    "trial",
+    "trial",
+    "trial",
+    "new",
+    "exclude_trial",
+    "exclude_person",
+    "repeat",
+    "finish",
+    "withdraw",
+)
 Steps = st.lists(
     st.tuples(st.sampled_from(ACTIONS), st.integers(0, 3), st.sampled_from([1.5, 2.5, 4.5, 7.0])),
     min_size=1,
@@ -138,10 +168,28 @@ def written(folder: Path) -> dict[str, bytes]:
     }
 
 
-@example([("new", 0, 1.5), ("new", 0, 1.5), ("trial", 0, 1.5), ("trial", 1, 2.5), ("trial", 0, 7.0),
-          ("withdraw", 0, 1.5), ("trial", 0, 1.5)])  # fmt: skip
-@example([("new", 0, 1.5), ("finish", 0, 2.5), ("finish", 0, 4.5), ("exclude_trial", 0, 1.5),
-          ("repeat", 0, 1.5), ("trial", 0, 1.5), ("exclude_person", 0, 1.5)])  # fmt: skip
+@example(
+    [
+        ("new", 0, 1.5),
+        ("new", 0, 1.5),
+        ("trial", 0, 1.5),
+        ("trial", 1, 2.5),
+        ("trial", 0, 7.0),
+        ("withdraw", 0, 1.5),
+        ("trial", 0, 1.5),
+    ]
+)
+@example(
+    [
+        ("new", 0, 1.5),
+        ("finish", 0, 2.5),
+        ("finish", 0, 4.5),
+        ("exclude_trial", 0, 1.5),
+        ("repeat", 0, 1.5),
+        ("trial", 0, 1.5),
+        ("exclude_person", 0, 1.5),
+    ]
+)
 @settings(max_examples=12, deadline=None, suppress_health_check=list(HealthCheck))
 @given(Steps)
 def test_tables_after_any_order_of_steps_are_those_made_whole_from_the_journals(

@@ -1,0 +1,1 @@
+"""Array types, and arithmetic whose result is the same on every machine."""
