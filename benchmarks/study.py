@@ -36,10 +36,10 @@ from sandbox.study.tables.tables import rebuild_session, rebuild_study
 from sandbox.trial.assembly import build
 from sandbox.trial.device_makers import DeviceMaker
 from sandbox.trial.driver import trial_header, undisturbed
-from sandbox.trial.keeping import Keeping
 from sandbox.trial.pacing import RealTime
 from sandbox.trial.replay import replay, settings_of
 from sandbox.trial.settings import RunSettings
+from sandbox.trial.trial_recorder import TrialRecorder
 from tasks.user import UserConfiguration
 
 DESIGN = Path(__file__).resolve().parent.parent / "examples" / "study" / "design.toml"
@@ -100,8 +100,8 @@ def logging(folder: Path, seconds: float) -> None:
     for seed, (_, clock, paced) in enumerate(CASES, start=3):
         costs.append([])
         record = folder / f"trial{seed}.jsonl"
-        keeping = Keeping(trial_header(settings, {}), record)
-        timed, table = Timed(keeping.recorder, clock), FrameTable()
+        trial_recorder = TrialRecorder(trial_header(settings, {}), record)
+        timed, table = Timed(trial_recorder.recorder, clock), FrameTable()
         session = build(settings, (_user_of(user, seed),), timed)
         table.watch(session)
         device: Any = session.rigs[0].device
@@ -118,8 +118,8 @@ def logging(folder: Path, seconds: float) -> None:
                 pace.wait(snapshot.time)
         syncing.close()
         simulated += session.time
-        result = keeping.end(session)
-        keeping.close()
+        result = trial_recorder.end(session)
+        trial_recorder.close()
         began = time.perf_counter()
         table.write(folder, record.stem, result)
         writing.append(time.perf_counter() - began)
@@ -157,12 +157,12 @@ def difference(folder: Path, rounds: int = 5) -> None:
     found: dict[bool, list[float]] = {False: [], True: []}
     for n in range(2 * rounds):
         logged = n % 2 == 1
-        keeping = Keeping(trial_header(settings, {}), folder / f"again{n}.jsonl")
+        trial_recorder = TrialRecorder(trial_header(settings, {}), folder / f"again{n}.jsonl")
         table = FrameTable()
         session = build(
             settings,
             (lambda task, surface: RecordedDevice(recording),),
-            keeping.recorder if logged else None,
+            trial_recorder.recorder if logged else None,
         )
         table.watch(session)
         began, steps = time.thread_time(), 0
@@ -173,7 +173,7 @@ def difference(folder: Path, rounds: int = 5) -> None:
                 if logged:
                     table.show(snapshot)
         found[logged].append((time.thread_time() - began) / steps)
-        keeping.close()
+        trial_recorder.close()
     without, with_ = (1e6 * float(np.median(found[logged])) for logged in (False, True))
     print(
         f"a control period takes {without:.0f} microseconds of processor time without logging, "
@@ -188,12 +188,12 @@ def replaying(folder: Path) -> None:
     for task in ("box-to-goal", "stack", "wrench-turn"):
         record = folder / f"{task}.jsonl"
         settings = RunSettings(task=task, seed=3)
-        keeping = Keeping(trial_header(settings, {}), record)
-        session = build(settings, (_user_of(user, 3),), keeping.recorder)
+        trial_recorder = TrialRecorder(trial_header(settings, {}), record)
+        session = build(settings, (_user_of(user, 3),), trial_recorder.recorder)
         while not session.over:
             look(session)
-        keeping.end(session)
-        keeping.close()
+        trial_recorder.end(session)
+        trial_recorder.close()
         told = []
         for _ in range(3):
             began, worked = time.perf_counter(), time.process_time()

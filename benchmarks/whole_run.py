@@ -126,12 +126,12 @@ def whole_trial(seed: int, fingers: int) -> tuple[float, float, float]:
 def parts_of_trial(seed: int, fingers: int) -> dict[str, float]:
     """Processor s of every part in one control step, on average over a trial."""
     from sandbox.options.scene_options import SceneOptions, plan
-    from sandbox.recording.dump import BlackBox
+    from sandbox.recording.dump import DivergenceRecorder
     from sandbox.trial.assembly import build
     from sandbox.trial.driver import Trial
 
     chosen = plan(SceneOptions(seed=seed, fingers=fingers))
-    box = BlackBox({})
+    box = DivergenceRecorder({})
     session: Any = build(chosen.settings, chosen.makers, box)
     rig: Any = session.rigs[0]
     hand = getattr(rig.reconstructor, "trained", rig.reconstructor)
@@ -146,7 +146,7 @@ def parts_of_trial(seed: int, fingers: int) -> dict[str, float]:
         (hand.model.encoder, "predict", "encoder"),
         (hand._correction, "correct", "fingertip correction"),
         (rig.yaw, "step", "watching for turned hands"),
-        (session._solidity[0], "update", "solid fingers"),
+        (session._gates[0], "update", "solid fingers"),
         (type(session.task), "measure", "score"),
         (session.scorer, "update", "score"),
         (session, "_chain", "state hash"),

@@ -85,7 +85,7 @@ _UNIT = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
-class SeenFinger:
+class TrackedFinger:
     """A finger as a 3-D device sees it, in the frame of its `HandFrame`.
 
     Attributes:
@@ -124,7 +124,7 @@ class SeenFinger:
 
 
 @dataclass(frozen=True, slots=True)
-class SeenHand:
+class TrackedHand:
     """A hand as a 3-D device sees it, in the frame of its `HandFrame`.
 
     Attributes:
@@ -144,7 +144,7 @@ class SeenHand:
     palm: Vector
     normal: Vector
     direction: Vector
-    fingers: tuple[SeenFinger, ...] = ()
+    fingers: tuple[TrackedFinger, ...] = ()
     side: str | None = None
     confidence: float = 1.0
     sphere_radius: float | None = None
@@ -183,7 +183,7 @@ class HandFrame:
     """
 
     time: float
-    hands: tuple[SeenHand, ...] = ()
+    hands: tuple[TrackedHand, ...] = ()
     source: str = ""
 
     def __post_init__(self) -> None:

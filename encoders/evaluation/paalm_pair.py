@@ -9,16 +9,16 @@ import numpy as np
 
 from encoders.paalm.paalm import Paalm
 from encoders.paalm.simulated.forward import LeapTake
-from models.frames import HandFrame, SeenFinger, SeenHand, Vector
+from models.frames import HandFrame, TrackedFinger, TrackedHand, Vector
 
 
-def moved(hand: SeenHand, by: Vector) -> SeenHand:
+def moved(hand: TrackedHand, by: Vector) -> TrackedHand:
     """The hand shifted by `by`, m."""
 
     def shift(v: Vector) -> Vector:
         return v[0] + by[0], v[1] + by[1], v[2] + by[2]
 
-    def finger(f: SeenFinger) -> SeenFinger:
+    def finger(f: TrackedFinger) -> TrackedFinger:
         if f.joints is None:
             return replace(f, tip=shift(f.tip))
         a, b, c, d = (shift(j) for j in f.joints)

@@ -14,7 +14,7 @@ from encoders.paalm.palm import palm_of
 from encoders.paalm.simulated.forward import LeapTake
 from models.arithmetic.arrays import Array
 from models.errors import EncoderError
-from models.frames import FINGERS, HandFrame, SeenFinger, SeenHand
+from models.frames import FINGERS, HandFrame, TrackedFinger, TrackedHand
 
 SAME = 0.1
 """Degrees. If PIP and DIP differ by less on average, they are equal by construction, as in Leap v2,
@@ -65,7 +65,7 @@ def as_first_software(take: LeapTake, seed: int = 0) -> LeapTake:
     frames, names = [], []
     for frame, held in zip(take.frames, take.open, strict=True):
         hand = frame.hands[0]
-        shown: list[SeenFinger] = []
+        shown: list[TrackedFinger] = []
         for finger in hand.fingers:
             name = int(finger.finger or 0)
             if finger.extended is False and not held:
@@ -73,7 +73,9 @@ def as_first_software(take: LeapTake, seed: int = 0) -> LeapTake:
                 continue
             if current[name] < 0:
                 current[name], fresh = fresh, fresh + 1
-            shown.append(SeenFinger(current[name], finger.tip, pointing(finger), measure(finger)))
+            shown.append(
+                TrackedFinger(current[name], finger.tip, pointing(finger), measure(finger))
+            )
         order = rng.permutation(len(shown)).tolist()
         shown = [shown[i] for i in order]
         frames.append(replace(frame, hands=(replace(hand, fingers=tuple(shown)),)))
@@ -81,7 +83,7 @@ def as_first_software(take: LeapTake, seed: int = 0) -> LeapTake:
     return replace(take, frames=tuple(frames), fingers=tuple(names), dialect="v1")
 
 
-def _whole(hand: SeenHand) -> bool:
+def _whole(hand: TrackedHand) -> bool:
     return len(hand.fingers) == len(FINGERS) and all(
         f.joints is not None and f.finger is not None for f in hand.fingers
     )

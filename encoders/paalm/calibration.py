@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from encoders.paalm.palm import palm_of
 from models.arithmetic.arrays import Array
 from models.errors import EncoderError
-from models.frames import FINGERS, SeenFinger, SeenHand
+from models.frames import FINGERS, TrackedFinger, TrackedHand
 
 PAPER_FRAMES = 1000
 
@@ -65,7 +65,7 @@ class HandCalibration:
 
 
 def calibrated(
-    samples: Iterable[tuple[float, SeenHand | None]], side: str, wanted: int = PAPER_FRAMES
+    samples: Iterable[tuple[float, TrackedHand | None]], side: str, wanted: int = PAPER_FRAMES
 ) -> HandCalibration:
     """Calibrates one hand.
 
@@ -121,18 +121,18 @@ def calibrated(
     return result
 
 
-def in_order(hand: SeenHand, side: str) -> list[SeenFinger]:
+def in_order(hand: TrackedHand, side: str) -> list[TrackedFinger]:
     """The fingers from thumb to little finger, by the device's labels or else by x as in the paper.
 
     The device's x increases from the thumb on, for a right hand whose palm faces down.
     """
-    named: dict[int, SeenFinger] = {f.finger: f for f in hand.fingers if f.finger is not None}
+    named: dict[int, TrackedFinger] = {f.finger: f for f in hand.fingers if f.finger is not None}
     if len(named) == len(hand.fingers):
         return [named[i] for i in sorted(named)]
     return sorted(hand.fingers, key=lambda f: f.tip[0], reverse=side == "left")
 
 
-def measure(finger: SeenFinger) -> float:
+def measure(finger: TrackedFinger) -> float:
     """The finger's length in m for PAALM, which decreases as the finger bends."""
     if finger.joints is None:
         return finger.length
@@ -140,7 +140,7 @@ def measure(finger: SeenFinger) -> float:
     return float(np.sqrt((a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2 + (a[2] - b[2]) ** 2))
 
 
-def pointing(finger: SeenFinger) -> tuple[float, float, float]:
+def pointing(finger: TrackedFinger) -> tuple[float, float, float]:
     """The direction of the length that `measure` returns."""
     if finger.joints is None:
         return finger.direction

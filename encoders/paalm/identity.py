@@ -18,7 +18,7 @@ import numpy as np
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.palm import Palm
 from models.arithmetic.arrays import Array
-from models.frames import FINGERS, SeenFinger, Vector
+from models.frames import FINGERS, TrackedFinger, Vector
 
 _FIVE = len(FINGERS)
 _ASSIGNMENTS = [
@@ -48,7 +48,7 @@ _CAP = 30.0
 """Limit of each piece of evidence, so that none decides alone."""
 
 
-def paper_order(fingers: Sequence[SeenFinger], side: str) -> list[int]:
+def paper_order(fingers: Sequence[TrackedFinger], side: str) -> list[int]:
     """The paper's labels: rank by the device's x among the visible fingers."""
     order = sorted(range(len(fingers)), key=lambda i: fingers[i].tip[0], reverse=side == "left")
     names = [0] * len(fingers)
@@ -79,7 +79,7 @@ class TrackedIdentity:
         self._seen_at = [-np.inf] * _FIVE
         self._ids: list[int | None] = [None] * _FIVE
 
-    def names(self, fingers: Sequence[SeenFinger], palm: Palm, time: float) -> list[int]:
+    def names(self, fingers: Sequence[TrackedFinger], palm: Palm, time: float) -> list[int]:
         """Labels, 0 to 4, of the visible fingers, at most five."""
         if not fingers:
             return []
@@ -101,7 +101,7 @@ class TrackedIdentity:
         return best
 
     def _unchanged(
-        self, fingers: Sequence[SeenFinger], places: list[Vector], time: float
+        self, fingers: Sequence[TrackedFinger], places: list[Vector], time: float
     ) -> list[int] | None:
         """The previous labels, if ids and positions give no reason to evaluate them again; else
         None."""
@@ -116,7 +116,9 @@ class TrackedIdentity:
             self._seen_at[name] = time
         return names
 
-    def _costs(self, fingers: Sequence[SeenFinger], tips: Array, palm: Palm, time: float) -> Array:
+    def _costs(
+        self, fingers: Sequence[TrackedFinger], tips: Array, palm: Palm, time: float
+    ) -> Array:
         """Half-squared deviations (k, 5) of every finger from every label."""
         lines = np.array([palm.turn(f.direction) for f in fingers])
         lengths = np.array([f.length for f in fingers])

@@ -32,7 +32,7 @@ from encoders.paalm.sides import HandSides
 from encoders.paalm.trembling import Trembling
 from models.arithmetic.arrays import Array
 from models.errors import EncoderError
-from models.frames import FINGERS, HandFrame, SeenHand, Vector
+from models.frames import FINGERS, HandFrame, TrackedHand, Vector
 
 _FIST = 90.0
 """Degrees, least PIP of a finger that folded out of sight."""
@@ -135,7 +135,7 @@ class Paalm:
         if wanted < 1:
             raise EncoderError("nothing to measure", got=wanted, expected="1 frame or more")
         chooser = HandSides(sides)
-        samples: dict[str, list[tuple[float, SeenHand | None]]] = {s: [] for s in sides}
+        samples: dict[str, list[tuple[float, TrackedHand | None]]] = {s: [] for s in sides}
         counts = dict.fromkeys(sides, 0)
         for frame in frames:
             chosen = {} if _stacked(frame) else chooser.choose(frame)
@@ -231,7 +231,7 @@ class _Hand:
             return None
         return self._result(self._palm, dict.fromkeys(FINGERS), False)
 
-    def step(self, hand: SeenHand, time: float, dt: float) -> PaalmHand:
+    def step(self, hand: TrackedHand, time: float, dt: float) -> PaalmHand:
         side, options = self._calibration.side, self._options
         palm = palm_of(hand, side)
         fingers = hand.fingers

@@ -8,7 +8,7 @@ from math import hypot, sqrt
 import numpy as np
 
 from models.arithmetic.arrays import Array
-from models.frames import SeenHand, Vector
+from models.frames import TrackedHand, Vector
 
 STACKED = 0.10
 """m, distance of two palms' centres, seen from above, below which they are on top of each other: a
@@ -59,7 +59,7 @@ class Palm:
         return np.array([self.across, self.forward, self.dorsal]).T
 
 
-def palm_of(hand: SeenHand, side: str) -> Palm:
+def palm_of(hand: TrackedHand, side: str) -> Palm:
     """The frame of a seen hand; its direction is made exactly perpendicular to its normal."""
     nx, ny, nz = hand.normal
     dx, dy, dz = hand.direction
@@ -75,6 +75,6 @@ def palm_of(hand: SeenHand, side: str) -> Palm:
     return Palm(hand.palm, (ax, ay, az), (fx, fy, fz), (ux, uy, uz))
 
 
-def stacked(a: SeenHand, b: SeenHand) -> bool:
+def stacked(a: TrackedHand, b: TrackedHand) -> bool:
     """True if one hand is above the other, so that the device cannot tell their fingers apart."""
     return hypot(a.palm[0] - b.palm[0], a.palm[1] - b.palm[1]) < STACKED

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import dist
 
-from models.frames import HandFrame, SeenHand, Vector
+from models.frames import HandFrame, TrackedHand, Vector
 
 _FAR = 0.30
 """m, distance from a hand's last place beyond which a new hand does not take over its side while
@@ -30,9 +30,9 @@ class HandSides:
         self._ids: dict[str, int] = {}
         self._places: dict[str, Vector] = {}
 
-    def choose(self, frame: HandFrame) -> dict[str, SeenHand]:
+    def choose(self, frame: HandFrame) -> dict[str, TrackedHand]:
         """The wanted hands that are visible, by side."""
-        chosen: dict[str, SeenHand] = {}
+        chosen: dict[str, TrackedHand] = {}
         for hand in frame.hands:
             if hand.side in self.sides:
                 # The more certain one, if a device reports the same side for two hands.
@@ -57,7 +57,7 @@ class HandSides:
         return chosen
 
     def _nearest(
-        self, chosen: dict[str, SeenHand], unknown: list[SeenHand], free: list[str]
+        self, chosen: dict[str, TrackedHand], unknown: list[TrackedHand], free: list[str]
     ) -> None:
         # Without a past, the right hand is the one farther right.
         guess = {"right": (0.12, 0.0, 0.2), "left": (-0.12, 0.0, 0.2)}

@@ -28,7 +28,7 @@ from models.rotations import quaternion_exp
 from models.skeleton import ADULT
 from sandbox.recording.recording import is_recording, load_recording, read_header
 from sandbox.recording.recording_file import GZIP, first_line, stored
-from sandbox.session.track import Track, read_line
+from sandbox.session.pose_track import PoseTrack, read_track_line
 from sandbox.trial.settings import RunSettings
 
 if TYPE_CHECKING:
@@ -217,8 +217,8 @@ def _tracks(path: Path) -> Iterator[tuple[Array, Array, str]]:
             ended = begins.startswith(b'{"kind":"end"') and text.endswith(b"\n")
             if not begins.startswith(b'{"kind":"track"'):
                 continue
-            any_track, track = True, Track()
-            read_line(json.loads(text), track)
+            any_track, track = True, PoseTrack()
+            read_track_line(json.loads(text), track)
             steps = sorted(track.qpos)
             yield np.array(steps, float), np.array([track.qpos[s] for s in steps]), ""
         if any_track and not ended:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.session.closing import Closing
+from sandbox.session.closeable import Closeable
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.views.overlay import Words
@@ -15,7 +15,7 @@ PICTURE_RATE = 15.0
 """Pictures per second of simulated time, as in a film."""
 
 
-class PictureView(Closing):
+class PictureView(Closeable):
     """A view of a session that draws pictures at an even rate and keeps them.
 
     Args:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from models.errors import RecordingError
 from sandbox.recording.recording import (
-    LaterLine,
+    DeferredLine,
     Line,
     RecordingLines,
     RecordingWriter,
@@ -31,7 +31,7 @@ MOST_DUMPS = 1000
 """Of one trial in one folder."""
 
 
-class BlackBox(RecordingLines):
+class DivergenceRecorder(RecordingLines):
     """Remembers a session, and passes everything on to a recording where there is one.
 
     Args:
@@ -42,7 +42,7 @@ class BlackBox(RecordingLines):
     def __init__(self, header: dict[str, Any], recording: RecordingWriter | None = None) -> None:
         super().__init__()
         self._header, self._recording = header, recording
-        self._lines: list[Line | LaterLine] = []
+        self._lines: list[Line | DeferredLine] = []
         # The last control states, one to a row, round and round, and which they are.
         self._last = np.empty((0, 0))
         self._told: list[tuple[int, str]] = []
@@ -82,7 +82,7 @@ class BlackBox(RecordingLines):
         dense = {s for _, (s, _) in told}
         # In this order the file tells the same story twice: what came in, then how it ended.
         for kept in self._lines:
-            line = kept.line() if isinstance(kept, LaterLine) else kept
+            line = kept.line() if isinstance(kept, DeferredLine) else kept
             if not (line["kind"] == "keyframe" and line["step"] in dense) and line["kind"] != "end":
                 writer.put(line)
         for i, (s, state_hash) in told:
@@ -92,7 +92,7 @@ class BlackBox(RecordingLines):
         writer.close()
         return path
 
-    def _put(self, line: Line | LaterLine) -> None:
+    def _put(self, line: Line | DeferredLine) -> None:
         self._lines.append(line)
         if self._recording:
             self._recording.put(line)

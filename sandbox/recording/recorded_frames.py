@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from models.frames import Contact, Frame, HandFrame, SeenFinger, SeenHand, TouchFrame, Vector
+from models.frames import Contact, Frame, HandFrame, TouchFrame, TrackedFinger, TrackedHand, Vector
 
 
 def frame_to_json(frame: Frame) -> dict[str, Any]:
@@ -39,7 +39,7 @@ def frame_from_json(line: dict[str, Any]) -> Frame:
     )
 
 
-def _hand(hand: SeenHand) -> dict[str, Any]:
+def _hand(hand: TrackedHand) -> dict[str, Any]:
     found: dict[str, Any] = {
         "id": hand.id,
         "palm": hand.palm,
@@ -58,19 +58,19 @@ def _hand(hand: SeenHand) -> dict[str, Any]:
     return found
 
 
-def _read_hand(found: dict[str, Any]) -> SeenHand:
+def _read_hand(found: dict[str, Any]) -> TrackedHand:
     fingers = []
     for id_, tip, direction, length, finger, joints, extended in found["fingers"]:
         if joints is not None:
             mcp, pip, dip, end = map(_vector, joints)
             joints = (mcp, pip, dip, end)
         fingers.append(
-            SeenFinger(
+            TrackedFinger(
                 int(id_), _vector(tip), _vector(direction), float(length), finger, joints, extended
             )
         )
     wrist, radius = found.get("wrist"), found.get("sphere_radius")
-    return SeenHand(
+    return TrackedHand(
         int(found["id"]),
         _vector(found["palm"]),
         _vector(found["normal"]),

@@ -29,7 +29,7 @@ from models.scene import CONTROL_PERIOD
 from sandbox.recording.recorded_frames import frame_from_json, frame_to_json
 from sandbox.recording.recording_file import first_line, read_stored
 from sandbox.recording.upgrade import upgraded
-from sandbox.session.track import Track, TrackWriter, read_line
+from sandbox.session.pose_track import PoseTrack, PoseTrackWriter, read_track_line
 
 SCHEMA = 1
 """Version of the file's layout."""
@@ -44,7 +44,7 @@ LOOK = 0.01
 Line = dict[str, Any]
 
 
-class LaterLine:
+class DeferredLine:
     """A line that is made by whoever needs it first: not by the session's loop, which only keeps
     what it is made of.
 
@@ -76,12 +76,12 @@ class RecordingLines(ABC):
     """Makes the lines of a recording from what a session tells; who inherits keeps them."""
 
     def __init__(self) -> None:
-        self._track = TrackWriter()
+        self._track = PoseTrackWriter()
         self._states = 0
 
     def input(self, step: int, hand: int, frame: Frame, state_hash: str) -> None:
         """A frame that takes effect at a physics step, and the state's hash before it."""
-        self._put(LaterLine(input_line, step, hand, frame, state_hash))
+        self._put(DeferredLine(input_line, step, hand, frame, state_hash))
 
     def event(self, step: int, what: str, **details: Any) -> None:
         """Something else that takes effect, or has happened, at a physics step."""
@@ -104,7 +104,7 @@ class RecordingLines(ABC):
 
     def keyframe(self, step: int, state: NDArray[np.float64], state_hash: str) -> None:
         """The integration state at a physics step."""
-        self._put(LaterLine(keyframe_line, step, state.copy(), state_hash))
+        self._put(DeferredLine(keyframe_line, step, state.copy(), state_hash))
 
     def end(self, step: int, result: dict[str, Any]) -> None:
         """The trial's end and result."""
@@ -114,10 +114,10 @@ class RecordingLines(ABC):
     def _put_track(self) -> None:
         make = self._track.take()
         if make:
-            self._put(LaterLine(make))
+            self._put(DeferredLine(make))
 
     @abstractmethod
-    def _put(self, line: Line | LaterLine) -> None:
+    def _put(self, line: Line | DeferredLine) -> None:
         """Keeps a line."""
 
 
@@ -166,13 +166,13 @@ class RecordingWriter(RecordingLines):
         self._start()
         self._put({"kind": "header", "schema": SCHEMA, **header})
 
-    def put(self, line: Line | LaterLine) -> None:
+    def put(self, line: Line | DeferredLine) -> None:
         """A line that was made elsewhere."""
         self._waiting.append(line)
 
     def _start(self) -> None:
         # A deque takes a line without waking anybody, which costs more than all else here.
-        self._waiting: deque[Line | LaterLine] = deque()
+        self._waiting: deque[Line | DeferredLine] = deque()
         self._ending = threading.Event()
         self._error: Exception | None = None
         self._thread = threading.Thread(target=self._write, name="recording", daemon=True)
@@ -203,7 +203,7 @@ class RecordingWriter(RecordingLines):
                 expected="events and results that JSON knows, such as float(x) of NumPy's numbers",
             )
 
-    def _put(self, line: Line | LaterLine) -> None:
+    def _put(self, line: Line | DeferredLine) -> None:
         self._waiting.append(line)
 
     def _write(self) -> None:
@@ -214,11 +214,11 @@ class RecordingWriter(RecordingLines):
             while self._waiting:
                 self._write_line(self._waiting.popleft())
 
-    def _write_line(self, line: Line | LaterLine) -> None:
+    def _write_line(self, line: Line | DeferredLine) -> None:
         if self._error is not None:
             return
         try:
-            told = line.line() if isinstance(line, LaterLine) else line
+            told = line.line() if isinstance(line, DeferredLine) else line
             data = json.dumps(told, separators=(",", ":")).encode() + b"\n"
             while data:
                 data = data[self._file.write(data) :]
@@ -267,7 +267,7 @@ class Recording:
     keyframes: dict[int, NDArray[np.float64]] = field(default_factory=dict)
     events: list[RecordedEvent] = field(default_factory=list)
     hashes: dict[int, str] = field(default_factory=dict)
-    track: Track = field(default_factory=Track)
+    track: PoseTrack = field(default_factory=PoseTrack)
     end: dict[str, Any] | None = None
     damage: str = ""
 
@@ -375,4 +375,4 @@ def _take(line: Line, found: Recording) -> None:
         details = {name: value for name, value in line.items() if name not in known}
         found.events.append(RecordedEvent(int(line["step"]), str(line["event"]), details))
     elif kind == "track":
-        read_line(line, found.track)
+        read_track_line(line, found.track)

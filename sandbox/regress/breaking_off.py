@@ -6,10 +6,10 @@ import signal
 import threading
 from types import FrameType
 
-from sandbox.session.closing import Closing
+from sandbox.session.closeable import Closeable
 
 
-class BreakOff(Closing):
+class BreakOff(Closeable):
     """In its `with` block the first Ctrl-C only sets a flag that workers check; the second one
     interrupts.
 

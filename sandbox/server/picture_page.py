@@ -14,7 +14,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from PIL import Image
 
 from models.errors import DeviceError
-from sandbox.session.closing import Closing
+from sandbox.session.closeable import Closeable
 
 _BOUNDARY = "picture"
 _HOSTS = ("127.0.0.1", "localhost")
@@ -29,7 +29,7 @@ body{{display:grid;place-items:center}}img{{max-width:100%;max-height:100vh}}</s
 """
 
 
-class PicturePage(Closing):
+class PicturePage(Closeable):
     """Serves the newest picture to every browser that asks.
 
     Args:

@@ -27,7 +27,7 @@ _WARNINGS = {
 """What MuJoCo notices by itself; it also calls numbers beyond 1e10 not finite."""
 
 
-def nonsense_commanded(data: mujoco.MjData) -> str:
+def command_error(data: mujoco.MjData) -> str:
     """Error in the commanded pose, in words; empty if it is valid."""
     ctrl = data.ctrl
     if isfinite(ctrl.dot(ctrl)) or np.all(np.isfinite(ctrl)):
@@ -35,7 +35,7 @@ def nonsense_commanded(data: mujoco.MjData) -> str:
     return "the commanded pose is not finite"
 
 
-def nonsense(scene: Scene, data: mujoco.MjData) -> str:
+def state_error(scene: Scene, data: mujoco.MjData) -> str:
     """Error in the state of a simulation, in words; empty if it is valid."""
     # Nearly always nothing is, which a few sums tell: whatever is not finite makes one of them so,
     # and nothing is fast where no joint is.

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 KEPT = 100_000
-"""Newest values that are kept of each kind: half an hour at 60 Hz."""
+"""LatestFrame values that are kept of each kind: half an hour at 60 Hz."""
 
 
 @dataclass(frozen=True)

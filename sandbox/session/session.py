@@ -25,14 +25,14 @@ from models.frames import Frame, TouchFrame
 from models.scene import Scene, SceneSpec, StillPoses
 from models.scene_hand import SceneHand
 from models.surface import Surface, enclosing
+from sandbox.session.collision_gating import CollisionGate, CollisionGatingRules
 from sandbox.session.contact_modes import ContactMode, ContactModes, contact_mode
 from sandbox.session.device import AnyDevice
-from sandbox.session.divergence import nonsense, nonsense_commanded
+from sandbox.session.divergence import command_error, state_error
+from sandbox.session.latest_frame import LatestFrame
 from sandbox.session.messages import ContactView, HandView, ObjectView, Snapshot
-from sandbox.session.newest import Newest
+from sandbox.session.pose_track import bits
 from sandbox.session.respawn import Respawn
-from sandbox.session.solidity import Solidity, SolidityRules
-from sandbox.session.track import bits
 from tasks.checks import measure
 from tasks.goals import place
 from tasks.score import Scorer, Status
@@ -63,7 +63,7 @@ class Rig:
     reconstructor: Reconstructor | HandFrameReconstructor
     hand: SceneHand
     yaw: YawWatch | None = None
-    rules: SolidityRules | None = None
+    rules: CollisionGatingRules | None = None
 
 
 class Recorder(Protocol):
@@ -109,27 +109,27 @@ class Session:
         self,
         task: Task,
         rigs: Sequence[Rig],
-        rules: SolidityRules | None = None,
+        rules: CollisionGatingRules | None = None,
         timestep: float = 0.002,
         recorder: Recorder | None = None,
         contact: str = ContactMode.HARD,
         friction: float = 1.0,
     ) -> None:
         self.task, self.rigs = task, tuple(rigs)
-        rules = rules or SolidityRules()
+        rules = rules or CollisionGatingRules()
         hands = tuple(rig.hand for rig in rigs)
         self.scene = Scene(SceneSpec(hands, task.objects, task.table_friction, timestep))
         self.scene.model.geom_friction[:, 0] *= friction
         self.data = mujoco.MjData(self.scene.model)
-        self._solidity = [Solidity(self.scene, i, r.rules or rules) for i, r in enumerate(rigs)]
+        self._gates = [CollisionGate(self.scene, i, r.rules or rules) for i, r in enumerate(rigs)]
         surfaces = [rig.reconstructor.surface for rig in rigs]
-        self._hands = [(s.tips, on) for s, on in zip(self._solidity, surfaces, strict=True)]
+        self._hands = [(s.tips, on) for s, on in zip(self._gates, surfaces, strict=True)]
         self._contact = ContactModes(self.scene, contact_mode(contact))
         self._asked: ContactMode | None = None
         self._respawn = Respawn(self.scene, surfaces)
         self._back: tuple[float, str] = (-np.inf, "")
         self.diverged = ""
-        self._newest = [Newest(rig.reconstructor.empty) for rig in rigs]
+        self._newest = [LatestFrame(rig.reconstructor.empty) for rig in rigs]
         self._recorder = recorder
         self.step = 0
         self._begin()
@@ -183,7 +183,7 @@ class Session:
 
     def solid(self, hand: int) -> frozenset[int]:
         """Labels of a hand's fingers that can touch things now."""
-        return self._solidity[hand].fingers
+        return self._gates[hand].fingers
 
     def heard(self, hand: int) -> Frame:
         """The newest frame of a hand's device, stamped with session time."""
@@ -196,7 +196,7 @@ class Session:
 
     def tips(self, hand: int, data: mujoco.MjData) -> Array:
         """(5, 3) m, fingertips of a hand in a state of this session's model."""
-        return self._solidity[hand].tips(data)
+        return self._gates[hand].tips(data)
 
     def set_contact(self, mode: str) -> None:
         """Asks for another contact mode, from any thread; it takes effect with the next step.
@@ -221,10 +221,10 @@ class Session:
         self._switch()
         self.reconstructions = [self._command(i) for i in range(len(self.rigs))]
         # The state has been looked at when the last period ended.
-        wrong = nonsense_commanded(self.data)
+        wrong = command_error(self.data)
         if not wrong:
             mujoco.mj_step(self.scene.model, self.data, self.scene.substeps)
-            wrong = nonsense(self.scene, self.data)
+            wrong = state_error(self.scene, self.data)
         self.step += self.scene.substeps
         if not wrong:
             self._bring_back()
@@ -247,7 +247,7 @@ class Session:
         # Devices keep what they were shown: were the session in it, each would keep the other, and
         # with them MuJoCo's memory, after the trial.
         scene, task, hands = self.scene, self.task, self._hands
-        found, solid = tuple(self.reconstructions), [s.fingers for s in self._solidity]
+        found, solid = tuple(self.reconstructions), [s.fingers for s in self._gates]
 
         def work_out() -> dict[str, Any]:
             objects = {
@@ -282,7 +282,7 @@ class Session:
 
     def _notices(self) -> list[str]:
         found = [rig.yaw.notice for rig in self.rigs if rig.yaw and rig.yaw.notice]
-        found += sorted({s.notice for s in self._solidity if s.notice})
+        found += sorted({s.notice for s in self._gates if s.notice})
         told = (part.notice for rig in self.rigs for part in (rig.device, rig.reconstructor))
         found += dict.fromkeys(notice for notice in told if notice)
         since, back = self._back
@@ -290,7 +290,7 @@ class Session:
 
     def _record_state(self) -> None:
         if self._recorder:
-            solid = [s.fingers for s in self._solidity]
+            solid = [s.fingers for s in self._gates]
             self._recorder.state(self.step, self._state, self.state_hash, self.data.qpos, solid)
 
     def _switch(self) -> None:
@@ -310,7 +310,7 @@ class Session:
     def _bring_back(self) -> None:
         """Puts objects that have left back into the workspace."""
         names = self._respawn.step(
-            self.data, lambda: np.concatenate([s.links(self.data) for s in self._solidity])
+            self.data, lambda: np.concatenate([s.links(self.data) for s in self._gates])
         )
         if names:
             self._back = (self.time, f"out of reach, and put back: {', '.join(names)}")
@@ -336,7 +336,7 @@ class Session:
         if rig.yaw:
             rig.yaw.step(self.time, reconstruction.u)
         self.data.ctrl[self.scene.control_slice(i)] = rig.hand.controls(reconstruction.q)
-        self._solidity[i].update(self.data, reconstruction, self._contact.ghost)
+        self._gates[i].update(self.data, reconstruction, self._contact.ghost)
         return reconstruction
 
     def _latest(self, i: int) -> Any:
@@ -349,7 +349,7 @@ class Session:
     def _chain(self) -> None:
         mujoco.mj_getState(self.scene.model, self.data, self._state, STATE)
         # What is solid is no part of MuJoCo's state, and decides as much about what comes next.
-        solid = bytes([bits(s.fingers) for s in self._solidity])
+        solid = bytes([bits(s.fingers) for s in self._gates])
         chained = blake2b(self._hash, digest_size=16)
         chained.update(self._state.data)
         chained.update(solid + self._contact.signature)

@@ -15,7 +15,7 @@ from models.motion.sampling import Poses
 from models.scene import CONTROL_PERIOD
 from sandbox.export.sources import Source, Take, commanded_poses, poses_of, together
 from sandbox.export.view import simulated_poses
-from sandbox.session.newest import Newest
+from sandbox.session.latest_frame import LatestFrame
 from sandbox.session.session import Session
 from sandbox.trial.driver import Trial
 from sandbox.trial.pacing import Pace, RealTime
@@ -50,7 +50,7 @@ def _with_physics(session: Session, stop: threading.Event, of: str, take: Take) 
 
 def _without_physics(session: Session, stop: threading.Event, of: str, take: Take) -> str:
     rigs = session.rigs
-    newest = [Newest(rig.reconstructor.empty) for rig in rigs]
+    newest = [LatestFrame(rig.reconstructor.empty) for rig in rigs]
     clock, ticks = RealTime(), 0
     while not (stop.is_set() or all(rig.device.finished for rig in rigs)):
         now = ticks * CONTROL_PERIOD

@@ -26,8 +26,8 @@ from models.limits import GENTLE, RateLimit
 from models.skeleton import ADULT
 from models.surface import Surface
 from sandbox.lsl.lsl_listening import Told
+from sandbox.session.collision_gating import CollisionGatingRules
 from sandbox.session.session import Recorder, Rig, Session
-from sandbox.session.solidity import SolidityRules
 from sandbox.trial.device_makers import DeviceMakers, check_count
 from sandbox.trial.settings import RunSettings
 from sandbox.trial.surfaces import place_all
@@ -168,7 +168,7 @@ def build(
 
         touched = personal(hand.person, surface, trained_hand)
         reconstructors.append(wear(touched) if wear else touched)
-    rules = SolidityRules(settings.ghost_until_clear, settings.distal_only)
+    rules = CollisionGatingRules(settings.ghost_until_clear, settings.distal_only)
     air_rules = replace(rules, **IN_AIR)
     friction = settings.variation.friction
     rigs: list[Rig] = []

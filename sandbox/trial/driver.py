@@ -22,10 +22,10 @@ from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build, digests
 from sandbox.trial.device_makers import DeviceMakers
-from sandbox.trial.keeping import Keeping
 from sandbox.trial.pacing import Pace
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import RunSettings
+from sandbox.trial.trial_recorder import TrialRecorder
 from tasks.registry import origin
 
 View = Callable[[Snapshot], None]
@@ -51,7 +51,7 @@ class Trial:
     Args:
         session: Ready for its first step.
         views: Receive every snapshot. Devices that look at the scene receive them as well.
-        keeping: Records the session; None records nothing.
+        trial_recorder: Records the session; None records nothing.
 
     Attributes:
         session: As given.
@@ -60,11 +60,14 @@ class Trial:
     """
 
     def __init__(
-        self, session: Session, views: Sequence[View] = (), keeping: Keeping | None = None
+        self,
+        session: Session,
+        views: Sequence[View] = (),
+        trial_recorder: TrialRecorder | None = None,
     ) -> None:
         self.session = session
         self.newest: Snapshot | None = None
-        self._keeping = keeping
+        self._trial_recorder = trial_recorder
         self._views = [*views, *(rig.device.show for rig in session.rigs if rig.device.looks)]
 
     def step(self) -> bool:
@@ -116,8 +119,8 @@ class Trial:
         Args:
             more: Further fields of the result by name, JSON values.
         """
-        assert self._keeping is not None, "a trial that is not kept has no result"
-        return self._keeping.end(self.session, **more)
+        assert self._trial_recorder is not None, "a trial that is not kept has no result"
+        return self._trial_recorder.end(self.session, **more)
 
 
 @contextmanager
@@ -144,16 +147,16 @@ def open_trial(
         InputError: The task has no room on the surface, a device cannot be opened, or the recording
             exists or cannot be written.
     """
-    keeping = Keeping(trial_header(settings, about), record, dump)
+    trial_recorder = TrialRecorder(trial_header(settings, about), record, dump)
     try:
         with undisturbed():
-            session = build(settings, makers, keeping.recorder)
+            session = build(settings, makers, trial_recorder.recorder)
             try:
-                yield Trial(session, make_views(session), keeping)
+                yield Trial(session, make_views(session), trial_recorder)
             finally:
                 session.close()
     finally:
-        keeping.close()
+        trial_recorder.close()
 
 
 @contextmanager

@@ -12,7 +12,7 @@ from PIL import Image
 from models.errors import HandSandboxError, InputError
 from models.scene import Scene
 from models.surface import Surface
-from sandbox.session.closing import Closing
+from sandbox.session.closeable import Closeable
 from sandbox.session.messages import Snapshot
 from sandbox.views.errors import FilmError
 from sandbox.views.film_files import FilmFile, open_film
@@ -35,7 +35,7 @@ for its film."""
 _Job = Callable[[Renderer], None]
 
 
-class FilmView(Closing):
+class FilmView(Closeable):
     """Films a session at the speed at which it was simulated, and takes pictures of it.
 
     The film is complete only after `close`, which raises errors of the drawing thread: a trial does

@@ -11,7 +11,7 @@ from PIL import Image
 from models.errors import InputError
 from models.scene import Scene
 from models.surface import Surface
-from sandbox.session.closing import Closing
+from sandbox.session.closeable import Closeable
 from sandbox.session.messages import Snapshot
 from sandbox.views.cameras import film_camera
 from sandbox.views.drawing import Drawing, Hidden
@@ -41,7 +41,7 @@ SMALLEST, LARGEST = 16, 4096
 """px, of a picture's side."""
 
 
-class Renderer(Closing):
+class Renderer(Closeable):
     """Draws snapshots of a scene into pictures.
 
     Belongs to the thread that makes it, or, with a context made elsewhere, to the first that draws.

@@ -18,7 +18,7 @@ from encoders.paalm.hand_pose import PALM_CENTRE, hand_pose
 from encoders.paalm.rig import bone_lengths
 from models.arithmetic.arrays import Array
 from models.errors import CaptureError
-from models.frames import FINGERS, HandFrame, SeenHand
+from models.frames import FINGERS, HandFrame, TrackedHand
 from models.pose import ROOT_POSITION, ROOT_ROTATION, mirrored
 from models.rotations import exp, log, unwrapped
 from models.skeleton import ADULT, Bone, Skeleton
@@ -137,7 +137,7 @@ def skeleton_of(calibration: HandCalibration) -> tuple[Skeleton, Array]:
     return skeleton, size * np.array(PALM_CENTRE)
 
 
-def _tips(hands: Sequence[SeenHand], ids: dict[str, int | None], left: bool) -> Array:
+def _tips(hands: Sequence[TrackedHand], ids: dict[str, int | None], left: bool) -> Array:
     """Fingertips (5, 3) m, NaN where a finger is not seen."""
     out = np.full((len(FINGERS), 3), np.nan)
     wanted = {id_: name for name, id_ in enumerate(ids[f] for f in FINGERS) if id_ is not None}

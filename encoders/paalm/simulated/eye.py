@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from encoders.paalm.simulated.forward import FROZEN_LEAP, LeapConfiguration
 from models.arithmetic.arrays import Array
 from models.errors import EncoderError
-from models.frames import FINGERS, HandFrame, SeenFinger, SeenHand, Vector
+from models.frames import FINGERS, HandFrame, TrackedFinger, TrackedHand, Vector
 from models.rotations import exp
 
 DIALECTS = ("v3", "v1")
@@ -70,7 +70,7 @@ class LeapEye:
             fingers = self._with_joints(world + c.joint * rng.standard_normal(world.shape))
         else:
             fingers = self._without(world, axes, step)
-        hand = SeenHand(
+        hand = TrackedHand(
             self._hand,
             _triple(palm),
             _triple(-axes[:, 2]),
@@ -85,7 +85,7 @@ class LeapEye:
         self._hand += 1
         self._ids[:] = 0
 
-    def _with_joints(self, world: Array) -> tuple[SeenFinger, ...]:
+    def _with_joints(self, world: Array) -> tuple[TrackedFinger, ...]:
         along = world[:, 2] - world[:, 1]
         along /= np.linalg.norm(along, axis=1, keepdims=True)
         length = np.linalg.norm(np.diff(world, axis=1), axis=2).sum(axis=1)
@@ -93,13 +93,13 @@ class LeapEye:
         for f in self._rng.permutation(len(FINGERS)).tolist():
             mcp, pip, dip, tip = (_triple(j) for j in world[f])
             rows.append(
-                SeenFinger(
+                TrackedFinger(
                     10 + f, tip, _triple(along[f]), float(length[f]), f, (mcp, pip, dip, tip)
                 )
             )
         return tuple(rows)
 
-    def _without(self, world: Array, axes: Array, step: float) -> tuple[SeenFinger, ...]:
+    def _without(self, world: Array, axes: Array, step: float) -> tuple[TrackedFinger, ...]:
         """Fingers as the first software reported them: unlabelled, and only the visible ones."""
         rng, c, five = self._rng, self._c, len(FINGERS)
         hidden = np.array([c.thumb_hidden, *[c.hidden] * (five - 1)])
@@ -124,7 +124,7 @@ class LeapEye:
         visible &= ~((apart < c.merged) & (clean[:, None] < clean[None])).any(axis=1)
         self._look(visible, step)
         return tuple(
-            SeenFinger(int(self._ids[f]), _triple(tip[f]), _triple(along[f]), float(length[f]))
+            TrackedFinger(int(self._ids[f]), _triple(tip[f]), _triple(along[f]), float(length[f]))
             for f in rng.permutation(five).tolist()
             if self._ids[f]
         )

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from encoders.paalm.simulated.air import AirTake
 from models.arithmetic.arrays import Array
-from models.frames import HandFrame, SeenFinger, SeenHand, Vector
+from models.frames import HandFrame, TrackedFinger, TrackedHand, Vector
 from models.rotations import exp
 
 
@@ -115,7 +115,7 @@ def seen(
     for t in range(count):
         shown = [f for f in rng.permutation(5).tolist() if ids[t, f] >= 0]
         said = tuple(
-            SeenFinger(
+            TrackedFinger(
                 int(ids[t, f]),
                 _triple(tip[t, f]),
                 _triple(along[t, f]),
@@ -129,7 +129,7 @@ def seen(
             )
             for f in shown
         )
-        hand = SeenHand(
+        hand = TrackedHand(
             1,
             _triple(origin[t]),
             _triple(-axes[t, :, 2]),

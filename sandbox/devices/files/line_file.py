@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from models.errors import RecordingError
-from sandbox.session.closing import Closing
+from sandbox.session.closeable import Closeable
 
 
-class LineFile(Closing):
+class LineFile(Closeable):
     """Takes lines from one thread; a program that dies loses at most the one it was writing.
 
     Args:

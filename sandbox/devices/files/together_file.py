@@ -31,7 +31,7 @@ from sandbox.devices.files.line_file import LineFile
 from sandbox.devices.leap.leap_file import read_leap
 from sandbox.devices.leap.leap_json import LeapDecoder
 from sandbox.devices.leap.leap_write import leap_message
-from sandbox.session.closing import Closing
+from sandbox.session.closeable import Closeable
 
 TOUCHES, HANDS, ABOUT = "touches.jsonl", "hands.jsonl", "about.json"
 
@@ -69,7 +69,7 @@ def check_new(folder: Path) -> None:
         )
 
 
-class TogetherWriter(Closing):
+class TogetherWriter(Closeable):
     """Writes a session as it comes; a program that dies loses at most two lines.
 
     Args:

@@ -24,7 +24,7 @@ from collections.abc import Mapping
 from typing import Any, TypeGuard
 
 from models.errors import DeviceError, FrameError
-from models.frames import HandFrame, SeenFinger, SeenHand, Vector
+from models.frames import HandFrame, TrackedFinger, TrackedHand, Vector
 
 METRES_PER_MM = 1e-3
 SECONDS_PER_US = 1e-6
@@ -97,8 +97,8 @@ class LeapDecoder:
             time = self._time + 1.0 / self._rate
         return time
 
-    def _hands(self, message: Mapping[str, Any]) -> tuple[SeenHand, ...]:
-        fingers: dict[Any, list[SeenFinger]] = {}
+    def _hands(self, message: Mapping[str, Any]) -> tuple[TrackedHand, ...]:
+        fingers: dict[Any, list[TrackedFinger]] = {}
         for pointable in _items(message, "pointables"):
             try:
                 if pointable.get("tool") is True:
@@ -111,7 +111,7 @@ class LeapDecoder:
             hand = pointable.get("handId")
             fingers.setdefault(hand if _is_number(hand) else None, []).append(finger)
             self._learn(pointable)
-        hands: list[SeenHand] = []
+        hands: list[TrackedHand] = []
         for record in _items(message, "hands")[:_MOST_HANDS]:
             try:
                 own = fingers.pop(_identity(record), ())
@@ -140,7 +140,7 @@ class LeapDecoder:
             self.dialect = "v3" if "touchDistance" in pointable else "v2"
 
 
-def _finger(record: Mapping[str, Any]) -> SeenFinger:
+def _finger(record: Mapping[str, Any]) -> TrackedFinger:
     tip = _place(record, "tipPosition")
     joints = None
     if _JOINTS[0] in record:
@@ -151,7 +151,7 @@ def _finger(record: Mapping[str, Any]) -> SeenFinger:
         length = _number(record.get("length"), "length") * METRES_PER_MM
     kind = record.get("type")
     extended = record.get("extended")
-    return SeenFinger(
+    return TrackedFinger(
         id=_identity(record),
         tip=tip,
         direction=_direction(record, "direction"),
@@ -169,10 +169,10 @@ def _name(record: Mapping[str, Any], kind: Any) -> int | None:
     return kind if isinstance(kind, int) and not isinstance(kind, bool) else None
 
 
-def _hand(record: Mapping[str, Any], fingers: tuple[SeenFinger, ...]) -> SeenHand:
+def _hand(record: Mapping[str, Any], fingers: tuple[TrackedFinger, ...]) -> TrackedHand:
     side = record.get("type")
     radius, confidence = record.get("sphereRadius"), record.get("confidence")
-    return SeenHand(
+    return TrackedHand(
         id=_identity(record),
         palm=_place(record, "palmPosition"),
         normal=_direction(record, "palmNormal"),

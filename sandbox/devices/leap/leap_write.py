@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from models.frames import HandFrame, SeenFinger, SeenHand, Vector
+from models.frames import HandFrame, TrackedFinger, TrackedHand, Vector
 from sandbox.devices.leap.leap_json import METRES_PER_MM, SECONDS_PER_US
 
 
@@ -23,7 +23,7 @@ def leap_message(frame: HandFrame, number: int) -> dict[str, Any]:
     }
 
 
-def _hand(hand: SeenHand) -> dict[str, Any]:
+def _hand(hand: TrackedHand) -> dict[str, Any]:
     record: dict[str, Any] = {
         "id": hand.id,
         "palmPosition": _place(hand.palm),
@@ -39,7 +39,7 @@ def _hand(hand: SeenHand) -> dict[str, Any]:
     return record
 
 
-def _pointable(hand: SeenHand, finger: SeenFinger) -> dict[str, Any]:
+def _pointable(hand: TrackedHand, finger: TrackedFinger) -> dict[str, Any]:
     record: dict[str, Any] = {
         "id": finger.id,
         "handId": hand.id,

@@ -23,7 +23,7 @@ from models.frames import Contact, TouchFrame
 from models.surface import Surface
 from sandbox.devices.tuio.tuio_senders import Commit, SourceStatus, Statistics, Tuio
 from sandbox.devices.tuio.tuio_streams import DEFAULT_WEBSOCKET_PORT, Streams, parse_target
-from sandbox.session.closing import Closing
+from sandbox.session.closeable import Closeable
 from sandbox.session.device import Device
 
 DEFAULT_PORT = 3333
@@ -47,7 +47,7 @@ _SOCKET_BUFFER = 1 << 20
 """Bytes that the system is asked to keep for us while the thread is busy."""
 
 
-class TuioDevice(Device, Closing):
+class TuioDevice(Device, Closeable):
     """A port on which any number of TUIO senders report touches, in version 1.1 or 2.0.
 
     All senders share the surface, so every frame holds the touches of all of them; their ids are

@@ -15,7 +15,7 @@ from sandbox.lsl.lsl_listening import tell
 from sandbox.recording.recording import load_recording
 from sandbox.recording.recording_file import stored
 from sandbox.recording.versions import versions
-from sandbox.session.closing import Closing
+from sandbox.session.closeable import Closeable
 from sandbox.study.design.plan import Step, TrialStep, session_plan, trials_of
 from sandbox.study.record.files import explain, locked, make_folder, sweep, sync_file, sync_folder
 from sandbox.study.record.folder import Participant, StudyFolder
@@ -28,7 +28,7 @@ TOLD = ("n", "step", "trial", "attempt", "practice", "form", "block", "levels")
 """Fields of a record that are sent to other instruments."""
 
 
-class SessionFolder(Closing):
+class SessionFolder(Closeable):
     """A participant's session, opened exclusively for writing.
 
     Opening repairs the effects of a kill or a power cut: a torn last line is cut off, a trial with

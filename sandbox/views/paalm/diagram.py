@@ -17,7 +17,7 @@ from PIL import Image, ImageDraw, ImageFont
 from encoders.paalm.calibration import measure, pointing
 from encoders.paalm.paalm import PaalmHand
 from models.arithmetic.arrays import Array
-from models.frames import FINGERS, HandFrame, SeenHand
+from models.frames import FINGERS, HandFrame, TrackedHand
 from sandbox.views import palette
 from sandbox.views.palette import Colour
 
@@ -248,6 +248,6 @@ def _dimmed(colour: Colour, share: float) -> Colour:
     return r, g, b
 
 
-def _same(frame: HandFrame, hand: PaalmHand) -> SeenHand | None:
+def _same(frame: HandFrame, hand: PaalmHand) -> TrackedHand | None:
     """The hand of a frame that PAALM took for this one: the one with its palm's place."""
     return next((h for h in frame.hands if h.palm == hand.palm.origin), None)

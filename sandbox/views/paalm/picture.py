@@ -18,7 +18,7 @@ from models.person import Person
 from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT
 from models.surface import Surface
-from sandbox.session.closing import Closing
+from sandbox.session.closeable import Closeable
 from sandbox.session.messages import HandView, Snapshot
 from sandbox.views import palette
 from sandbox.views.graphics import GLContext
@@ -40,7 +40,7 @@ _TABLE_HEIGHT = 158
 _COLUMNS = ("flexion", "spread", "middle", "end")
 
 
-class PaalmPicture(Closing):
+class PaalmPicture(Closeable):
     """Draws frames; belongs to the thread that makes it.
 
     Args:

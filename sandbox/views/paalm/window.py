@@ -11,7 +11,7 @@ from PIL import Image
 
 from encoders.paalm.paalm import PaalmFrame
 from models.frames import HandFrame
-from sandbox.session.closing import Closing
+from sandbox.session.closeable import Closeable
 from sandbox.views.paalm.picture import SIZE, PaalmPicture
 from sandbox.views.renderer import LARGEST
 from sandbox.views.window.context import WindowContext
@@ -20,7 +20,7 @@ RATE = 30.0
 """Maximum pictures per second; a device sends up to 290 frames per second."""
 
 
-class PaalmWindow(Closing):
+class PaalmWindow(Closeable):
     """Shows the newest frame; dragging turns the hand, Esc closes.
 
     Args:

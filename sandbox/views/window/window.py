@@ -18,7 +18,7 @@ from models.scene import Scene
 from models.surface import Surface
 from sandbox.devices.mouse import MouseDevice
 from sandbox.devices.wrappers.lift_keys import LiftKeys
-from sandbox.session.closing import Closing
+from sandbox.session.closeable import Closeable
 from sandbox.session.device import AnyDevice
 from sandbox.session.messages import Snapshot
 from sandbox.views import palette
@@ -41,7 +41,7 @@ SPEEDS = {1.0: "", 0.5: "slow motion 1/2", 0.25: "slow motion 1/4", 0.1: "slow m
 """Simulated seconds per second, in the order of the key's presses -> what is written meanwhile."""
 
 
-class Window(Closing):
+class Window(Closeable):
     """Draws the newest snapshot, and turns mouse and keys into touches.
 
     Args:

@@ -17,7 +17,7 @@ from encoders.paalm.palm import palm_of
 from encoders.paalm.simulated.air import simulate_air
 from encoders.paalm.simulated.forward import LeapTake, seen
 from models.errors import EncoderError
-from models.frames import FINGERS, HandFrame, SeenHand
+from models.frames import FINGERS, HandFrame, TrackedHand
 from models.rotations import exp
 from tests.support.leap_hands import SHORT, calibrated, take
 
@@ -61,7 +61,7 @@ def mirrored(frame: HandFrame) -> HandFrame:
     return replace(frame, hands=hands)
 
 
-def turned(hand: SeenHand, rotation: np.ndarray) -> SeenHand:
+def turned(hand: TrackedHand, rotation: np.ndarray) -> TrackedHand:
     """The hand turned about its palm's centre."""
     palm = np.array(hand.palm)
 

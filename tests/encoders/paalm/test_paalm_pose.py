@@ -16,7 +16,7 @@ from encoders.paalm.hand_reconstructor import HandReconstructor
 from encoders.paalm.palm import Palm, palm_of
 from encoders.reconstruction.arrival import Phase
 from models.errors import EncoderError
-from models.frames import HandFrame, SeenHand
+from models.frames import HandFrame, TrackedHand
 from models.kinematics import Kinematics
 from models.limits import violations, within_limits
 from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION, mirrored
@@ -29,10 +29,10 @@ THUMB = st.tuples(st.floats(-35, 35), st.floats(-35, 35), st.floats(0, 70), st.j
 TURN = st.lists(st.floats(-0.8, 0.8), min_size=3, max_size=3)
 
 
-def seen_hand(turn: list[float], side: str = "right") -> SeenHand:
+def seen_hand(turn: list[float], side: str = "right") -> TrackedHand:
     """A hand turned away from lying flat over the device."""
     R = exp(turn)
-    return SeenHand(
+    return TrackedHand(
         1, (0.03, -0.02, 0.2), tuple((-R[:, 2]).tolist()), tuple(R[:, 1].tolist()), side=side
     )
 

@@ -14,7 +14,7 @@ from models.errors import RecordingError
 from models.frames import Contact, TouchFrame
 from sandbox.recording.recorded_device import RecordedDevice
 from sandbox.recording.recording import (
-    LaterLine,
+    DeferredLine,
     RecordingLines,
     RecordingWriter,
     is_recording,
@@ -174,7 +174,7 @@ class Kept(RecordingLines):
         self.told: list[str] = []
 
     def _put(self, line) -> None:
-        self.told.append(line.line()["kind"] if isinstance(line, LaterLine) else line["kind"])
+        self.told.append(line.line()["kind"] if isinstance(line, DeferredLine) else line["kind"])
 
     def state(self, step, state, state_hash, qpos, solid) -> None:
         super().state(step, state, state_hash, qpos, solid)

@@ -16,7 +16,7 @@ from models.errors import RecordingError
 from sandbox.cli.replay import command
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording.recording import load_recording
-from sandbox.session.track import GRAIN, Track, TrackWriter, read_line
+from sandbox.session.pose_track import GRAIN, PoseTrack, PoseTrackWriter, read_track_line
 from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
 
@@ -117,7 +117,7 @@ def test_poses_of_another_scene_are_refused_in_one_line(recorded):
     _, _, path = recorded
     lines = forged(path, "scene.jsonl").read_text().splitlines()
     lines = [t for t in lines if '"kind":"track"' not in t]
-    track = TrackWriter()
+    track = PoseTrackWriter()
     track.add(0, np.zeros(3), [frozenset()])
     other = path.with_name("other-scene.jsonl")
     other.write_text("\n".join([*lines, json.dumps(track.line())]) + "\n")
@@ -143,12 +143,12 @@ def test_poses_are_the_smaller_part_of_a_recording(recorded):
     fingers=st.frozensets(st.integers(0, 4)),
 )
 def test_a_track_keeps_every_finite_position_to_its_grain(qpos, first, stride, fingers):
-    writer, track = TrackWriter(), Track()
+    writer, track = PoseTrackWriter(), PoseTrack()
     for i, row in enumerate(qpos):
         writer.add(first + i * stride, row, [fingers, frozenset()])
     line = json.loads(json.dumps(writer.line()))
     assert writer.line() is None
-    read_line(line, track)
+    read_track_line(line, track)
     assert sorted(track.qpos) == [first + i * stride for i in range(len(qpos))]
     for i, row in enumerate(qpos):
         got = track.qpos[first + i * stride]
@@ -170,7 +170,7 @@ def test_a_track_keeps_every_finite_position_to_its_grain(qpos, first, stride, f
     ],
 )
 def test_a_damaged_track_ends_the_recording_and_is_named(tmp_path, spoil):
-    writer = TrackWriter()
+    writer = PoseTrackWriter()
     for i in range(4):
         writer.add(8 * i, np.arange(5.0), [frozenset({1})])
     header = {"kind": "header", "schema": 1, "settings": {}}

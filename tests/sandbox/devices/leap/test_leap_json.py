@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from models.errors import FrameError
-from models.frames import HandFrame, SeenFinger, SeenHand
+from models.frames import HandFrame, TrackedFinger, TrackedHand
 from sandbox.devices.leap.leap_json import LeapDecoder
 from sandbox.devices.leap.leap_write import leap_message
 from tests.support.leap_hands import take
@@ -216,16 +216,16 @@ def test_nothing_that_json_can_say_stops_the_decoder(data):
 
 
 def test_hand_frames_refuse_what_no_hand_can_be():
-    finger = SeenFinger(1, (0.0, 0.1, 0.2), (0.0, 1.0, 0.0), 0.05)
-    hand = SeenHand(1, (0.0, 0.0, 0.2), (0.0, 0.0, -1.0), (0.0, 1.0, 0.0), (finger,))
+    finger = TrackedFinger(1, (0.0, 0.1, 0.2), (0.0, 1.0, 0.0), 0.05)
+    hand = TrackedHand(1, (0.0, 0.0, 0.2), (0.0, 0.0, -1.0), (0.0, 1.0, 0.0), (finger,))
     wrong = (
-        lambda: SeenFinger(1, (math.nan, 0.0, 0.0), (0.0, 1.0, 0.0), 0.05),
-        lambda: SeenFinger(1, (0.0, 0.0, 0.0), (0.0, 2.0, 0.0), 0.05),
-        lambda: SeenFinger(1, (0.0, 0.0, 0.0), (0.0, 1.0, 0.0), -0.05),
-        lambda: SeenFinger(1, (0.0, 0.0, 0.0), (0.0, 1.0, 0.0), 0.05, finger=5),
-        lambda: SeenHand(1, hand.palm, hand.normal, hand.normal),
-        lambda: SeenHand(1, hand.palm, hand.normal, hand.direction, (finger, finger)),
-        lambda: SeenHand(1, hand.palm, hand.normal, hand.direction, side="upper"),
+        lambda: TrackedFinger(1, (math.nan, 0.0, 0.0), (0.0, 1.0, 0.0), 0.05),
+        lambda: TrackedFinger(1, (0.0, 0.0, 0.0), (0.0, 2.0, 0.0), 0.05),
+        lambda: TrackedFinger(1, (0.0, 0.0, 0.0), (0.0, 1.0, 0.0), -0.05),
+        lambda: TrackedFinger(1, (0.0, 0.0, 0.0), (0.0, 1.0, 0.0), 0.05, finger=5),
+        lambda: TrackedHand(1, hand.palm, hand.normal, hand.normal),
+        lambda: TrackedHand(1, hand.palm, hand.normal, hand.direction, (finger, finger)),
+        lambda: TrackedHand(1, hand.palm, hand.normal, hand.direction, side="upper"),
         lambda: HandFrame(math.inf),
         lambda: HandFrame(0.0, (hand, hand)),
     )

@@ -20,7 +20,7 @@ from encoders.paalm.simulated.forward import FROZEN_LEAP
 from encoders.reconstruction.arrival import Phase
 from encoders.reconstruction.touch_reconstructor import Reconstruction
 from models.errors import InputError, RecordingError
-from models.frames import HandFrame, SeenFinger, SeenHand, TouchFrame
+from models.frames import HandFrame, TouchFrame, TrackedFinger, TrackedHand
 from models.hand import Hand
 from models.kinematics import Kinematics
 from models.limits import RateLimit
@@ -34,10 +34,10 @@ from sandbox.devices.simulated.leap_user import SimulatedLeap
 from sandbox.recording.recorded_device import RecordedDevice
 from sandbox.recording.recorded_frames import frame_from_json, frame_to_json
 from sandbox.recording.recording import load_recording
+from sandbox.session.collision_gating import CollisionGate, CollisionGatingRules
 from sandbox.session.device import Device
+from sandbox.session.latest_frame import SILENCE, LatestFrame
 from sandbox.session.messages import Snapshot
-from sandbox.session.newest import SILENCE, Newest
-from sandbox.session.solidity import Solidity, SolidityRules
 from sandbox.trial.assembly import build
 from sandbox.trial.hand_input import UNDER, HandInput
 from sandbox.trial.headless import run_trial
@@ -55,8 +55,8 @@ axis = st.sampled_from([(1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.6, 0.0, -0.8), (-0
 
 
 @st.composite
-def fingers(draw: st.DrawFn) -> SeenFinger:
-    return SeenFinger(
+def fingers(draw: st.DrawFn) -> TrackedFinger:
+    return TrackedFinger(
         draw(st.integers(0, 2**40)),
         draw(place),
         draw(axis),
@@ -69,7 +69,7 @@ def fingers(draw: st.DrawFn) -> SeenFinger:
 @st.composite
 def frames(draw: st.DrawFn) -> HandFrame:
     hands = tuple(
-        SeenHand(
+        TrackedHand(
             id_,
             draw(place),
             (0.0, 0.0, -1.0),
@@ -248,19 +248,19 @@ def test_a_hand_that_is_lost_stays_solid_for_a_moment_then_rises_as_a_ghost_and_
     assert all(r.down for r in back[first:])
 
 
-def _moved(hand: SeenHand, x: float) -> SeenHand:
+def _moved(hand: TrackedHand, x: float) -> TrackedHand:
     a, b, c = hand.palm
     return replace(hand, palm=(a + x, b, c))
 
 
 def test_a_device_that_falls_silent_sees_no_hand():
-    newest: Any = Newest(HandReconstructor.empty)
+    newest: Any = LatestFrame(HandReconstructor.empty)
     frame = take(0).frames[0]
     assert newest.take([frame], 1.0) and newest.frame.hands == frame.hands
     assert not newest.take([], 1.0 + SILENCE) and newest.frame.hands
     newest.take([], 1.01 + SILENCE)
     assert not newest.frame.hands and newest.frame.time == 1.01 + SILENCE
-    touches = Newest(TouchFrame(0.0))
+    touches = LatestFrame(TouchFrame(0.0))
     touches.take([TouchFrame(0.0, lift=0.5)], 0.0)
     touches.take([], 9.0)
     assert touches.frame == TouchFrame(9.0, lift=0.5)
@@ -325,10 +325,10 @@ def test_a_finger_whose_middle_link_is_in_a_thing_is_solid_only_where_that_link_
     data = mujoco.MjData(scene.model)
     data.qpos[scene.qpos_slice(0)] = scene.pose_to_qpos(0, q)
     mujoco.mj_forward(scene.model, data)
-    solidity = Solidity(scene, 0, SolidityRules(links=links, together=False))
+    gate = CollisionGate(scene, 0, CollisionGatingRules(links=links, together=False))
     every = frozenset(range(5))
-    solidity.update(data, Reconstruction(q, Phase.DOWN, every, None, 1.0, 0.0, ()))
-    assert solidity.fingers == (every if links == 1 else every - {1})
+    gate.update(data, Reconstruction(q, Phase.DOWN, every, None, 1.0, 0.0, ()))
+    assert gate.fingers == (every if links == 1 else every - {1})
     solid = {scene.model.geom(i).name for i in np.flatnonzero(scene.model.geom_contype == 1)}
     assert ("right_middle_pip" in solid) == (links == 2) and "right_middle_mcp" not in solid
     assert "right_middle_dip" in solid and "right_index_pip" not in solid

@@ -7,7 +7,7 @@ from types import TracebackType
 from typing import Self
 
 
-class Closing(ABC):
+class Closeable(ABC):
     """Has a `close` that `with` calls, whatever happened in the block."""
 
     @abstractmethod

@@ -13,8 +13,14 @@ from models.kinematics import Kinematics
 from models.objects import Box
 from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT
+from sandbox.session.collision_gating import (
+    GHOST,
+    STUCK,
+    STUCK_TIME,
+    CollisionGate,
+    CollisionGatingRules,
+)
 from sandbox.session.session import Session
-from sandbox.session.solidity import GHOST, STUCK, STUCK_TIME, Solidity, SolidityRules
 from tests.support.scripted import box_xy, pinch, run, scripted
 
 INTO_THE_BOX, BESIDE_IT = 0.03, 0.09
@@ -70,12 +76,12 @@ def test_one_finger_inside_a_thing_holds_up_the_others_where_a_hand_becomes_soli
     data = mujoco.MjData(scene.model)
     data.qpos[scene.qpos_slice(0)] = scene.pose_to_qpos(0, q)
     mujoco.mj_forward(scene.model, data)
-    solidity = Solidity(scene, 0, SolidityRules(together=together))
+    gate = CollisionGate(scene, 0, CollisionGatingRules(together=together))
     every = frozenset(range(5))
 
     def solid(fingers: frozenset[int]) -> frozenset[int]:
-        solidity.update(data, Reconstruction(q, Phase.DOWN, fingers, None, 1.0, 0.0, ()))
-        return solidity.fingers
+        gate.update(data, Reconstruction(q, Phase.DOWN, fingers, None, 1.0, 0.0, ()))
+        return gate.fingers
 
     assert solid(every) == (GHOST if together else every - {1})
     # Without it they are all outside, and then it has to stay out alone.

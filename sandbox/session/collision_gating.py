@@ -35,7 +35,7 @@ STUCK_TIME = 1.0
 
 
 @dataclass(frozen=True)
-class SolidityRules:
+class CollisionGatingRules:
     """Collision gating: decides which links of a hand may collide, and when.
 
     Attributes:
@@ -51,10 +51,10 @@ class SolidityRules:
     together: bool = True
 
 
-class Solidity:
+class CollisionGate:
     """Which fingers of one hand are solid, step by step."""
 
-    def __init__(self, scene: Scene, hand: int, rules: SolidityRules) -> None:
+    def __init__(self, scene: Scene, hand: int, rules: CollisionGatingRules) -> None:
         self._scene, self._hand, self._rules = scene, hand, rules
         links = scene.spec.hands[hand].links
         body = scene.model.body

@@ -28,7 +28,7 @@ LONGEST = 3600 * 1000
 
 
 @dataclass(frozen=True)
-class Track:
+class PoseTrack:
     """Poses by physics step.
 
     Attributes:
@@ -46,7 +46,7 @@ def bits(fingers: frozenset[int]) -> int:
     return sum(1 << f for f in fingers)
 
 
-class TrackWriter:
+class PoseTrackWriter:
     """Collects poses, of which a line is made now and then.
 
     Poses are put into memory that was asked for beforehand: in a loop that has just slept, asking
@@ -114,7 +114,7 @@ def track_line(
     }
 
 
-def read_line(line: dict[str, Any], track: Track) -> None:
+def read_track_line(line: dict[str, Any], track: PoseTrack) -> None:
     """Adds a line's poses to a track.
 
     Raises:

@@ -9,14 +9,14 @@ from msgspec.structs import replace
 
 from models.errors import RecordingError
 from sandbox.lsl.lsl_listening import Told, with_listeners
-from sandbox.recording.dump import BlackBox, dump_path
+from sandbox.recording.dump import DivergenceRecorder, dump_path
 from sandbox.recording.recording import RecordingWriter
 from sandbox.session.session import Recorder, Session
 from sandbox.trial.result import SCHEMA, TrialResult
 from sandbox.trial.settings import result_settings
 
 
-class Keeping:
+class TrialRecorder:
     """The recorder of one trial, and its result.
 
     Args:
@@ -37,7 +37,7 @@ class Keeping:
     ) -> None:
         self._header, self._record, self._dump = header, record, dump
         self._writer = RecordingWriter(record, header) if record else None
-        self._box = BlackBox(header, self._writer)
+        self._box = DivergenceRecorder(header, self._writer)
         self.recorder: Recorder = with_listeners(self._box, header)
 
     def end(self, session: Session, **more: Any) -> TrialResult:

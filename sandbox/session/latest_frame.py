@@ -12,7 +12,7 @@ SILENCE = 0.5
 sixty times a second and more what it sees, also when that is nothing; touches say only changes."""
 
 
-class Newest:
+class LatestFrame:
     """Keeps what a device said last.
 
     Args:
