@@ -159,7 +159,7 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
         self.session = build(
             settings,
             tuple(_given(hand) for hand in self._hands),
-            wear=lambda touched: next(wearing).worn(touched),
+            wrap_reconstructor=lambda touched: next(wearing).worn(touched),
         )
         self._trial = Trial(self.session)
         self._snapshot = self.session.snapshot()

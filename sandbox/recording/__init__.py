@@ -1,1 +1,1 @@
-"""Recordings: what came in and when it took effect, and how it is kept."""
+"""Recordings: inputs, the steps at which they took effect, and their files."""

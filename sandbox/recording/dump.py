@@ -1,9 +1,9 @@
-"""The last moments of a simulation that diverged, as a recording that replays to the same end.
+"""Divergence dumps: recordings that replay to the divergence, with the last states in full.
 
-Everything that came in since the trial began is kept in memory, a few hundred bytes per touch
-frame, and of the states the last hundred. Touches alone would not do: where the numbers lose their
-meaning has to be seen state by state. States alone would not do either: who is which finger, and
-what the filters remember, is known only from all touches since the beginning.
+All inputs since the beginning of the trial are kept in memory, a few hundred bytes per touch frame,
+and the last hundred states. Inputs alone are not enough to see at which state the numbers go wrong.
+States alone are not enough either, because labels and filters depend on all inputs since the
+beginning.
 """
 
 from __future__ import annotations
@@ -26,26 +26,26 @@ from sandbox.recording.recording import (
 )
 
 LAST = 100
-"""Control states in a dump: 1.6 s."""
+"""Number of control states in a dump: 1.6 s."""
 MOST_DUMPS = 1000
-"""Of one trial in one folder."""
+"""Largest number of dumps of one trial in one folder."""
 
 
 class DivergenceRecorder(RecordingLines):
-    """Remembers a session, and passes everything on to a recording where there is one.
+    """Keeps a session in memory for a dump, and passes everything on to a recording if there is one.
 
     Args:
-        header: Of the recording.
-        recording: Written all along; None writes nothing unless the simulation diverges.
+        header: Header of the recording.
+        recording: Recording that is written during the trial; None writes only dumps.
     """
 
     def __init__(self, header: dict[str, Any], recording: RecordingWriter | None = None) -> None:
         super().__init__()
         self._header, self._recording = header, recording
         self._lines: list[Line | DeferredLine] = []
-        # The last control states, one to a row, round and round, and which they are.
+        # Ring buffer of the last control states, one per row; step and hash of all states.
         self._last = np.empty((0, 0))
-        self._told: list[tuple[int, str]] = []
+        self._states_seen: list[tuple[int, str]] = []
 
     def state(
         self,
@@ -55,37 +55,37 @@ class DivergenceRecorder(RecordingLines):
         qpos: NDArray[np.float64],
         solid: Sequence[frozenset[int]],
     ) -> None:
-        """The simulation at the beginning of a control period."""
+        """Keeps the state at the beginning of a control period."""
         super().state(step, state, state_hash, qpos, solid)
-        if not self._told:
+        if not self._states_seen:
             self._last = np.empty((LAST, len(state)))
-        self._last[len(self._told) % LAST] = state
-        self._told.append((step, state_hash))
+        self._last[len(self._states_seen) % LAST] = state
+        self._states_seen.append((step, state_hash))
 
     def dump(self, path: Path, step: int, result: dict[str, Any]) -> Path:
-        """Writes what led to a divergence.
+        """Writes the dump of a divergence.
 
         Args:
-            path: Of the file; where there is one already, a number is added to the name.
+            path: File of the dump; if it exists, a number is added to the name.
             step: Physics step at which the trial ended.
-            result: Of the trial.
+            result: Result of the trial, JSON values.
 
         Returns:
-            Where it was written.
+            The file that was written.
 
         Raises:
-            RecordingError: It cannot be written, or not wholly.
+            RecordingError: The file cannot be written completely.
         """
         self._put_track()
-        told = list(enumerate(self._told))[-LAST:]
-        writer = _new(path, {**self._header, "dump": {"states": len(told)}})
-        dense = {s for _, (s, _) in told}
-        # In this order the file tells the same story twice: what came in, then how it ended.
+        last = list(enumerate(self._states_seen))[-LAST:]
+        writer = _new(path, {**self._header, "dump": {"states": len(last)}})
+        dense = {s for _, (s, _) in last}
+        # All inputs come first, then the last states.
         for kept in self._lines:
             line = kept.line() if isinstance(kept, DeferredLine) else kept
             if not (line["kind"] == "keyframe" and line["step"] in dense) and line["kind"] != "end":
                 writer.put(line)
-        for i, (s, state_hash) in told:
+        for i, (s, state_hash) in last:
             writer.put(keyframe_line(s, self._last[i % LAST], state_hash))
         writer.put(end_line(step, result))
         path = writer.path
@@ -99,13 +99,13 @@ class DivergenceRecorder(RecordingLines):
 
 
 def dump_path(folder: Path | None, record: Path | None, task: str, seed: int) -> Path | None:
-    """Where a dump goes: beside the recording, else into the folder; None where there is neither.
+    """Path of a dump: beside the recording, else in the folder; None without either.
 
     Args:
-        folder: For dumps.
-        record: The trial's recording.
+        folder: Folder for dumps.
+        record: File of the trial's recording.
         task: Name of the task.
-        seed: Of the trial.
+        seed: Seed of the trial.
     """
     if record is not None:
         return record.with_stem(f"{record.stem}-diverged")
@@ -113,7 +113,7 @@ def dump_path(folder: Path | None, record: Path | None, task: str, seed: int) ->
 
 
 def _new(path: Path, header: dict[str, Any]) -> RecordingWriter:
-    """A file that did not exist, of this name or with a number."""
+    """A writer to a new file of this name, with a number added if it exists."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:

@@ -1,4 +1,4 @@
-"""A recording as a device: it gives each frame at the very step at which it took effect."""
+"""A recording as a device, which returns each frame at the step at which it took effect."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ class RecordedDevice(Device):
     """Plays one hand of a recording.
 
     Args:
-        recording: Read by `load_recording`.
-        hand: Whose frames.
+        recording: A recording from `load_recording`.
+        hand: Index of the hand whose frames are played.
     """
 
     name: str
@@ -34,7 +34,7 @@ class RecordedDevice(Device):
         self._last = recording.end["step"] - period if recording.end else last
 
     def poll(self, now: float) -> Sequence[Any]:
-        """Frames that took effect since the last call, up to now; of touches or of 3-D hands."""
+        """Touch frames or hand frames that took effect since the last call, up to now."""
         self._now = now
         step = round(now / self._timestep)
         frames = []
@@ -44,7 +44,7 @@ class RecordedDevice(Device):
         return frames
 
     def switches(self, now: float) -> Sequence[str]:
-        """Contact modes that were asked for since the last call, up to now."""
+        """Contact modes that were requested since the last call, up to now."""
         step = round(now / self._timestep)
         modes = []
         while (
@@ -57,8 +57,8 @@ class RecordedDevice(Device):
 
     @property
     def finished(self) -> bool:
-        """Whether the recorded trial is over."""
+        """True once the recorded trial is over."""
         return round(self._now / self._timestep) >= self._last
 
     def close(self) -> None:
-        """Nothing to give back."""
+        """Does nothing: there is nothing to release."""

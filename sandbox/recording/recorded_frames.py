@@ -1,4 +1,4 @@
-"""Frames as JSON values and back, exact to the bit: touches, and 3-D hands."""
+"""Conversion of touch frames and hand frames to JSON values and back, exact to the bit."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from models.frames import Contact, Frame, HandFrame, TouchFrame, TrackedFinger, 
 
 
 def frame_to_json(frame: Frame) -> dict[str, Any]:
-    """A frame as JSON values; Python writes floats so that they are read back as they were."""
+    """Converts a frame to JSON values; Python writes floats so that they are read back exactly."""
     if isinstance(frame, HandFrame):
         line: dict[str, Any] = {"time": frame.time, "hands": [_hand(h) for h in frame.hands]}
         return line | ({"source": frame.source} if frame.source else {})
@@ -22,11 +22,11 @@ def frame_to_json(frame: Frame) -> dict[str, Any]:
 
 
 def frame_from_json(line: dict[str, Any]) -> Frame:
-    """A frame read back.
+    """Reads a frame from JSON values.
 
     Raises:
-        FrameError: Its numbers are those of no frame.
-        KeyError, TypeError, ValueError: It is damaged.
+        FrameError: Its numbers are not valid for a frame.
+        KeyError, TypeError, ValueError: The values are damaged.
     """
     if "hands" in line:
         hands = tuple(map(_read_hand, line["hands"]))
@@ -40,7 +40,7 @@ def frame_from_json(line: dict[str, Any]) -> Frame:
 
 
 def _hand(hand: TrackedHand) -> dict[str, Any]:
-    found: dict[str, Any] = {
+    values: dict[str, Any] = {
         "id": hand.id,
         "palm": hand.palm,
         "normal": hand.normal,
@@ -51,16 +51,16 @@ def _hand(hand: TrackedHand) -> dict[str, Any]:
         ],
     }
     if hand.confidence != 1.0:
-        found["confidence"] = hand.confidence
+        values["confidence"] = hand.confidence
     for name in ("side", "sphere_radius", "wrist"):
         if getattr(hand, name) is not None:
-            found[name] = getattr(hand, name)
-    return found
+            values[name] = getattr(hand, name)
+    return values
 
 
-def _read_hand(found: dict[str, Any]) -> TrackedHand:
+def _read_hand(values: dict[str, Any]) -> TrackedHand:
     fingers = []
-    for id_, tip, direction, length, finger, joints, extended in found["fingers"]:
+    for id_, tip, direction, length, finger, joints, extended in values["fingers"]:
         if joints is not None:
             mcp, pip, dip, end = map(_vector, joints)
             joints = (mcp, pip, dip, end)
@@ -69,15 +69,15 @@ def _read_hand(found: dict[str, Any]) -> TrackedHand:
                 int(id_), _vector(tip), _vector(direction), float(length), finger, joints, extended
             )
         )
-    wrist, radius = found.get("wrist"), found.get("sphere_radius")
+    wrist, radius = values.get("wrist"), values.get("sphere_radius")
     return TrackedHand(
-        int(found["id"]),
-        _vector(found["palm"]),
-        _vector(found["normal"]),
-        _vector(found["direction"]),
+        int(values["id"]),
+        _vector(values["palm"]),
+        _vector(values["normal"]),
+        _vector(values["direction"]),
         tuple(fingers),
-        found.get("side"),
-        float(found.get("confidence", 1.0)),
+        values.get("side"),
+        float(values.get("confidence", 1.0)),
         None if radius is None else float(radius),
         None if wrist is None else _vector(wrist),
     )

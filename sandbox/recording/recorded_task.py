@@ -1,4 +1,4 @@
-"""Finds the task of a recording again, which may be somebody else's."""
+"""Finds the task that a recording was made with, built in or from elsewhere."""
 
 from __future__ import annotations
 
@@ -10,19 +10,20 @@ from tasks.registry import find_task
 
 
 def recorded_task(header: dict[str, Any], where: str) -> str:
-    """What to call a recording's task here: by its name, or by the place that its header tells.
+    """The name under which a recording's task can be loaded on this machine.
 
     Args:
-        header: Of the recording.
-        where: The recording, for messages.
+        header: Header of the recording.
+        where: The recording, for error messages.
 
     Raises:
-        RecordingError: It is not here; says what to install.
+        RecordingError: The task is not on this machine, or in another version; the error names
+            what to install.
     """
     name = str(header["settings"]["task"])
     source = header.get("task_from")
     if not isinstance(source, dict):
-        # Ours; another version's is refused with the settings.
+        # A built-in task; one of another version is refused with the settings.
         return name
     reasons = []
     for candidate in (name, place_of(source)):
@@ -37,7 +38,7 @@ def recorded_task(header: dict[str, Any], where: str) -> str:
             return candidate
         reasons.append(f"version {version} of the task, not {source['task_version']}")
     raise RecordingError(
-        "its task is not on this machine as it was",
+        "its task is not on this machine in the recorded version",
         where=where,
         got=reasons[-1],
         expected=f"{name} from {place_of(source)}",

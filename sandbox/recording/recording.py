@@ -1,10 +1,10 @@
-"""Recordings: what came in and when it took effect, so that a run can be played again to the bit.
+"""Recordings: inputs with the steps at which they took effect, for a replay equal to the bit.
 
-JSON lines: a header, then `input` lines (a frame of touches or of 3-D hands, the physics step at
-which it took effect, the state's hash just before), `event` lines (what else came in, such as
-another contact mode), `keyframe` lines (MuJoCo's integration state, once a second), `track` lines
-(a second's poses, for eyes), and an `end` line with the result. A program that dies loses at most
-the lines of the last 10 ms and a second of the track.
+JSON lines: a header, then `input` lines (a touch frame or hand frame, the physics step at which it
+took effect, the state's hash just before), `event` lines (other inputs and events, such as a change
+of contact mode), `keyframe` lines (MuJoCo's integration state, once a second), `track` lines (the
+poses of a second, for viewing), and an `end` line with the result. If the program crashes, at most
+the lines of the last 10 ms and a second of the track are lost.
 """
 
 from __future__ import annotations
@@ -39,52 +39,51 @@ KEYFRAME_PERIOD = 1.0
 STATES_PER_KEYFRAME = round(KEYFRAME_PERIOD / CONTROL_PERIOD)
 
 LOOK = 0.01
-"""s between two looks of the writing thread at what there is to write."""
+"""s between two checks of the writing thread for new lines."""
 
 Line = dict[str, Any]
 
 
 class DeferredLine:
-    """A line that is made by whoever needs it first: not by the session's loop, which only keeps
-    what it is made of.
+    """A line that is made when it is first needed, to keep that work out of the session's loop.
 
     Args:
-        make: Makes it.
-        values: Of these, which do not change any more.
+        make: Function that makes the line.
+        values: Its arguments; they must not change afterwards.
     """
 
     __slots__ = ("_line", "_parts")
 
     def __init__(self, make: Callable[..., Line], *values: Any) -> None:
-        # One thing, which another thread takes away whole or not at all.
+        # A single attribute, so that another thread reads both values or neither.
         self._parts: tuple[Callable[..., Line], tuple[Any, ...]] | None = (make, values)
         self._line: Line | None = None
 
     def line(self) -> Line:
-        """The line; from any thread."""
+        """Makes the line or returns it; may be called from any thread."""
         parts = self._parts
         if self._line is None and parts is not None:
             make, values = parts
             self._line = make(*values)
-        # What it was made of may be large, and is not needed any more.
+        # The arguments may be large, and are no longer needed.
         self._parts = None
         assert self._line is not None
         return self._line
 
 
 class RecordingLines(ABC):
-    """Makes the lines of a recording from what a session tells; who inherits keeps them."""
+    """A session recorder that makes the lines of a recording; subclasses store them."""
 
     def __init__(self) -> None:
         self._track = PoseTrackWriter()
         self._states = 0
 
     def input(self, step: int, hand: int, frame: Frame, state_hash: str) -> None:
-        """A frame that takes effect at a physics step, and the state's hash before it."""
+        """Records a frame that takes effect at a physics step, and the state's hash before it."""
         self._put(DeferredLine(input_line, step, hand, frame, state_hash))
 
     def event(self, step: int, what: str, **details: Any) -> None:
-        """Something else that takes effect, or has happened, at a physics step."""
+        """Records another event at a physics step, such as a change of the contact mode."""
         self._put({"kind": "event", "step": step, "event": what, **details})
 
     def state(
@@ -95,7 +94,7 @@ class RecordingLines(ABC):
         qpos: NDArray[np.float64],
         solid: Sequence[frozenset[int]],
     ) -> None:
-        """The simulation at the beginning of a control period."""
+        """Records the state at the beginning of a control period."""
         if self._states % STATES_PER_KEYFRAME == 0:
             self._put_track()
             self.keyframe(step, state, state_hash)
@@ -103,11 +102,11 @@ class RecordingLines(ABC):
         self._track.add(step, qpos, solid)
 
     def keyframe(self, step: int, state: NDArray[np.float64], state_hash: str) -> None:
-        """The integration state at a physics step."""
+        """Records the integration state at a physics step."""
         self._put(DeferredLine(keyframe_line, step, state.copy(), state_hash))
 
     def end(self, step: int, result: dict[str, Any]) -> None:
-        """The trial's end and result."""
+        """Records the trial's end and result."""
         self._put_track()
         self._put(end_line(step, result))
 
@@ -127,13 +126,13 @@ def input_line(step: int, hand: int, frame: Frame, state_hash: str) -> Line:
 
 
 def keyframe_line(step: int, state: NDArray[np.float64], state_hash: str) -> Line:
-    """The line of an integration state."""
+    """Line of an integration state."""
     text = base64.b64encode(np.ascontiguousarray(state, "<f8").tobytes()).decode()
     return {"kind": "keyframe", "step": step, "state": text, "hash": state_hash}
 
 
 def end_line(step: int, result: dict[str, Any]) -> Line:
-    """The line of a trial's end."""
+    """Line of a trial's end."""
     return {"kind": "end", "step": step, "hash": result["state_hash"], "result": result}
 
 
@@ -142,7 +141,7 @@ class RecordingWriter(RecordingLines):
     waits for it.
 
     Args:
-        path: Of the new file; an existing one is never overwritten.
+        path: The new file; an existing file is never overwritten.
         header: Settings, versions and the like; JSON values.
 
     Raises:
@@ -151,7 +150,7 @@ class RecordingWriter(RecordingLines):
 
     def __init__(self, path: Path, header: dict[str, Any]) -> None:
         try:
-            # Unbuffered: a line that was written is safe from the program's own end.
+            # Unbuffered: a written line survives a crash of the program.
             self._file = path.open("xb", buffering=0)
         except FileExistsError:
             raise RecordingError(
@@ -167,11 +166,11 @@ class RecordingWriter(RecordingLines):
         self._put({"kind": "header", "schema": SCHEMA, **header})
 
     def put(self, line: Line | DeferredLine) -> None:
-        """A line that was made elsewhere."""
+        """Appends a line that was made elsewhere."""
         self._waiting.append(line)
 
     def _start(self) -> None:
-        # A deque takes a line without waking anybody, which costs more than all else here.
+        # Appending to a deque wakes no thread, which would take longer than all else here.
         self._waiting: deque[Line | DeferredLine] = deque()
         self._ending = threading.Event()
         self._error: Exception | None = None
@@ -182,7 +181,7 @@ class RecordingWriter(RecordingLines):
         """Waits until everything is on disk.
 
         Raises:
-            RecordingError: Something could not be written; what came before it is safe.
+            RecordingError: A line could not be written; the lines before it are on disk.
         """
         if self._thread.is_alive():
             self._ending.set()
@@ -193,7 +192,7 @@ class RecordingWriter(RecordingLines):
                 "the recording is incomplete",
                 where=str(self.path),
                 got=self._error.strerror,
-                remedy="Make room on the disk; the lines before this are sound",
+                remedy="Make room on the disk; the lines before this are complete",
             )
         if self._error is not None:
             raise RecordingError(
@@ -209,7 +208,7 @@ class RecordingWriter(RecordingLines):
     def _write(self) -> None:
         ending = False
         while not ending:
-            # What comes after this look is written by the next one.
+            # Lines that arrive after this check are written by the next one.
             ending = self._ending.wait(LOOK)
             while self._waiting:
                 self._write_line(self._waiting.popleft())
@@ -218,12 +217,12 @@ class RecordingWriter(RecordingLines):
         if self._error is not None:
             return
         try:
-            told = line.line() if isinstance(line, DeferredLine) else line
-            data = json.dumps(told, separators=(",", ":")).encode() + b"\n"
+            values = line.line() if isinstance(line, DeferredLine) else line
+            data = json.dumps(values, separators=(",", ":")).encode() + b"\n"
             while data:
                 data = data[self._file.write(data) :]
         except (OSError, TypeError, ValueError) as error:
-            # Of a device without room, or of a value that is none of JSON's.
+            # The disk is full, or a value cannot be written as JSON.
             self._error = error
 
 
@@ -238,7 +237,7 @@ class RecordedInput:
 
 @dataclass(frozen=True)
 class RecordedEvent:
-    """Something that happened at a physics step: its name, and what else is known."""
+    """An event at a physics step, with its name and details."""
 
     step: int
     what: str
@@ -250,15 +249,15 @@ class Recording:
     """A recording read back.
 
     Attributes:
-        path: Where it came from.
-        header: As this version writes it (see `sandbox.recording.upgrade`).
-        inputs: By hand, in order.
-        keyframes: Integration state by physics step.
-        events: In order.
-        hashes: The state's hash by physics step, wherever one is told.
-        track: The poses, for eyes; empty in older recordings.
-        end: The `end` line, or None where the recording breaks off.
-        damage: What is wrong with the file's tail, in words; empty when nothing is.
+        path: File of the recording.
+        header: Header in the form of this version (see `sandbox.recording.upgrade`).
+        inputs: Inputs by hand, in order.
+        keyframes: Integration states by physics step.
+        events: Events in order.
+        hashes: Hashes of the state by physics step, as far as the file has them.
+        track: Poses, for viewing; empty in older recordings.
+        end: The `end` line; None if the recording breaks off.
+        damage: Description of damage at the end of the file; empty without damage.
     """
 
     path: Path
@@ -275,21 +274,21 @@ class Recording:
         """The touch frames of a hand.
 
         Raises:
-            RecordingError: It was moved in the air.
+            RecordingError: The hand was driven by hand frames.
         """
         frames = [entry.frame for entry in self.inputs.get(hand, [])]
-        found = [frame for frame in frames if isinstance(frame, TouchFrame)]
-        if len(found) < len(frames):
+        touches = [frame for frame in frames if isinstance(frame, TouchFrame)]
+        if len(touches) < len(frames):
             raise RecordingError(
                 "this recording is of a hand in the air, and has no touches",
                 where=str(self.path),
                 remedy="`sandbox run` and `sandbox replay` play it",
             )
-        return found
+        return touches
 
 
 def is_recording(path: Path) -> bool:
-    """Whether a file begins like a recording of ours."""
+    """True if a file begins with the header of a recording."""
     try:
         head = json.loads(first_line(path))
     except (OSError, ValueError, RecursionError):
@@ -298,10 +297,10 @@ def is_recording(path: Path) -> bool:
 
 
 def read_header(line: bytes, path: Path) -> dict[str, Any]:
-    """The header in a recording's first line, upgraded where an earlier version wrote it.
+    """Reads the header in a recording's first line, and upgrades it if an earlier version wrote it.
 
     Raises:
-        RecordingError: It is damaged, or of a version whose layout is another one.
+        RecordingError: The header is damaged, or of a version with another layout.
     """
     try:
         header = json.loads(line)
@@ -309,7 +308,7 @@ def read_header(line: bytes, path: Path) -> dict[str, Any]:
         raise RecordingError("its first line is damaged", where=str(path)) from None
     if header.get("schema") != SCHEMA:
         raise RecordingError(
-            "another version's recording",
+            "this recording is of another version",
             where=str(path),
             got=header.get("schema"),
             expected=f"schema {SCHEMA}",
@@ -318,10 +317,10 @@ def read_header(line: bytes, path: Path) -> dict[str, Any]:
 
 
 def load_recording(path: Path | str) -> Recording:
-    """Reads a recording, compressed or not; a damaged one up to the damage, which is named.
+    """Reads a recording, compressed or not; a damaged one is read up to the damage.
 
     Raises:
-        RecordingError: There is no such file, it is no recording, or of another version.
+        RecordingError: The file cannot be read, is not a recording, or is of another version.
     """
     path = Path(path)
     try:
@@ -331,7 +330,7 @@ def load_recording(path: Path | str) -> Recording:
     if not is_recording(path):
         raise RecordingError("this is not a recording", where=str(path))
     lines = data.split(b"\n")
-    found = Recording(path, read_header(lines[0], path))
+    recording = Recording(path, read_header(lines[0], path))
     end: Line | None = None
     damage = ""
     for number, text in enumerate(lines[1:], start=2):
@@ -341,10 +340,10 @@ def load_recording(path: Path | str) -> Recording:
             line = json.loads(text)
             if line["kind"] == "end":
                 line["step"] = int(line["step"])
-                found.hashes[line["step"]] = str(line["hash"])
+                recording.hashes[line["step"]] = str(line["hash"])
                 end = line
             else:
-                _take(line, found)
+                _take(line, recording)
         except (ValueError, KeyError, TypeError, InputError, zlib.error) as error:
             damage = f"line {number} is damaged ({error}); everything before it is used"
             break
@@ -352,27 +351,27 @@ def load_recording(path: Path | str) -> Recording:
         damage = f"its compression is damaged; {damage or 'some of it may be wrong'}"
     elif not damage and end is None:
         damage = "it breaks off before its end"
-    return replace(found, end=end, damage=damage)
+    return replace(recording, end=end, damage=damage)
 
 
-def _take(line: Line, found: Recording) -> None:
-    """Adds a line to a recording; kinds that a later version added are passed over."""
+def _take(line: Line, recording: Recording) -> None:
+    """Adds a line to a recording; unknown kinds, of a later version, are skipped."""
     kind = line["kind"]
     if kind == "input":
         frame = frame_from_json(line)
         step, state_hash = int(line["step"]), str(line["hash"])
-        found.inputs.setdefault(int(line["hand"]), []).append(
+        recording.inputs.setdefault(int(line["hand"]), []).append(
             RecordedInput(step, frame, state_hash)
         )
-        found.hashes[step] = state_hash
+        recording.hashes[step] = state_hash
     elif kind == "keyframe":
         state = base64.b64decode(line["state"], validate=True)
         step, state_hash = int(line["step"]), str(line["hash"])
-        found.keyframes[step] = np.frombuffer(state, "<f8")
-        found.hashes[step] = state_hash
+        recording.keyframes[step] = np.frombuffer(state, "<f8")
+        recording.hashes[step] = state_hash
     elif kind == "event":
         known = ("kind", "step", "event")
         details = {name: value for name, value in line.items() if name not in known}
-        found.events.append(RecordedEvent(int(line["step"]), str(line["event"]), details))
+        recording.events.append(RecordedEvent(int(line["step"]), str(line["event"]), details))
     elif kind == "track":
-        read_track_line(line, found.track)
+        read_track_line(line, recording.track)

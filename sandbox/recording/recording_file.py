@@ -1,7 +1,7 @@
-"""Files of recordings, as they are or compressed: whoever reads one need not know.
+"""Files of recordings, plain or compressed; readers need not distinguish.
 
-A recording is written as it is, line by line, and may be compressed once it is complete. It keeps
-its name then, with `.gz` after it.
+A recording is written uncompressed, line by line, and may be compressed once it is complete. The
+compressed file has the same name with `.gz` appended.
 """
 
 from __future__ import annotations
@@ -12,26 +12,26 @@ from pathlib import Path
 from typing import NamedTuple
 
 GZIP = b"\x1f\x8b"
-"""What a compressed file begins with."""
+"""First bytes of a compressed file."""
 SUFFIX = ".gz"
 LEVEL = 6
-"""Of the compression: 9 takes three times as long, and saves one percent."""
+"""Compression level; level 9 takes three times as long, and saves one percent."""
 
 _PIECE = 1 << 16
 
 
 def stored(path: Path) -> Path:
-    """The file that a recording is in: the one of its name, or the compressed one."""
+    """The file that holds a recording: the plain one, or the compressed one if only it exists."""
     packed = Path(f"{path}{SUFFIX}")
     return packed if not path.exists() and packed.exists() else path
 
 
 class Stored(NamedTuple):
-    """What is in a recording's file.
+    """Contents of a recording's file.
 
     Attributes:
-        data: As it was written; of a damaged compressed file, what could be had.
-        whole: The compression, if any, is not damaged.
+        data: Uncompressed bytes; of a damaged compressed file, those before the damage.
+        whole: True unless the compressed data is damaged.
     """
 
     data: bytes
@@ -39,20 +39,20 @@ class Stored(NamedTuple):
 
 
 def read_stored(path: Path) -> Stored:
-    """A recording's bytes, whichever way they are kept.
+    """Reads a recording's bytes, plain or compressed.
 
     Raises:
-        OSError: There is no such file, or it cannot be read.
+        OSError: The file does not exist or cannot be read.
     """
     data = stored(path).read_bytes()
     return _unpacked(data) if data.startswith(GZIP) else Stored(data, True)
 
 
 def first_line(path: Path, most: int = 1_000_000) -> bytes:
-    """A recording's first line, up to so many bytes of it.
+    """Reads a recording's first line, up to `most` bytes.
 
     Raises:
-        OSError: There is no such file, or it cannot be read.
+        OSError: The file does not exist or cannot be read.
     """
     with stored(path).open("rb") as file:
         head = file.read(2)
@@ -67,18 +67,18 @@ def first_line(path: Path, most: int = 1_000_000) -> bytes:
 
 
 def packed(data: bytes) -> bytes:
-    """Compressed; the same bytes every time."""
+    """The data compressed; equal data gives equal bytes."""
     return gzip.compress(data, compresslevel=LEVEL, mtime=0)
 
 
 def _unpacked(data: bytes) -> Stored:
-    """As much as can be had."""
-    reader, found = zlib.decompressobj(wbits=31), []
+    """Decompresses data up to its end or the damage."""
+    reader, pieces = zlib.decompressobj(wbits=31), []
     try:
-        # In pieces: where one fails, those before it are there.
+        # In pieces, so that those before a damaged one are kept.
         while data and not reader.eof:
-            found.append(reader.decompress(data, _PIECE))
+            pieces.append(reader.decompress(data, _PIECE))
             data = reader.unconsumed_tail
     except zlib.error:
-        return Stored(b"".join(found), False)
-    return Stored(b"".join(found), reader.eof)
+        return Stored(b"".join(pieces), False)
+    return Stored(b"".join(pieces), reader.eof)

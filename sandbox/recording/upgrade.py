@@ -1,4 +1,4 @@
-"""Upgrades the headers of recordings that earlier versions made to the form of this version."""
+"""Upgrade of headers that earlier versions wrote to the form of this version."""
 
 from __future__ import annotations
 
@@ -7,20 +7,21 @@ from typing import Any
 Values = dict[str, Any]
 
 _EARLIER: Values = {"contact": "hard", "hand": "right", "hand_size": 1.0, "turn": 0}
-"""Settings that were fixed before they could be chosen, and what they were."""
+"""Values of settings that earlier versions did not have."""
 
 _OF_A_HAND = {"hand": "side", "hand_size": "size", "turn": "turn", "in_air": "in_air"}
-"""What the settings of one hand are called now, by what they were called."""
+"""Current names of the settings of one hand, by their earlier names."""
 
 
 def upgraded(header: Values) -> Values:
-    """The header of a recording with its settings as this version writes them.
+    """The header of a recording, with its settings in the form of this version.
 
     Until version 0.1 a run's settings were those of its first hand (`hand`, `hand_size`, `turn`,
-    `in_air`), with another hand under `second`, whose `shared` told that both touched one surface.
+    `in_air`), with another hand under `second`, whose `shared` was true if both touched one
+    surface.
 
     Args:
-        header: As it was read; one of this version is returned as it is.
+        header: The header as it was read; one of this version is returned unchanged.
     """
     settings = header["settings"]
     if not isinstance(settings, dict) or "hands" in settings:
@@ -36,5 +37,5 @@ def upgraded(header: Values) -> Values:
 
 
 def _hand(earlier: Values) -> Values:
-    """The entry of one hand."""
+    """The entry of one hand in the current form."""
     return {_OF_A_HAND.get(k, k): v for k, v in earlier.items() if v is not None}

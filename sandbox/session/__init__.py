@@ -1,1 +1,1 @@
-"""The session: the one loop, and what it tells and asks."""
+"""The session: the control loop, and its contracts with devices, recorders and views."""

@@ -8,11 +8,11 @@ from typing import Self
 
 
 class Closeable(ABC):
-    """Has a `close` that `with` calls, whatever happened in the block."""
+    """Calls its `close` at the end of a `with` block, also after an exception."""
 
     @abstractmethod
     def close(self) -> None:
-        """Gives back what is held; may be called twice."""
+        """Releases all resources; may be called twice."""
 
     def __enter__(self) -> Self:
         return self

@@ -1,6 +1,6 @@
-"""When a hand is solid: only once it is down and no fingertip is inside an object.
+"""Collision gating: a hand collides only once it is down and no fingertip is inside an object.
 
-Until then it is a ghost that passes through things. A finger that became solid inside an object
+Until then it is a ghost that passes through objects. A finger that became solid inside an object
 would throw it across the room; a person who sees a ghost moves the finger out instead.
 """
 
@@ -18,14 +18,14 @@ from models.frames import FINGERS
 from models.scene import CONTROL_PERIOD, BodyPoses, Scene
 
 CLEARANCE = 0.0005
-"""m, nearest a fingertip's surface may be to an object when it becomes solid."""
+"""m, least distance of a fingertip's surface from an object when it becomes solid."""
 ARRIVED = 0.008
-"""m, farthest the simulated fingertips may lag behind the commanded ones when they become solid."""
+"""m, largest lag of the simulated fingertips behind the commanded ones when they become solid."""
 
 ALONG = np.linspace(0.0, 1.0, 7)
-"""Shares of a last link's length at which its distance to objects is looked at. The thumb's is
-52 mm long: between two places far apart, the corner of a box goes 6 mm deep unseen; between these,
-half a millimetre."""
+"""Shares of a last link's length at which its distance to objects is checked. The thumb's last link
+is 52 mm long: with fewer points the corner of a box could lie 6 mm deep between two of them
+unnoticed; with these, half a millimetre."""
 
 GHOST: frozenset[int] = frozenset()
 
@@ -41,8 +41,8 @@ class CollisionGatingRules:
     Attributes:
         ghost_until_clear: A hand that is down stays a ghost until its tips are outside all objects.
         distal_only: Only the last links of touching fingers are ever solid; otherwise every link.
-        links: How many links of a finger are solid, from its tip inwards.
-        together: A hand becomes solid as a whole; otherwise every finger by itself.
+        links: Number of solid links of a finger, counted from its tip.
+        together: All fingers of a hand become solid in the same step; otherwise each by itself.
     """
 
     ghost_until_clear: bool = True
@@ -52,7 +52,16 @@ class CollisionGatingRules:
 
 
 class CollisionGate:
-    """Which fingers of one hand are solid, step by step."""
+    """Decides step by step which fingers of one hand are solid.
+
+    Args:
+        scene: The scene.
+        hand: Index of the hand.
+        rules: Rules of collision gating.
+
+    Attributes:
+        fingers: Labels of the fingers that are solid now.
+    """
 
     def __init__(self, scene: Scene, hand: int, rules: CollisionGatingRules) -> None:
         self._scene, self._hand, self._rules = scene, hand, rules
@@ -61,22 +70,22 @@ class CollisionGate:
         fingers = [[link for link in links if link.finger == f] for f in range(len(FINGERS))]
         last = [own[-1] for own in fingers]
         self._bodies = np.array([body(link.body).id for link in last])
-        # Two of a finger's links at most are looked at before they become solid.
+        # At most two links of a finger are checked before they become solid.
         before = [own[-2] for own in fingers]
         self._before_radius = np.array([link.radius for link in before])
         self._before = np.array([body(link.body).id for link in before])
         self._reach = np.array([link.length for link in last])
         self._radius = np.array([link.radius for link in last])
         self._commanded = scene.spec.hands[hand].tips_of()
-        # What has to be clear of things is all that is going to be solid, up to where it begins: a
-        # finger leans, and may be inside of a high thing with its tip well beside it.
+        # All of the part that becomes solid must be clear of objects, and not the tip alone: a
+        # finger leans, and may be inside a high object with its tip well beside it.
         self._inner = np.array([link.solid_from for link in last])
         self.fingers = GHOST
         self._inside = 0  # steps in a row that a finger inside an object kept the hand a ghost
 
     @property
     def notice(self) -> str:
-        """A word to the person whose hand stays a ghost; empty while all is well."""
+        """Message for the person whose hand stays a ghost; empty otherwise."""
         return STUCK if self._inside * CONTROL_PERIOD > STUCK_TIME else ""
 
     def tips(self, data: BodyPoses) -> Array:
@@ -84,7 +93,7 @@ class CollisionGate:
         return self._along(data, 1.0)
 
     def links(self, data: mujoco.MjData) -> Array:
-        """(35, 3) m, points along what is solid of the last links, all fingers at each place."""
+        """(35, 3) m, 7 points along the solid part of each finger's last link; fingers vary fastest."""
         shares = self._inner + ALONG[:, None] * (1.0 - self._inner)
         return np.concatenate([self._along(data, share) for share in shares])
 
@@ -97,9 +106,9 @@ class CollisionGate:
         """Chooses the solid fingers for the next step.
 
         Args:
-            data: The simulation now.
-            reconstruction: What the touches say now.
-            ghost: Nothing is to be solid, whatever the touches say.
+            data: Current state of the simulation.
+            reconstruction: Current reconstruction from touches or hand frames.
+            ghost: Makes every finger a ghost, whatever the reconstruction.
         """
         wanted = reconstruction.fingers if reconstruction.down and not ghost else GHOST
         staying = self.fingers & wanted
@@ -111,8 +120,8 @@ class CollisionGate:
             free = near & (self._clear(data) if self._rules.ghost_until_clear else True)
             fit = frozenset(f for f in joining if free[f])
             inside = any(near[f] and not free[f] for f in joining)
-            # A hand that comes down becomes solid as a whole: one finger ahead of the others would
-            # push away what they are about to grasp.
+            # A hand that comes down becomes solid as a whole: a finger that is solid before the
+            # others would push away the object that they are about to grasp.
             if staying or not self._rules.together:
                 staying |= fit
             elif fit == joining:
@@ -126,7 +135,7 @@ class CollisionGate:
             self.fingers = staying
 
     def _clear(self, data: mujoco.MjData) -> NDArray[np.bool_]:
-        """(5,) whether each last link is outside all objects."""
+        """(5,) bool, True if a finger's links are outside all objects."""
         points = np.concatenate([self.links(data), *self._inner_links(data)])
         nearest = np.full(len(points), np.inf)
         for thing in self._scene.spec.objects:
@@ -140,7 +149,7 @@ class CollisionGate:
         return np.asarray(clear)
 
     def _inner_links(self, data: BodyPoses) -> list[Array]:
-        """(5, 3) m each, points along the links before the last ones, where they are solid."""
+        """(5, 3) m each, points along the links before the last ones if those are solid."""
         if self._rules.links == 1:
             return []
         start, end = data.xpos.take(self._before, 0), data.xpos.take(self._bodies, 0)

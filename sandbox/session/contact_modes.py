@@ -1,8 +1,8 @@
-"""Contact modes: hard, soft and none, changed while a session runs and without a jump of its state.
+"""Contact modes (hard, soft, none), which can change during a session without a jump of its state.
 
-Soft contacts give way, and the hand that makes them is weak: what a person squeezes by mistake is
-not thrown. None lets the hand pass through everything. Hardness changes over a moment, since a
-fingertip that lies a few millimetres inside an object would throw it, were it hard at once.
+Soft contacts give way, and a soft hand is weak, so that an object squeezed by mistake is not
+thrown. With `none` the hand passes through everything. Hardness changes gradually: a fingertip a
+few millimetres inside an object would throw it if it became hard in one step.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class ContactMode(StrEnum):
 
     @property
     def next(self) -> ContactMode:
-        """The mode that follows when a person goes through them."""
+        """The next mode when a person cycles through them."""
         modes = list(ContactMode)
         return modes[(modes.index(self) + 1) % len(modes)]
 
@@ -37,23 +37,25 @@ SOFT_SOLREF = (0.080, 1.0)
 """s and damping ratio of a soft contact; hard ones have 4 ms. A fingertip that holds a box at 3 N
 is 1.3 mm inside it."""
 SOFT_SOLIMP = (0.97, 0.995, 0.001, 0.5, 2.0)
-"""Impedance of a soft contact, no less than a hard one's: what gives way by its impedance lets a
-held box creep by 0.8 mm in 5 s, what gives way by its time constant by 0.1 mm (benchmarks.feel)."""
+"""Impedance of a soft contact, at least that of a hard one. A held box creeps by 0.8 mm in 5 s where
+softness comes from a lower impedance, by 0.1 mm where it comes from the time constant
+(benchmarks.feel)."""
 SOFT_TOLERANCE = 1e-11
-"""Of the solver, while contacts are soft. What it leaves undone at MuJoCo's 1e-8 is little beside
-hard contacts, and beside soft ones enough to rock what two fingers hold; it costs no time."""
+"""Solver tolerance while contacts are soft. The residual at MuJoCo's default of 1e-8 is negligible
+with hard contacts, but with soft ones it rocks an object held by two fingers. The lower tolerance
+takes no measurable time."""
 CHANGE = 0.2
-"""s from hard to soft and back."""
+"""s, duration of a change from hard to soft and back."""
 
 _OWN = 1e6
 """Weight of a soft hand's contact parameters against an object's own."""
 
 
 def contact_mode(name: str) -> ContactMode:
-    """The mode of a name.
+    """The contact mode of this name.
 
     Raises:
-        InputError: There is none.
+        InputError: No mode has this name.
     """
     try:
         return ContactMode(name)
@@ -67,12 +69,12 @@ class ContactModes:
     """The contact mode of a scene's hands, written into its model step by step.
 
     Args:
-        scene: Its model belongs to one session.
-        mode: At the start, in full at once.
+        scene: The scene; its model must not be shared with another session.
+        mode: Initial mode, in full effect from the start.
 
     Attributes:
-        mode: What was asked for last.
-        softness: 0 (hard) to 1 (soft), where the change has got to.
+        mode: The mode that was requested last.
+        softness: Current softness, 0 (hard) to 1 (soft), during a change.
     """
 
     def __init__(self, scene: Scene, mode: ContactMode = ContactMode.HARD) -> None:
@@ -99,13 +101,13 @@ class ContactModes:
 
     @property
     def signature(self) -> bytes:
-        """State besides MuJoCo's that affects the next step; empty for hard contacts."""
+        """State outside MuJoCo's that affects the next step; empty for hard contacts."""
         if self.mode is ContactMode.HARD and self.softness == 0.0:
             return b""
         return self.mode.encode() + struct.pack("<d", self.softness)
 
     def step(self) -> None:
-        """Goes on with a change for one control period."""
+        """Advances a change of softness by one control period."""
         if self.softness != self._goal:
             share = CONTROL_PERIOD / CHANGE
             self.softness += float(np.clip(self._goal - self.softness, -share, share))
@@ -116,7 +118,7 @@ class ContactModes:
         return 1.0 if self.mode is ContactMode.SOFT else 0.0
 
     def _apply(self) -> None:
-        """Writes the model: times and forces change by a share, impedances by an amount."""
+        """Writes the model: times and forces change geometrically, impedances linearly."""
         model, soft = self._model, self.softness
         if soft == 0.0:
             model.geom_solref[self._geoms] = self._solref

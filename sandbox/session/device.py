@@ -1,9 +1,9 @@
-"""The contract of devices: what a source of touches, or of hands in the air, offers to a session.
+"""The contract of devices: the interface between a session and a source of touches or hand frames.
 
-A device overrides `poll` and the members that it has; every other member has a default. Wrappers
-keep the same contract (`sandbox.devices.wrappers.device_wrapper`), and a device that was written
-elsewhere without these base classes gets the defaults where it is opened
-(`sandbox.devices.discovery`). So nobody has to ask a device what it can do.
+A device overrides `poll` and the members that it supports; every other member has a default.
+Wrappers keep the same contract (`sandbox.devices.wrappers.device_wrapper`). A device that was
+written elsewhere without these base classes gets the defaults when it is opened
+(`sandbox.devices.discovery`). Callers therefore never need `hasattr`.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ else:
 
 
 PAUSE = 0.002
-"""s that `wait` takes for a device that cannot say when a frame comes."""
+"""s that the default `wait` sleeps, for devices that cannot signal the arrival of a frame."""
 
 _NO_TRUTH: Mapping[int, int] = MappingProxyType({})
 
@@ -43,15 +43,15 @@ D = TypeVar("D")
 
 
 class AnyDevice(ABC):
-    """Members that devices of touches and of hands in the air share.
+    """Common base class of touch devices and of devices that track hands in the air.
 
-    Whatever may block (a socket, a file, a window) lives in the device's own thread; `poll` is
-    called from the session's loop and returns at once.
+    Anything that may block (a socket, a file, a window) belongs in a thread of the device; `poll`
+    is called from the session's loop and must return at once.
 
     Attributes:
-        news: Set by the device when a frame has come, and cleared by `poll`, so that a session need
-            not wait for its next tick; None where the device cannot say. Several devices may be
-            given one event in common.
+        news: Event that the device sets when a frame has arrived and that `poll` clears, so that a
+            session need not wait for its next tick; None where the device has no such event.
+            Several devices may share one event.
     """
 
     news: threading.Event | None = None
@@ -59,7 +59,7 @@ class AnyDevice(ABC):
 
     @default
     def name(self) -> str:
-        """In messages and logs; the class's name unless said otherwise."""
+        """Name in messages and logs; by default that of the class."""
         return type(self).__name__
 
     @abstractmethod
@@ -67,68 +67,70 @@ class AnyDevice(ABC):
         """Frames committed since the last call, oldest first.
 
         Args:
-            now: Session time, seconds of simulated time. A live device ignores it; one that plays
-                from a file or from a simulation gives the frames due by then.
+            now: Session time, seconds of simulated time. A live device ignores it; a device that
+                plays a file or a simulation returns the frames due by then.
         """
 
     @default
     def finished(self) -> bool:
-        """True when no further frame can come, as at the end of a file; by default once closed."""
+        """True when no further frame can arrive, as at the end of a file; by default once closed."""
         return self._closed
 
     def close(self) -> None:
-        """Gives back sockets, files and threads; may be called twice."""
+        """Releases sockets, files and threads; may be called twice."""
         self._closed = True
 
     @default
     def has_lift(self) -> bool:
-        """True where its frames carry a lift control."""
+        """True if its frames carry a lift control."""
         return False
 
     @default
     def looks(self) -> bool:
-        """True where it must see the scene, through `show`, before it moves."""
+        """True if it needs snapshots of the scene, passed to `show`."""
         return False
 
-    def show(self, snapshot: Snapshot) -> None:  # noqa: B027  (most devices see nothing)
-        """Receives every snapshot of the session; does nothing by default."""
+    def show(self, snapshot: Snapshot) -> None:  # noqa: B027  (most devices ignore the scene)
+        """Receives every snapshot of the session if `looks` is true; does nothing by default."""
 
     @default
     def notice(self) -> str:
-        """A message for the person now, such as why nothing moves; empty while all is well."""
+        """A message for the person, such as why nothing moves; empty without a problem."""
         return ""
 
     def switches(self, now: float) -> Sequence[str]:
-        """Contact modes asked for since the last call, up to session time `now`, s; see
-        `sandbox.session.contact_modes`."""
+        """Contact modes requested since the last call, up to session time `now`, s.
+
+        `sandbox.session.contact_modes` lists the modes.
+        """
         return ()
 
     def wait(self, seconds: float) -> bool:
-        """Waits for a frame to fetch, at most `seconds`; False where none came in time.
+        """Waits for a frame, at most `seconds`; False if none came in time.
 
-        By default it waits for a moment, and says that there may be one.
+        The default sleeps for up to `PAUSE` and returns True, as there may be a frame.
         """
         time.sleep(min(PAUSE, seconds))
         return True
 
     @default
     def address(self) -> str:
-        """Where it listens, as a person types it; empty where it does not listen."""
+        """Address at which it listens, as a person types it; empty if it does not listen."""
         return ""
 
     @default
     def title(self) -> str:
-        """What `sandbox touches show` calls it; its name unless said otherwise."""
+        """Name in `sandbox touches show`; by default `name`."""
         return self.name
 
     @default
     def plays_file(self) -> bool:
-        """True where its frames were recorded."""
+        """True if it plays recorded frames."""
         return False
 
     @default
     def damage(self) -> Exception | None:
-        """What ended a recorded file early; None where there is no damage."""
+        """The error that ended a recorded file early; None if the file is undamaged."""
         return None
 
     @default
@@ -138,28 +140,30 @@ class AnyDevice(ABC):
 
     @default
     def latency(self) -> LatencyLog | None:
-        """How long its frames waited for the session; None where it does not measure that."""
+        """Log of the time that its frames waited for the session; None if it keeps none."""
         return None
 
     @default
     def truth(self) -> Mapping[int, int]:
-        """The true finger (thumb 0 .. little 4) of each contact, by id; empty where unknown. Only
-        results and tables use it."""
+        """True finger (thumb 0 .. little 4) of each contact, by id; empty if unknown.
+
+        Only results and tables use it.
+        """
         return _NO_TRUTH
 
     @default
     def parts(self) -> tuple[AnyDevice, ...]:
-        """Devices directly inside this one, as in a wrapper."""
+        """Devices directly inside this one, such as the device in a wrapper."""
         return ()
 
     def within(self) -> Iterator[AnyDevice]:
-        """This device and all inside it, outermost first."""
+        """Yields this device and all devices inside it, outermost first."""
         yield self
         for part in self.parts:
             yield from part.within()
 
     def find(self, kind: type[D]) -> D | None:
-        """The first device of a class, this one or one inside it; None where there is none."""
+        """The first device of a class among this one and those inside it; None without one."""
         return next((device for device in self.within() if isinstance(device, kind)), None)
 
 
@@ -172,7 +176,7 @@ class Device(AnyDevice):
 
 
 class HandDevice(AnyDevice):
-    """A source of frames of hands in the air."""
+    """A source of hand frames, of hands tracked in the air."""
 
     @abstractmethod
     def poll(self, now: float) -> Sequence[HandFrame]:

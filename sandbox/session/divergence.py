@@ -1,4 +1,4 @@
-"""When a simulation has left the region where its numbers mean something."""
+"""Detection of a diverged simulation: non-finite numbers and impossible speeds."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ import numpy as np
 from models.scene import Scene
 
 FASTEST = 50.0
-"""m/s of an object: 10 cm in a step of 2 ms, farther than the objects are wide. It passes through
-things without ever being seen to touch them."""
+"""m/s, highest speed of an object. At this speed it moves 10 cm in a step of 2 ms, more than its own
+width, and passes through other objects without a detected contact."""
 FASTEST_TURN = 5000.0
-"""rad/s of anything, hand or object: more than a whole turn in a step of 2 ms."""
+"""rad/s, highest angular speed of a hand's joint or an object: more than a turn in 2 ms."""
 
 _SLOW = 40.0
-"""m/s and rad/s of all joints together, at which nothing moves as fast as `FASTEST`."""
+"""m/s and rad/s, norm of all joint velocities below which no object can be as fast as `FASTEST`."""
 
 _WARNINGS = {
     mujoco.mjtWarning.mjWARN_BADQPOS: "positions are not finite",
@@ -24,11 +24,11 @@ _WARNINGS = {
     mujoco.mjtWarning.mjWARN_BADQACC: "accelerations are not finite",
     mujoco.mjtWarning.mjWARN_BADCTRL: "the commanded pose is not finite",
 }
-"""What MuJoCo notices by itself; it also calls numbers beyond 1e10 not finite."""
+"""Warnings of MuJoCo that mean divergence; it also calls numbers beyond 1e10 not finite."""
 
 
 def command_error(data: mujoco.MjData) -> str:
-    """Error in the commanded pose, in words; empty if it is valid."""
+    """Description of an error in the commanded pose; empty if it is valid."""
     ctrl = data.ctrl
     if isfinite(ctrl.dot(ctrl)) or np.all(np.isfinite(ctrl)):
         return ""
@@ -36,9 +36,9 @@ def command_error(data: mujoco.MjData) -> str:
 
 
 def state_error(scene: Scene, data: mujoco.MjData) -> str:
-    """Error in the state of a simulation, in words; empty if it is valid."""
-    # Nearly always nothing is, which a few sums tell: whatever is not finite makes one of them so,
-    # and nothing is fast where no joint is.
+    """Description of an error in the state of a simulation; empty if it is valid."""
+    # Fast path for the usual, valid state: a number that is not finite makes a dot product not
+    # finite, and no object is fast while all joint velocities are small.
     qpos, qvel = data.qpos, data.qvel
     slow = isfinite(qpos.dot(qpos)) and qvel.dot(qvel) < _SLOW**2
     if slow and not any(data.warning.number.tolist()):

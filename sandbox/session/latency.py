@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 KEPT = 100_000
-"""LatestFrame values that are kept of each kind: half an hour at 60 Hz."""
+"""Number of newest values kept of each kind: half an hour at 60 Hz."""
 
 
 @dataclass(frozen=True)
@@ -25,16 +25,17 @@ class Percentiles:
 
 
 class LatencyLog:
-    """Values of several kinds in milliseconds; safe from all threads.
+    """Latencies of several kinds in milliseconds; safe to use from all threads.
 
-    `waited`: from a touch message's arrival to the control step that it took effect in.
-    `stepped`: from there to its frame being handed to the network or the window.
-    `acknowledged`: from a frame being sent to the page's word that it has it.
-    `drawn`: from the touch event to the first picture that contains it, by the page's own clock;
-    what the display adds after that is in none of these.
-    `round_trip`: of a beat between page and server, by the page's clock.
-    `window`: from a touch's arrival to the end of drawing the first picture in the window that has
-    it; `picture`: of drawing one alone.
+    `waited`: from the arrival of a touch message to the control step in which it took effect.
+    `stepped`: from there until its frame was handed to the network or the window.
+    `acknowledged`: from sending a frame until the page acknowledged it.
+    `drawn`: from the touch event to the first picture that contains it, by the page's own clock.
+    `round_trip`: round trip of a heartbeat between page and server, by the page's clock.
+    `window`: from the arrival of a touch until the first picture with it was drawn in the window.
+    `picture`: duration of drawing one picture in the window.
+
+    None of them includes the delay of the display itself.
     """
 
     def __init__(self) -> None:
@@ -42,7 +43,7 @@ class LatencyLog:
         self._values: dict[str, list[float]] = {}
 
     def add(self, kind: str, milliseconds: float) -> None:
-        """One more value."""
+        """Adds a value."""
         with self._lock:
             values = self._values.setdefault(kind, [])
             values.append(milliseconds)
@@ -50,18 +51,18 @@ class LatencyLog:
                 del values[:KEPT]
 
     def reset(self) -> None:
-        """Forgets everything: another trial begins."""
+        """Removes all values, as before another trial."""
         with self._lock:
             self._values.clear()
 
     def percentiles(self) -> dict[str, Percentiles]:
-        """By kind."""
+        """Percentiles by kind of latency."""
         with self._lock:
             kinds = {kind: np.array(values[-KEPT:]) for kind, values in self._values.items()}
         return {kind: _percentiles(v) for kind, v in kinds.items()}
 
     def as_json(self) -> dict[str, Any]:
-        """For results and events."""
+        """Percentiles as JSON values, for results and events."""
         return {
             kind: {
                 "n": p.n,

@@ -1,4 +1,4 @@
-"""The newest frame of a device, stamped with session time: what a control period goes by."""
+"""The latest frame of a device, stamped with session time, as a control period uses it."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from dataclasses import replace
 from models.frames import Frame, HandFrame, TouchFrame
 
 SILENCE = 0.5
-"""s without a frame, after which a 3-D device is taken to see no hand. A device that works says
-sixty times a second and more what it sees, also when that is nothing; touches say only changes."""
+"""s without a frame after which a 3-D device is taken to see no hand. A working 3-D device sends at
+least 60 frames a second, also without a hand in view; touch devices send only changes."""
 
 
 class LatestFrame:
-    """Keeps what a device said last.
+    """Keeps the latest frame of a device.
 
     Args:
-        empty: What it has said before its first frame.
+        empty: Frame that stands in until the first one.
 
     Attributes:
-        frame: Now.
+        frame: The latest frame, with session time.
     """
 
     def __init__(self, empty: Frame) -> None:
@@ -27,7 +27,7 @@ class LatestFrame:
         self._heard = 0.0
 
     def take(self, frames: Sequence[Frame], time: float) -> bool:
-        """Takes in what has come since the last control period; whether that is anything.
+        """Takes in the frames since the last control period; True if there were any.
 
         Of several frames the last one counts; touches that were cancelled in any of them stay
         cancelled.
@@ -53,7 +53,7 @@ class LatestFrame:
 
 
 def _stamped(frames: Sequence[TouchFrame], time: float) -> TouchFrame:
-    """The last of some frames, at a time, with the touches that were cancelled in any of them."""
+    """The last frame, stamped with a time, with the touches that were cancelled in any frame."""
     last = frames[-1]
     if len(frames) == 1 and last.time == time and not last.cancelled:
         return last

@@ -1,7 +1,7 @@
-"""Messages of a session to its views: snapshots, of which the latest wins and any may be dropped.
+"""Snapshots, which a session sends to its views; a view may drop any but the latest.
 
-A snapshot is all that a window, a film or a simulated user gets to see. Events, which are ordered
-and never lost, are in `sandbox.trial.events`.
+A window, a film or a simulated user sees nothing but snapshots. Events, which are ordered and never
+lost, are in `sandbox.trial.events`.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from tasks.task import Goal
 
 @dataclass(frozen=True)
 class ContactView:
-    """A contact as it is drawn.
+    """A contact as views draw it.
 
     Attributes:
         id: Id of the contact.
         position: (3,) m, in the world, on the touch surface.
-        label: Its finger, or None while it has none.
-        state: `active`; `lost` while it lives on for a moment; `ignored`: drawn grey.
+        label: Its finger, thumb 0 to little 4; None before it is labelled.
+        state: `active`; `lost` during the grace period after it was lost; `ignored` (drawn grey).
     """
 
     id: int
@@ -34,14 +34,14 @@ class ContactView:
 
 @dataclass(frozen=True)
 class HandView:
-    """A hand as it is drawn.
+    """A hand as views draw it.
 
     Attributes:
-        target: (48,) commanded pose in the world: the ghost hand.
+        target: (48,) commanded pose in the world, drawn as the ghost hand.
         tips: (5, 3) m, fingertips of the simulated hand.
-        solid: Labels of the fingers that can touch things now; empty: the hand is a ghost.
-        phase: Where the hand is between hovering and being down (see the reconstructor).
-        contacts: What touches the surface.
+        solid: Labels of the fingers that can collide now; the hand is a ghost while it is empty.
+        phase: Phase between hovering and down (`encoders.reconstruction.arrival.Phase`).
+        contacts: Contacts on the touch surface.
     """
 
     target: Array
@@ -53,7 +53,7 @@ class HandView:
 
 @dataclass(frozen=True)
 class ObjectView:
-    """An object as it is drawn: position (3,) m and rotation (3, 3)."""
+    """An object as views draw it: position (3,) m and rotation (3, 3)."""
 
     position: Array
     rotation: Array
@@ -67,12 +67,12 @@ class Snapshot(Later):
         time: s of simulated time since the trial's start.
         step: Physics steps since the trial's start.
         qpos: All joint positions of the scene's model, for a view with its own MjData.
-        hands: One per hand of the scene.
-        objects: By name.
-        goals: What is to be reached, all of it placed in the world.
-        score: So far.
-        notices: Words to the person.
-        contact: How hands and objects touch: `hard`, `soft` or `none`.
+        hands: One view per hand of the scene.
+        objects: Views of the objects by name.
+        goals: Goals of the task, placed in the world.
+        score: Score so far.
+        notices: Messages for the person.
+        contact: Contact mode: `hard`, `soft` or `none`.
     """
 
     time: float
@@ -87,5 +87,5 @@ class Snapshot(Later):
 
     @property
     def notice(self) -> str:
-        """All notices in one line, or empty."""
+        """All notices in one line; empty without any."""
         return "; ".join(self.notices)

@@ -1,7 +1,7 @@
-"""Tracks: every pose of a trial in a few bytes, so that it can be looked at where it cannot be
-simulated again.
+"""Pose tracks: compressed poses of a trial, for viewing it on machines that cannot reproduce it.
 
-A track is for eyes: all joint positions are rounded. What a simulation goes on from is a keyframe.
+A track is for viewing only, as all joint positions are rounded. A simulation continues from a
+keyframe.
 """
 
 from __future__ import annotations
@@ -18,13 +18,14 @@ import numpy as np
 from models.arithmetic.arrays import Array
 
 GRAIN = 2e-5
-"""m, rad or part of a quaternion, to which joint positions are rounded: 0.02 mm, 0.002 degrees."""
+"""Rounding of joint positions, in m, rad or quaternion units: 0.02 mm, 0.002 degrees."""
 LEVEL = 6
-"""Of zlib: a second's poses take 0.1 ms; 9 takes 0.5 to 1 ms and saves 2 percent."""
+"""Compression level of zlib. Level 6 takes 0.1 ms for the poses of a second; level 9 takes 0.5 to
+1 ms and saves 2 percent."""
 ROOM = 64
-"""Poses: a second's, and a little."""
+"""Initial capacity, poses: slightly more than a second."""
 LONGEST = 3600 * 1000
-"""Poses in one line beyond which a file is damaged."""
+"""Largest number of poses in one line of an undamaged file."""
 
 
 @dataclass(frozen=True)
@@ -42,40 +43,42 @@ class PoseTrack:
 
 @cache
 def bits(fingers: frozenset[int]) -> int:
-    """Fingers as a number, one bit each."""
+    """Labels of fingers as a bit mask."""
     return sum(1 << f for f in fingers)
 
 
 class PoseTrackWriter:
-    """Collects poses, of which a line is made now and then.
+    """Collects poses and turns them into lines of a recording.
 
-    Poses are put into memory that was asked for beforehand: in a loop that has just slept, asking
-    costs more than copying.
+    Poses are copied into memory that was allocated beforehand: in a loop that has just slept,
+    allocation takes longer than copying.
     """
 
     def __init__(self) -> None:
-        self._told: list[tuple[int, Sequence[frozenset[int]]]] = []
+        self._entries: list[tuple[int, Sequence[frozenset[int]]]] = []
         self._poses = np.empty((0, 0))
 
     def add(self, step: int, qpos: Array, solid: Sequence[frozenset[int]]) -> None:
-        """Takes in a pose (nq,) and who is solid at a physics step."""
-        row = len(self._told)
+        """Adds a pose (nq,) and the solid fingers of every hand at a physics step."""
+        row = len(self._entries)
         if row == len(self._poses):
             self._make_room(len(qpos))
         self._poses[row] = qpos
-        self._told.append((step, solid))
+        self._entries.append((step, solid))
 
     def take(self) -> Callable[[], dict[str, Any]] | None:
-        """Function that makes a line of everything collected since the last call; None if that is
-        nothing. It takes a millisecond, and may be called at any time, from any thread."""
-        if not self._told:
+        """A function that makes a line of all poses since the last call; None without poses.
+
+        The function takes a millisecond, and may be called at any time and from any thread.
+        """
+        if not self._entries:
             return None
-        make = partial(_line_of, self._told, self._poses)
-        self._told, self._poses = [], np.empty_like(self._poses)
+        make = partial(_line_of, self._entries, self._poses)
+        self._entries, self._poses = [], np.empty_like(self._poses)
         return make
 
     def line(self) -> dict[str, Any] | None:
-        """A line of all that was collected since the last time; None where that is nothing."""
+        """A line of all poses since the last one; None without poses."""
         make = self.take()
         return make() if make else None
 
@@ -86,22 +89,24 @@ class PoseTrackWriter:
         self._poses = room
 
 
-def _line_of(told: Sequence[tuple[int, Sequence[frozenset[int]]]], poses: Array) -> dict[str, Any]:
-    steps, solid = zip(*told, strict=True)
-    return track_line(list(steps), poses[: len(told)], solid)
+def _line_of(
+    entries: Sequence[tuple[int, Sequence[frozenset[int]]]], poses: Array
+) -> dict[str, Any]:
+    steps, solid = zip(*entries, strict=True)
+    return track_line(list(steps), poses[: len(entries)], solid)
 
 
 def track_line(
     steps: list[int], poses: Array | Sequence[Array], solid: Sequence[Sequence[frozenset[int]]]
 ) -> dict[str, Any]:
-    """A line of poses (nq,) and labels of solid fingers of every hand at some physics steps."""
+    """The line of a recording with poses (nq,) and the solid fingers of every hand, by step."""
     with np.errstate(invalid="ignore"):
         places = np.clip(np.nan_to_num(np.array(poses)), -1e4, 1e4) / GRAIN
     masks = [[bits(labels) for labels in hands] for hands in solid]
     fingers = np.array(masks, np.int64).reshape(len(steps), -1)
     rows = np.hstack([np.rint(places).astype(np.int64), fingers])
     changes = np.diff(rows, axis=0, prepend=0 * rows[:1])
-    # Zigzag: small changes of either sign become small numbers, whose upper bytes are 0.
+    # Zigzag encoding: small changes of either sign become small numbers, whose upper bytes are 0.
     folded = ((changes << 1) ^ (changes >> 63)).astype("<u4")
     planes = np.ascontiguousarray(folded.T).view(np.uint8).reshape(-1, 4).T
     data = base64.b64encode(zlib.compress(planes.tobytes(), LEVEL)).decode()
@@ -115,10 +120,10 @@ def track_line(
 
 
 def read_track_line(line: dict[str, Any], track: PoseTrack) -> None:
-    """Adds a line's poses to a track.
+    """Adds the poses of a recorded line to a track.
 
     Raises:
-        ValueError: It is damaged.
+        ValueError: The line is damaged.
     """
     first, stride, count = (int(n) for n in line["steps"])
     joints, hands = int(line["joints"]), int(line["hands"])

@@ -1,8 +1,8 @@
-"""Objects that leave the workspace come back: to where they started, or the nearest free place.
+"""Respawn: returns objects that leave the workspace to their start, or to the nearest free place.
 
-The workspace is where a finger on the touch surface can reach an object. An object that stays
-outside of it for a moment could never be brought back by touching; it is put down at rest again,
-and counted. Tasks only read the simulation: what moves things is the session.
+The workspace is where a finger on the touch surface can reach an object. No touch could bring back
+an object that stays outside; after a moment it is put down at rest, and counted. The session does
+this and not the task, because tasks only read the simulation.
 """
 
 from __future__ import annotations
@@ -21,64 +21,66 @@ from models.scene import CONTROL_PERIOD, Scene
 from models.surface import METRES_PER_INCH, Surface
 
 AWAY = 0.5
-"""s for which an object has to be out of reach: the person sees where it went."""
+"""s that an object must be out of reach before it returns, so that the person sees where it went."""
 FINGERTIP = 0.010
-"""m, about the radius of a fingertip: it reaches so far beyond its touch."""
+"""m, about the radius of a fingertip, by which it reaches beyond its touch."""
 GRIP = 0.005
-"""m, how far into an object the plane in which fingers close before an upright surface must go."""
+"""m, least depth at which the plane of the fingertips before an upright surface must cut an object
+for them to grip it."""
 CEILING = 0.5
-"""m above a flat surface, beyond which no hand lifts anything."""
+"""m above a flat surface that no hand lifts an object to."""
 FLOOR = -0.05
-"""m, world z of an object's middle below which it has sunk through the table."""
+"""m, world z of an object's centre below which it has sunk through the table."""
 BORDER = 0.030
-"""m from the surface's border to the middle of an object that is put down elsewhere."""
+"""m, least distance from the surface's border to the centre of an object that is put down
+elsewhere than at its start."""
 ROOM = 0.005
-"""m between an object that is put down and whatever is there."""
+"""m, least gap between an object that is put down and its neighbours."""
 GRID = 0.010
-"""m between two places that are tried."""
+"""m between two candidate places."""
 FARTHEST = 0.40
-"""m from the start, beyond which no place is tried."""
+"""m, largest distance of a candidate place from the start."""
 
 
 class Respawn:
-    """Watches the objects of a scene that can leave.
+    """Watches the objects of a scene that can leave the workspace, and puts them back.
 
     Args:
         scene: The scene.
-        surfaces: Where fingers touch, one per hand.
+        surfaces: Touch surfaces, one per hand.
 
     Attributes:
-        counts: How often each object came back; objects that never left are not in it.
+        counts: Number of returns of each object, by name; objects that never left are not in it.
     """
 
     def __init__(self, scene: Scene, surfaces: Sequence[Surface]) -> None:
         self._scene, self._surfaces = scene, tuple(surfaces)
-        self._things = [_Place(scene, t) for t in scene.spec.objects]
-        self._things = [place for place in self._things if place.can_leave]
-        self._away = {place.name: 0 for place in self._things}
-        # While there is no room, they are looked through at every step.
-        self._shifts = {place.name: self._reachable(place) for place in self._things}
+        self._objects = [_Place(scene, t) for t in scene.spec.objects]
+        self._objects = [place for place in self._objects if place.can_leave]
+        self._away = {place.name: 0 for place in self._objects}
+        # Kept, because they are searched at every step while there is no room.
+        self._shifts = {place.name: self._reachable(place) for place in self._objects}
         self.counts: dict[str, int] = {}
 
     def step(self, data: mujoco.MjData, tips: Callable[[], Array]) -> list[str]:
-        """Puts back what has been away for long enough; once per control period.
+        """Puts back the objects that have been away for long enough; call once per control period.
 
         Args:
-            data: The simulation; changed, and brought up to date, where something comes back.
-            tips: Gives (n, 3) m, points of fingers beside which nothing is put down.
+            data: The simulation; changed, and brought up to date, if an object is put back.
+            tips: Returns (n, 3) m, points on fingers that must stay clear.
 
         Returns:
-            Names of what came back.
+            Names of the objects that were put back.
         """
         back = []
-        for place in self._things:
+        for place in self._objects:
             out = not any(self._within(data, place, s) for s in self._surfaces)
             self._away[place.name] = self._away[place.name] + 1 if out else 0
             if self._away[place.name] * CONTROL_PERIOD >= AWAY and self._put(data, place, tips()):
                 self._away[place.name] = 0
                 self.counts[place.name] = self.counts.get(place.name, 0) + 1
                 back.append(place.name)
-                # Another one that comes back in the same step must not land on this one.
+                # Another object that is put back in the same step must not land on this one.
                 mujoco.mj_forward(self._scene.model, data)
         return back
 
@@ -97,21 +99,21 @@ class Respawn:
             and abs(off) < (CEILING if flat else reach)
         )
         if near and not flat:
-            # Nobody sees how deep it is, and fingers close in one plane only: they must meet it.
+            # The person cannot see depth, and fingers close in one plane, which must cut it.
             foot = position - (off - PAD_HEIGHT) * surface.rotation[:, 2]
             rotation = data.xmat[place.body].reshape(3, 3)
             return bool(place.thing.clearance(foot[None], position, rotation)[0] < -GRIP)
         if not near or (0.0 < x < width and 0.0 < -up < height):
             return near
-        # Its middle is off the surface: a finger at the border would only push away what does not
-        # come in over it.
+        # Its centre is off the surface: a finger at the border can only push it away, unless a
+        # part of it lies over the surface.
         points = surface.to_world(_border(width, height), off)
         rotation = data.xmat[place.body].reshape(3, 3)
         return bool(place.thing.clearance(points, position, rotation).min() < 0.0)
 
     def _put(self, data: mujoco.MjData, place: _Place, tips: Array) -> bool:
-        """Puts an object at the free place nearest to its start; False where there is none now."""
-        others = [p for p in self._things if p is not place]
+        """Puts an object at the free place nearest to its start; False without a free place."""
+        others = [p for p in self._objects if p is not place]
         shifts = self._shifts[place.name]
         free = np.ones(len(shifts), bool)
         for other in others:
@@ -125,8 +127,8 @@ class Respawn:
         return False
 
     def _reachable(self, place: _Place) -> Array:
-        """(n, 3) m, from its start to where an object may be put down; its start comes first."""
-        # Before an upright surface, as on rails, what is put down elsewhere keeps its depth.
+        """(n, 3) m, shifts from an object's start to candidate places; zero comes first."""
+        # Before an upright surface, and on rails, an object keeps its depth.
         anywhere = place.free and any(_flat(s) for s in self._surfaces)
         shifts = _SHIFTS if anywhere else _SHIFTS[_SHIFTS[:, 1] == 0.0]
         there = np.any([_inside(s, place.home + shifts) for s in self._surfaces], axis=0)
@@ -134,7 +136,7 @@ class Respawn:
 
 
 class _Place:
-    """Where an object is in MuJoCo's arrays, and where it started."""
+    """An object's addresses in MuJoCo's arrays, and its start."""
 
     def __init__(self, scene: Scene, thing: Thing) -> None:
         model = scene.model
@@ -144,7 +146,7 @@ class _Place:
         types = model.jnt_type[joints]
         self.free = bool(np.any(types == mujoco.mjtJoint.mjJNT_FREE))
         slides = types == mujoco.mjtJoint.mjJNT_SLIDE
-        # What is hinged to the table cannot leave; what slides along two axes can.
+        # An object hinged to the table cannot leave; one that slides along two axes can.
         self.can_leave = self.free or int(slides.sum()) >= 2
         if not self.can_leave:
             return
@@ -168,7 +170,7 @@ class _Place:
         )
 
     def put(self, data: mujoco.MjData, shift: Array) -> None:
-        """Puts it where it started, moved by a shift (3,) in the world, at rest."""
+        """Puts the object at rest at its start, moved by a shift (3,) m in the world."""
         start = self._start.copy()
         if self.free:
             start[:3] += shift
@@ -184,16 +186,16 @@ def _flat(surface: Surface) -> bool:
 
 
 def _inside(surface: Surface, positions: Array) -> NDArray[np.bool_]:
-    """(n,) whether an object put down at a world position (n, 3) is well within reach."""
+    """(n,) bool, True if an object put down at a world position (n, 3) m is well within reach."""
     xy, size = surface.to_surface(positions), surface.size
     if not _flat(surface):
-        # What stands on the table is at the lower edge of an upright surface.
+        # An object that stands on the table is at the lower edge of an upright surface.
         xy, size = xy[:, :1], size[:1]
     return np.asarray(np.all((xy > BORDER) & (xy < size - BORDER), axis=1))
 
 
 def _border(width: float, height: float) -> Array:
-    """(n, 2) m, places along the border of a surface of this size."""
+    """(n, 2) m, points along the border of a surface of this size."""
     share = np.linspace(0.0, 1.0, 50)[:, None]
     corners = np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height], [0.0, 0.0]])
     sides: list[Array] = [a + share * (b - a) for a, b in pairwise(corners)]
@@ -201,7 +203,7 @@ def _border(width: float, height: float) -> Array:
 
 
 def _shifts() -> Array:
-    """(n, 3) m along the table, nearest first; the order is the same everywhere."""
+    """(n, 3) m, shifts along the table, shortest first, in the same order on every machine."""
     steps = np.arange(-round(FARTHEST / GRID), round(FARTHEST / GRID) + 1)
     x, y = (a.ravel() for a in np.meshgrid(steps, steps))
     order = np.lexsort((y, x, x * x + y * y))

@@ -1,8 +1,8 @@
-"""The one loop: devices -> reconstruction -> servo targets -> physics -> score -> views.
+"""The control loop: devices -> reconstruction -> servo targets -> physics -> score -> views.
 
-Physics time decides. One call of `advance` is one control period; who drives a person's session
-calls it at real time, who runs headless as fast as it goes. The same input gives the same states to
-the bit, because nothing in here looks at a clock.
+Simulated time decides. One call of `advance` is one control period; a session with a person calls
+it at real time, a headless run as fast as possible. The same input gives the same states to the
+bit, because nothing here reads a clock.
 """
 
 from __future__ import annotations
@@ -40,11 +40,11 @@ from tasks.sensing import Sensing
 from tasks.task import Task
 
 NOTICE_TIME = 2.0
-"""s for which a person is told that an object came back."""
+"""s for which the notice about an object that was put back is shown."""
 
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION
-"""What has to be stored so that a simulation goes on to the bit: `FULLPHYSICS` lacks the solver's
-warm start, and diverges at the first step."""
+"""State that must be stored so that a simulation continues to the bit. `FULLPHYSICS` lacks the
+solver's warm start: a simulation continued from it differs at the first step."""
 
 
 @dataclass
@@ -52,11 +52,11 @@ class Rig:
     """A device, the reconstructor of its frames, and the hand they drive.
 
     Attributes:
-        device: Where touches, or the places of fingers in the air, come from.
-        reconstructor: Makes poses of them.
-        hand: Is driven by the poses.
-        yaw: Notices hands that are turned too far; None notices nothing. It changes no pose.
-        rules: When this hand is solid; None goes by the session's.
+        device: Source of touch frames or hand frames.
+        reconstructor: Turns frames into poses.
+        hand: The simulated hand that follows the poses.
+        yaw: Warns about hands that are turned too far, and changes no pose; None does not watch.
+        rules: Collision gating of this hand; None uses the session's rules.
     """
 
     device: AnyDevice
@@ -70,11 +70,11 @@ class Recorder(Protocol):
     """Contract of recorders of a session, which must not block and never lose data."""
 
     def input(self, step: int, hand: int, frame: Frame, state_hash: str) -> None:
-        """A frame that takes effect at a physics step, and the state's hash before it."""
+        """Records a frame that takes effect at a physics step, and the state's hash before it."""
         ...
 
     def event(self, step: int, what: str, **details: Any) -> None:
-        """Something else that takes effect, or has happened, at a physics step."""
+        """Records another event at a physics step, such as a change of the contact mode."""
         ...
 
     def state(
@@ -85,7 +85,7 @@ class Recorder(Protocol):
         qpos: Array,
         solid: Sequence[frozenset[int]],
     ) -> None:
-        """The simulation at the beginning of a control period; arrays change afterwards."""
+        """Records the state at the beginning of a control period; the arrays change afterwards."""
         ...
 
 
@@ -94,15 +94,15 @@ class Session:
 
     Args:
         task: A drawn trial.
-        rigs: One per hand.
-        rules: When hands are solid.
-        timestep: s of physics.
-        recorder: Writes down inputs and states; None records nothing.
-        contact: How hands and objects touch at the start.
+        rigs: One rig per hand.
+        rules: Collision gating of hands without rules of their own; None uses the defaults.
+        timestep: s, physics time step.
+        recorder: Records inputs and states; None records nothing.
+        contact: Initial contact mode.
         friction: Factor on every coefficient of sliding friction.
 
     Attributes:
-        diverged: Why the simulation cannot go on; empty while it can.
+        diverged: Reason of a divergence; empty without one.
     """
 
     def __init__(
@@ -127,20 +127,20 @@ class Session:
         self._contact = ContactModes(self.scene, contact_mode(contact))
         self._asked: ContactMode | None = None
         self._respawn = Respawn(self.scene, surfaces)
-        self._back: tuple[float, str] = (-np.inf, "")
+        self._respawn_notice: tuple[float, str] = (-np.inf, "")
         self.diverged = ""
-        self._newest = [LatestFrame(rig.reconstructor.empty) for rig in rigs]
+        self._latest_frames = [LatestFrame(rig.reconstructor.empty) for rig in rigs]
         self._recorder = recorder
         self.step = 0
         self._begin()
         self._sensing = Sensing(self.scene, self.data)
-        # A measure that is none is told before the trial begins.
+        # An invalid measure of the task is reported before the trial begins.
         measure(task, self._sensing)
         self.scorer = Scorer(task)
         self._state = np.empty(mujoco.mj_stateSize(self.scene.model, STATE))
         self._hash = b""
         self._chain()
-        # Before the first step the hand waits where it starts; who looks sees it there.
+        # Views that are shown before the first step see the hand at its start.
         self.reconstructions = [
             Reconstruction(r.reconstructor.commanded, Phase.AWAY, frozenset(), None, 1.0, 0.0, ())
             for r in self.rigs
@@ -148,7 +148,7 @@ class Session:
 
     @property
     def first_rig(self) -> Rig:
-        """The rig of the first hand: that of the person before the window, or on the page."""
+        """The rig of the first hand: that of the person at the window or the page."""
         return self.rigs[0]
 
     @property
@@ -158,7 +158,7 @@ class Session:
 
     @property
     def whole_surface(self) -> Surface:
-        """Where all hands touch: around the surfaces of all of them."""
+        """The smallest surface that encloses the surfaces of all hands."""
         return enclosing([rig.reconstructor.surface for rig in self.rigs])
 
     @property
@@ -182,16 +182,16 @@ class Session:
         return sum(self._respawn.counts.values())
 
     def solid(self, hand: int) -> frozenset[int]:
-        """Labels of a hand's fingers that can touch things now."""
+        """Labels of a hand's fingers that can collide now."""
         return self._gates[hand].fingers
 
     def heard(self, hand: int) -> Frame:
-        """The newest frame of a hand's device, stamped with session time."""
-        return self._newest[hand].frame
+        """The latest frame of a hand's device, stamped with session time."""
+        return self._latest_frames[hand].frame
 
     def lift(self, hand: int) -> float | None:
-        """Where the lift control of a hand's device is, 0 to 1; None where it has none."""
-        frame = self._newest[hand].frame
+        """Position of the lift control of a hand's device, 0 to 1; None if it has none."""
+        frame = self._latest_frames[hand].frame
         return frame.lift if isinstance(frame, TouchFrame) else None
 
     def tips(self, hand: int, data: mujoco.MjData) -> Array:
@@ -199,28 +199,27 @@ class Session:
         return self._gates[hand].tips(data)
 
     def set_contact(self, mode: str) -> None:
-        """Asks for another contact mode, from any thread; it takes effect with the next step.
+        """Requests another contact mode, from any thread; it takes effect with the next step.
 
-        The state does not change by it, only what comes next. A finger that is inside an object
-        when its hand is no ghost any more stays one until it is out.
+        It does not change the current state. After the mode `none`, a finger inside an object
+        stays a ghost until it is out.
 
         Raises:
-            InputError: There is no such mode.
+            InputError: No contact mode has this name.
         """
         self._asked = contact_mode(mode)
 
     def advance(self) -> Snapshot:
-        """One control period.
+        """Runs one control period.
 
         Raises:
-            DivergenceError: The simulation left the region where its numbers mean something; the
-                trial is marked before it is raised.
+            DivergenceError: The simulation diverged; the trial's score says so already.
         """
         if self.step == 0:
             self._record_state()
         self._switch()
         self.reconstructions = [self._command(i) for i in range(len(self.rigs))]
-        # The state has been looked at when the last period ended.
+        # The state was checked at the end of the last period.
         wrong = command_error(self.data)
         if not wrong:
             mujoco.mj_step(self.scene.model, self.data, self.scene.substeps)
@@ -236,20 +235,21 @@ class Session:
             self.scorer.abort(Status.INPUT_ENDED, "the input ended before the task was done")
         snapshot = self.snapshot()
         if not self.over:
-            # What the next period begins with is recorded now: after a pause for real time that
-            # takes three times as long, and a touch would wait for it.
+            # The state at the beginning of the next period is recorded now: after a pause for real
+            # time it would take three times as long, and a touch would wait for it.
             self._record_state()
         return snapshot
 
     def snapshot(self) -> Snapshot:
         """Snapshot for views; most of its fields are computed only on access."""
         poses = StillPoses(self.data.xpos.copy(), self.data.xmat.copy())
-        # Devices keep what they were shown: were the session in it, each would keep the other, and
-        # with them MuJoCo's memory, after the trial.
+        # The closure must not hold the session: devices keep snapshots, and a reference cycle would
+        # keep MuJoCo's memory after the trial.
         scene, task, hands = self.scene, self.task, self._hands
-        found, solid = tuple(self.reconstructions), [s.fingers for s in self._gates]
+        reconstructions = tuple(self.reconstructions)
+        solid = [gate.fingers for gate in self._gates]
 
-        def work_out() -> dict[str, Any]:
+        def compute() -> dict[str, Any]:
             objects = {
                 thing.name: ObjectView(*scene.object_pose(poses, thing.name))
                 for thing in task.objects
@@ -258,7 +258,7 @@ class Session:
                 "hands": tuple(
                     _hand_view(reconstruction, fingers, tips(poses), surface)
                     for reconstruction, fingers, (tips, surface) in zip(
-                        found, solid, hands, strict=True
+                        reconstructions, solid, hands, strict=True
                     )
                 ),
                 "objects": objects,
@@ -266,7 +266,7 @@ class Session:
             }
 
         return Snapshot.later(
-            work_out,
+            compute,
             time=self.time,
             step=self.step,
             qpos=self.data.qpos.copy(),
@@ -281,12 +281,12 @@ class Session:
             rig.device.close()
 
     def _notices(self) -> list[str]:
-        found = [rig.yaw.notice for rig in self.rigs if rig.yaw and rig.yaw.notice]
-        found += sorted({s.notice for s in self._gates if s.notice})
-        told = (part.notice for rig in self.rigs for part in (rig.device, rig.reconstructor))
-        found += dict.fromkeys(notice for notice in told if notice)
-        since, back = self._back
-        return [*found, back] if self.time - since < NOTICE_TIME else found
+        notices = [rig.yaw.notice for rig in self.rigs if rig.yaw and rig.yaw.notice]
+        notices += sorted({gate.notice for gate in self._gates if gate.notice})
+        inputs = (part.notice for rig in self.rigs for part in (rig.device, rig.reconstructor))
+        notices += dict.fromkeys(notice for notice in inputs if notice)
+        since, respawned = self._respawn_notice
+        return [*notices, respawned] if self.time - since < NOTICE_TIME else notices
 
     def _record_state(self) -> None:
         if self._recorder:
@@ -294,11 +294,11 @@ class Session:
             self._recorder.state(self.step, self._state, self.state_hash, self.data.qpos, solid)
 
     def _switch(self) -> None:
-        """Changes the contact mode where a person or a recording asks for it."""
-        # One read: another thread may ask again meanwhile, and is heard with the next step.
+        """Changes the contact mode if a person or a recording requested it."""
+        # A single read and write: a request from another thread in between waits for the next step.
         asked, self._asked = self._asked, None
         for rig in self.rigs:
-            # What plays a recording has its switches, too.
+            # A device that plays a recording also plays its changes of mode.
             for mode in rig.device.switches(self.time):
                 asked = contact_mode(mode)
         if asked is not None and asked is not self._contact.mode:
@@ -313,7 +313,7 @@ class Session:
             self.data, lambda: np.concatenate([s.links(self.data) for s in self._gates])
         )
         if names:
-            self._back = (self.time, f"out of reach, and put back: {', '.join(names)}")
+            self._respawn_notice = (self.time, f"out of reach, and put back: {', '.join(names)}")
             if self._recorder:
                 self._recorder.event(self.step, "respawn", objects=names)
 
@@ -329,7 +329,7 @@ class Session:
         mujoco.mj_forward(self.scene.model, self.data)
 
     def _command(self, i: int) -> Reconstruction:
-        """Takes in what a device has to say, and sets the targets of its hand."""
+        """Takes in the frames of a device, and sets the servo targets of its hand."""
         rig = self.rigs[i]
         frame = self._latest(i)
         reconstruction = rig.reconstructor.step(frame)
@@ -340,15 +340,15 @@ class Session:
         return reconstruction
 
     def _latest(self, i: int) -> Any:
-        """The newest frame of a device, of the kind that its reconstructor takes."""
-        newest = self._newest[i]
-        if newest.take(self.rigs[i].device.poll(self.time), self.time) and self._recorder:
-            self._recorder.input(self.step, i, newest.frame, self.state_hash)
-        return newest.frame
+        """The latest frame of a device, of the kind that its reconstructor takes."""
+        latest = self._latest_frames[i]
+        if latest.take(self.rigs[i].device.poll(self.time), self.time) and self._recorder:
+            self._recorder.input(self.step, i, latest.frame, self.state_hash)
+        return latest.frame
 
     def _chain(self) -> None:
         mujoco.mj_getState(self.scene.model, self.data, self._state, STATE)
-        # What is solid is no part of MuJoCo's state, and decides as much about what comes next.
+        # MuJoCo's state does not contain which fingers collide, which affects the next step too.
         solid = bytes([bits(s.fingers) for s in self._gates])
         chained = blake2b(self._hash, digest_size=16)
         chained.update(self._state.data)
@@ -356,7 +356,7 @@ class Session:
         self._hash = chained.digest()
 
     def _diverge(self, wrong: str) -> None:
-        """Marks the trial and gives up."""
+        """Marks the trial as diverged and raises."""
         self.diverged = wrong
         self._record_state()
         where = f"{self.time:.3f} s"
@@ -372,9 +372,10 @@ class Session:
 def _hand_view(
     reconstruction: Reconstruction, solid: frozenset[int], tips: Array, surface: Surface
 ) -> HandView:
-    found = reconstruction.contacts
-    places = surface.to_world([c.xy for c in found]) if found else ()
+    touching = reconstruction.contacts
+    positions = surface.to_world([c.xy for c in touching]) if touching else ()
     contacts = tuple(
-        ContactView(c.id, place, c.label, c.state) for c, place in zip(found, places, strict=True)
+        ContactView(c.id, position, c.label, c.state)
+        for c, position in zip(touching, positions, strict=True)
     )
     return HandView(reconstruction.q, tips, solid, reconstruction.phase.value, contacts)

@@ -1,1 +1,1 @@
-"""Trials: settings, how a session is put together, run, paced, recorded and replayed."""
+"""Trials: settings, and the building, running, pacing, recording and replaying of sessions."""

@@ -1,4 +1,4 @@
-"""Puts a run together from its settings: task, surface, reconstructor, hand, session."""
+"""Builds a session from the settings of a run: task, surfaces, reconstructors, hands, devices."""
 
 from __future__ import annotations
 
@@ -45,45 +45,45 @@ __all__ = [
 ]
 
 BELOW_TABLE = 0.015
-"""m by which an upright surface reaches below the table's top, so that fingers beside a thing that
-lies on the table are on the surface all the same."""
+"""m by which an upright surface reaches below the table's top, so that fingers beside an object on
+the table are still on the surface."""
 
 
 UPRIGHT_END = 0.0
-"""m of the last links that are solid before an upright surface: nothing but the balls of the
-fingertips. Fingers reach over what stands below and before what they hold, in a depth that nobody
-sees."""
+"""m, solid length of the last links before an upright surface: only the spheres at the fingertips
+are solid. Otherwise fingers would push objects below or before the held one, in a depth that the
+person cannot see."""
 
 
 IN_AIR: dict[str, Any] = {"links": 2, "together": True}
-"""What is solid of a hand in the air. A Leap sees where middle links are, and things that go
-through them look wrong; `python -m benchmarks.in_air --links 1` tells the difference."""
+"""Collision gating of a hand in the air. A Leap measures where middle links are, and objects that
+pass through them look wrong; `python -m benchmarks.in_air --links 1` shows the difference."""
 
 
 def load_encoder(name: str) -> TrainedModel:
-    """The model that `--encoder` names; one that has to be trained first says so on stderr.
+    """The model that `--encoder` names; the training of one that has none yet is told on stderr.
 
     Raises:
-        InputError: There is none, or it cannot be used.
+        InputError: No model has this name, or it cannot be used.
     """
-    return find_model(name, _tell)
+    return find_model(name, _print_progress)
 
 
-def _tell(line: str) -> None:
+def _print_progress(line: str) -> None:
     print(f"--encoder: {line}", file=sys.stderr)
 
 
 def digests(settings: RunSettings) -> dict[str, str]:
-    """Digests of what was learned: the encoder, and the belief over labels where it is used."""
+    """Digests of the trained models: the encoder, and the belief over labels if it is used."""
     labels = "" if settings.labels == "paper" else builtin_belief().trained.digest
     return {"encoder": load_encoder(settings.encoder).digest, "labels": labels}
 
 
 def reconstructor_settings(settings: RunSettings, lift_range: float = 0.0) -> ReconstructorSettings:
-    """What takes part between touches and pose.
+    """Settings of the reconstructor of touches.
 
     Args:
-        settings: Of the run.
+        settings: Settings of the run.
         lift_range: m by which the task's lift control raises the hand.
     """
     tracker, arrival = TrackerSettings(), ArrivalSettings()
@@ -96,8 +96,8 @@ def reconstructor_settings(settings: RunSettings, lift_range: float = 0.0) -> Re
     chosen = ReconstructorSettings(
         tracker=tracker,
         arrival=arrival,
-        # The trained hand rises less than the person's, as it is smaller in all directions. All
-        # hands rise by what the first one's size says: earlier recordings depend on it.
+        # The reconstructor works in the trained hand's scale, in which the lift is divided by the
+        # person's hand size. All hands use the size of the first: earlier recordings depend on it.
         lift=LiftSettings(reach=lift_range / settings.hands[0].size),
         correction=CorrectionSettings() if settings.correction else None,
         encode=settings.encode,
@@ -107,15 +107,18 @@ def reconstructor_settings(settings: RunSettings, lift_range: float = 0.0) -> Re
 
 
 def make_labeller(settings: RunSettings, model: TrainedModel) -> Labeller:
-    """Who names the fingers; `device` falls back on history where the device does not know."""
+    """The labeller that the settings name.
+
+    `device` gives the labeller of `history`, which labels the contacts that come without a label.
+    """
     return PaperLabels(model) if settings.labels == "paper" else builtin_belief()
 
 
 def place_surface(surface: Surface, task: type[Task]) -> Surface:
-    """A task's surface in the world: flat over the table, or upright before the person.
+    """Places a task's surface in the world: flat over the table, or upright before the person.
 
-    Flat or upright, `touch_height` is out of it what it is above the middle of the things: above
-    the table, or in front of world y = 0, the depth at which things of an upright task are.
+    A flat surface is `touch_height` above the table. An upright one is `touch_height` in front of
+    world y = 0, the depth of the objects of an upright task.
     """
     if task.plane == "front":
         return surface.stood_up(-task.touch_height, -BELOW_TABLE)
@@ -126,15 +129,15 @@ def build(
     settings: RunSettings,
     makers: DeviceMakers,
     recorder: Recorder | None = None,
-    wear: Callable[[Reconstructor], Reconstructor] | None = None,
+    wrap_reconstructor: Callable[[Reconstructor], Reconstructor] | None = None,
 ) -> Session:
-    """A session with its hands, ready for its first step.
+    """Builds a session that is ready for its first step.
 
     Args:
-        settings: How it goes.
-        makers: Open the devices, one for each of the settings' hands.
-        recorder: Writes down inputs and states.
-        wear: Puts another reconstructor in the place of the one that reconstructs from touches.
+        settings: Settings of the run.
+        makers: Functions that open the devices, one for each of the settings' hands.
+        recorder: Records inputs and states; None records nothing.
+        wrap_reconstructor: Replaces or wraps each reconstructor of touches; None changes nothing.
     """
     task_type = find_task(settings.task)
     placed = place_surface(settings.surface, task_type)
@@ -143,7 +146,7 @@ def build(
     turns = [hand.turn for hand in settings.hands]
     if placed.upright and any(turns):
         raise InputError(
-            "before an upright surface one sits at its lower edge",
+            "an upright surface can only be used from its lower edge",
             where="--turn",
             got=max(turns),
             expected=f"0 for {settings.task}",
@@ -166,8 +169,8 @@ def build(
                 reconstructor_settings(settings, task.lift_range),
             )
 
-        touched = personal(hand.person, surface, trained_hand)
-        reconstructors.append(wear(touched) if wear else touched)
+        own = personal(hand.person, surface, trained_hand)
+        reconstructors.append(wrap_reconstructor(own) if wrap_reconstructor else own)
     rules = CollisionGatingRules(settings.ghost_until_clear, settings.distal_only)
     air_rules = replace(rules, **IN_AIR)
     friction = settings.variation.friction
@@ -212,7 +215,7 @@ def _hands(settings: RunSettings, task_type: type[Task]) -> list[Hand]:
 
 
 def _yaw_watch(model: TrainedModel) -> YawWatch | None:
-    """Who notices hands turned further than the model's training; None where it does not tell."""
+    """Watch for hands turned further than in the training data; None if the model lacks a range."""
     try:
         return YawWatch(YawRange.of(model.training_u))
     except CaptureError:

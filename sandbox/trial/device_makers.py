@@ -1,4 +1,4 @@
-"""Makers of devices: functions that open them for a drawn task on placed surfaces, one a hand."""
+"""Device makers: functions that open a device for a drawn task on a placed surface, one per hand."""
 
 from __future__ import annotations
 
@@ -13,24 +13,24 @@ from sandbox.trial.surfaces import homes
 from tasks.task import Task
 
 DeviceMaker = Callable[[Task, Surface], Device]
-"""Opens a device for a drawn task on a placed surface."""
+"""Function that opens a device for a drawn task on a placed surface."""
 
 DeviceMakers = tuple[DeviceMaker, ...]
-"""One for every hand, in the order of `RunSettings.hands`."""
+"""One maker per hand, in the order of `RunSettings.hands`."""
 
 
 def with_first(makers: DeviceMakers, change: Callable[[DeviceMaker], DeviceMaker]) -> DeviceMakers:
-    """The makers, with the first hand's changed: the hand of the person before the screen."""
+    """The makers, with a change to that of the first hand, which is the person at the screen."""
     first, *others = makers
     return (change(first), *others)
 
 
 def sharing(make_device: DeviceMaker, settings: RunSettings) -> DeviceMakers:
-    """Makers for two hands that open a device once and share its surface.
+    """Makers for two hands that open one device and share its surface.
 
     Args:
         make_device: Opens the device.
-        settings: Of the run.
+        settings: Settings of the run.
     """
     parts: list[Device] = []
 
@@ -45,7 +45,7 @@ def sharing(make_device: DeviceMaker, settings: RunSettings) -> DeviceMakers:
 
 
 def merging(makers: DeviceMakers) -> DeviceMaker:
-    """Opens both hands' devices on one surface, as one that feels the touches of both."""
+    """A maker that opens both hands' devices on one surface and merges their touches."""
 
     def make(task: Task, surface: Surface) -> Device:
         first, second = (maker(task, surface) for maker in makers)
@@ -55,14 +55,14 @@ def merging(makers: DeviceMakers) -> DeviceMaker:
 
 
 def check_count(makers: DeviceMakers, settings: RunSettings) -> None:
-    """Refuses makers that are more or fewer than the hands.
+    """Checks that there is one maker per hand.
 
     Raises:
-        InputError: They are.
+        InputError: The numbers of makers and hands differ.
     """
     if len(makers) != len(settings.hands):
         raise InputError(
-            "every hand needs a device of its own, or its share of one",
+            "every hand needs its own device, or a share of one",
             where=settings.task,
             got=f"{len(makers)} for {len(settings.hands)} hands",
         )

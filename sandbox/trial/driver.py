@@ -1,7 +1,7 @@
-"""The one driver of trials: it builds a session, steps it, shows it, records it, ends it, frees it.
+"""The driver of trials: builds a session, steps, shows and records it, ends it and closes it.
 
 Headless runs, windows, pages, studies, replays, gymnasium and streams drive trials through `Trial`.
-They give what differs: devices, views, pace, and when simulated time stands still.
+They supply devices, views, pace, and the pauses of simulated time.
 """
 
 from __future__ import annotations
@@ -36,12 +36,12 @@ ViewMaker = Callable[[Session], Sequence[View]]
 
 
 def no_views(session: Session) -> Sequence[View]:
-    """Makes no view."""
+    """A `ViewMaker` that makes no views."""
     return ()
 
 
 def never() -> bool:
-    """Says no."""
+    """Returns False."""
     return False
 
 
@@ -49,14 +49,14 @@ class Trial:
     """One trial while it is played.
 
     Args:
-        session: Ready for its first step.
-        views: Receive every snapshot. Devices that look at the scene receive them as well.
+        session: A session that is ready for its first step.
+        views: Functions that receive every snapshot. Devices that need the scene receive it too.
         trial_recorder: Records the session; None records nothing.
 
     Attributes:
         session: As given.
         newest: The latest snapshot; None before the first step. After a divergence it is the last
-            sound one, with the score that says so.
+            valid one, with the score that names the divergence.
     """
 
     def __init__(
@@ -71,10 +71,10 @@ class Trial:
         self._views = [*views, *(rig.device.show for rig in session.rigs if rig.device.looks)]
 
     def step(self) -> bool:
-        """Makes one control period and shows it; False where the simulation diverged.
+        """Runs one control period and shows it; False if the simulation diverged.
 
-        After a divergence the session is over and its score says why: nothing is raised, and the
-        recording holds all that led there.
+        A divergence raises no error: the session is over, its score says why, and the recording
+        holds everything that led to it.
         """
         try:
             snapshot = self.session.advance()
@@ -90,21 +90,21 @@ class Trial:
     def run(
         self,
         pace: Pace | None = None,
-        still: Callable[[], bool] = never,
+        paused: Callable[[], bool] = never,
         stop: Callable[[], bool] = never,
     ) -> None:
         """Steps until the trial is over.
 
         Args:
-            pace: Waits after every step; None goes as fast as it can.
-            still: True while simulated time is to stand still. It is asked before every step and
-                should wait a little, or until time may go on, before it returns True.
-            stop: True ends the run before the trial is over.
+            pace: Waits after every step; None runs as fast as possible.
+            paused: Called before every step; True while simulated time stands still. It should
+                block for a while, or until the pause is over, before it returns True.
+            stop: Called before every step; True ends the run before the trial is over.
         """
         if pace:
             pace.begin(self.session.time)
         while not (self.session.over or stop()):
-            if still():
+            if paused():
                 if pace:
                     pace.begin(self.session.time)
                 continue
@@ -114,12 +114,12 @@ class Trial:
                 pace.wait(self.session.time)
 
     def end(self, **more: Any) -> TrialResult:
-        """Ends the recording and gives the result.
+        """Ends the recording and returns the result.
 
         Args:
             more: Further fields of the result by name, JSON values.
         """
-        assert self._trial_recorder is not None, "a trial that is not kept has no result"
+        assert self._trial_recorder is not None, "a trial without a recorder has no result"
         return self._trial_recorder.end(self.session, **more)
 
 
@@ -135,17 +135,17 @@ def open_trial(
     """A trial that is ready for its first step; its devices and files are closed afterwards.
 
     Args:
-        settings: Task, seed, encoder and all else that decides how the trial goes.
-        makers: Open the devices, one for every hand.
+        settings: Settings of the run.
+        makers: Functions that open the devices, one per hand.
         make_views: Makes the views.
         record: File of the recording; None writes none.
-        about: More for the header and the result, such as who the simulated user is.
-        dump: Folder for the last states of a simulation that diverges, where nothing is recorded;
-            beside a recording they are written in any case.
+        about: Further entries of header and result, such as the simulated user.
+        dump: Folder for the last states of a diverging simulation without a recording; beside a
+            recording they are always written.
 
     Raises:
-        InputError: The task has no room on the surface, a device cannot be opened, or the recording
-            exists or cannot be written.
+        InputError: The task does not fit on the surface, a device cannot be opened, or the
+            recording exists or cannot be written.
     """
     trial_recorder = TrialRecorder(trial_header(settings, about), record, dump)
     try:
@@ -161,11 +161,11 @@ def open_trial(
 
 @contextmanager
 def undisturbed() -> Iterator[None]:
-    """Keeps linear algebra in one thread, and Python's garbage collector out of a trial.
+    """Limits linear algebra to one thread and switches Python's garbage collector off meanwhile.
 
     More threads gain nothing on matrices this small, and would wait for each other. A trial leaves
-    no garbage, but makes thousands of objects: every so often the collector would look through all
-    that was ever imported, for milliseconds in which a person's touch would have to wait.
+    no reference cycles, but makes thousands of objects, so that the collector would run now and
+    then over all imported objects, for milliseconds in which a person's touch would wait.
     """
     was = gc.isenabled()
     gc.disable()
@@ -178,7 +178,7 @@ def undisturbed() -> Iterator[None]:
 
 
 def trial_header(settings: RunSettings, about: dict[str, Any] | None = None) -> dict[str, Any]:
-    """The header of a recording: all that must be known to run the trial again."""
+    """The header of a recording: everything needed to run the trial again."""
     task_from, encoder_from = origin(settings.task), encoder_origin(settings.encoder)
     return {
         "settings": settings.as_json(),

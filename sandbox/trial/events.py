@@ -1,4 +1,4 @@
-"""Events of a session as JSON lines: ordered, never lost, for scripts that drive a session."""
+"""Events of a session as JSON lines, in order and complete, for scripts that drive a session."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from sandbox.session.messages import Snapshot
 
 
 class EventLog:
-    """Writes one line per event, at once; without a path it writes nothing.
+    """Writes one line per event without buffering; without a path it writes nothing.
 
-    A session does not end because nobody hears it any more: that is told when the log is closed.
+    A failed write does not end the session: `close` reports it.
 
     Args:
-        path: Of the file, appended to; a named pipe works too.
+        path: File to append to, also a named pipe; None writes nothing.
 
     Raises:
         InputError: The file cannot be opened.
@@ -47,7 +47,7 @@ class EventLog:
         """Closes the file; may be called twice.
 
         Raises:
-            InputError: An event could not be written, and none after it was.
+            InputError: An event could not be written; that one and all later ones are lost.
         """
         if self._file is not None:
             self._file.close()
@@ -58,16 +58,16 @@ class EventLog:
                 "events were lost",
                 where=f"--events {self._path}",
                 got=error,
-                remedy="Nothing else was; make room, or read the pipe to its end",
+                remedy="Only events are affected; make room, or read the pipe to its end",
             )
 
 
 class NoticeEvents:
-    """Tells every new notice of a session as one `warning`.
+    """Writes every new notice of a session as one `warning` event.
 
     Args:
-        events: Where it is told.
-        say: Says it to the person, too.
+        events: Log of events.
+        say: Receives the text of the notice as well, to show it to the person.
     """
 
     def __init__(self, events: EventLog, say: Callable[[str], object]) -> None:
@@ -75,7 +75,7 @@ class NoticeEvents:
         self._last: frozenset[str] = frozenset()
 
     def show(self, snapshot: Snapshot) -> None:
-        """Looks at a snapshot; all of them, or a short notice would be missed."""
+        """Looks for new notices; must get every snapshot, or a short notice would be missed."""
         for notice in snapshot.notices:
             if notice not in self._last:
                 self._events.tell("warning", what=notice, time_s=round(snapshot.time, 3))

@@ -1,4 +1,4 @@
-"""What has to be known of a 3-D device to make a hand of its frames: its place, and calibration."""
+"""Settings of a hand that a 3-D device drives: the device's place, and the hand's calibration."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from models.person import Person
 from models.surface import Surface
 
 UNDER = (0.0, 0.0, -0.10)
-"""m, where the device is in the world unless said otherwise: 10 cm under the middle of the table's
-top. Fingertips at a box on the table are then 12 cm over it, and the palm 20 cm, where devices see
-best."""
+"""m, default position of the device in the world: 10 cm under the centre of the table's top.
+Fingertips at a box on the table are then 12 cm above the device, and the palm 20 cm, where devices
+see best."""
 FARTHEST = 2.0
-"""m from the world's middle, beyond which a device's place is a typing error."""
+"""m, largest coordinate of a device's position; a larger one is taken as a typing error."""
 
 
 @dataclass(frozen=True)
@@ -28,9 +28,9 @@ class HandInput:
     """A hand that is driven by hand frames; JSON values only.
 
     Attributes:
-        at: m, where the device is in the world; its axes are the world's.
-        calibration: Of this hand, as `sandbox paalm calibrate` writes it; None takes an average
-            hand, or the bones that the device itself knows.
+        at: (3,) m, position of the device in the world; its axes are the world's.
+        calibration: Calibration of this hand, as `sandbox paalm calibrate` writes it; None uses an
+            average hand, or the bone lengths that the device reports.
     """
 
     at: tuple[float, float, float] = UNDER
@@ -39,7 +39,7 @@ class HandInput:
     def __post_init__(self) -> None:
         if not all(isfinite(c) and abs(c) <= FARTHEST for c in self.at):
             raise InputError(
-                "the device cannot be there",
+                "the position of the device is too far away",
                 where="--leap-at",
                 got=str(self.at),
                 expected=f"three numbers of at most {FARTHEST:g} m",
@@ -47,14 +47,14 @@ class HandInput:
 
     @classmethod
     def of(cls, at: tuple[float, float, float], calibration: HandCalibration | None) -> HandInput:
-        """With a calibration, or none."""
+        """Makes the settings from a position (3,) m and a calibration, or None."""
         return cls(at, None if calibration is None else calibration_to_json(calibration))
 
     def reconstructor(self, person: Person, surface: Surface, rate: RateLimit) -> HandReconstructor:
-        """Makes poses of hand frames.
+        """The reconstructor that turns hand frames into poses.
 
         Args:
-            person: Whose hand it is.
+            person: The person whose hand it is.
             surface: The task's workspace.
             rate: Bounds on the commanded pose's speed.
 
@@ -66,7 +66,7 @@ class HandInput:
             raise InputError(
                 "a hand in the air works over a flat table, from its lower edge",
                 where="--turn" if person.turn else "--device",
-                got=person.turn or "a task before an upright surface",
+                got=person.turn or "a task with an upright surface",
                 remedy="stack is the same task on the table" if surface.upright else None,
             )
         paalm = Paalm()

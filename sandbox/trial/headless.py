@@ -1,4 +1,4 @@
-"""Runs a whole trial as fast as it goes."""
+"""Runs a whole trial as fast as possible."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def run_trial(
         settings, makers, make_views, record, about, dump: See `open_trial`.
 
     Returns:
-        The trial's result; after a divergence, its `dump` is the file that shows how.
+        The trial's result; after a divergence, its `dump` is the file with the last states.
     """
     with open_trial(settings, makers, make_views, record, about, dump) as trial:
         trial.run()

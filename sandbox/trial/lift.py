@@ -13,36 +13,35 @@ from tasks.task import Task
 
 
 def with_lift(makers: DeviceMakers, keys: bool) -> DeviceMakers:
-    """Sees to it that a task which needs a lift control gets one.
+    """Makers that add a lift control to devices without one, if the task needs it.
+
+    The returned makers raise `InputError` if the task needs a lift control and none is available.
 
     Args:
-        makers: Open the devices themselves.
-        keys: There is a window whose keys can lift.
-
-    Raises:
-        InputError: By what is returned: the task needs a lift control, and there is none.
+        makers: Functions that open the devices.
+        keys: A window's keys can serve as a lift control.
     """
 
-    led: list[LiftKeys] = []
+    controls: list[LiftKeys] = []
 
     def lifted(maker: DeviceMaker, task: Task, surface: Surface) -> Device:
         device = maker(task, surface)
         if task.lift_range <= 0 or device.has_lift:
             return device
         if keys:
-            led.append(LiftKeys(device, led[0] if led else None))
-            return led[-1]
+            controls.append(LiftKeys(device, controls[0] if controls else None))
+            return controls[-1]
         device.close()
         raise InputError(
             "this task needs a lift control, and this device has none",
             where=task.name,
             got=device.name,
-            expected="a device with a lift control, as the simulated user, the page or a recording",
-            remedy=f"`sandbox play {task.name}` lifts with the keys up and down, whatever touches",
+            expected="a device with a lift control: simulated, web or a recording",
+            remedy=f"`sandbox play {task.name}` lifts with the keys up and down, with any device",
         )
 
     def first(task: Task, surface: Surface) -> Device:
-        led.clear()
+        controls.clear()
         return lifted(makers[0], task, surface)
 
     return (first, *(partial(lifted, maker) for maker in makers[1:]))

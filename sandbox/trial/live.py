@@ -10,17 +10,17 @@ from sandbox.trial.pacing import Pace
 
 
 class LiveTrial:
-    """Runs a trial in a thread of its own; a window or a page takes the newest snapshot.
+    """Runs a trial in its own thread; a window or a page takes the newest snapshot.
 
     Args:
-        trial: Ready for its first step. Its views are called in the trial's thread.
+        trial: A trial that is ready for its first step. Its views are called in its thread.
         speed: Simulated seconds per second.
-        news: Set by a device when something has come in: the step that takes it in is made at once,
-            up to one control period ahead of the clock, instead of at the next tick.
+        news: Event that a device sets when a frame has arrived. The step that takes the frame in is
+            then made at once, up to one control period ahead of the clock.
 
     Attributes:
-        failure: The error that ended the thread before its time; None while there is none. A trial
-            that ended so must not be taken for one that was played: raise it.
+        failure: The error that ended the thread early; None without one. The caller must raise it,
+            so that the trial does not count as played.
     """
 
     def __init__(
@@ -41,7 +41,7 @@ class LiveTrial:
 
     @property
     def newest(self) -> Snapshot | None:
-        """The latest snapshot; older ones are gone."""
+        """The latest snapshot; None before the first step."""
         return self._trial.newest
 
     @property
@@ -54,14 +54,14 @@ class LiveTrial:
         self._thread.start()
 
     def pause(self, paused: bool) -> None:
-        """Halts simulated time, or lets it go on."""
+        """Pauses simulated time, or resumes it."""
         if paused:
             self._running.clear()
         else:
             self._running.set()
 
     def set_speed(self, speed: float) -> None:
-        """Goes on at so many simulated seconds per second; the simulation itself stays the same."""
+        """Sets the pace in simulated seconds per second; the simulation itself stays the same."""
         self._pace.speed = speed
 
     def stop(self) -> None:
@@ -73,12 +73,12 @@ class LiveTrial:
 
     def _run(self) -> None:
         try:
-            self._trial.run(self._pace, self._stood_still, self._stop.is_set)
+            self._trial.run(self._pace, self._wait_while_paused, self._stop.is_set)
         except Exception as error:
             self.failure = error
 
-    def _stood_still(self) -> bool:
-        """Waits while time stands still; True where it did."""
+    def _wait_while_paused(self) -> bool:
+        """Waits while the trial is paused; True if it was."""
         if self._running.is_set():
             return False
         self._running.wait()

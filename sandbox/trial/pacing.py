@@ -1,4 +1,4 @@
-"""Keeps a session with a person at real time."""
+"""Pacing: keeps a session with a person at real time."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ import time
 from models.scene import CONTROL_PERIOD
 
 LEEWAY = 0.10
-"""s behind real time from which on the lost time is given up: the session then runs slower than
-real time and says so, rather than hurrying after a moment that has passed."""
+"""s behind real time beyond which the session gives up the lost time. It then runs slower than real
+time and says so, instead of hurrying to catch up."""
 
 ROOM = 0.004
-"""s before expected news that are kept free of a step nobody asked for; one takes 1 to 2 ms."""
+"""s before an expected frame in which no step is made without a frame; a step takes 1 to 2 ms."""
 JITTER = 0.001
-"""s by which news may come earlier or later than expected."""
+"""s by which a frame may come earlier or later than expected."""
 
 
 class RealTime:
@@ -22,7 +22,7 @@ class RealTime:
 
     Args:
         speed: Simulated seconds per second.
-        simulated: s of simulated time that is due now.
+        simulated: s, simulated time that is due now.
 
     Attributes:
         lost: s of real time given up so far because the machine was too slow.
@@ -37,23 +37,23 @@ class RealTime:
     def wait(
         self, simulated: float, news: threading.Event | None = None, lead: float = 0.0
     ) -> None:
-        """Returns when `simulated` seconds of simulated time are due, or earlier for news.
+        """Returns when a simulated time is due, or earlier when a frame has arrived.
 
         Args:
-            simulated: s.
-            news: When it is set, simulated time may run ahead of the clock, so that a touch that
-                comes between two steps need not wait for the next one. None waits for the clock.
-            lead: s of real time by which it may.
+            simulated: s, simulated time.
+            news: Event of an arrived frame: while it is set, simulated time may run ahead of the
+                clock, so that a touch between two steps need not wait. None waits for the clock.
+            lead: s of real time by which simulated time may run ahead.
         """
         due = self._origin + simulated / self.speed
         ahead = due - time.monotonic()
         if news is not None and ahead > 0:
-            # News that comes earlier than the last finds somebody who listens.
+            # Wakes up early enough for a frame that comes earlier than expected.
             if ahead > lead + JITTER:
                 time.sleep(ahead - lead - JITTER)
             if news.wait(max(clear_of(due, self._expected) - time.monotonic(), 0.0)):
                 now = time.monotonic()
-                # As long after this news as this came after the last.
+                # The next frame is expected after the same interval as this one.
                 self._expected, self._heard = 2.0 * now - self._heard, now
         elif ahead > 0:
             time.sleep(ahead)
@@ -63,11 +63,11 @@ class RealTime:
 
 
 class Pace:
-    """Keeps a trial at real time, also when its speed changes or its time stands still.
+    """Keeps a trial at real time, also when its speed changes or the trial is paused.
 
     Args:
         speed: Simulated seconds per second.
-        news: See `RealTime.wait`; the step that takes news in may be one control period early.
+        news: See `RealTime.wait`; the step that takes a frame in may be one control period early.
 
     Attributes:
         speed: As given; may be changed at any time, from any thread.
@@ -85,7 +85,7 @@ class Pace:
         return self._given_up + (self._clock.lost if self._clock else 0.0)
 
     def begin(self, simulated: float) -> None:
-        """Starts at a simulated time, s: time that stood still is not caught up with."""
+        """Starts the clock at a simulated time, s; a pause before it is not caught up with."""
         self._given_up = self.lost
         self._clock = RealTime(self.speed, simulated)
 
@@ -93,20 +93,20 @@ class Pace:
         """Returns when a simulated time, s, is due."""
         clock = self._clock
         if clock is None or clock.speed != self.speed:
-            # The step that was just made began at the old speed; the next one keeps to the new.
+            # The step that was just made began at the old speed; the new one starts here.
             self.begin(simulated)
             return
         clock.wait(simulated, self._news, CONTROL_PERIOD / clock.speed)
 
 
 def clear_of(due: float, expected: float) -> float:
-    """When to make a step that nobody asked for, so that expected news need not wait for it, s.
+    """Time at which to make a step without a frame, s, so that an expected frame need not wait.
 
-    Touches come at a rate of their own. A few times a second a tick falls just before one, which
-    would have to wait for the whole step; so the tick is made earlier.
+    Touches come at a rate of their own. A few times a second a step falls due just before a touch,
+    which would have to wait for the whole step; that step is made earlier.
 
     Args:
-        due: When the step is due.
-        expected: When news is expected.
+        due: s, time at which the step is due.
+        expected: s, time at which a frame is expected.
     """
     return due - ROOM if due - JITTER < expected < due + ROOM else due

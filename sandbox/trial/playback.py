@@ -1,7 +1,7 @@
-"""Looking at a trial that was replayed: at real time or slower, stopped, or step by step.
+"""Playback of a replayed trial: at any speed, paused, or step by step in both directions.
 
-A replay is many times faster than the trial was. It is played to its end first, and what is looked
-at are its snapshots, which know all that a view shows; so going back costs nothing.
+A replay is many times faster than the trial was. It is simulated to its end first; playback then
+shows its snapshots, so that going back needs no simulation.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ from sandbox.session.messages import Snapshot
 
 
 class Playback:
-    """A place in a row of snapshots that moves with the clock.
+    """Position in a sequence of snapshots that moves with the clock.
 
     Args:
-        snapshots: One for every control period; one at least.
+        snapshots: One for every control period; at least one.
         speed: Simulated seconds per second.
-        clock: Tells the time, s.
+        clock: Returns the time, s.
     """
 
     def __init__(
@@ -44,7 +44,7 @@ class Playback:
 
     @property
     def paused(self) -> bool:
-        """Whether time stands still."""
+        """True while playback is paused."""
         return self._paused
 
     @paused.setter
@@ -54,23 +54,23 @@ class Playback:
 
     @property
     def now(self) -> Snapshot:
-        """What is to be seen now."""
+        """The snapshot to show now."""
         self._go()
         return self._snapshots[int(self._place)]
 
     @property
     def at_end(self) -> bool:
-        """Whether the last snapshot is to be seen."""
+        """True if the last snapshot is reached."""
         self._go()
         return int(self._place) == len(self._snapshots) - 1
 
     def move(self, steps: int) -> None:
-        """Goes so many control periods on, or back; stops at either end."""
+        """Moves by a number of control periods, negative backwards; stops at either end."""
         self._go()
         self._place = float(min(max(int(self._place) + steps, 0), len(self._snapshots) - 1))
 
     def restart(self) -> None:
-        """Goes back to the beginning, and on from there."""
+        """Plays again from the beginning."""
         self.move(-len(self._snapshots))
         self.paused = False
 
@@ -79,6 +79,6 @@ class Playback:
         passed, self._since = now - self._since, now
         if not self._paused:
             last = len(self._snapshots) - 1
-            # A whole number of periods is that number, and not a hair less.
+            # Rounded, so that a whole number of periods is not slightly less.
             place = self._place + passed * self._speed / CONTROL_PERIOD
             self._place = min(round(place, 9), float(last))

@@ -1,4 +1,4 @@
-"""Finds the encoder of a recording again, which may be somebody else's."""
+"""Finds the encoder that a recording was made with, built in or from elsewhere."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from models.outside import how_to_get, place_of
 
 
 def recorded_encoder(header: dict[str, Any], where: str) -> str:
-    """The name of a recording's encoder here: its own, or the place that the header tells.
+    """The name under which a recording's encoder can be loaded on this machine.
 
     Args:
-        header: Of the recording.
-        where: The recording, for messages.
+        header: Header of the recording.
+        where: The recording, for error messages.
 
     Raises:
-        RecordingError: The encoder is not on this machine; says what to install.
+        RecordingError: The encoder is not on this machine; the error names what to install.
     """
     name = str(header["settings"]["encoder"])
     source = header.get("encoder_from")

@@ -1,7 +1,7 @@
-"""What a recording shows where it cannot be simulated again: its own poses.
+"""Recorded poses, shown where a recording cannot be simulated again to the bit.
 
-Labels, contacts and the commanded pose come from the touches, and are found anew; where hand and
-objects were is taken from the recording's track.
+Labels, contacts and the commanded pose are reconstructed from the recorded touches; the poses of
+hand and objects come from the recording's track.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ class RecordedPoses:
     """Puts recorded poses into the snapshots of a session.
 
     Args:
-        session: Plays the recording; it is only read.
-        recording: With a track.
+        session: Session that plays the recording; it is only read.
+        recording: A recording with a track.
 
     Raises:
-        RecordingError: Its poses are another scene's.
+        RecordingError: The recorded poses are of another scene.
     """
 
     def __init__(self, session: Session, recording: Recording) -> None:
@@ -40,7 +40,7 @@ class RecordedPoses:
         hands = {len(solid) for solid in self._track.solid.values()}
         if widths != {model.nq} or hands != {len(session.rigs)}:
             raise RecordingError(
-                "its poses are another scene's",
+                "its poses are of another scene",
                 where=str(recording.path),
                 got=f"{sorted(widths)} joint positions",
                 expected=str(model.nq),
@@ -54,11 +54,11 @@ class RecordedPoses:
         return self._steps[-1]
 
     def show(self, snapshot: Snapshot, scored: bool) -> Snapshot:
-        """A snapshot as it was.
+        """The snapshot with the recorded poses of its moment.
 
         Args:
-            snapshot: As it was simulated here.
-            scored: Its score is still the recorded one, since no state has differed so far.
+            snapshot: Snapshot that was simulated here.
+            scored: Its score still equals the recorded one, as no state has differed so far.
         """
         at = self._steps[max(bisect_right(self._steps, snapshot.step) - 1, 0)]
         scene, data = self._session.scene, self._data
@@ -80,7 +80,7 @@ class RecordedPoses:
         )
 
     def _score(self, step: int) -> Score:
-        """The recorded score at the end, and no word of it before."""
+        """The recorded score at the end, and an empty one before."""
         end = self._recording.end
         if end is None or step < end["step"]:
             return Score()

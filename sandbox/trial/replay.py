@@ -1,4 +1,4 @@
-"""Plays a recording again and compares the states, hash by hash."""
+"""Replays a recording and compares the states, hash by hash."""
 
 from __future__ import annotations
 
@@ -21,15 +21,16 @@ from sandbox.trial.settings import RunSettings
 
 @dataclass(frozen=True)
 class Verification:
-    """How a replay went.
+    """Result of a replay.
 
     Attributes:
-        compared: Hashes that were compared.
-        first_difference: Physics step of the first hash that differs; None when all agree.
+        compared: Number of hashes that were compared.
+        first_difference: Physics step of the first hash that differs; None if all agree.
         complete: The recording's end was reached and its last hash compared.
-        same_machine: Versions and kind of processor are the recording's, so that equality is owed.
+        same_machine: Versions and processor are those of the recording, so that equal states are
+            promised.
         shown_recorded: Views were shown the recorded poses, not those simulated here.
-        diverged: Why the simulation diverged in the replay, too; empty where it did not.
+        diverged: Reason of a divergence in the replay; empty without one.
     """
 
     compared: int
@@ -41,15 +42,16 @@ class Verification:
 
     @property
     def exact(self) -> bool:
-        """Whether every state was the recorded one."""
+        """True if every compared state was the recorded one."""
         return self.first_difference is None and self.compared > 0
 
 
 def settings_of(recording: Recording) -> RunSettings:
-    """The settings a recording was made with.
+    """The settings that a recording was made with.
 
     Raises:
-        RecordingError: What it was made with has learned something else here.
+        RecordingError: The task or the encoder is not on this machine, or the encoder or the labels
+            of the same name were trained otherwise.
     """
     header, where = recording.header, str(recording.path)
     settings = replace(
@@ -62,8 +64,8 @@ def settings_of(recording: Recording) -> RunSettings:
         remedy = "Use the version of the sandbox that its header names"
         if "encoder_from" in header:
             remedy = (
-                "The encoder's file, its libraries or the machine differ. What is to replay "
-                "elsewhere is trained once, by `sandbox train --encoder`, into a model's file"
+                "The encoder's file, its libraries or the machine differ. For replays on other "
+                "machines, train it once with `sandbox train --encoder` into a model file"
             )
         raise RecordingError(
             "it was made with another encoder, or other labels, of the same name",
@@ -76,7 +78,7 @@ def settings_of(recording: Recording) -> RunSettings:
 
 
 def recorded_hands(recording: Recording, hands: int) -> DeviceMakers:
-    """Plays every hand of a recording."""
+    """Makers of devices that play every hand of a recording."""
 
     def plays(hand: int) -> DeviceMaker:
         return lambda task, surface: RecordedDevice(recording, hand)
@@ -85,10 +87,10 @@ def recorded_hands(recording: Recording, hands: int) -> DeviceMakers:
 
 
 def replay(recording: Recording, make_views: ViewMaker = no_views) -> tuple[Session, Verification]:
-    """Plays a recording to its end, comparing hashes on the way.
+    """Replays a recording to its end and compares the hashes.
 
-    Where it was made with other versions or on another kind of processor, nothing promises the same
-    states: it is simulated and compared all the same, and views are shown the recorded poses.
+    Equal states are only promised with the same versions and kind of processor. Otherwise the
+    recording is simulated and compared too, but views are shown the recorded poses.
     """
     settings = settings_of(recording)
     session = build(settings, recorded_hands(recording, len(settings.hands)))
@@ -108,7 +110,7 @@ def replay(recording: Recording, make_views: ViewMaker = no_views) -> tuple[Sess
             compared += 1
             if recording.hashes[session.step] != session.state_hash and difference is None:
                 difference = session.step
-        # A score may be won earlier or later elsewhere; what is shown goes on to its end.
+        # The score may end earlier here than in the recording, whose poses are shown to their end.
         if session.diverged or (session.over and not (poses and session.step < poses.last)):
             break
         trial.step()

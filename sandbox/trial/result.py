@@ -1,4 +1,4 @@
-"""The result of a trial: every field with its unit, its meaning, and the records that keep it.
+"""The result of a trial: every field with its unit, its meaning and the records that keep it.
 
 `sandbox run --json`, recordings, `sandbox regress` and its baselines, a study's journals and tables
 are all derived from this one declaration.
@@ -220,7 +220,7 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
         """The result of a session.
 
         Args:
-            session: As it is now.
+            session: The session, usually at its end.
             more: Further fields by name, such as those of a recording's header.
 
         Raises:
@@ -247,17 +247,21 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
 
     @classmethod
     def from_json(cls, values: Mapping[str, Any], where: str) -> TrialResult:
-        """The result that JSON holds: all of it, or the part that a journal keeps.
+        """Reads a result from JSON, complete or as a journal keeps it.
 
         Args:
             values: The JSON object.
-            where: It comes from, for messages.
+            where: Its origin, for error messages.
 
         Raises:
             RecordingError: A field is missing or has another type.
         """
         return checked(
-            _split(values), cls, RecordingError, what="this is not a trial's result", where=where
+            _split(values),
+            cls,
+            RecordingError,
+            what="this is not the result of a trial",
+            where=where,
         )
 
     def as_json(self) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Settings of a run: plain values that a recording's header keeps, so that it can be run again."""
+"""Settings of a run: plain values that a recording's header keeps for its replay."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from tasks.variation import Variation
 
 LABELS = ("history", "paper", "device")
 """`history`: a belief carried from contact to contact; `paper`: nearest training pose; `device`:
-what the device says, for devices that know, and as an upper bound with the simulated user."""
+labels of the device if it knows them, also as an upper bound with the simulated user."""
 
 MOST_HANDS = 2
-"""In one scene."""
+"""Largest number of hands in a scene."""
 
 _IN_RESULTS = {"side": "hand", "size": "hand_size", "turn": "turn", "in_air": "in_air"}
-"""Names in results of what a hand's settings are called in headers."""
+"""Names of a hand's settings in results, by their names in headers."""
 
 
 @dataclass(frozen=True)
@@ -33,9 +33,9 @@ class HandSettings:
 
     Attributes:
         side: `right` or `left`.
-        size: Length of the person's hand against the trained one.
-        turn: degrees, where the person sits (see `models.person.Person`).
-        in_air: How a 3-D device drives the hand; None where touches do.
+        size: Length of the person's hand relative to the trained hand.
+        turn: degrees, direction in which the person sits (see `models.person.Person`).
+        in_air: Settings of the 3-D device that drives the hand; None if touches drive it.
     """
 
     side: str = HANDS[0]
@@ -48,7 +48,7 @@ class HandSettings:
 
     @classmethod
     def of(cls, person: Person) -> HandSettings:
-        """A hand that touches."""
+        """Settings of a person's hand that is driven by touches."""
         return cls(person.hand, person.hand_size, person.turn)
 
     @property
@@ -58,7 +58,7 @@ class HandSettings:
 
     @property
     def other(self) -> HandSettings:
-        """The other hand of a person of this size; it touches, at the screen's lower edge."""
+        """The same person's other hand, driven by touches from the screen's lower edge."""
         return HandSettings(HANDS[1] if self.side == HANDS[0] else HANDS[0], self.size)
 
 
@@ -68,26 +68,26 @@ class RunSettings:
 
     Attributes:
         task: Name of the task.
-        seed: Of the task's start and goal, and of a simulated user.
-        encoder: `paper`, `linear`, `quadratic`, `cubic`, `pca-ik`, `best`, a trained model's
-            file, or an encoder that is not ours (`encoders.regression.model_registry`).
+        seed: Seed of the task's start and goal, and of a simulated user.
+        encoder: `paper`, `linear`, `quadratic`, `cubic`, `pca-ik`, `best`, the file of a trained
+            model, or an external encoder (`encoders.regression.model_registry`).
         labels: One of `LABELS`.
-        correction: Fingertips are made to meet their touches.
-        smoothing: Touches and posture are low-passed.
+        correction: Fingertips are corrected to meet their touches.
+        smoothing: Touches and posture are low-pass filtered.
         arrival: The hand hovers, comes down from above and rises; otherwise it drops where it is.
-        ghost_until_clear: A hand that is down turns solid only outside of objects.
+        ghost_until_clear: A hand that is down becomes solid only outside objects.
         distal_only: Only last links of touching fingers are ever solid.
-        stitch: A lost contact lives on for a moment.
+        stitch: A lost contact is kept for a moment, until it returns or expires.
         encode: The encoder's pose is used; otherwise the mean training pose.
         servo: One of `models.hand.SERVOS`.
         impulse: N s (N m s) per 1/60 s, limit of every servo.
-        contact: How hands and objects touch at the start: one of `sandbox.session.contact_modes`.
+        contact: Initial contact mode (see `sandbox.session.contact_modes`).
         surface_in: Width and height of a hand's touch surface, inches.
-        surface_calibrated: False where its size is a guess.
-        timestep: s of physics.
-        hands: One entry a hand, in the order of devices, rigs and recorded inputs.
+        surface_calibrated: False if the surface's size is a guess.
+        timestep: s, physics time step.
+        hands: One entry per hand, in the order of devices, rigs and recorded inputs.
         one_surface: All hands touch one surface; otherwise each has its own, of the same size.
-        variation: How the trial differs from the one that is drawn, and touches from those made.
+        variation: Differences from the drawn trial, and disturbances of the touches.
     """
 
     task: str = "box-to-goal"
@@ -118,7 +118,7 @@ class RunSettings:
             )
         if not 1 <= len(self.hands) <= MOST_HANDS:
             raise InputError(
-                "a run has one hand or two",
+                "a run must have one or two hands",
                 where="hands",
                 got=len(self.hands),
                 expected=f"1 to {MOST_HANDS}",
@@ -127,13 +127,13 @@ class RunSettings:
 
     @property
     def hand_names(self) -> tuple[str, ...]:
-        """A name of its own for every hand: its side, and `right_too` for a second right one."""
+        """A distinct name for every hand: its side, or `right_too` for a second right hand."""
         sides = [hand.side for hand in self.hands]
         return tuple(s if s not in sides[:i] else f"{s}_too" for i, s in enumerate(sides))
 
     @property
     def in_air(self) -> bool:
-        """All hands are driven by 3-D devices, so that nobody touches anything."""
+        """True if all hands are driven by 3-D devices, without any touches."""
         return all(hand.in_air is not None for hand in self.hands)
 
     @property
@@ -142,7 +142,7 @@ class RunSettings:
         return Surface(*self.surface_in, calibrated=self.surface_calibrated)
 
     def as_json(self) -> dict[str, Any]:
-        """For a recording's header; a variation, and `in_air`, only where there is one."""
+        """Values for a recording's header; without a neutral variation, and without `in_air` None."""
         values = asdict(self)
         if self.variation.neutral:
             del values["variation"]
@@ -151,11 +151,11 @@ class RunSettings:
 
     @classmethod
     def from_json(cls, values: Any) -> RunSettings:
-        """Settings as `as_json` wrote them.
+        """Reads settings that `as_json` wrote.
 
         Raises:
-            RecordingError: A setting is missing, unknown or of another kind.
-            InputError: A value is none of those it can have.
+            RecordingError: A setting is missing, unknown or of the wrong type.
+            InputError: A value is not allowed.
         """
         _check_names(values, cls, optional={"variation"})
         for hand in values["hands"] if isinstance(values["hands"], list) else ():
@@ -171,29 +171,30 @@ class RunSettings:
                 "these settings cannot be read",
                 where="settings",
                 got=str(error),
-                remedy="The file is damaged, or another program wrote it",
+                remedy="The file is damaged, or was written by another program",
             ) from None
 
 
 def result_settings(values: Mapping[str, Any]) -> dict[str, Any]:
-    """The settings of a header in the form of results, baselines and `run --json`: the first hand's
-    at the top, and those of a second hand under `second`.
+    """The settings of a header in the form of results, baselines and `run --json`.
+
+    The first hand's settings are at the top level, those of a second hand under `second`.
 
     Args:
-        values: As `RunSettings.as_json` returns them.
+        values: Values that `RunSettings.as_json` returned.
     """
-    told = {name: value for name, value in values.items() if name not in ("hands", "one_surface")}
+    flat = {name: value for name, value in values.items() if name not in ("hands", "one_surface")}
     first, *others = [
         {_IN_RESULTS[name]: value for name, value in hand.items()} for hand in values["hands"]
     ]
-    told |= first
+    flat |= first
     if others:
-        told["second"] = {**others[0], "shared": values["one_surface"]}
-    return told
+        flat["second"] = {**others[0], "shared": values["one_surface"]}
+    return flat
 
 
 def bare(settings: dict[str, Any]) -> dict[str, Any]:
-    """The paper's own pipeline: its labels, no correction, no smoothing."""
+    """Settings of the paper's own pipeline: its labels, no correction, no smoothing."""
     return {**settings, "labels": "paper", "correction": False, "smoothing": False}
 
 
@@ -206,7 +207,7 @@ def _names(kind: type[Any]) -> set[str]:
 
 
 def _check_names(values: Any, kind: type[Any], optional: set[str] | None = None) -> None:
-    """Refuses values that do not have the names of a kind's fields."""
+    """Refuses values whose names are not those of a dataclass's fields."""
     if not isinstance(values, dict):
         raise RecordingError(
             "these settings cannot be read",

@@ -1,4 +1,4 @@
-"""Places the surfaces of all hands in the world."""
+"""Placement of the surfaces of all hands in the world."""
 
 from __future__ import annotations
 
@@ -17,31 +17,31 @@ from tasks.task import Task
 def place_all(
     placed: Surface, settings: RunSettings, kind: type[Task]
 ) -> tuple[Surface, tuple[Surface, ...]]:
-    """The surface that a task is drawn on, and the surface of every hand.
+    """Places the surface that a task is drawn on, and the surface of every hand.
 
-    The two surfaces of a task for two hands lie side by side (see `sides_of`). In a task
-    for one hand they lie over the same place: two people with a screen each at one table.
+    The two surfaces of a task for two hands lie side by side (see `sides_of`). In a task for one
+    hand they coincide: two people, each with a screen, at one table.
 
     Args:
-        placed: A single surface as the task wants it.
-        settings: Of the run.
-        kind: The task.
+        placed: A single surface, placed for the task.
+        settings: Settings of the run.
+        kind: Class of the task.
 
     Raises:
-        InputError: The task needs more hands than there are.
+        InputError: The task needs more hands than there are, or two upright surfaces.
     """
     hands = len(settings.hands)
     if hands < hands_of(kind):
         raise InputError(
-            "this task is for two hands, and there is one",
+            "this task needs two hands, and there is one",
             where=kind.name,
-            expected="a device for each, or two hands on one",
+            expected="a device for each hand, or two hands on one device",
             remedy=f"sandbox run {kind.name} --device simulated --device simulated",
         )
     if hands == 1 or hands_of(kind) == 1 or settings.one_surface:
         return placed, (placed,) * hands
     if placed.upright:
-        raise InputError("upright surfaces do not stand side by side", where=kind.name)
+        raise InputError("two upright surfaces are not supported", where=kind.name)
     width, middle = float(placed.size[0]), placed.to_world(placed.size / 2)
     whole = replace(placed, width_in=2 * placed.width_in).centred_at(middle)
     sides = [
@@ -52,19 +52,21 @@ def place_all(
 
 
 def sides_of(settings: RunSettings) -> tuple[int, int]:
-    """The sides on which two hands are: 1 is the right. The first one is on the right, unless it is
-    a left hand and the second a right one."""
+    """Sides of the two hands: 1 is right, -1 left.
+
+    The first hand is on the right, unless it is a left hand and the second a right hand.
+    """
     first, second = (hand.person.left for hand in settings.hands)
     return (-1, 1) if first and not second else (1, -1)
 
 
 def home(hand: int, settings: RunSettings, surface: Surface) -> Array:
-    """(2,) m in the world, the middle of a hand's own part of its surface.
+    """(2,) m in the world, centre of a hand's part of its surface.
 
     Args:
-        hand: Its index.
-        settings: Of the run.
-        surface: The hand's.
+        hand: Index of the hand.
+        settings: Settings of the run.
+        surface: Surface of the hand.
     """
     if not settings.one_surface or len(settings.hands) == 1:
         return np.asarray(surface.to_world(surface.size / 2)[:2])
@@ -72,5 +74,5 @@ def home(hand: int, settings: RunSettings, surface: Surface) -> Array:
 
 
 def homes(settings: RunSettings, surface: Surface) -> Array:
-    """(2, 2) m on a surface that two hands share, the middle of each hand's half."""
+    """(2, 2) m on a surface that two hands share, centre of each hand's half."""
     return np.array([surface.size * [0.5 + 0.25 * side, 0.5] for side in sides_of(settings)])

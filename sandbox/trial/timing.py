@@ -1,7 +1,7 @@
-"""When touches arrive, take effect, and are seen in the window: measured around a session.
+"""Measures when touches arrive, take effect and are drawn in the window.
 
-What is measured begins when this program hears of a touch and ends when a picture is handed to the
-screen. What the touch screen needs before, and the display after, is in none of it.
+A measurement begins when this program receives a touch and ends when a picture is handed to the
+screen. It excludes the delays of the touch screen and of the display.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ from sandbox.session.messages import Snapshot
 from sandbox.trial.device_makers import DeviceMaker
 
 WAITING = 4096
-"""Touches that may wait for a picture that shows them; of more, the oldest go."""
+"""Largest number of touches that wait for their picture; beyond it the oldest are dropped."""
 
 
 class Timing:
     """Follows touches from a device through the session into a window.
 
     Args:
-        log: Gets `waited`, `stepped` and `window` (see `LatencyLog`).
+        log: Receives `waited`, `stepped` and `window` (see `LatencyLog`).
     """
 
     def __init__(self, log: LatencyLog) -> None:
@@ -37,9 +37,9 @@ class Timing:
         self._unseen: deque[tuple[int, float]] = deque(maxlen=WAITING)
 
     def taken_in(self, frames: Sequence[TouchFrame], origin: float) -> None:
-        """The session has fetched frames, whose clock began at `origin` (s, monotonic)."""
+        """Notes that the session fetched frames, whose clock began at `origin` (s, monotonic)."""
         self._polled = time.monotonic()
-        # A frame that a lift control repeats has the time of the touches in it: no touch is new.
+        # A frame repeated for a lift control keeps its time, and contains no new touch.
         arrived = [t for t in (frame.time + origin for frame in frames) if t > self._newest]
         self._newest = max([self._newest, *arrived])
         for at in arrived:
@@ -47,7 +47,7 @@ class Timing:
         self._taken += arrived
 
     def stepped(self, snapshot: Snapshot) -> None:
-        """The step that they took effect in is over; called in the session's thread."""
+        """Notes the end of the step in which they took effect; called in the session's thread."""
         if not self._taken:
             return
         self._log.add("stepped", 1000.0 * (time.monotonic() - self._polled))
@@ -56,7 +56,7 @@ class Timing:
         self._taken = []
 
     def drawn(self, snapshot: Snapshot) -> None:
-        """A picture of this moment has just been handed to the screen."""
+        """Notes that a picture of this snapshot has just been handed to the screen."""
         now = time.monotonic()
         with self._lock:
             while self._unseen and self._unseen[0][0] <= snapshot.step:
@@ -64,21 +64,20 @@ class Timing:
 
 
 class TimedDevice(DeviceWrapper):
-    """A live device whose touches are followed.
+    """Wrapper that reports when a live device's touches are fetched.
 
     Args:
-        device: Its frames carry the time at which they came in, s, by its own clock.
-        timing: Is told.
+        device: A device whose frames carry their time of arrival, s, on its own clock.
+        timing: Receives the reports.
     """
 
     def __init__(self, device: Device, timing: Timing) -> None:
         super().__init__(device)
         self._timing = timing
-        # A device that counts from its own beginning says when that was.
         self._origin = device.clock_origin
 
     def poll(self, now: float) -> Sequence[TouchFrame]:
-        """The device's frames as they are."""
+        """The device's frames, unchanged."""
         frames = self.device.poll(now)
         if frames:
             self._timing.taken_in(frames, self._origin)
@@ -86,5 +85,5 @@ class TimedDevice(DeviceWrapper):
 
 
 def timed(make_device: DeviceMaker, timing: Timing) -> DeviceMaker:
-    """Opens the same device with its touches followed."""
+    """A maker of the same device in a `TimedDevice`."""
     return lambda task, surface: TimedDevice(make_device(task, surface), timing)

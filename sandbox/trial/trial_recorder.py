@@ -1,4 +1,4 @@
-"""What is kept of a trial: its recording where one is asked for, and how it diverged if it did."""
+"""The recorder of a trial: its recording if requested, and a dump if the simulation diverges."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from sandbox.trial.settings import result_settings
 
 
 class TrialRecorder:
-    """The recorder of one trial, and its result.
+    """Records one trial and makes its result.
 
     Args:
-        header: What must be known to run the trial again.
-        record: Where to write a recording; None writes none.
-        dump: Folder for the last states of a simulation that diverges; beside a recording they are
-            written in any case.
+        header: Header of the recording (see `sandbox.trial.driver.trial_header`).
+        record: File of the recording; None writes none.
+        dump: Folder for the last states of a diverging simulation; beside a recording they are
+            always written.
 
     Attributes:
-        recorder: To be given to the session.
+        recorder: The recorder that the session needs.
 
     Raises:
         RecordingError: The recording's file exists or cannot be made.
@@ -41,18 +41,18 @@ class TrialRecorder:
         self.recorder: Recorder = with_listeners(self._box, header)
 
     def end(self, session: Session, **more: Any) -> TrialResult:
-        """Writes the trial's end.
+        """Writes the trial's end and returns the result.
 
-        After a divergence `dump` of the result is the file that shows how. One that cannot be
-        written does not cost the result: `dump` is empty then, and `dump_error` says why.
+        After a divergence `dump` of the result is the file with the last states. If that file
+        cannot be written, `dump` is empty and `dump_error` says why.
 
         Args:
-            session: As it ended.
+            session: The session at its end.
             more: Further fields of the result by name, JSON values.
         """
         settings = result_settings(self._header["settings"])
-        told = {**self._header, "settings": settings, **more, "schema": SCHEMA}
-        result = TrialResult.of(session, told)
+        fields = {**self._header, "settings": settings, **more, "schema": SCHEMA}
+        result = TrialResult.of(session, fields)
         path = dump_path(self._dump, self._record, session.task.name, session.task.seed)
         if session.diverged and path is not None:
             try:

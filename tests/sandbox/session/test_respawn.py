@@ -124,7 +124,7 @@ def test_an_object_comes_back_beside_what_stands_in_its_place(both):
 def test_an_object_hinged_to_the_table_never_moves():
     session = idle("wrench-turn")
     run(session, 1.0)
-    assert session.respawned == 0 and not session._respawn._things
+    assert session.respawned == 0 and not session._respawn._objects
 
 
 class Flinging(Script):
