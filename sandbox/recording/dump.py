@@ -32,7 +32,7 @@ MOST_DUMPS = 1000
 
 
 class DivergenceRecorder(RecordingLines):
-    """Keeps a session in memory for a dump, and passes everything on to a recording if there is one.
+    """Keeps a session in memory for a dump, and passes everything on to a recording, if any.
 
     Args:
         header: Header of the recording.

@@ -93,7 +93,7 @@ class CollisionGate:
         return self._along(data, 1.0)
 
     def links(self, data: mujoco.MjData) -> Array:
-        """(35, 3) m, 7 points along the solid part of each finger's last link; fingers vary fastest."""
+        """(35, 3) m, 7 points on the solid part of each last link; fingers vary fastest."""
         shares = self._inner + ALONG[:, None] * (1.0 - self._inner)
         return np.concatenate([self._along(data, share) for share in shares])
 

@@ -37,8 +37,8 @@ SOFT_SOLREF = (0.080, 1.0)
 """s and damping ratio of a soft contact; hard ones have 4 ms. A fingertip that holds a box at 3 N
 is 1.3 mm inside it."""
 SOFT_SOLIMP = (0.97, 0.995, 0.001, 0.5, 2.0)
-"""Impedance of a soft contact, at least that of a hard one. A held box creeps by 0.8 mm in 5 s where
-softness comes from a lower impedance, by 0.1 mm where it comes from the time constant
+"""Impedance of a soft contact, at least that of a hard one. A held box creeps by 0.8 mm in 5 s if
+softness comes from a lower impedance, by 0.1 mm if it comes from the time constant
 (benchmarks.feel)."""
 SOFT_TOLERANCE = 1e-11
 """Solver tolerance while contacts are soft. The residual at MuJoCo's default of 1e-8 is negligible

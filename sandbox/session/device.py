@@ -73,7 +73,7 @@ class AnyDevice(ABC):
 
     @default
     def finished(self) -> bool:
-        """True when no further frame can arrive, as at the end of a file; by default once closed."""
+        """True when no further frame can arrive, as at a file's end; by default once closed."""
         return self._closed
 
     def close(self) -> None:

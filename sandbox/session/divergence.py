@@ -10,8 +10,8 @@ import numpy as np
 from models.scene import Scene
 
 FASTEST = 50.0
-"""m/s, highest speed of an object. At this speed it moves 10 cm in a step of 2 ms, more than its own
-width, and passes through other objects without a detected contact."""
+"""m/s, highest speed of an object. At this speed it moves 10 cm in a step of 2 ms, more than its
+own width, and passes through other objects without a detected contact."""
 FASTEST_TURN = 5000.0
 """rad/s, highest angular speed of a hand's joint or an object: more than a turn in 2 ms."""
 

@@ -21,7 +21,7 @@ from models.scene import CONTROL_PERIOD, Scene
 from models.surface import METRES_PER_INCH, Surface
 
 AWAY = 0.5
-"""s that an object must be out of reach before it returns, so that the person sees where it went."""
+"""s that an object must be out of reach before it returns: the person sees where it went."""
 FINGERTIP = 0.010
 """m, about the radius of a fingertip, by which it reaches beyond its touch."""
 GRIP = 0.005

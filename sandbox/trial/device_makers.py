@@ -1,4 +1,4 @@
-"""Device makers: functions that open a device for a drawn task on a placed surface, one per hand."""
+"""Device makers: functions that open a hand's device for a drawn task on a placed surface."""
 
 from __future__ import annotations
 

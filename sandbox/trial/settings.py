@@ -142,7 +142,7 @@ class RunSettings:
         return Surface(*self.surface_in, calibrated=self.surface_calibrated)
 
     def as_json(self) -> dict[str, Any]:
-        """Values for a recording's header; without a neutral variation, and without `in_air` None."""
+        """Values for a recording's header, without a neutral variation or an `in_air` of None."""
         values = asdict(self)
         if self.variation.neutral:
             del values["variation"]
