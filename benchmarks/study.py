@@ -28,7 +28,7 @@ from sandbox.study.measures.compute import VERSION
 from sandbox.study.measures.registry import measures
 from sandbox.study.record.files import sync_file
 from sandbox.study.record.folder import SIMULATED, StudyFolder
-from sandbox.study.record.journal import Journal, Syncing
+from sandbox.study.record.journal import Journal, SyncThread
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.run.simulate import simulated_person
 from sandbox.study.tables.frames import FrameTable
@@ -105,7 +105,7 @@ def logging(folder: Path, seconds: float) -> None:
         session = build(settings, (_user_of(user, seed),), timed)
         table.watch(session)
         device: Any = session.rigs[0].device
-        syncing = Syncing(lambda path=record: sync_file(path))  # type: ignore[misc]
+        syncing = SyncThread(lambda path=record: sync_file(path))  # type: ignore[misc]
         pace = RealTime()
         while not session.over and session.time < seconds:
             timed.now = 0.0

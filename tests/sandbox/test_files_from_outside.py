@@ -27,7 +27,7 @@ from sandbox.study.record.folder import participants_of
 from sandbox.study.record.folder import read_about as read_study
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.state import SessionState
-from sandbox.study.share.privacy_records import Disguise, disguised_line
+from sandbox.study.share.privacy_records import PersonMasking, anonymous_line
 from sandbox.study.tables.frames import read_measures
 from tests.support.json_values import VALUES, damaged
 
@@ -122,8 +122,10 @@ RECORDING: list[dict[str, Any]] = [
 
 def anonymous(path: Path) -> list[bytes]:
     """The lines of a recording without what tells who somebody was."""
-    disguise = Disguise("NEW", "study")
-    return [disguised_line(x, disguise, str(path)) for x in path.read_bytes().split(b"\n") if x]
+    person_masking = PersonMasking("NEW", "study")
+    return [
+        anonymous_line(x, person_masking, str(path)) for x in path.read_bytes().split(b"\n") if x
+    ]
 
 
 def measures_of(path: Path) -> dict[str, Any]:

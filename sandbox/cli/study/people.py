@@ -9,8 +9,8 @@ from rich.console import Console
 from models.errors import StudyError
 from models.person import Person
 from sandbox.study.record.folder import Participant, StudyFolder
-from sandbox.study.record.kept_sessions import sessions_of
 from sandbox.study.record.pseudonym import read_pseudonym
+from sandbox.study.record.stored_sessions import sessions_of
 from sandbox.study.run.simulate import simulated_person
 
 if TYPE_CHECKING:

@@ -59,9 +59,9 @@ def report(options: ReportOptions, console: Console) -> int:
 def _bring_up_to_date(folder: Path, console: Console) -> None:
     """Makes the tables anew where a program was killed in the middle of a session."""
     from sandbox.study.record.folder import StudyFolder
-    from sandbox.study.tables.tables import are_behind, rebuild_study
+    from sandbox.study.tables.tables import rebuild_study, tables_are_outdated
 
-    if not are_behind(folder):
+    if not tables_are_outdated(folder):
         return
     try:
         rebuild_study(StudyFolder.at(folder), console.print)

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from sandbox.study.record.session_folder import SessionFolder
     from sandbox.study.run.controls import Controls, Terminal
     from sandbox.study.run.forms import Forms, Ready
-    from sandbox.study.run.players import Player
+    from sandbox.study.run.players import TrialPlayer
     from sandbox.study.run.study_page import StudyPage
 
 FAREWELL = 1.0
@@ -110,7 +110,7 @@ def _open_page(
 
     where = where_served(options)
     language = session.person.language
-    server = open_page(where, study_view(language, session.study.design.showing.shows))
+    server = open_page(where, study_view(language, session.study.design.page.shows))
     closing.callback(lambda: say_refusals(server, console))
     closing.callback(server.close)
     page = StudyPage(server, language, sayer(console))
@@ -178,18 +178,18 @@ def _average(ready: Ready) -> None:
     """A hand that is not measured."""
 
 
-def _player(options: RunOptions, session: SessionFolder, page: StudyPage | None) -> Player:
+def _player(options: RunOptions, session: SessionFolder, page: StudyPage | None) -> TrialPlayer:
     from sandbox.study.run.page_player import PagePlayer
     from sandbox.study.run.players import HeadlessPlayer, WindowPlayer
-    from sandbox.study.run.study_page import Beside
+    from sandbox.study.run.study_page import OffPagePlayer
 
     if page is not None and options.touches == "web":
-        return PagePlayer(page, session.study.design.showing, session.person.language)
+        return PagePlayer(page, session.study.design.page, session.person.language)
     simulated = options.device == "simulated"
-    player: Player = HeadlessPlayer(paced=not simulated)
+    player: TrialPlayer = HeadlessPlayer(paced=not simulated)
     if options.view == "window":
         player = WindowPlayer("simulated user" if simulated else "")
-    return player if page is None else Beside(player, page)
+    return player if page is None else OffPagePlayer(player, page)
 
 
 def sayer(console: Console) -> Callable[[str], object]:

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from sandbox.study.design.page_options import PageOptions
 from sandbox.study.design.reading import Text
 from sandbox.study.design.scoring import Scale
-from sandbox.study.design.showing import Showing
 
 SCHEMA = 1
 """Version of the file's layout."""
@@ -173,7 +173,7 @@ class Design:
         expected: s that a trial takes, for plans.
         break_every: Number of trials between breaks; 0 for no breaks.
         break_time: s, shortest break.
-        showing: Settings of trials on the page.
+        page: Settings of trials on the page.
         consent: Text of the consent form, and its version; empty asks for none.
         instructions, demographics, questionnaires, exclusions: See their types.
         digest: Digest of the file.
@@ -199,7 +199,7 @@ class Design:
     expected: float
     break_every: int
     break_time: float
-    showing: Showing
+    page: PageOptions
     consent: Text
     consent_version: str
     instructions: tuple[Instruction, ...]

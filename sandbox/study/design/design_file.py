@@ -23,9 +23,9 @@ from sandbox.study.design.design import (
     Level,
 )
 from sandbox.study.design.orders import MOST_FACTORIAL
+from sandbox.study.design.page_options import read_page_options
 from sandbox.study.design.questionnaires import read_form, read_item
-from sandbox.study.design.reading import DesignError, Mistake, Reader, Table
-from sandbox.study.design.showing import read_showing
+from sandbox.study.design.reading import DesignError, Mistake, Reader, TomlTable
 from sandbox.study.measures.registry import rule_measures
 
 MOST_SESSIONS = 99
@@ -81,7 +81,7 @@ def parse_design(text: str, path: Path, try_out: bool = True) -> Design:
             ],
         ) from None
     reader = Reader(text)
-    design = _design(Table(reader, values), text, path)
+    design = _design(TomlTable(reader, values), text, path)
     tried = not try_out or not reader.mistakes
     if try_out and tried:
         check_conditions(design, reader)
@@ -90,7 +90,7 @@ def parse_design(text: str, path: Path, try_out: bool = True) -> Design:
     return design
 
 
-def _design(top: Table, text: str, path: Path) -> Design:
+def _design(top: TomlTable, text: str, path: Path) -> Design:
     schema = top.raw("schema", SCHEMA)
     if schema != SCHEMA:
         top.wrong("schema", f"got {schema!r}", f"This version reads schema {SCHEMA}")
@@ -121,7 +121,7 @@ def _design(top: Table, text: str, path: Path) -> Design:
         expected=float(trials.number("expected_s", 20.0, 0.05, 3600.0)),
         break_every=breaks.number("every", 0, 0, 10_000, whole=True),
         break_time=float(breaks.number("least_s", 30.0, 0.0, 7200.0)),
-        showing=read_showing(top, trials),
+        page=read_page_options(top, trials),
         consent=consent.text("text") if consent.has("text") else {},
         consent_version=consent.string("version", "1"),
         instructions=tuple(_instruction(t, factors) for t in top.tables("instructions")),
@@ -147,13 +147,13 @@ def _digest(text: str, forms: tuple[Form, ...]) -> str:
     return digest.hexdigest()
 
 
-def _no_twice(top: Table, key: str, names: list[str]) -> None:
+def _no_twice(top: TomlTable, key: str, names: list[str]) -> None:
     for i, name in enumerate(names):
         if name and name in names[:i]:
             top.reader.wrong((key, i, "name"), f"{name!r} is there twice", "Rename one of them")
 
 
-def _factor(table: Table, key: str, names: list[str]) -> str:
+def _factor(table: TomlTable, key: str, names: list[str]) -> str:
     given = table.has(key)
     name = table.string(key, "")
     if given and name not in names:
@@ -162,13 +162,13 @@ def _factor(table: Table, key: str, names: list[str]) -> str:
     return name
 
 
-def _settings(table: Table) -> dict[str, Any]:
+def _settings(table: TomlTable) -> dict[str, Any]:
     given = {name: (table.has(name), table.raw(name)) for name in SETTINGS}
     table.done()
     return {name: value for name, (there, value) in given.items() if there}
 
 
-def _factors(top: Table) -> tuple[Factor, ...]:
+def _factors(top: TomlTable) -> tuple[Factor, ...]:
     tables = top.tables("factors")
     factors: list[Factor] = []
     for table in tables:
@@ -181,7 +181,7 @@ def _factors(top: Table) -> tuple[Factor, ...]:
     return tuple(factors)
 
 
-def _one_factor(table: Table, outer_ones: list[Factor]) -> Factor:
+def _one_factor(table: TomlTable, outer_ones: list[Factor]) -> Factor:
     name = table.name("name")
     setting = table.string("setting", name)
     order = table.choice("order", ORDERS, "blocked")
@@ -227,7 +227,9 @@ def _one_factor(table: Table, outer_ones: list[Factor]) -> Factor:
     return Factor(name, order, levels, outer, nested, one_a_session)
 
 
-def _check_one_a_session(table: Table, inner: bool, nested: bool, order: str, count: int) -> None:
+def _check_one_a_session(
+    table: TomlTable, inner: bool, nested: bool, order: str, count: int
+) -> None:
     sessions = table.reader.sessions
     if inner or nested:
         table.wrong(
@@ -249,7 +251,7 @@ def _check_one_a_session(table: Table, inner: bool, nested: bool, order: str, co
         )
 
 
-def _levels(table: Table, raw: Any, setting: str) -> tuple[Level, ...]:
+def _levels(table: TomlTable, raw: Any, setting: str) -> tuple[Level, ...]:
     if not isinstance(raw, list) or not raw:
         table.wrong("levels", "levels are missing", 'Write a list such as levels = ["a", "b"]')
         return ()
@@ -279,7 +281,7 @@ def _levels(table: Table, raw: Any, setting: str) -> tuple[Level, ...]:
     return tuple(levels)
 
 
-def _instruction(table: Table, factors: tuple[Factor, ...]) -> Instruction:
+def _instruction(table: TomlTable, factors: tuple[Factor, ...]) -> Instruction:
     at = table.choice("at", (START, END, *(f.name for f in factors)), START)
     level = table.string("level", "")
     names = next(([x.name for x in f.levels] for f in factors if f.name == at), [])
@@ -294,7 +296,7 @@ def _instruction(table: Table, factors: tuple[Factor, ...]) -> Instruction:
     return instruction
 
 
-def _exclusion(table: Table) -> Exclusion:
+def _exclusion(table: TomlTable) -> Exclusion:
     exclusion = Exclusion(
         table.name("name"),
         table.choice("of", ("trial", "participant"), "trial"),
@@ -308,7 +310,7 @@ def _exclusion(table: Table) -> Exclusion:
     return exclusion
 
 
-def _bound(table: Table, key: str) -> float | None:
+def _bound(table: TomlTable, key: str) -> float | None:
     if not table.has(key):
         table.raw(key)
         return None

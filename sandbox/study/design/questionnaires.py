@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from sandbox.study.design.design import END, ITEMS, SCHEMA, START, Form, Item
-from sandbox.study.design.reading import Reader, Table, Text
+from sandbox.study.design.reading import Reader, Text, TomlTable
 from sandbox.study.design.scoring import RULES, Scale
 
 
@@ -26,11 +26,11 @@ def instruments() -> dict[str, str]:
     return dict(sorted(texts.items()))
 
 
-def read_form(table: Table, factors: list[str], folder: Path) -> Form:
+def read_form(table: TomlTable, factors: list[str], folder: Path) -> Form:
     """Reads a questionnaire of a design: `use` names one of the package, `file` a file.
 
     Args:
-        table: Table of the design, which collects the mistakes.
+        table: TomlTable of the design, which collects the mistakes.
         factors: Names of factors; a form can be asked after each level of one.
         folder: Folder of the design.
     """
@@ -70,7 +70,7 @@ def read_form(table: Table, factors: list[str], folder: Path) -> Form:
     return Form(name, title, items, at, scales, origin, sessions)
 
 
-def read_item(table: Table) -> Item:
+def read_item(table: TomlTable) -> Item:
     """One question."""
     name, ask = table.name("name"), table.text("ask")
     kind = table.choice("kind", ITEMS, "text")
@@ -128,7 +128,7 @@ def _turned(item: Item, rng: np.random.Generator) -> Item:
     )
 
 
-def _means(table: Table, choices: tuple[str, ...]) -> tuple[Text, ...]:
+def _means(table: TomlTable, choices: tuple[str, ...]) -> tuple[Text, ...]:
     """Texts of choices in each language."""
     if not table.has("means"):
         return ()
@@ -141,10 +141,10 @@ def _means(table: Table, choices: tuple[str, ...]) -> tuple[Text, ...]:
         )
         return ()
     # Each is read like any other text.
-    return tuple(Table(table.reader, {"means": v}, table.path).text("means") for v in given)
+    return tuple(TomlTable(table.reader, {"means": v}, table.path).text("means") for v in given)
 
 
-def _scale(table: Table, items: tuple[Item, ...]) -> Scale:
+def _scale(table: TomlTable, items: tuple[Item, ...]) -> Scale:
     """Reads a scale; a score that cannot be computed is a mistake now, not after the study."""
     known = {item.name: item for item in items}
     name, rule = table.name("name"), table.choice("rule", RULES, "sum")
@@ -178,14 +178,14 @@ def _scale(table: Table, items: tuple[Item, ...]) -> Scale:
     return scale
 
 
-def _known(table: Table, key: str, names: tuple[str, ...], fit: set[str], what: str) -> None:
+def _known(table: TomlTable, key: str, names: tuple[str, ...], fit: set[str], what: str) -> None:
     for name in names:
         if name not in fit:
             remedy = f"Names are: {', '.join(sorted(fit))}" if fit else "Add such items"
             table.wrong(key, f"{name!r} is {what}", remedy)
 
 
-def _packaged(table: Table, use: str) -> str | None:
+def _packaged(table: TomlTable, use: str) -> str | None:
     known = instruments()
     if use not in known:
         table.wrong(
@@ -196,7 +196,7 @@ def _packaged(table: Table, use: str) -> str | None:
     return known.get(use)
 
 
-def _beside(table: Table, file: str, folder: Path) -> str | None:
+def _beside(table: TomlTable, file: str, folder: Path) -> str | None:
     """The text of a questionnaire's file, which stands beside the design or below it."""
     if Path(file).is_absolute() or ".." in Path(file).parts:
         table.wrong("file", f"{file} is not beside the design", "Put it into the design's folder")
@@ -212,7 +212,7 @@ def _beside(table: Table, file: str, folder: Path) -> str | None:
         return None
 
 
-def _as_table(table: Table, text: str, file: str) -> Table | None:
+def _as_table(table: TomlTable, text: str, file: str) -> TomlTable | None:
     try:
         values = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -220,7 +220,7 @@ def _as_table(table: Table, text: str, file: str) -> Table | None:
         return None
     reader = Reader(text)
     reader.languages = table.reader.languages
-    item_table = Table(reader, values)
+    item_table = TomlTable(reader, values)
     if item_table.raw("schema", SCHEMA) != SCHEMA:
         table.wrong("file", f"{file}: another version's", f"This version reads schema {SCHEMA}")
     return item_table

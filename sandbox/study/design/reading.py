@@ -70,7 +70,7 @@ class Reader:
         self.mistakes.append(Mistake(self.lines.of(path), where, what, remedy))
 
 
-class Table:
+class TomlTable:
     """Reader of one table: values are taken out one by one, and remaining ones are mistakes.
 
     Args:
@@ -199,21 +199,21 @@ class Table:
         self.wrong(key if value is not None else "", what, f"Write {key} = {wanted}")
         return dict.fromkeys(languages, "")
 
-    def table(self, key: str) -> Table:
+    def table(self, key: str) -> TomlTable:
         """A table; an empty one where there is none."""
         value = self.raw(key, {})
         if not isinstance(value, dict):
             self.wrong(key, f"got {value!r}", f"Write a table: [{key}]")
             value = {}
-        return Table(self.reader, value, (*self.path, key))
+        return TomlTable(self.reader, value, (*self.path, key))
 
-    def tables(self, key: str) -> list[Table]:
+    def tables(self, key: str) -> list[TomlTable]:
         """A list of tables."""
         value = self.raw(key, [])
         if not isinstance(value, list) or not all(isinstance(v, dict) for v in value):
             self.wrong(key, "not a list of tables", f"Begin each with [[{key}]]")
             return []
-        return [Table(self.reader, v, (*self.path, key, i)) for i, v in enumerate(value)]
+        return [TomlTable(self.reader, v, (*self.path, key, i)) for i, v in enumerate(value)]
 
     def done(self) -> None:
         """Whatever was not taken is unknown."""

@@ -54,20 +54,20 @@ class Scale:
 
 
 @dataclass(frozen=True)
-class Score:
-    """Score of a scale: a number, or None with missing answers, and the number of these."""
+class ScaleScore:
+    """ScaleScore of a scale: a number, or None with missing answers, and the number of these."""
 
     scale: str
     value: float | None
     missing: int
 
 
-def score(scale: Scale, answers: Mapping[str, Any]) -> Score:
+def score(scale: Scale, answers: Mapping[str, Any]) -> ScaleScore:
     """Scores answers by item; an answer that is not there, or None, is missing."""
     used = (*scale.items, *scale.pairs)
     missing = sum(answers.get(name) is None for name in used)
     if missing:
-        return Score(scale.name, None, missing)
+        return ScaleScore(scale.name, None, missing)
     values = [
         _counted(scale, name, float(answers[name]), bounds)
         for name, bounds in zip(scale.items, scale.bounds, strict=True)
@@ -76,10 +76,10 @@ def score(scale: Scale, answers: Mapping[str, Any]) -> Score:
         value = _weighted(values, [tally(scale, answers)[name] for name in scale.items])
     else:
         value = sum(values) / (len(values) if scale.rule == "mean" else 1)
-    return Score(scale.name, value * scale.factor, 0)
+    return ScaleScore(scale.name, value * scale.factor, 0)
 
 
-def scores(scales: Sequence[Scale], answers: Mapping[str, Any]) -> list[Score]:
+def scores(scales: Sequence[Scale], answers: Mapping[str, Any]) -> list[ScaleScore]:
     """All scores of a form."""
     return [score(scale, answers) for scale in scales]
 

@@ -18,7 +18,7 @@ little above its place is put down."""
 PALM = "p"
 
 
-def stretches(mask: ArrayLike) -> list[tuple[int, int]]:
+def true_intervals(mask: ArrayLike) -> list[tuple[int, int]]:
     """First and last index of every run of true values."""
     edges = np.diff(np.concatenate([[0], np.asarray(mask, bool).astype(int), [0]]))
     return list(
@@ -30,7 +30,7 @@ def stretches(mask: ArrayLike) -> list[tuple[int, int]]:
     )
 
 
-def handled(digits: Sequence[str], grip: ArrayLike, period: float) -> list[tuple[int, int]]:
+def push_intervals(digits: Sequence[str], grip: ArrayLike, period: float) -> list[tuple[int, int]]:
     """Stretches in which a hand pushes a thing, by first and last index.
 
     Args:
@@ -40,7 +40,7 @@ def handled(digits: Sequence[str], grip: ArrayLike, period: float) -> list[tuple
     """
     strong = np.asarray(grip, float) >= FORCE
     joined: list[tuple[int, int]] = []
-    for first, last in stretches([bool(d) for d in digits]):
+    for first, last in true_intervals([bool(d) for d in digits]):
         enough = strong[first : last + 1]
         if not enough.any():
             continue
@@ -73,6 +73,6 @@ def drops(free: ArrayLike, height: ArrayLike) -> int:
     heights = np.asarray(height, float)
     falls = [
         heights[max(first - 1, 0)] - heights[first : last + 2].min()
-        for first, last in stretches(free)
+        for first, last in true_intervals(free)
     ]
     return sum(bool(fall > FALL) for fall in falls)

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-Named = Mapping[Any, int]
+FingersByContact = Mapping[Any, int]
 """Fingers (thumb 0 .. little 4) by contact; by hand and contact where there may be two hands."""
 
 
-def label_switches(named: Sequence[Named]) -> int:
+def label_switches(named: Sequence[FingersByContact]) -> int:
     """How often a contact that had a finger got another one, at once or after having had none."""
     last: dict[Any, int] = {}
     switches = 0
@@ -19,7 +19,9 @@ def label_switches(named: Sequence[Named]) -> int:
     return switches
 
 
-def label_errors(named: Sequence[Named], true: Sequence[Named], period: float) -> dict[str, Any]:
+def label_errors(
+    named: Sequence[FingersByContact], true: Sequence[FingersByContact], period: float
+) -> dict[str, Any]:
     """How labels compare with the truth.
 
     An error begins when a contact has a wrong finger, and ends when it has the right one. One that

@@ -74,7 +74,7 @@ class Measure:
         return self.means if self.source == "ours" else f"{self.means} ({self.source})"
 
 
-def from_field(name: str, title: str, better: str = "", in_report: bool = True) -> Measure:
+def result_measure(name: str, title: str, better: str = "", in_report: bool = True) -> Measure:
     """A measure that is a field of the trial's result; unit and meaning are declared there."""
     field = fields()[name]
     return Measure(
@@ -88,7 +88,7 @@ def from_field(name: str, title: str, better: str = "", in_report: bool = True) 
     )
 
 
-def while_it_runs(name: str) -> Callable[[TrialResult], Value]:
+def live_measure(name: str) -> Callable[[TrialResult], Value]:
     """Reads a measure that is taken while the trial runs, since no table can tell it later."""
 
     def value(result: TrialResult) -> Value:

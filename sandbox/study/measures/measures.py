@@ -19,8 +19,8 @@ from sandbox.study.measures.measure import (
     PLACES,
     Measure,
     Row,
-    from_field,
-    while_it_runs,
+    live_measure,
+    result_measure,
 )
 from sandbox.study.measures.throughput import throughput
 
@@ -39,12 +39,12 @@ BALASUBRAMANIAN = "Balasubramanian, Melendez-Calderon, Roby-Brami and Burdet 201
 ISO = "ISO 9241-411; Soukoreff and MacKenzie 2004"
 
 BUILT_IN: tuple[Measure, ...] = (
-    from_field("success", "Success", HIGH),
-    from_field("instant", "Reached for an instant", HIGH),
-    from_field("held", "Held", HIGH, in_report=False),
-    from_field("final", "Still there at the end", HIGH),
-    from_field("progress", "Progress", HIGH),
-    from_field("time_s", "Time", LOW),
+    result_measure("success", "Success", HIGH),
+    result_measure("instant", "Reached for an instant", HIGH),
+    result_measure("held", "Held", HIGH, in_report=False),
+    result_measure("final", "Still there at the end", HIGH),
+    result_measure("progress", "Progress", HIGH),
+    result_measure("time_s", "Time", LOW),
     Measure(
         "first_attempt_success",
         "0/1",
@@ -69,7 +69,7 @@ BUILT_IN: tuple[Measure, ...] = (
         "Time to first touch",
         "simulated time of the first touch",
         better=LOW,
-        of_result=while_it_runs("first_contact_s"),
+        of_result=live_measure("first_contact_s"),
     ),
     Measure(
         "first_push_s",
@@ -257,7 +257,7 @@ BUILT_IN: tuple[Measure, ...] = (
         "Lost time",
         "real time by which the machine fell behind; 0 on a fast machine",
         better=LOW,
-        of_result=while_it_runs("lost_s"),
+        of_result=live_measure("lost_s"),
     ),
     Measure(
         "waited_s",
@@ -267,7 +267,7 @@ BUILT_IN: tuple[Measure, ...] = (
         "time begins; 0 where it begins at once",
         better=LOW,
         tasks=PAGE,
-        of_result=while_it_runs("waited_s"),
+        of_result=live_measure("waited_s"),
     ),
     Measure(
         "away_s",
@@ -276,7 +276,7 @@ BUILT_IN: tuple[Measure, ...] = (
         "real time without a message from the page, in stretches above 1 s",
         better=LOW,
         tasks=PAGE,
-        of_result=while_it_runs("away_s"),
+        of_result=live_measure("away_s"),
     ),
     Measure(
         "away",
@@ -285,7 +285,7 @@ BUILT_IN: tuple[Measure, ...] = (
         "stretches above 1 s without a message from the page",
         better=LOW,
         tasks=PAGE,
-        of_result=while_it_runs("away"),
+        of_result=live_measure("away"),
     ),
     Measure(
         "latency_p50_ms",
@@ -294,7 +294,7 @@ BUILT_IN: tuple[Measure, ...] = (
         "time from receiving a touch to the step in which it took effect: median",
         better=LOW,
         tasks=LIVE,
-        of_result=while_it_runs("latency_p50_ms"),
+        of_result=live_measure("latency_p50_ms"),
     ),
     Measure(
         "latency_p95_ms",
@@ -303,7 +303,7 @@ BUILT_IN: tuple[Measure, ...] = (
         "95th percentile of the time from receiving a touch to its step",
         better=LOW,
         tasks=LIVE,
-        of_result=while_it_runs("latency_p95_ms"),
+        of_result=live_measure("latency_p95_ms"),
     ),
     Measure(
         "latency_p99_ms",
@@ -312,7 +312,7 @@ BUILT_IN: tuple[Measure, ...] = (
         "99th percentile of the time from receiving a touch to its step",
         better=LOW,
         tasks=LIVE,
-        of_result=while_it_runs("latency_p99_ms"),
+        of_result=live_measure("latency_p99_ms"),
     ),
     Measure(
         "move_amplitude_m",

@@ -25,7 +25,7 @@ def path_length(points: ArrayLike) -> float:
     return float(np.linalg.norm(np.diff(np.asarray(points, float), axis=0), axis=1).sum())
 
 
-def straight(points: ArrayLike) -> float:
+def end_distance(points: ArrayLike) -> float:
     """m between the first and the last of points (n, 3); 0 of none."""
     found = np.asarray(points, float)
     return float(np.linalg.norm(found[-1] - found[0])) if len(found) else 0.0

@@ -11,10 +11,17 @@ from models.arithmetic.arrays import Array
 from models.frames import FINGERS
 from models.scene import CONTROL_PERIOD
 from sandbox.study.measures.columns import Columns
-from sandbox.study.measures.handling import drops, grasps, handled, stretches
-from sandbox.study.measures.labels import Named, label_errors, label_switches
-from sandbox.study.measures.movement import STILL, efficiency, path_length, sparc, speeds, straight
-from sandbox.study.measures.throughput import along
+from sandbox.study.measures.handling import drops, grasps, push_intervals, true_intervals
+from sandbox.study.measures.labels import FingersByContact, label_errors, label_switches
+from sandbox.study.measures.movement import (
+    STILL,
+    efficiency,
+    end_distance,
+    path_length,
+    sparc,
+    speeds,
+)
+from sandbox.study.measures.throughput import movement_along
 from sandbox.trial.result import TrialResult
 
 JUMP = 0.05
@@ -56,7 +63,7 @@ class PlayedTrial:
 
     @cached_property
     def handling(self) -> Values:
-        """Pushes, grasps and drops; empty where the contacts are unknown."""
+        """ObjectPushes, grasps and drops; empty where the contacts are unknown."""
         return _handling(self.table) if len(self.table) else {}
 
     @cached_property
@@ -79,7 +86,7 @@ def _palm(table: Columns) -> Values:
     found: list[tuple[list[Array], list[Array]]] = []
     for hand in table.hands:
         places = table.numbers(*(f"{hand}q_position_{axis}" for axis in "xyz"))
-        stays = stretches([phase == DOWN for phase in table.words(f"{hand}phase")])
+        stays = true_intervals([phase == DOWN for phase in table.words(f"{hand}phase")])
         parts = [places[first : last + 1] for first, last in stays]
         if sum(len(part) for part in parts) >= 2:
             found.append((parts, [speeds(part, CONTROL_PERIOD) for part in parts]))
@@ -91,7 +98,7 @@ def _palm(table: Columns) -> Values:
     moves = longest.sum() * CONTROL_PERIOD >= STILL
     return {
         "palm_path_m": sum(lengths),
-        "palm_efficiency": efficiency(sum(straight(way) for way in ways), sum(lengths)),
+        "palm_efficiency": efficiency(sum(end_distance(way) for way in ways), sum(lengths)),
         "palm_peak_m_s": float(max(part.max(initial=0.0) for _, speed in found for part in speed)),
         "palm_sparc": sparc(longest, CONTROL_PERIOD) if moves else None,
     }
@@ -111,7 +118,7 @@ def _objects(table: Columns) -> Values:
     found: Values = {
         "object_path_m": length,
         "object_efficiency": efficiency(
-            sum(straight(part) for some in parts.values() for part in some), length
+            sum(end_distance(part) for some in parts.values() for part in some), length
         ),
         "object_peak_m_s": float(max(s.max(initial=0.0) for some in speed.values() for s in some)),
         "placement_error_m": float(
@@ -134,7 +141,7 @@ def _move(places: Array, goals: Array) -> Values:
     """Distance that an object was moved along its way, where its goal does not move."""
     if np.ptp(goals, axis=0).max() > STILL:
         return {}
-    move = along(places[0], goals[-1], places[-1])
+    move = movement_along(places[0], goals[-1], places[-1])
     return {} if move is None else {"move_amplitude_m": move[0], "move_error_m": move[1]}
 
 
@@ -146,7 +153,7 @@ def _unbroken(places: Array) -> list[Array]:
 
 def _handled(table: Columns, name: str) -> list[tuple[int, int]]:
     grip = table.numbers(f"{name}_grip_N")[:, 0]
-    return handled(table.words(f"{name}_digits"), np.nan_to_num(grip), CONTROL_PERIOD)
+    return push_intervals(table.words(f"{name}_digits"), np.nan_to_num(grip), CONTROL_PERIOD)
 
 
 def _known(table: Columns) -> list[str]:
@@ -161,7 +168,7 @@ def _first_push(table: Columns) -> int | None:
 
 
 def _handling(table: Columns) -> Values:
-    """Pushes, grasps and drops; empty where the contacts are unknown."""
+    """ObjectPushes, grasps and drops; empty where the contacts are unknown."""
     names = _known(table)
     if not names:
         return {}
@@ -189,7 +196,7 @@ def _labels(table: Columns, truth: str) -> Values:
     return found | ({**errors, "label_truth": truth} if errors else {})
 
 
-def _by_contact(table: Columns, kind: str) -> list[Named]:
+def _by_contact(table: Columns, kind: str) -> list[FingersByContact]:
     """Fingers by hand and contact, row by row."""
     columns = [
         (hand, finger, table.whole(f"{hand}{kind}_{name}"))

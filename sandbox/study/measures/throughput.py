@@ -17,7 +17,7 @@ NEAR = 0.010
 """m between start and goal, below which there is no way to be moved along."""
 
 
-def along(start: ArrayLike, goal: ArrayLike, end: ArrayLike) -> tuple[float, float] | None:
+def movement_along(start: ArrayLike, goal: ArrayLike, end: ArrayLike) -> tuple[float, float] | None:
     """A movement seen along the line from its start to its goal, all (3,) m.
 
     Returns:

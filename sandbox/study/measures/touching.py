@@ -28,7 +28,7 @@ LETTERS = (str.lower, str.upper)
 
 
 @dataclass(frozen=True)
-class Pushes:
+class ObjectPushes:
     """What pushes a thing at one moment.
 
     Attributes:
@@ -45,7 +45,7 @@ class Pushes:
     on: tuple[str, ...] = ()
 
 
-class Contacts(NamedTuple):
+class ContactSample(NamedTuple):
     """What is kept of a moment, copied.
 
     Attributes:
@@ -61,7 +61,7 @@ class Contacts(NamedTuple):
     forces: Array | None = None
 
 
-class Touching:
+class ContactReader:
     """Tells who pushes what in a simulation.
 
     Args:
@@ -115,7 +115,7 @@ class Touching:
             for name, body in scene.object_bodies.items()
         }
 
-    def copy(self) -> Contacts:
+    def copy(self) -> ContactSample:
         """What is kept of this moment."""
         readings = self._readings
         sensors, item = readings.copy(), readings.item
@@ -123,12 +123,12 @@ class Touching:
             if item(adr):
                 break
         else:
-            return Contacts(sensors)
+            return ContactSample(sensors)
         found = self._data.contact
         forces = self._data.efc_force.copy()
-        return Contacts(sensors, found.geom.copy(), found.efc_address.copy(), forces)
+        return ContactSample(sensors, found.geom.copy(), found.efc_address.copy(), forces)
 
-    def pushes(self, contacts: Contacts) -> Mapping[str, Pushes]:
+    def pushes(self, contacts: ContactSample) -> Mapping[str, ObjectPushes]:
         """What pushes each thing, by its name."""
         digits: dict[str, dict[str, float]] = {name: {} for name in self._weight}
         if contacts.geoms is not None:
@@ -146,7 +146,7 @@ class Touching:
         readings = contacts.sensors.tolist()
         return {name: self._told(name, found, readings) for name, found in digits.items()}
 
-    def _told(self, name: str, digits: dict[str, float], readings: list[float]) -> Pushes:
+    def _told(self, name: str, digits: dict[str, float], readings: list[float]) -> ObjectPushes:
         by, on = [], []
         for other, adr, sign in self._others[name]:
             found, *force = readings[adr : adr + 4]
@@ -156,7 +156,7 @@ class Touching:
                     on.append(other)
         one = "".join(f[0] for f in FINGERS) + PALM
         order = one + one.upper()
-        return Pushes(
+        return ObjectPushes(
             "".join(sorted(digits, key=order.index)),
             sum(sorted(digits.values())),
             tuple(sorted(by)),

@@ -14,7 +14,7 @@ TEMPORARY = ".tmp-"
 """Prefix of the names of unfinished files."""
 
 
-def explain(error: OSError, path: Path, what: str) -> StudyError:
+def study_error(error: OSError, path: Path, what: str) -> StudyError:
     """An error of the system as one of ours."""
     return StudyError(
         what,
@@ -52,7 +52,7 @@ def write_atomically(path: Path, data: bytes, durable: bool = True) -> bool:
             sync_folder(path.parent)
     except OSError as error:
         _remove(temporary)
-        raise explain(error, path, "the file cannot be written") from None
+        raise study_error(error, path, "the file cannot be written") from None
     return True
 
 
@@ -74,7 +74,7 @@ def sync_file(path: Path) -> None:
         os.close(fd)
 
 
-def sweep(folder: Path) -> None:
+def remove_unfinished(folder: Path) -> None:
     """Removes what a killed program left unfinished; to be called under the folder's lock."""
     for path in folder.glob(f"{TEMPORARY}*"):
         _remove(path)
@@ -95,7 +95,7 @@ def make_folder(path: Path) -> None:
     try:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise explain(error, path, "the folder cannot be made") from None
+        raise study_error(error, path, "the folder cannot be made") from None
 
 
 @contextmanager
@@ -113,7 +113,7 @@ def locked(path: Path, wait: bool, what: str = "") -> Iterator[None]:
     try:
         fd = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
     except OSError as error:
-        raise explain(error, path, "the lock cannot be made") from None
+        raise study_error(error, path, "the lock cannot be made") from None
     try:
         try:
             fcntl.flock(fd, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))

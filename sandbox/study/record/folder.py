@@ -24,7 +24,13 @@ from models.errors import StudyError
 from models.json_input import check_layout, checked, decoded_record
 from sandbox.study.design.design import Design
 from sandbox.study.record.build import build_of, changes
-from sandbox.study.record.files import explain, locked, make_folder, sweep, write_atomically
+from sandbox.study.record.files import (
+    locked,
+    make_folder,
+    remove_unfinished,
+    study_error,
+    write_atomically,
+)
 from sandbox.study.record.journal import Journal, Record, now, read_journal
 from sandbox.study.record.pseudonym import new_pseudonym
 
@@ -86,7 +92,7 @@ class StudyFolder:
         self._about: dict[str, Any] = {}
         make_folder(self.path)
         with self.lock():
-            sweep(self.path)
+            remove_unfinished(self.path)
             self._lock_to(build_of(design), upgrade)
             write_design(self.path, design)
 
@@ -274,7 +280,7 @@ def read_about(path: Path) -> dict[str, Any]:
     try:
         data = path.read_bytes()
     except OSError as error:
-        raise explain(error, path, "the study cannot be read") from None
+        raise study_error(error, path, "the study cannot be read") from None
     what, where = "the study cannot be read", str(path)
     remedy = "Take this file back from a backup"
     check_layout(data, None, SCHEMA, StudyError, what=what, where=where, remedy=remedy)

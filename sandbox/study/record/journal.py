@@ -18,8 +18,8 @@ from typing import Any
 
 from models.errors import StudyError
 from models.json_input import checked, decoded_record
-from sandbox.study.record.files import explain, sync_folder
-from sandbox.study.record.record_forms import FORMS, Head
+from sandbox.study.record.files import study_error, sync_folder
+from sandbox.study.record.record_forms import FORMS, RecordHead
 
 SYNC = 0.5
 """s between two moments at which everything written so far is put on the disk."""
@@ -55,7 +55,7 @@ class Journal:
         try:
             self._fd = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o666)
         except OSError as error:
-            raise explain(error, path, "the journal cannot be opened") from None
+            raise study_error(error, path, "the journal cannot be opened") from None
         try:
             regular = stat.S_ISREG(os.fstat(self._fd).st_mode)
             data = path.read_bytes() if regular else b""
@@ -67,7 +67,7 @@ class Journal:
                 sync_folder(path.parent)
         except OSError as error:
             os.close(self._fd)
-            raise explain(error, path, "the journal cannot be repaired") from None
+            raise study_error(error, path, "the journal cannot be repaired") from None
         except StudyError:
             os.close(self._fd)
             raise
@@ -98,7 +98,7 @@ class Journal:
             if durable:
                 os.fsync(self._fd)
         except OSError as error:
-            raise explain(error, self.path, "the journal cannot be written") from None
+            raise study_error(error, self.path, "the journal cannot be written") from None
         return record
 
     def sync(self) -> None:
@@ -162,7 +162,7 @@ def _record(line: bytes, n: int, where: str) -> Record:
     """
     what, remedy = "the journal is damaged", "Take it back from a backup; nothing was changed"
     record = decoded_record(line, StudyError, what=what, where=where, remedy=remedy)
-    head = checked(record, Head, StudyError, what=what, where=where, remedy=remedy)
+    head = checked(record, RecordHead, StudyError, what=what, where=where, remedy=remedy)
     if head.n != n:
         raise StudyError(
             f"{what}: its records are not in order",
@@ -171,7 +171,7 @@ def _record(line: bytes, n: int, where: str) -> Record:
             expected=f"record {n}",
             remedy=remedy,
         )
-    form = FORMS.get(head.kind, Head)
+    form = FORMS.get(head.kind, RecordHead)
     checked(record, form, StudyError, what=what, where=where, remedy=remedy)
     return record
 
@@ -191,7 +191,7 @@ def read_journal(path: Path) -> list[Record]:
     return parse_records(data, path)[0]
 
 
-class Syncing:
+class SyncThread:
     """Puts files on the disk every half second, from a thread of its own.
 
     Args:

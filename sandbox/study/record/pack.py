@@ -6,7 +6,7 @@ from pathlib import Path
 
 from models.errors import StudyError
 from sandbox.recording.recording_file import SUFFIX, packed, read_stored
-from sandbox.study.record.files import explain, sync_folder, write_atomically
+from sandbox.study.record.files import study_error, sync_folder, write_atomically
 
 
 def pack(recording: Path) -> Path:
@@ -31,7 +31,7 @@ def pack(recording: Path) -> Path:
             return target
         data = recording.read_bytes()
     except OSError as error:
-        raise explain(error, recording, "the recording cannot be read") from None
+        raise study_error(error, recording, "the recording cannot be read") from None
     write_atomically(target, packed(data))
     try:
         stored = read_stored(target)
@@ -45,5 +45,5 @@ def pack(recording: Path) -> Path:
         recording.unlink()
         sync_folder(recording.parent)
     except OSError as error:
-        raise explain(error, recording, "the recording cannot be compressed") from None
+        raise study_error(error, recording, "the recording cannot be compressed") from None
     return target

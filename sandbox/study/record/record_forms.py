@@ -10,7 +10,7 @@ from typing import Any
 from msgspec import Struct
 
 
-class Head(Struct):
+class RecordHead(Struct):
     """Fields of every record: its number from 0, and its kind."""
 
     n: int

@@ -17,11 +17,18 @@ from sandbox.recording.recording_file import stored
 from sandbox.recording.versions import versions
 from sandbox.session.closeable import Closeable
 from sandbox.study.design.plan import Step, TrialStep, session_plan, trials_of
-from sandbox.study.record.files import explain, locked, make_folder, sweep, sync_file, sync_folder
+from sandbox.study.record.files import (
+    locked,
+    make_folder,
+    remove_unfinished,
+    study_error,
+    sync_file,
+    sync_folder,
+)
 from sandbox.study.record.folder import Participant, StudyFolder
-from sandbox.study.record.journal import SCHEMA, Journal, Record, Syncing
-from sandbox.study.record.kept_sessions import JOURNAL, session_path, sessions_of
+from sandbox.study.record.journal import SCHEMA, Journal, Record, SyncThread
 from sandbox.study.record.state import Attempt, SessionState
+from sandbox.study.record.stored_sessions import JOURNAL, session_path, sessions_of
 from sandbox.trial.result import KeptIn, TrialResult
 
 TOLD = ("n", "step", "trial", "attempt", "practice", "form", "block", "levels")
@@ -62,7 +69,7 @@ class SessionFolder(Closeable):
         ):
             make_folder(folder)
         self._recording: Path | None = None
-        self._syncing: Syncing | None = None
+        self._syncing: SyncThread | None = None
         self._closing = ExitStack()
         try:
             self._open()
@@ -74,7 +81,7 @@ class SessionFolder(Closeable):
         what = f"participant {self.person.ppid}"
         self._closing.enter_context(locked(self.path / ".lock", wait=False, what=what))
         for name in ("", "trials", "trackers", "session_info"):
-            sweep(self.path / name)
+            remove_unfinished(self.path / name)
         self.journal = Journal(self.path / JOURNAL)
         self._closing.callback(self.journal.close)
         self.state = SessionState.of(self.journal.records)
@@ -97,7 +104,7 @@ class SessionFolder(Closeable):
             build=self.study.build,
             **vars(self.person),
         )
-        self._syncing = Syncing(self._sync)
+        self._syncing = SyncThread(self._sync)
         self._closing.callback(self._syncing.close)
 
     def write(self, kind: str, durable: bool = False, **values: Any) -> Record:
@@ -110,7 +117,7 @@ class SessionFolder(Closeable):
             try:
                 self._syncing.check()
             except OSError as error:
-                raise explain(
+                raise study_error(
                     error, self.path, "the disk did not take what was written before"
                 ) from None
         record = self.journal.append(kind, durable, **values)
@@ -192,7 +199,7 @@ class SessionFolder(Closeable):
             sync_file(path)
             sync_folder(path.parent)
         except OSError as error:
-            raise explain(error, path, "the recording cannot be kept") from None
+            raise study_error(error, path, "the recording cannot be kept") from None
         self._recording = None
         more = {"adopted": True} if adopted else {}
         self.write(

@@ -8,8 +8,8 @@ from pathlib import Path
 from models.errors import RecordingError
 from sandbox.recording.recording_file import SUFFIX, stored
 from sandbox.study.record.journal import read_journal
-from sandbox.study.record.kept_sessions import JOURNAL, SESSIONS, session_folders
 from sandbox.study.record.state import SessionState
+from sandbox.study.record.stored_sessions import JOURNAL, SESSIONS, session_folders
 
 TRIAL = re.compile(r"T\d+(\.a\d+)?")
 TRIALS = "trials"

@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from sandbox.study.report.models.analysis import Analysis, Described, Modelled, adjusted
+from sandbox.study.report.models.analysis import Analysis, MeasureModel, MeasureSummary, adjusted
 from sandbox.study.report.models.answers import adjusted as adjusted_scales
 from sandbox.study.report.models.censored import Censored
 from sandbox.study.report.models.comparisons import Difference, pairs_of
 from sandbox.study.report.models.exclusions import endings, flow
 from sandbox.study.report.models.mixed import Mixed
 from sandbox.study.report.models.quantities import LOG
-from sandbox.study.report.models.success import Successes
+from sandbox.study.report.models.success import ShareDifference
 from sandbox.study.report.models.summaries import person_means
 
 Row = dict[str, Any]
@@ -183,12 +183,12 @@ def _known(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
 
 
-def _described(found: Analysis) -> Iterable[Described]:
+def _described(found: Analysis) -> Iterable[MeasureSummary]:
     yield from (m.described for m in _modelled(found))
     yield from found.rest
 
 
-def _modelled(found: Analysis) -> Iterable[Modelled]:
+def _modelled(found: Analysis) -> Iterable[MeasureModel]:
     yield from (m for m in (found.time, found.success, *found.asked) if m is not None)
 
 
@@ -246,7 +246,7 @@ def _differences(measure: str, model: str, kind: str, some: Sequence[Difference]
     ]
 
 
-def _shares(measure: str, some: Sequence[Successes]) -> list[Row]:
+def _shares(measure: str, some: Sequence[ShareDifference]) -> list[Row]:
     return [
         {
             "measure": measure,

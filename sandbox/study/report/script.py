@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from sandbox.study.report.models.analysis import Analysis, Modelled
+from sandbox.study.report.models.analysis import Analysis, MeasureModel
 from sandbox.study.report.models.mixed import PRACTICE, Mixed
 from sandbox.study.report.models.quantities import LOG
 
@@ -129,7 +129,7 @@ def script(found: Analysis) -> str:
     return "".join(parts) + TAIL
 
 
-def _mixed(one: Modelled, model: Mixed) -> str:
+def _mixed(one: MeasureModel, model: Mixed) -> str:
     what = one.described.what
     several = "condition" if len(model.present) > 1 else "1"
     terms = ["0 + condition" if several == "condition" else "1"]

@@ -15,8 +15,8 @@ from sandbox.server.protocol.skins import pack_skin
 from sandbox.server.publishing import publish
 from sandbox.server.web import WebDevice
 from sandbox.session.session import Session
-from sandbox.study.design.showing import Showing
-from sandbox.study.run.players import Ask, Attempt, Played
+from sandbox.study.design.page_options import PageOptions
+from sandbox.study.run.players import PlayedAttempt, RunningAttempt, TrialRequest
 from sandbox.study.run.study_page import TICK, StudyPage, inches, lacks_room
 from sandbox.trial.driver import View
 from sandbox.trial.live import LiveTrial
@@ -29,29 +29,29 @@ SILENCE = 1.0
 
 
 class PagePlayer:
-    """Plays on the page, at real time; implements `sandbox.study.run.players.Player`.
+    """Plays on the page, at real time; implements `sandbox.study.run.players.TrialPlayer`.
 
     Args:
         page: The participant's.
-        showing: What is seen, and when time begins and stands still.
+        options: What is seen, and when time begins and stands still.
         language: The participant's.
     """
 
-    def __init__(self, page: StudyPage, showing: Showing, language: str) -> None:
-        self._page, self._showing, self._language = page, showing, language
+    def __init__(self, page: StudyPage, options: PageOptions, language: str) -> None:
+        self._page, self._options, self._language = page, options, language
 
-    def play(self, ask: Ask) -> Played:
+    def play(self, request: TrialRequest) -> PlayedAttempt:
         self._page.server.latency.reset()
         self._page.device = None  # trials over a Leap have none
-        attempt = Attempt(ask)
+        attempt = RunningAttempt(request)
         try:
             with attempt.open(self._views) as trial:
                 session = trial.session
                 device = self._page.device
                 live = LiveTrial(trial, news=device.news if device else None)
-                watching = _Watching(self._page, device, self._showing)
+                watching = _PageClock(self._page, device, self._options)
                 live.pause(True)
-                self._show(session, ask)
+                self._show(session, request)
                 live.start()
                 try:
                     while not live.over and not attempt.broken:
@@ -75,17 +75,17 @@ class PagePlayer:
     def close(self) -> None:
         """The page stays open: forms are on it, too."""
 
-    def _show(self, session: Session, ask: Ask) -> None:
+    def _show(self, session: Session, request: TrialRequest) -> None:
         server, scene = self._page.server, session.scene
         # The page is the first hand's, or that of both where they share its surface.
         surface = session.first_rig.reconstructor.surface
-        side = ask.settings.hands[0].side
+        side = request.settings.hands[0].side
         told = describe_scene(server.next_scene(), scene, session.task, surface, side, "")
-        showing, name = self._showing, ask.settings.task
-        goal = showing.goals.get(name, {}).get(self._language, told.goal)
-        title = showing.names.get(name, {}).get(self._language, _words(told.task))
+        options, name = self._options, request.settings.task
+        goal = options.goals.get(name, {}).get(self._language, told.goal)
+        title = options.names.get(name, {}).get(self._language, _words(told.task))
         told = msgspec.structs.replace(told, task=title, goal=goal)
-        apart = len(session.rigs) > 1 and not ask.settings.one_surface
+        apart = len(session.rigs) > 1 and not request.settings.one_surface
         skins = [pack_skin(hand) for hand in scene.spec.hands]
         server.show_scene(told, scene, self._page.device, skins, 0 if apart else None)
         self._page.reveal()
@@ -94,28 +94,28 @@ class PagePlayer:
         return [lambda snapshot: publish(self._page.server, session, snapshot)]
 
 
-class _Watching:
+class _PageClock:
     """Whether time stands still because nobody has touched yet, or the page is gone."""
 
-    def __init__(self, page: StudyPage, device: WebDevice | None, showing: Showing) -> None:
-        self._page, self._device, self._showing = page, device, showing
+    def __init__(self, page: StudyPage, device: WebDevice | None, options: PageOptions) -> None:
+        self._page, self._device, self._options = page, device, options
         self._shown = time.monotonic()
-        self._waiting = device is not None and showing.starts == "touch"
+        self._waiting = device is not None and options.starts == "touch"
         self._waited: float | None = None if self._waiting else 0.0
         self._away = 0.0
         self._last, self._times = self._shown, 0
         self._silent = self._halted = False
 
-    def still(self, attempt: Attempt) -> bool:
+    def still(self, attempt: RunningAttempt) -> bool:
         """Whether time is to stand still now; may break the trial off."""
         self._page.look()
         self._pause(attempt.halted())
         now = time.monotonic()
         self._count(now)
         if self._page.gone:
-            if self._showing.when_gone == "repeat" and self._waited is not None:
+            if self._options.when_gone == "repeat" and self._waited is not None:
                 attempt.broken = attempt.broken or "the participant's page was gone"
-            elif self._showing.when_gone == "pause":
+            elif self._options.when_gone == "pause":
                 self._waiting = True
         elif self._waiting and not self._halted and (not self._device or self._device.touched):
             self._waiting = False

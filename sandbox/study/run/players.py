@@ -28,7 +28,7 @@ Watch = Callable[[], str]
 
 
 @dataclass(frozen=True)
-class Ask:
+class TrialRequest:
     """A trial to be played.
 
     Attributes:
@@ -51,7 +51,7 @@ class Ask:
 
 
 @dataclass
-class Played:
+class PlayedAttempt:
     """How it went: the result, the tables, and why it was broken off (empty: it was not)."""
 
     result: TrialResult
@@ -59,10 +59,10 @@ class Played:
     broken: str = ""
 
 
-class Player(Protocol):
+class TrialPlayer(Protocol):
     """Plays trials."""
 
-    def play(self, ask: Ask) -> Played:
+    def play(self, request: TrialRequest) -> PlayedAttempt:
         """Plays one to its end, and closes its recording.
 
         Raises:
@@ -85,8 +85,8 @@ class HeadlessPlayer:
 
     paced: bool = False
 
-    def play(self, ask: Ask) -> Played:
-        attempt = Attempt(ask)
+    def play(self, request: TrialRequest) -> PlayedAttempt:
+        attempt = RunningAttempt(request)
         pace = Pace() if self.paced else None
         with attempt.open() as trial:
             trial.run(pace, attempt.stands_still, lambda: bool(attempt.broken))
@@ -108,10 +108,10 @@ class WindowPlayer:
     caption: str = ""
     _window: Any = field(default=None, repr=False)
 
-    def play(self, ask: Ask) -> Played:
+    def play(self, request: TrialRequest) -> PlayedAttempt:
         from sandbox.views.window.window import Window
 
-        attempt = Attempt(ask)
+        attempt = RunningAttempt(request)
         with attempt.open() as trial:
             session = trial.session
             self.close()
@@ -120,7 +120,7 @@ class WindowPlayer:
                 session.whole_surface,
                 title=session.task.name,
                 caption=self.caption,
-                in_air=ask.settings.in_air,
+                in_air=request.settings.in_air,
             )
             self._window.attach(*(rig.device for rig in session.rigs))
             live = LiveTrial(trial, news=session.first_rig.device.news)
@@ -143,7 +143,7 @@ class WindowPlayer:
             self._window = None
 
 
-class Attempt:
+class RunningAttempt:
     """One attempt at a trial of a study: its tables and measures, whoever plays it.
 
     Attributes:
@@ -151,8 +151,8 @@ class Attempt:
         broken: Why the attempt was broken off; empty while it was not.
     """
 
-    def __init__(self, ask: Ask) -> None:
-        self._ask = ask
+    def __init__(self, request: TrialRequest) -> None:
+        self._request = request
         self.table = FrameTable()
         self.broken = ""
 
@@ -167,13 +167,15 @@ class Attempt:
             more = [view for make in views for view in make(session)]
             return [lambda snapshot: self._watch(session, snapshot), *more]
 
-        ask = self._ask
-        return open_trial(ask.settings, ask.makers, make_views, ask.record, ask.about)
+        request = self._request
+        return open_trial(
+            request.settings, request.makers, make_views, request.record, request.about
+        )
 
     def halted(self) -> bool:
         """Hears the experimenter; True where time is to stand still."""
-        self.broken = self.broken or self._ask.watch()
-        return self._ask.paused() and not self.broken
+        self.broken = self.broken or self._request.watch()
+        return self._request.paused() and not self.broken
 
     def stands_still(self) -> bool:
         """As `halted`, and waits a little where time stands still."""
@@ -185,10 +187,10 @@ class Attempt:
     def _watch(self, session: Session, snapshot: Snapshot) -> None:
         self.table.watch(session)
         self.table.show(snapshot)
-        if session.time >= self._ask.time_limit - 1e-9:
+        if session.time >= self._request.time_limit - 1e-9:
             session.scorer.abort(Status.TIMEOUT, "the study's time limit")
 
-    def end(self, trial: Trial, lost: float, more: dict[str, Any] | None = None) -> Played:
+    def end(self, trial: Trial, lost: float, more: dict[str, Any] | None = None) -> PlayedAttempt:
         """Ends the recording.
 
         Args:
@@ -221,4 +223,4 @@ class Attempt:
         if self.broken:
             session.scorer.abort(Status.INPUT_ENDED, self.broken)
             fields["broken_off"] = self.broken
-        return Played(trial.end(**fields), self.table, self.broken)
+        return PlayedAttempt(trial.end(**fields), self.table, self.broken)

@@ -25,7 +25,7 @@ from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.run.answers import Draft
 from sandbox.study.run.controls import Command, Controls
 from sandbox.study.run.forms import Forms, Ready
-from sandbox.study.run.players import TICK, Ask, Played, Player
+from sandbox.study.run.players import TICK, PlayedAttempt, TrialPlayer, TrialRequest
 from sandbox.study.tables.frames import complete
 from sandbox.study.tables.tables import StudyTables, rebuild_session
 from sandbox.trial.device_makers import DeviceMakers
@@ -41,7 +41,7 @@ Calibrate = Callable[[Ready], dict[str, Any] | None]
 """Measures the participant's hand over a Leap; None: it is taken for an average one."""
 
 
-class Outcome(StrEnum):
+class SessionOutcome(StrEnum):
     """How a run of a session ended."""
 
     COMPLETE = "complete"
@@ -49,7 +49,7 @@ class Outcome(StrEnum):
     NO_CONSENT = "no consent"
 
 
-class _StepOver(Exception):  # noqa: N818 - it is no error, but the way out of a form
+class _StepLeft(Exception):  # noqa: N818 - it is no error, but the way out of a form
     """The experimenter wants to leave a form."""
 
 
@@ -72,7 +72,7 @@ class SessionRunner:
     """
 
     session: SessionFolder
-    player: Player
+    player: TrialPlayer
     open_devices: OpenDevices
     forms: Forms
     controls: Controls
@@ -89,7 +89,7 @@ class SessionRunner:
         self._last: TrialStep | None = None
         self._study_tables = self.tables or StudyTables(self.session.study, self.say)
 
-    def run(self) -> Outcome:
+    def run(self) -> SessionOutcome:
         """From the first unfinished step to the end, or until somebody stops it.
 
         Raises:
@@ -107,7 +107,7 @@ class SessionRunner:
             if disk_takes_more:
                 self._tables()
 
-    def _steps(self) -> Outcome:
+    def _steps(self) -> SessionOutcome:
         """Does what is left of the plan."""
         session = self.session
         while (step := session.state.next_step(session.steps)) is not None:
@@ -119,13 +119,13 @@ class SessionRunner:
             elif not self._left:
                 self._do(step)
             if self._left == "q":
-                return Outcome.STOPPED
+                return SessionOutcome.STOPPED
             if session.state.consent is False:
                 session.write("session_end", durable=True, complete=False, why="no consent")
-                return Outcome.NO_CONSENT
+                return SessionOutcome.NO_CONSENT
         if not session.state.complete:
             session.write("session_end", durable=True, complete=True)
-        return Outcome.COMPLETE
+        return SessionOutcome.COMPLETE
 
     def _do(self, step: Step) -> None:
         if isinstance(step, TrialStep):
@@ -183,7 +183,7 @@ class SessionRunner:
                 case BreakStep():
                     self.forms.rest(step.least, self._ready)
                     session.write("step_done", step=step.id)
-        except _StepOver:
+        except _StepLeft:
             self.say("it is left")
 
     def _trial(self, trial: TrialStep) -> None:
@@ -192,7 +192,7 @@ class SessionRunner:
         settings = _calibrated(settings, person.hand, session.state.calibration)
         try:
             settings = self.fit(trial, settings, self._ready)
-        except _StepOver:
+        except _StepLeft:
             self.say("it is left")
             return
         done, of = session.state.done(session.steps)
@@ -218,7 +218,7 @@ class SessionRunner:
         }
         try:
             played = self.player.play(
-                Ask(
+                TrialRequest(
                     settings,
                     self.open_devices(trial, settings),
                     record,
@@ -245,7 +245,7 @@ class SessionRunner:
             return {"device": PARTNER, "user": UserConfiguration().as_json()}
         return {"device": self.second_device}
 
-    def _commit(self, trial: TrialStep, played: Played) -> None:
+    def _commit(self, trial: TrialStep, played: PlayedAttempt) -> None:
         session = self.session
         if played.broken:
             session.break_off(trial, played.broken)
@@ -302,7 +302,7 @@ class SessionRunner:
         if self._left:
             if self._left == "s" and self._step is not None:
                 self.session.write("skip", step=self._step.id, reason=self._why)
-            raise _StepOver
+            raise _StepLeft
 
     def _wait_while_paused(self) -> None:
         while self.controls.paused and not self._left:

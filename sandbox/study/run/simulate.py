@@ -22,7 +22,7 @@ from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.run.controls import Controls
 from sandbox.study.run.forms import SimulatedForms
 from sandbox.study.run.players import HeadlessPlayer
-from sandbox.study.run.runner import OpenDevices, Outcome, SessionRunner
+from sandbox.study.run.runner import OpenDevices, SessionOutcome, SessionRunner
 from sandbox.study.tables.tables import StudyTables
 from sandbox.trial.device_makers import DeviceMaker, DeviceMakers
 from sandbox.trial.settings import RunSettings
@@ -132,10 +132,10 @@ def run_simulated(
     say: Callable[[str], object],
     controls: Controls | None = None,
     tables: StudyTables | None = None,
-) -> Outcome:
+) -> SessionOutcome:
     """All of a participant's sessions, or what is left of them, up to one that is not finished."""
     person = study.add(number, **simulated_person(study.design, number))
-    outcome = Outcome.COMPLETE
+    outcome = SessionOutcome.COMPLETE
     for n in range(1, study.design.sessions + 1):
         with SessionFolder(study, person, n) as session:
             forms = SimulatedForms((study.design.seed % 2**31 + number) ^ ((n - 1) << DAYS))
@@ -148,7 +148,7 @@ def run_simulated(
                 say,
                 tables=tables,
             ).run()
-        if outcome is not Outcome.COMPLETE:
+        if outcome is not SessionOutcome.COMPLETE:
             break
     return outcome
 

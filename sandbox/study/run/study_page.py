@@ -18,8 +18,8 @@ from sandbox.server.protocol.protocol import (
     StudyView,
 )
 from sandbox.server.web import WebDevice
-from sandbox.study.run.players import Ask, Played, Player
-from sandbox.study.run.words import words_in
+from sandbox.study.run.page_texts import texts_in
+from sandbox.study.run.players import PlayedAttempt, TrialPlayer, TrialRequest
 
 SLACK = 0.02
 """Share by which a screen may be smaller than the touch rectangle: bank cards are held by hand."""
@@ -50,7 +50,7 @@ class StudyPage:
         self, server: PageServer, language: str, say: Callable[[str], object] = lambda text: None
     ) -> None:
         self.server, self.say = server, say
-        self.words = words_in(language)
+        self.words = texts_in(language)
         self.device: WebDevice | None = None
         self.wanted: tuple[float, float] | None = None
         self._screen: Screen | None = None
@@ -174,7 +174,7 @@ def inches(screen: Screen) -> str:
     return f"{width:.2f} x {height:.2f} in"
 
 
-class Beside:
+class OffPagePlayer:
     """A player whose trials are elsewhere: the page says so meanwhile.
 
     Args:
@@ -182,14 +182,14 @@ class Beside:
         page: The participant's, for forms.
     """
 
-    def __init__(self, player: Player, page: StudyPage) -> None:
+    def __init__(self, player: TrialPlayer, page: StudyPage) -> None:
         self._player, self._page = player, page
 
-    def play(self, ask: Ask) -> Played:
-        """See `sandbox.study.run.players.Player`."""
+    def play(self, request: TrialRequest) -> PlayedAttempt:
+        """See `sandbox.study.run.players.TrialPlayer`."""
         self._page.wait("elsewhere")
         try:
-            return self._player.play(ask)
+            return self._player.play(request)
         finally:
             self._page.wait()
 
@@ -200,4 +200,4 @@ class Beside:
 
 def study_view(language: str, shows: Sequence[str]) -> StudyView:
     """What a page has to know that it is a study's."""
-    return StudyView(language, words_in(language), list(shows))
+    return StudyView(language, texts_in(language), list(shows))

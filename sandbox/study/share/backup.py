@@ -18,7 +18,7 @@ from pathlib import Path, PurePosixPath
 
 from models.errors import StudyError
 from sandbox.recording.recording_file import SUFFIX, stored
-from sandbox.study.record.files import TEMPORARY, explain, make_folder, sync_file, sync_folder
+from sandbox.study.record.files import TEMPORARY, make_folder, study_error, sync_file, sync_folder
 from sandbox.study.record.folder import StudyFolder
 from sandbox.study.record.journal import parse_records
 from sandbox.study.share.export_folder import refuse_existing
@@ -30,7 +30,7 @@ Say = Callable[[str], object]
 
 
 @dataclass(frozen=True)
-class Checked:
+class BackupContents:
     """Content of a backup: numbers of participants, files, bytes and finished trials."""
 
     ppids: tuple[str, ...]
@@ -39,7 +39,7 @@ class Checked:
     trials: int
 
 
-def back_up(study: StudyFolder, out: Path) -> Checked:
+def back_up(study: StudyFolder, out: Path) -> BackupContents:
     """Writes a study into an archive, and reads it back.
 
     Args:
@@ -67,13 +67,13 @@ def back_up(study: StudyFolder, out: Path) -> Checked:
         work.rename(out)
         sync_folder(out.parent)
     except OSError as error:
-        raise explain(error, out, "the backup cannot be written") from None
+        raise study_error(error, out, "the backup cannot be written") from None
     finally:
         work.unlink(missing_ok=True)
     return checked
 
 
-def check_backup(path: Path) -> Checked:
+def check_backup(path: Path) -> BackupContents:
     """Reads an archive whole: every file against its digest, every finished trial's recording.
 
     Raises:
@@ -116,7 +116,7 @@ def check_backup(path: Path) -> Checked:
         )
     trials = sum(_finished(name, data, digests, path) for name, data in journals.items())
     ppids = tuple(sorted({PurePosixPath(name).parts[0] for name in journals}))
-    return Checked(ppids, len(digests), size, trials)
+    return BackupContents(ppids, len(digests), size, trials)
 
 
 def _finished(name: str, data: bytes, found: dict[str, str], path: Path) -> int:

@@ -25,7 +25,7 @@ from sandbox.recording.versions import versions
 from sandbox.study.design.design import Design
 from sandbox.study.measures.columns import SECOND, Columns
 from sandbox.study.record.folder import SIMULATED, StudyFolder
-from sandbox.study.record.kept_sessions import KeptSession, all_sessions, planned_trials
+from sandbox.study.record.stored_sessions import StoredSession, all_sessions, planned_trials
 from sandbox.study.share.export_folder import new_folder
 from sandbox.study.tables.column import Row, names_of
 from sandbox.study.tables.exclusions import exclude_person
@@ -99,7 +99,7 @@ def task_label(task: str) -> str:
     return words[0] + "".join(word[:1].upper() + word[1:] for word in words[1:])
 
 
-def _session(study: StudyFolder, session: KeptSession, work: Path, rows: Sequence[Row]) -> int:
+def _session(study: StudyFolder, session: StoredSession, work: Path, rows: Sequence[Row]) -> int:
     """Writes the runs of a session; BIDS names it only where there are several."""
     entities = [f"sub-{session.person.ppid}"]
     if study.design.sessions > 1:

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from models.errors import StudyError
-from sandbox.study.record.files import TEMPORARY, explain, make_folder, sync_folder
+from sandbox.study.record.files import TEMPORARY, make_folder, study_error, sync_folder
 
 
 @contextmanager
@@ -33,7 +33,7 @@ def new_folder(out: Path) -> Iterator[Path]:
         work.rename(out)
         sync_folder(out.parent)
     except OSError as error:
-        raise explain(error, out, "the folder cannot be written") from None
+        raise study_error(error, out, "the folder cannot be written") from None
     finally:
         shutil.rmtree(work, ignore_errors=True)
 

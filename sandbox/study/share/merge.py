@@ -24,8 +24,8 @@ from sandbox.study.record.build import changes
 from sandbox.study.record.files import TEMPORARY, locked, write_atomically
 from sandbox.study.record.folder import SCHEMA, StudyFolder, write_design
 from sandbox.study.record.journal import Record, now, read_journal
-from sandbox.study.record.kept_sessions import JOURNAL, session_folders, sessions_of
 from sandbox.study.record.pseudonym import new_pseudonym
+from sandbox.study.record.stored_sessions import JOURNAL, session_folders, sessions_of
 from sandbox.study.record.trial_files import TRIALS
 from sandbox.study.share.export_folder import new_folder
 from sandbox.study.share.privacy import lines

@@ -23,17 +23,17 @@ from sandbox.study.design.plan import in_the_air
 from sandbox.study.record.files import make_folder, write_atomically
 from sandbox.study.record.folder import StudyFolder, write_design
 from sandbox.study.record.journal import Record
-from sandbox.study.record.kept_sessions import JOURNAL, KeptSession, all_sessions, session_path
 from sandbox.study.record.pseudonym import new_pseudonym
 from sandbox.study.record.state import SessionState
+from sandbox.study.record.stored_sessions import JOURNAL, StoredSession, all_sessions, session_path
 from sandbox.study.share.export_folder import new_folder
 from sandbox.study.share.privacy_groups import Groups, binned, groups
 from sandbox.study.share.privacy_records import (
     EPOCH,
-    Disguise,
-    disguised,
-    disguised_line,
-    without_places,
+    PersonMasking,
+    anonymous_line,
+    anonymous_records,
+    without_folders,
 )
 from sandbox.study.tables.export_tables import rebuild_all
 from sandbox.study.tables.frames import STEMS
@@ -99,16 +99,16 @@ def anonymise(study: StudyFolder, out: Path, masking: Masking, say: Say) -> Anon
     new_id = str(uuid4())
     with new_folder(out) as work:
         about = {**study.about, "study": new_id, "created": EPOCH.isoformat()}
-        about["build"] = without_places(study.build)
+        about["build"] = without_folders(study.build)
         write_atomically(work / "study.json", _json(about))
         write_design(work, study.design)
         _write_people(work, agreed, names)
         for old in sorted(agreed, key=names.__getitem__):
             answer = _answer(study.design, masking)
-            disguise = Disguise(names[old], new_id, answer, masking.words)
+            person_masking = PersonMasking(names[old], new_id, answer, masking.words)
             for session in agreed[old]:
                 say(f"{names[old]}: {len(session.records)} records")
-                _write_session(work, session, disguise, masking)
+                _write_session(work, session, person_masking, masking)
         anonymised = _finish(work, masking, len(sessions) - len(agreed))
     starts = [
         r
@@ -165,7 +165,7 @@ def _answer(design: Design, masking: Masking) -> Callable[[str, str, Any], Any]:
 
 
 def _write_people(
-    work: Path, sessions: Mapping[str, list[KeptSession]], names: Mapping[str, str]
+    work: Path, sessions: Mapping[str, list[StoredSession]], names: Mapping[str, str]
 ) -> None:
     """The study's journal with the participants, in the order of the new pseudonyms."""
     records: list[Record] = []
@@ -179,15 +179,17 @@ def _write_people(
                 "kind": "participant",
                 "ppid": names[old],
                 **{k: start[k] for k in ("number", "hand", "hand_size", "language")},
-                "user": without_places(start["user"]),
+                "user": without_folders(start["user"]),
             }
         )
     write_atomically(work / "study.jsonl", lines(records))
 
 
-def _write_session(work: Path, session: KeptSession, disguise: Disguise, masking: Masking) -> None:
-    source, records = session.path, disguised(session.records, disguise)
-    path = session_path(work, disguise.ppid, session.number)
+def _write_session(
+    work: Path, session: StoredSession, person_masking: PersonMasking, masking: Masking
+) -> None:
+    source, records = session.path, anonymous_records(session.records, person_masking)
+    path = session_path(work, person_masking.ppid, session.number)
     for folder in ("trials", "trackers", "session_info"):
         make_folder(path / folder)
     write_atomically(path / JOURNAL, lines(records), durable=False)
@@ -196,7 +198,7 @@ def _write_session(work: Path, session: KeptSession, disguise: Disguise, masking
         kept = masking.recordings and (masking.hands or not in_the_air(attempt.start["values"]))
         if kept and stored(recording).exists():
             copied = b"\n".join(
-                disguised_line(line, disguise, str(recording)) if line else b""
+                anonymous_line(line, person_masking, str(recording)) if line else b""
                 for line in _whole_lines(read_stored(recording).data).split(b"\n")
             )
             write_atomically(path / attempt.start["file"], copied, durable=False)

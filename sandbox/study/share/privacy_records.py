@@ -86,7 +86,7 @@ NAMED = ("session_start", "session_resume", "participant", "released")
 
 
 @dataclass(frozen=True)
-class Disguise:
+class PersonMasking:
     """Settings for making one participant's data anonymous.
 
     Attributes:
@@ -103,22 +103,22 @@ class Disguise:
     words: bool = False
 
 
-def disguised(records: Iterable[Record], disguise: Disguise) -> list[Record]:
+def anonymous_records(records: Iterable[Record], masking: PersonMasking) -> list[Record]:
     """A session's journal, made anonymous: as many records, in the same order."""
     masked: list[Record] = []
     start: Record | None = None
     for record in records:
         start = start or record
-        masked.append(_one(record, start, disguise))
+        masked.append(_one(record, start, masking))
     return masked
 
 
-def without_places(value: Any) -> Any:
+def without_folders(value: Any) -> Any:
     """A JSON value in which paths are names of files: a folder's name may be a person's."""
     if isinstance(value, Mapping):
-        return {key: without_places(inner) for key, inner in value.items()}
+        return {key: without_folders(inner) for key, inner in value.items()}
     if isinstance(value, list | tuple):
-        return [without_places(inner) for inner in value]
+        return [without_folders(inner) for inner in value]
     if isinstance(value, str) and _is_path(value):
         return PureWindowsPath(value).name
     return value
@@ -130,12 +130,12 @@ class RecordingEnd(Struct):
     result: dict[str, Any]
 
 
-def disguised_line(line: bytes, disguise: Disguise, where: str = "recording") -> bytes:
+def anonymous_line(line: bytes, masking: PersonMasking, where: str = "recording") -> bytes:
     """Makes a line of a recording anonymous; replayed data are unchanged.
 
     Args:
         line: The line as JSON.
-        disguise: Settings.
+        masking: Settings.
         where: The file, for the error.
 
     Raises:
@@ -144,10 +144,10 @@ def disguised_line(line: bytes, disguise: Disguise, where: str = "recording") ->
     what = "the recording is damaged, and cannot be made anonymous"
     values = decoded_record(line, StudyError, what=what, where=where)
     if values.get("kind") == "header":
-        values = _told(values, disguise)
+        values = _told(values, masking)
     elif values.get("kind") == "end":
         checked(values, RecordingEnd, StudyError, what=what, where=where)
-        values["result"] = _told(values["result"], disguise)
+        values["result"] = _told(values["result"], masking)
     elif values.get("kind") == "event" and values.get("event") not in ("contact", "respawn"):
         values = {key: values[key] for key in ("kind", "step", "event") if key in values}
     else:
@@ -155,7 +155,7 @@ def disguised_line(line: bytes, disguise: Disguise, where: str = "recording") ->
     return json.dumps(values, separators=(",", ":"), ensure_ascii=False).encode()
 
 
-def _one(record: Record, start: Record, disguise: Disguise) -> Record:
+def _one(record: Record, start: Record, masking: PersonMasking) -> Record:
     kind = record["kind"] if record["kind"] in KEPT else LEFT_OUT
     masked: Record = {
         "n": record["n"],
@@ -163,28 +163,28 @@ def _one(record: Record, start: Record, disguise: Disguise) -> Record:
         "clock": round(record["clock"] - start["clock"], 6),
         "kind": kind,
     }
-    masked |= {k: without_places(record[k]) for k in KEPT.get(kind, ()) if k in record}
+    masked |= {k: without_folders(record[k]) for k in KEPT.get(kind, ()) if k in record}
     if kind in NAMED:
-        masked["ppid"] = disguise.ppid
+        masked["ppid"] = masking.ppid
     if kind in ("session_start", "session_resume"):
-        masked["study"] = disguise.study
+        masked["study"] = masking.study
     if kind == "answers":
         masked["answers"] = {
-            item: disguise.answer(record["form"], item, value)
+            item: masking.answer(record["form"], item, value)
             for item, value in record["answers"].items()
         }
     if kind in WORDS:
         key = WORDS[kind]
-        masked[key] = record.get(key, "") if disguise.words else WITHHELD
+        masked[key] = record.get(key, "") if masking.words else WITHHELD
     return masked
 
 
-def _told(header: dict[str, Any], disguise: Disguise) -> dict[str, Any]:
+def _told(header: dict[str, Any], masking: PersonMasking) -> dict[str, Any]:
     """A recording's header, or its result, which repeats it."""
-    masked = without_places(header)
+    masked = without_folders(header)
     if isinstance(masked.get("study"), dict):
-        masked["study"]["ppid"] = disguise.ppid
-    if "broken_off" in masked and not disguise.words:
+        masked["study"]["ppid"] = masking.ppid
+    if "broken_off" in masked and not masking.words:
         masked["broken_off"] = WITHHELD
         if masked.get("reason"):
             masked["reason"] = WITHHELD

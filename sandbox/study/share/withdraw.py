@@ -15,10 +15,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from sandbox.study.record.files import explain, locked, sync_folder, write_atomically
+from sandbox.study.record.files import locked, study_error, sync_folder, write_atomically
 from sandbox.study.record.folder import StudyFolder
 from sandbox.study.record.journal import Record, now, read_journal
-from sandbox.study.record.kept_sessions import session_folders
+from sandbox.study.record.stored_sessions import session_folders
 from sandbox.study.share.export_log import COPIES, Copy, copies
 from sandbox.study.share.privacy import lines
 from sandbox.study.tables.tables import rebuild_study
@@ -114,7 +114,7 @@ def _delete(folder: Path) -> int:
         shutil.rmtree(folder)
         sync_folder(folder.parent)
     except OSError as error:
-        raise explain(error, folder, "not everything could be deleted") from None
+        raise study_error(error, folder, "not everything could be deleted") from None
     return count
 
 

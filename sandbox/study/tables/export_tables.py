@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from sandbox.study.record.folder import StudyFolder
-from sandbox.study.record.kept_sessions import KeptSession, all_sessions, plan_of
+from sandbox.study.record.stored_sessions import StoredSession, all_sessions, plan_of
 from sandbox.study.tables.tables import rebuild_study, write_session
 
 
-def rebuild_all(study: StudyFolder) -> dict[str, list[KeptSession]]:
+def rebuild_all(study: StudyFolder) -> dict[str, list[StoredSession]]:
     """Makes the tables of every session, and those of the study.
 
     Returns:

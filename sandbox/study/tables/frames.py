@@ -23,7 +23,7 @@ from sandbox.recording.recording import load_recording
 from sandbox.study.measures.columns import SECOND, Columns
 from sandbox.study.measures.compute import VERSION, measure_result, measure_trial
 from sandbox.study.measures.registry import measures
-from sandbox.study.measures.touching import Contacts, Pushes, Touching
+from sandbox.study.measures.touching import ContactReader, ContactSample, ObjectPushes
 from sandbox.study.record.files import write_atomically
 from sandbox.study.tables.frame_columns import frame_column
 from sandbox.trial.result import TrialResult
@@ -57,10 +57,10 @@ class FrameTable:
 
     def __init__(self) -> None:
         self._snapshots: list[Snapshot] = []
-        self._contacts: list[Contacts] = []
+        self._contacts: list[ContactSample] = []
         self._heard: list[list[Frame]] = []
         self._session: Session | None = None
-        self._touching: Touching | None = None
+        self._touching: ContactReader | None = None
         self.truths: list[dict[int, int]] = []
         self.truth_by = ""
 
@@ -72,7 +72,7 @@ class FrameTable:
     def watch(self, session: Session) -> None:
         """Says which session the snapshots come from; who pushes what is read there."""
         if self._session is None:
-            self._session, self._touching = session, Touching(session.scene, session.data)
+            self._session, self._touching = session, ContactReader(session.scene, session.data)
 
     def show(self, snapshot: Snapshot) -> None:
         """Looks at a snapshot; all of them, each before the session goes on."""
@@ -169,7 +169,7 @@ class FrameTable:
         """Who pushes each thing; empty cells where that is not known."""
         columns: dict[str, Any] = {}
         names = self._snapshots[0].objects if self._snapshots else ()
-        rows: list[Mapping[str, Pushes] | None] = [None] * len(self._snapshots)
+        rows: list[Mapping[str, ObjectPushes] | None] = [None] * len(self._snapshots)
         if self._touching is not None and self._contacts:
             rows = [self._touching.pushes(contacts) for contacts in self._contacts]
         for name in names:

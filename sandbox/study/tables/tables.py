@@ -20,15 +20,15 @@ from sandbox.study.design.plan import Step
 from sandbox.study.record.files import write_atomically
 from sandbox.study.record.folder import Participant, StudyFolder
 from sandbox.study.record.journal import Record
-from sandbox.study.record.kept_sessions import (
+from sandbox.study.record.session_folder import SessionFolder
+from sandbox.study.record.state import SessionState
+from sandbox.study.record.stored_sessions import (
     JOURNAL,
     SESSIONS,
     planned_trials,
     session_folders,
     sessions_of,
 )
-from sandbox.study.record.session_folder import SessionFolder
-from sandbox.study.record.state import SessionState
 from sandbox.study.tables.answer_table import answer_columns, answer_rows
 from sandbox.study.tables.codebook import codebook
 from sandbox.study.tables.column import Row, csv_bytes, csv_rows, names_of
@@ -51,7 +51,7 @@ def _silent(text: str) -> None:
 
 
 @dataclass(frozen=True)
-class _Part:
+class _ParticipantRows:
     """A participant's part of the study's tables.
 
     Attributes:
@@ -85,7 +85,7 @@ class StudyTables:
 
     def __init__(self, study: StudyFolder, say: Say = _silent) -> None:
         self._study, self._say = study, say
-        self._parts: dict[str, _Part] = {}
+        self._parts: dict[str, _ParticipantRows] = {}
 
     def update(self) -> dict[str, int]:
         """Brings the tables up to date with all journals.
@@ -114,7 +114,7 @@ class StudyTables:
             "excluded": sum(part.excluded for part in found.values()),
         }
 
-    def _part(self, person: Participant, columns: dict[str, list[str]]) -> _Part | None:
+    def _part(self, person: Participant, columns: dict[str, list[str]]) -> _ParticipantRows | None:
         """A participant's part; None for one who has not begun."""
         changed = _changed(self._study.path / person.ppid)
         part = self._parts.get(person.ppid)
@@ -134,7 +134,7 @@ def rebuild_study(study: StudyFolder, say: Say = _silent) -> dict[str, int]:
     return StudyTables(study, say).update()
 
 
-def are_behind(study: Path) -> bool:
+def tables_are_outdated(study: Path) -> bool:
     """Whether a study has journals that its tables were not made from.
 
     A program that was killed in the middle of a session leaves such tables. A copy that lacks a
@@ -266,7 +266,7 @@ def _make_part(
     changed: tuple[tuple[Any, ...], ...],
     settled: bool,
     say: Say,
-) -> _Part | None:
+) -> _ParticipantRows | None:
     """A participant's part of the tables, from their journals."""
     design = study.design
     sessions = sessions_of(study, person)
@@ -291,7 +291,7 @@ def _make_part(
         "questionnaire_scores.csv": scores,
     }
     counted = [row for row in trials if row["counted"] and not row["practice"]]
-    return _Part(
+    return _ParticipantRows(
         person,
         columns,
         changed,

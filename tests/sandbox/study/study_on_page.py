@@ -17,13 +17,13 @@ from sandbox.server.page_server import PageServer
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.study.record.folder import PILOT, Participant, StudyFolder
-from sandbox.study.record.kept_sessions import session_path
 from sandbox.study.record.session_folder import SessionFolder
+from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.run.controls import Controls
 from sandbox.study.run.page_forms import PageForms
 from sandbox.study.run.page_player import PagePlayer
 from sandbox.study.run.run_device import fitting, person_devices
-from sandbox.study.run.runner import Outcome, SessionRunner
+from sandbox.study.run.runner import SessionOutcome, SessionRunner
 from sandbox.study.run.study_page import StudyPage, study_view
 from sandbox.trial.driver import View
 from tasks.user import UserConfiguration
@@ -127,10 +127,10 @@ class OnPage:
         self.said: list[str] = []
         self.played: Session | None = None
         self.controls = Controls(self.said.append)
-        self.outcome: Outcome | None = None
+        self.outcome: SessionOutcome | None = None
         self.failure: BaseException | None = None
         self.page = StudyPage(server, person.language, self.said.append)
-        self.player = Watched(self.page, study.design.showing, person.language)
+        self.player = Watched(self.page, study.design.page, person.language)
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
 
@@ -150,7 +150,7 @@ class OnPage:
             assert time.monotonic() < end, f"never said: {words}; {self.said[-5:]}"
             time.sleep(0.02)
 
-    def ended(self, seconds: float = 60.0) -> Outcome:
+    def ended(self, seconds: float = 60.0) -> SessionOutcome:
         """Waits for the end."""
         self._thread.join(seconds)
         if self.failure is not None:
@@ -190,7 +190,7 @@ def study_in(out: Path, text: str = SMALL) -> StudyFolder:
 def on_page(study: StudyFolder, person: Participant) -> Iterator[OnPage]:
     """A session with a page of its own."""
     language = person.language
-    server = PageServer(study=study_view(language, study.design.showing.shows))
+    server = PageServer(study=study_view(language, study.design.page.shows))
     session = OnPage(study, person, server)
     try:
         yield session

@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 
 from models.arithmetic.arrays import Array
 from models.rotations import exp
-from sandbox.study.measures.handling import FALL, drops, grasps, handled
+from sandbox.study.measures.handling import FALL, drops, grasps, push_intervals
 from sandbox.study.measures.labels import label_errors, label_switches
-from sandbox.study.measures.movement import efficiency, path_length, sparc, speeds, straight
-from sandbox.study.measures.throughput import WIDTH, along, throughput
+from sandbox.study.measures.movement import efficiency, end_distance, path_length, sparc, speeds
+from sandbox.study.measures.throughput import WIDTH, movement_along, throughput
 
 PERIOD = 0.016
 
@@ -44,13 +44,13 @@ def spectral_arc_length(duration: float) -> float:
 
 def test_the_path_of_a_straight_line_is_efficient_and_that_of_half_a_circle_two_over_pi() -> None:
     line = np.linspace([0.1, 0.2, 0.3], [0.4, 0.2, -0.1], 50)
-    assert efficiency(straight(line), path_length(line)) == pytest.approx(1.0)
+    assert efficiency(end_distance(line), path_length(line)) == pytest.approx(1.0)
     angle = np.linspace(0.0, np.pi, 2000)
     half = 0.05 * np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
     assert path_length(half) == pytest.approx(0.05 * np.pi, rel=1e-6)
-    assert efficiency(straight(half), path_length(half)) == pytest.approx(2 / np.pi, rel=1e-6)
+    assert efficiency(end_distance(half), path_length(half)) == pytest.approx(2 / np.pi, rel=1e-6)
     there_and_back = np.concatenate([line, line[::-1]])
-    assert efficiency(straight(there_and_back), path_length(there_and_back)) == 0.0
+    assert efficiency(end_distance(there_and_back), path_length(there_and_back)) == 0.0
     assert efficiency(0.0, path_length(line[:1])) is None
 
 
@@ -60,9 +60,9 @@ def test_lengths_and_speeds_do_not_depend_on_where_or_how_one_stands(seed: int) 
     points = rng.normal(0.0, 0.1, (20, 3))
     moved = points @ exp(rng.normal(0.0, 1.0, 3)).T + rng.normal(0.0, 1.0, 3)
     assert path_length(moved) == pytest.approx(path_length(points))
-    assert straight(moved) == pytest.approx(straight(points))
+    assert end_distance(moved) == pytest.approx(end_distance(points))
     assert speeds(moved, PERIOD) == pytest.approx(speeds(points, PERIOD))
-    assert straight(points) <= path_length(points)
+    assert end_distance(points) <= path_length(points)
 
 
 def test_a_movement_at_constant_speed_has_that_speed() -> None:
@@ -109,21 +109,21 @@ def test_a_release_is_a_tenth_of_a_second_without_a_push_and_a_grasp_takes_two_d
     # Seven moments are 0.112 s without a push, five are 0.08 s.
     digits = ["", "t", "ti", "ti", *[""] * 5, "ti", *[""] * 7, "i", "tim", "", "", "i"]
     grip = [1.0 if d else 0.0 for d in digits]
-    runs = handled(digits, grip, PERIOD)
+    runs = push_intervals(digits, grip, PERIOD)
     assert runs == [(1, 9), (17, 21)]
     assert grasps(digits, runs) == 2
     assert grasps(["t", "i", "p", "tp"], [(0, 3)]) == 0
-    weak = handled(["ti", "ti"], [0.01, 0.01], PERIOD)
+    weak = push_intervals(["ti", "ti"], [0.01, 0.01], PERIOD)
     assert weak == []
     # A strong beginning, and then as light as a feather, is one stretch.
-    assert handled(["t"] * 4, [0.0, 0.2, 0.001, 0.2], PERIOD) == [(1, 3)]
+    assert push_intervals(["t"] * 4, [0.0, 0.2, 0.001, 0.2], PERIOD) == [(1, 3)]
     # A tenth of a second to the dot is long enough.
-    assert handled(["t", *[""] * 4, "t"], [1.0, *[0.0] * 4, 1.0], 0.02) == [(0, 0), (5, 5)]
+    assert push_intervals(["t", *[""] * 4, "t"], [1.0, *[0.0] * 4, 1.0], 0.02) == [(0, 0), (5, 5)]
 
 
 @given(st.lists(st.sampled_from(["", "t", "ti"]), max_size=60))
 def test_stretches_of_handling_are_apart_and_begin_and_end_with_a_push(digits: list[str]) -> None:
-    runs = handled(digits, [1.0 if d else 0.0 for d in digits], PERIOD)
+    runs = push_intervals(digits, [1.0 if d else 0.0 for d in digits], PERIOD)
     assert all(digits[first] and digits[last] for first, last in runs)
     assert all((b[0] - a[1]) * PERIOD >= 0.1 for a, b in pairwise(runs))
     pushed = {i for i, d in enumerate(digits) if d}
@@ -193,6 +193,6 @@ def test_effective_width_leaves_four_percent_of_a_normal_distribution_outside() 
 
 
 def test_a_movement_is_seen_along_the_way_to_its_goal() -> None:
-    assert along([0, 0, 0], [0.1, 0, 0], [0.09, 0.05, 0.0]) == pytest.approx((0.09, -0.01))
-    assert along([0, 0, 0], [0, 0.2, 0], [0.0, 0.21, 0.3]) == pytest.approx((0.21, 0.01))
-    assert along([0, 0, 0], [0, 0.001, 0], [0, 0.1, 0]) is None
+    assert movement_along([0, 0, 0], [0.1, 0, 0], [0.09, 0.05, 0.0]) == pytest.approx((0.09, -0.01))
+    assert movement_along([0, 0, 0], [0, 0.2, 0], [0.0, 0.21, 0.3]) == pytest.approx((0.21, 0.01))
+    assert movement_along([0, 0, 0], [0, 0.001, 0], [0, 0.1, 0]) is None

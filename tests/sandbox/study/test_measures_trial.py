@@ -19,9 +19,9 @@ from sandbox.session.session import Session
 from sandbox.study.measures.columns import Columns
 from sandbox.study.measures.compute import measure_trial
 from sandbox.study.measures.registry import find_measure, measures
-from sandbox.study.measures.touching import Touching
+from sandbox.study.measures.touching import ContactReader
 from sandbox.study.record.folder import StudyFolder
-from sandbox.study.record.kept_sessions import session_path
+from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.run.simulate import run_simulated
 from sandbox.study.tables.frames import FrameTable, missing, rebuild, turn_off
 from sandbox.study.tables.tables import rebuild_study
@@ -209,10 +209,10 @@ def played(task: str, seed: int, look: Callable[[Session], object]) -> tuple[Ses
 @pytest.mark.parametrize("task", ["stack", "wrench-slide"])
 def test_who_pushes_and_bears_what_agrees_with_the_sensors_at_every_moment(task: str) -> None:
     seen = {"digits": 0, "borne": 0, "in hand": 0}
-    touching: list[Touching] = []
+    touching: list[ContactReader] = []
 
     def look(session: Session) -> None:
-        touching[:] = touching or [Touching(session.scene, session.data)]
+        touching[:] = touching or [ContactReader(session.scene, session.data)]
         sensing = Sensing(session.scene, session.data)
         names = [thing.name for thing in session.task.objects]
         for name, pushes in touching[0].pushes(touching[0].copy()).items():

@@ -16,7 +16,7 @@ from sandbox.recording.recording import is_recording, load_recording
 from sandbox.recording.recording_file import first_line, packed, read_stored, stored
 from sandbox.session.messages import Snapshot
 from sandbox.study.record.folder import StudyFolder
-from sandbox.study.record.kept_sessions import session_path
+from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.record.trial_files import find_recordings
 from sandbox.study.run.simulate import run_simulated
 from sandbox.trial.playback import Playback

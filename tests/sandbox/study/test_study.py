@@ -19,9 +19,9 @@ from sandbox.recording.recording_file import read_stored
 from sandbox.study.record import build as build_module
 from sandbox.study.record.folder import PILOT, REAL, SIMULATED, StudyFolder
 from sandbox.study.record.journal import Journal, parse_records, read_journal
-from sandbox.study.record.kept_sessions import session_path
 from sandbox.study.record.session_folder import SessionFolder
-from sandbox.study.run.runner import Outcome
+from sandbox.study.record.stored_sessions import session_path
+from sandbox.study.run.runner import SessionOutcome
 from sandbox.study.run.simulate import run_simulated, simulated_person
 from sandbox.study.tables.column import csv_bytes
 from sandbox.study.tables.tables import rebuild_session, rebuild_study
@@ -40,7 +40,7 @@ def rows_of(path: Path) -> list[dict[str, str]]:
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
     study = open_study(tmp_path_factory.mktemp("study"))
-    assert run_simulated(study, 0, quiet) is Outcome.COMPLETE
+    assert run_simulated(study, 0, quiet) is SessionOutcome.COMPLETE
     rebuild_study(study)
     return study
 
@@ -123,7 +123,7 @@ def test_a_journal_that_lost_its_last_records_is_completed_from_the_recording_or
     # What a power cut may take: the trial's end, or its start as well.
     path.write_bytes(b"".join(lines[: last + 1 - lost]))
     recording = read_stored(path.parent / "trials/T006.jsonl").data
-    assert run_simulated(study, 0, quiet) is Outcome.COMPLETE
+    assert run_simulated(study, 0, quiet) is SessionOutcome.COMPLETE
     rows = rows_of(path.parent / "trial_results.csv")
     assert [r["trial_num"] for r in rows if r["counted"] == "1"] == list("123456")
     assert rows[-1]["trial_recording_location_0"] == f"trials/{attempt}.jsonl.gz"
@@ -139,7 +139,7 @@ def test_a_resumed_session_that_is_complete_adds_no_trial(finished: StudyFolder)
         for r in read_journal(next(finished.path.glob("*/S001/journal.jsonl")))
         if r["kind"].startswith("trial")
     ]
-    assert run_simulated(finished, 0, quiet) is Outcome.COMPLETE
+    assert run_simulated(finished, 0, quiet) is SessionOutcome.COMPLETE
     after = [
         r
         for r in read_journal(next(finished.path.glob("*/S001/journal.jsonl")))
@@ -231,7 +231,7 @@ def test_a_session_does_not_go_on_by_the_plan_of_another_design(tmp_path: Path) 
     with pytest.raises(StudyError, match="another plan"):
         run_simulated(changed, 0, quiet)
     assert next(study.path.glob("*/S001/journal.jsonl")).read_bytes() == before
-    assert run_simulated(changed, 1, quiet) is Outcome.COMPLETE
+    assert run_simulated(changed, 1, quiet) is SessionOutcome.COMPLETE
 
 
 def test_newcomers_get_numbers_that_nobody_has_and_those_of_the_excluded(tmp_path: Path) -> None:
@@ -249,7 +249,7 @@ def test_a_finished_trial_that_is_repeated_counts_in_its_last_attempt(tmp_path: 
     person = study.participants()[0]
     with SessionFolder(study, person) as session:
         session.write("repeat", step="trial:3", trial=3, reason="wrong chair")
-    assert run_simulated(study, 0, quiet) is Outcome.COMPLETE
+    assert run_simulated(study, 0, quiet) is SessionOutcome.COMPLETE
     rows = rows_of(session_path(study.path, person.ppid) / "trial_results.csv")
     third = [(r["attempt"], r["counted"]) for r in rows if r["trial_num"] == "3"]
     assert third == [("1", "0"), ("2", "1")]

@@ -19,14 +19,14 @@ from sandbox.cli.main import main
 from sandbox.study.design.design import Item
 from sandbox.study.record.folder import StudyFolder
 from sandbox.study.record.journal import read_journal
-from sandbox.study.record.kept_sessions import session_path
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.state import SessionState
+from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.run.answers import read_answer
 from sandbox.study.run.controls import Command, Controls, Terminal, parse_command
 from sandbox.study.run.forms import SimulatedForms, TerminalForms
 from sandbox.study.run.players import HeadlessPlayer
-from sandbox.study.run.runner import Outcome, SessionRunner
+from sandbox.study.run.runner import SessionOutcome, SessionRunner
 from sandbox.study.run.simulate import run_simulated, simulated_devices, simulated_person
 from tests.support.study_files import DESIGN, TRIALS, open_study
 
@@ -56,7 +56,9 @@ class Typist:
         self.controls.take = watched  # type: ignore[method-assign]
 
 
-def run_with(out: Path, lines: dict[int, str]) -> tuple[StudyFolder, SessionState, Outcome, Typist]:
+def run_with(
+    out: Path, lines: dict[int, str]
+) -> tuple[StudyFolder, SessionState, SessionOutcome, Typist]:
     study = open_study(out)
     person = study.add(**simulated_person(study.design, 0))
     typist = Typist(lines)
@@ -76,7 +78,7 @@ def test_a_trial_repeated_in_the_middle_gets_a_file_of_its_own_and_counts_once(
     tmp_path: Path,
 ) -> None:
     _, state, outcome, _ = run_with(tmp_path, {10: "r the phone rang"})
-    assert outcome is Outcome.COMPLETE
+    assert outcome is SessionOutcome.COMPLETE
     attempts = state.attempts[1]
     assert [a.start["file"] for a in attempts] == ["trials/T001.jsonl", "trials/T001.a2.jsonl"]
     assert attempts[0].end is None and state.counted(1) is attempts[1]
@@ -87,7 +89,7 @@ def test_notes_exclusions_and_skips_are_written_down_and_delete_nothing(tmp_path
     study, state, outcome, typist = run_with(
         tmp_path, {8: "n a note", 9: "x sneezed", 10: "zzz", 100: "s broken chair"}
     )
-    assert outcome is Outcome.COMPLETE
+    assert outcome is SessionOutcome.COMPLETE
     assert state.excluded == {1: "sneezed"}
     assert len(state.skipped) == 1 and "broken chair" in state.skipped.values()
     assert any("keys" in line for line in typist.said)
@@ -99,8 +101,8 @@ def test_notes_exclusions_and_skips_are_written_down_and_delete_nothing(tmp_path
 def test_a_stopped_session_goes_on_where_it_was(tmp_path: Path) -> None:
     study, state, outcome, _ = run_with(tmp_path, {30: "q"})
     done = [t for t in range(1, TRIALS + 1) if state.counted(t)]
-    assert outcome is Outcome.STOPPED and len(done) < TRIALS
-    assert run_simulated(study, 0, quiet) is Outcome.COMPLETE
+    assert outcome is SessionOutcome.STOPPED and len(done) < TRIALS
+    assert run_simulated(study, 0, quiet) is SessionOutcome.COMPLETE
     journal = next(study.path.glob("*/S001/journal.jsonl"))
     state = SessionState.of(read_journal(journal))
     assert all(state.counted(t) for t in range(1, TRIALS + 1))
@@ -149,7 +151,7 @@ def test_without_consent_nothing_is_played(tmp_path: Path) -> None:
             controls,
             quiet,
         )
-        assert runner.run() is Outcome.NO_CONSENT
+        assert runner.run() is SessionOutcome.NO_CONSENT
         assert not session.state.attempts
 
 

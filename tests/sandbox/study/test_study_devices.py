@@ -15,13 +15,13 @@ from sandbox.cli.main import main
 from sandbox.options.touch_devices import TouchOptions
 from sandbox.recording.recording import load_recording
 from sandbox.study.record.folder import PILOT, StudyFolder
-from sandbox.study.record.kept_sessions import session_path
 from sandbox.study.record.session_folder import SessionFolder
+from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.run.controls import Controls
 from sandbox.study.run.forms import SimulatedForms
 from sandbox.study.run.players import HeadlessPlayer
 from sandbox.study.run.run_device import fitting, person_devices
-from sandbox.study.run.runner import Outcome, SessionRunner
+from sandbox.study.run.runner import SessionOutcome, SessionRunner
 from sandbox.trial.replay import replay
 from tests.support.study_files import DESIGN, design
 from tests.support.tuio_packets import frame
@@ -78,7 +78,7 @@ def test_touches_over_tuio_are_played_and_inches_are_a_guess_unless_the_design_t
             "tuio",
             fitting("tuio"),
         )
-        assert runner.run() is Outcome.COMPLETE
+        assert runner.run() is SessionOutcome.COMPLETE
     folder = session_path(study.path, person.ppid)
     rows = list(csv.DictReader((folder / "trial_results.csv").open()))
     assert len(rows) == 2 and all(float(r["first_contact_s"]) < 0.3 for r in rows)

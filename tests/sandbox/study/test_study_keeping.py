@@ -14,9 +14,9 @@ from sandbox.recording.recording import load_recording
 from sandbox.recording.recording_file import packed, read_stored
 from sandbox.study.record.folder import PILOT, SIMULATED, StudyFolder
 from sandbox.study.record.journal import read_journal
-from sandbox.study.record.kept_sessions import session_path
 from sandbox.study.record.session_folder import SessionFolder
-from sandbox.study.run.runner import Outcome
+from sandbox.study.record.stored_sessions import session_path
+from sandbox.study.run.runner import SessionOutcome
 from sandbox.study.run.simulate import run_simulated, simulate
 from sandbox.study.share.backup import back_up, check_backup
 from sandbox.study.share.export_log import copies, remember_copy
@@ -140,7 +140,7 @@ def test_a_backup_unpacks_to_the_same_files_and_the_study_goes_on_from_it(
         if path.is_file() and path.name != ".lock":
             assert (again / path.relative_to(study.path)).read_bytes() == path.read_bytes()
     restored = StudyFolder(tmp_path / "again", design(), SIMULATED)
-    assert run_simulated(restored, 0, quiet) is Outcome.COMPLETE
+    assert run_simulated(restored, 0, quiet) is SessionOutcome.COMPLETE
     assert check_session(restored, 0, TRIALS) == TRIALS
 
 

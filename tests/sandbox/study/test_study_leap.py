@@ -17,15 +17,15 @@ from sandbox.recording.recording import load_recording
 from sandbox.study.design.plan import CalibrationStep, TrialStep, session_plan
 from sandbox.study.record.folder import PILOT, Participant, StudyFolder
 from sandbox.study.record.journal import read_journal
-from sandbox.study.record.kept_sessions import session_path
 from sandbox.study.record.session_folder import SessionFolder
+from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.run.controls import Controls
 from sandbox.study.run.forms import SimulatedForms
 from sandbox.study.run.hand_calibration import WORDS, hand_measurer
+from sandbox.study.run.page_texts import WORDS as PAGE_WORDS
 from sandbox.study.run.players import HeadlessPlayer
 from sandbox.study.run.run_device import fitting, person_devices
-from sandbox.study.run.runner import Outcome, SessionRunner
-from sandbox.study.run.words import WORDS as PAGE_WORDS
+from sandbox.study.run.runner import SessionOutcome, SessionRunner
 from sandbox.study.share.privacy import Masking, anonymise
 from sandbox.trial.replay import replay
 from tests.support.leap_hands import take
@@ -80,7 +80,7 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
                 fitting("mouse"),
                 hand_measurer(forms, person, server.address, lambda text: None, WANTED),
             )
-            assert runner.run() is Outcome.COMPLETE
+            assert runner.run() is SessionOutcome.COMPLETE
     finally:
         server.close()
     return found

@@ -24,11 +24,11 @@ from sandbox.study.record.state import SessionState
 from sandbox.study.run.answers import check_answer
 from sandbox.study.run.controls import Controls
 from sandbox.study.run.page_forms import PageForms
+from sandbox.study.run.page_texts import NAMES, WORDS, texts_in
 from sandbox.study.run.players import HeadlessPlayer
-from sandbox.study.run.runner import Outcome, SessionRunner
+from sandbox.study.run.runner import SessionOutcome, SessionRunner
 from sandbox.study.run.simulate import simulated_devices, simulated_person
-from sandbox.study.run.study_page import Beside, StudyPage, study_view
-from sandbox.study.run.words import NAMES, WORDS, words_in
+from sandbox.study.run.study_page import OffPagePlayer, StudyPage, study_view
 from tests.sandbox.server.test_page_server import wait_for
 from tests.sandbox.study.study_on_page import SMALL, OnPage, on_page, study_in
 from tests.support.page_client import Page
@@ -112,8 +112,8 @@ def test_a_whole_session_is_asked_and_played_on_the_page(running: OnPage) -> Non
         assert last["title"] == "Zu dem, was Sie gerade getan haben"
         answer(page, last, "effort", 85)
         leave(page, last)
-        assert page.until("sheet", kind="end")["text"] == words_in("de")["end"]
-    assert running.ended() is Outcome.COMPLETE
+        assert page.until("sheet", kind="end")["text"] == texts_in("de")["end"]
+    assert running.ended() is SessionOutcome.COMPLETE
     rows = list(csv.DictReader((running.folder / "questionnaires.csv").open(encoding="utf-8")))
     found = {r["item"]: r["answer"] for r in rows}
     assert found == {
@@ -200,7 +200,7 @@ def test_without_consent_nothing_is_asked(running: OnPage) -> None:
     with opened(running) as page:
         leave(page, page.until("sheet", kind="consent"), "no")
         page.until("sheet", kind="end")
-    assert running.ended() is Outcome.NO_CONSENT
+    assert running.ended() is SessionOutcome.NO_CONSENT
 
 
 def test_the_experimenter_skips_pauses_and_repeats_while_forms_and_trials_are_on_the_page(
@@ -209,7 +209,7 @@ def test_the_experimenter_skips_pauses_and_repeats_while_forms_and_trials_are_on
     with opened(running) as page:
         form = agreed(page)
         running.type("p")
-        assert page.until("sheet", kind="wait")["text"] == words_in("de")["paused"]
+        assert page.until("sheet", kind="wait")["text"] == texts_in("de")["paused"]
         answer(page, form, "age", 50)
         running.type("p")
         form = page.until("sheet", kind="form")
@@ -232,7 +232,7 @@ def test_the_experimenter_skips_pauses_and_repeats_while_forms_and_trials_are_on
         running.type("i")
         running.heard("2 of 2 trials")
         running.type("q")
-        assert running.ended() is Outcome.STOPPED
+        assert running.ended() is SessionOutcome.STOPPED
     state = SessionState.of(read_journal(running.folder / "journal.jsonl"))
     assert "form:demographics" in state.skipped
     assert [len(some) for some in state.attempts.values()] == [2, 2]
@@ -338,8 +338,8 @@ def test_all_languages_have_all_words() -> None:
     for words in WORDS.values():
         assert all(words.values())
         assert "{low}" in words["number"] and "{high}" in words["number"]
-    assert words_in("de-AT") is WORDS["de"]
-    assert words_in("xx") is WORDS["en"]
+    assert texts_in("de-AT") is WORDS["de"]
+    assert texts_in("xx") is WORDS["en"]
 
 
 ANYTHING = st.one_of(st.none(), st.booleans(), st.floats(), st.integers(), st.text(max_size=30))
@@ -389,7 +389,7 @@ def test_with_trials_elsewhere_the_page_has_the_forms_and_says_where_to_look(
         with SessionFolder(study, person) as session:
             runner = SessionRunner(
                 session,
-                Beside(HeadlessPlayer(), page),
+                OffPagePlayer(HeadlessPlayer(), page),
                 simulated_devices(person),
                 PageForms(page),
                 controls,
@@ -402,7 +402,7 @@ def test_with_trials_elsewhere_the_page_has_the_forms_and_says_where_to_look(
                 form = seen.until("sheet", kind="form")
                 answer(seen, form, "age", 30)
                 leave(seen, form)
-                seen.until("sheet", kind="wait", text=words_in("de")["elsewhere"])
+                seen.until("sheet", kind="wait", text=texts_in("de")["elsewhere"])
                 while not any(m.get("title") == TITLE for m in seen.told):
                     seen.say(type="beat", t=1.0)
                     seen.until("echo")

@@ -16,19 +16,19 @@ from models.errors import StudyError
 from sandbox.recording.recording import load_recording
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.journal import read_journal
-from sandbox.study.record.kept_sessions import session_path
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.state import SessionState
+from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.run.simulate import run_simulated
 from sandbox.study.share.privacy import Anonymised, Masking, anonymise
 from sandbox.study.share.privacy_groups import binned, groups
 from sandbox.study.share.privacy_records import (
     KEPT,
     WITHHELD,
-    Disguise,
-    disguised,
-    disguised_line,
-    without_places,
+    PersonMasking,
+    anonymous_line,
+    anonymous_records,
+    without_folders,
 )
 from sandbox.study.tables.tables import rebuild_study
 from sandbox.trial.replay import replay
@@ -211,7 +211,7 @@ def test_whatever_words_a_record_holds_none_of_them_stay(said: dict[str, str], k
     # A consent's `text` is the digest of what was read.
     if kind == "consent":
         record.pop("text", None)
-    (found,) = disguised([record], Disguise("NEW", "study", lambda f, i, v: None))
+    (found,) = anonymous_records([record], PersonMasking("NEW", "study", lambda f, i, v: None))
     assert "secret" not in json.dumps(found, ensure_ascii=False)
     assert "3B5G5T" not in json.dumps(found)
     assert (
@@ -225,12 +225,12 @@ def test_whatever_words_a_record_holds_none_of_them_stay(said: dict[str, str], k
     "path", ["/home/anna/design.py", "~/anna/design.py", "C:\\anna\\design.py", "../anna/design.py"]
 )
 def test_names_of_folders_are_gone_and_names_of_files_stay(path: str) -> None:
-    assert without_places({"a": [path, 3, "one/two"]}) == {"a": ["design.py", 3, "one/two"]}
+    assert without_folders({"a": [path, 3, "one/two"]}) == {"a": ["design.py", 3, "one/two"]}
 
 
 def test_what_is_played_is_not_touched() -> None:
     line = b'{"kind":"input","step":8,"hand":0,"time":0.016,"contacts":[],"hash":"00"}'
-    assert disguised_line(line, Disguise("NEW", "study")) is line
+    assert anonymous_line(line, PersonMasking("NEW", "study")) is line
 
 
 @given(st.lists(st.tuples(st.integers(0, 2), st.integers(0, 2)), min_size=1, max_size=30))

@@ -16,8 +16,8 @@ from sandbox.study.design.plan import ConsentStep, FormStep, TrialStep, session_
 from sandbox.study.design.reading import DesignError
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.journal import read_journal
-from sandbox.study.record.kept_sessions import session_path, sessions_of
 from sandbox.study.record.session_folder import SessionFolder
+from sandbox.study.record.stored_sessions import session_path, sessions_of
 from sandbox.study.record.trial_files import find_recordings
 from sandbox.study.report.models.data import load_study
 from sandbox.study.run.simulate import run_simulated, simulate

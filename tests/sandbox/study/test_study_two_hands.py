@@ -26,7 +26,7 @@ from sandbox.study.run.controls import Controls
 from sandbox.study.run.forms import SimulatedForms
 from sandbox.study.run.players import HeadlessPlayer
 from sandbox.study.run.run_device import fitting, needs_second_device, person_devices
-from sandbox.study.run.runner import Outcome, SessionRunner
+from sandbox.study.run.runner import SessionOutcome, SessionRunner
 from sandbox.study.run.simulate import run_simulated
 from sandbox.study.share.bids import motion, touch_events
 from sandbox.study.tables.frames import rebuild
@@ -55,7 +55,7 @@ time_limit_s = 4.0
 def study(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
     """A study of one simulated participant with one trial, broken off after 4 s."""
     found = open_study(tmp_path_factory.mktemp("pairs"), PAIRS)
-    assert run_simulated(found, 0, lambda text: None) is Outcome.COMPLETE
+    assert run_simulated(found, 0, lambda text: None) is SessionOutcome.COMPLETE
     rebuild_study(found)
     return found
 
@@ -130,7 +130,7 @@ def test_a_pilot_is_run_with_a_device_for_each_hand(tmp_path: Path) -> None:
             fitting("mouse", second="simulated"),
             second_device="simulated",
         ).run()
-    assert outcome is Outcome.COMPLETE
+    assert outcome is SessionOutcome.COMPLETE
     recording = load_recording(next(study.path.glob("*/S001/trials/*.jsonl*")))
     settings = RunSettings.from_json(recording.header["settings"])
     assert settings.hands == (HandSettings("left", 1.1), HandSettings("right", 1.1))

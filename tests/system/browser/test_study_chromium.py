@@ -19,8 +19,8 @@ from sandbox.recording.recording import load_recording
 from sandbox.study.record.folder import Participant, StudyFolder
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.state import SessionState
-from sandbox.study.run.runner import Outcome
-from sandbox.study.run.words import words_in
+from sandbox.study.run.page_texts import texts_in
+from sandbox.study.run.runner import SessionOutcome
 from sandbox.trial.replay import replay
 from tests.sandbox.server.test_page_server import wait_for
 from tests.sandbox.study.study_on_page import (
@@ -38,7 +38,7 @@ from tests.support.chromium import BINARY, Browser, Tab
 pytestmark = pytest.mark.skipif(not os.path.exists(BINARY), reason="Debian's chromium is missing")
 
 SCENE = "document.querySelector('.study').dataset.kind === 'none'"
-GERMAN = words_in("de")
+GERMAN = texts_in("de")
 
 
 @pytest.fixture(scope="module")
@@ -156,7 +156,7 @@ def test_a_participant_goes_through_a_study_with_two_pages_closed_in_it(
         tab.tap(GERMAN["done"])
         sees(tab, "end")
         seen.append(tab.text())
-        assert running.ended() is Outcome.COMPLETE
+        assert running.ended() is SessionOutcome.COMPLETE
         assert not tab.events("Runtime.exceptionThrown")
         tab.close()
     told = {r["item"]: r["answer"] for r in rows(running, "questionnaires.csv")}

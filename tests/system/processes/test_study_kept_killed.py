@@ -10,7 +10,7 @@ import numpy as np
 
 from models.errors import StudyError
 from sandbox.recording.recording_file import read_stored, stored
-from sandbox.study.record.files import sweep
+from sandbox.study.record.files import remove_unfinished
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.pack import pack
 from sandbox.study.run.simulate import run_simulated, simulate
@@ -55,7 +55,7 @@ def test_a_kill_while_recordings_are_compressed_loses_none(tmp_path: Path) -> No
             path.write_bytes(data)
             pack(path)
             assert stored(path) == whole and read_stored(path) == (data, True)
-        sweep(tmp_path)
+        remove_unfinished(tmp_path)
         assert len(list(tmp_path.iterdir())) == len(made)
     assert told > 15
 

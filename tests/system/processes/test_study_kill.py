@@ -17,8 +17,8 @@ from models.errors import InputError, StudyError
 from sandbox.study.design.plan import trials_of
 from sandbox.study.record.folder import REAL, StudyFolder
 from sandbox.study.record.journal import SYNC, Journal
-from sandbox.study.record.kept_sessions import session_path
 from sandbox.study.record.session_folder import SessionFolder
+from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.run.simulate import run_simulated, simulate
 from sandbox.study.tables.tables import rebuild_session, rebuild_study
 from sandbox.trial.result import TrialResult

@@ -10,12 +10,12 @@ import glfw
 import pytest
 
 from sandbox.recording.recording import load_recording
-from sandbox.study.record.kept_sessions import session_path
 from sandbox.study.record.session_folder import SessionFolder
+from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.run.controls import Controls
 from sandbox.study.run.forms import SimulatedForms
-from sandbox.study.run.players import HeadlessPlayer, Player, WindowPlayer
-from sandbox.study.run.runner import Outcome, SessionRunner
+from sandbox.study.run.players import HeadlessPlayer, TrialPlayer, WindowPlayer
+from sandbox.study.run.runner import SessionOutcome, SessionRunner
 from sandbox.study.run.simulate import simulated_devices, simulated_person
 from sandbox.trial.replay import replay
 from tests.support.screen import screen
@@ -28,7 +28,7 @@ pytestmark = pytest.mark.skipif(
 SHORT = DESIGN.replace("repetitions = 2\npractice = 1", "repetitions = 1\npractice = 0")
 
 
-def hashes(out: Path, player: Player) -> list[str]:
+def hashes(out: Path, player: TrialPlayer) -> list[str]:
     """State hashes of a participant's trials, which have all been finished."""
     study = open_study(out, SHORT)
     person = study.add(**simulated_person(study.design, 0))
@@ -41,7 +41,7 @@ def hashes(out: Path, player: Player) -> list[str]:
             Controls(),
             lambda text: None,
         )
-        assert runner.run() is Outcome.COMPLETE
+        assert runner.run() is SessionOutcome.COMPLETE
     player.close()
     folder = session_path(study.path, person.ppid)
     for path in sorted((folder / "trials").iterdir()):

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from sandbox.study.report.models.answers import Scale, scales
+from sandbox.study.report.models.answers import ScaleAnswers, scales
 from sandbox.study.report.models.censored import Censored, censored_differences, fit_censored
 from sandbox.study.report.models.comparisons import Difference
-from sandbox.study.report.models.data import SESSION, Factor, StudyData
+from sandbox.study.report.models.data import SESSION, ObservedFactor, StudyData
 from sandbox.study.report.models.intervals import holm
 from sandbox.study.report.models.mixed import Mixed, fit_mixed, mixed_differences
-from sandbox.study.report.models.order import Learned, Place, learning, places
+from sandbox.study.report.models.order import LearningPoint, LevelPlace, learning, places
 from sandbox.study.report.models.quantities import (
     SHARE,
     Quantity,
@@ -20,12 +20,12 @@ from sandbox.study.report.models.quantities import (
     rows_for_model,
     rows_with,
 )
-from sandbox.study.report.models.success import Successes, odds, success_differences
+from sandbox.study.report.models.success import ShareDifference, odds, success_differences
 from sandbox.study.report.models.summaries import Summary, summaries
 
 
 @dataclass(frozen=True)
-class Described:
+class MeasureSummary:
     """A measure by condition and by level.
 
     Attributes:
@@ -40,7 +40,7 @@ class Described:
 
 
 @dataclass(frozen=True)
-class Modelled:
+class MeasureModel:
     """A measure with comparisons.
 
     Attributes:
@@ -50,10 +50,10 @@ class Modelled:
         shares: Shares of a measure of 0 and 1.
     """
 
-    described: Described
+    described: MeasureSummary
     model: Mixed | str
     differences: list[Difference]
-    shares: list[Successes]
+    shares: list[ShareDifference]
 
 
 @dataclass(frozen=True)
@@ -77,17 +77,17 @@ class Analysis:
     """
 
     data: StudyData
-    time: Modelled | None
+    time: MeasureModel | None
     censored: Censored | str
     unseen: list[Difference]
-    success: Modelled | None
+    success: MeasureModel | None
     odds: list[Difference] | str
-    asked: list[Modelled]
-    rest: list[Described]
-    scales: list[Scale]
-    places: dict[str, list[Place]]
-    learning: list[Learned]
-    main: Factor | None
+    asked: list[MeasureModel]
+    rest: list[MeasureSummary]
+    scales: list[ScaleAnswers]
+    places: dict[str, list[LevelPlace]]
+    learning: list[LearningPoint]
+    main: ObservedFactor | None
 
     @property
     def leading(self) -> list[Difference]:
@@ -137,24 +137,24 @@ def analyse(data: StudyData, measures: Sequence[str] = ()) -> Analysis:
     )
 
 
-def _describe(data: StudyData, what: Quantity) -> Described:
+def _describe(data: StudyData, what: Quantity) -> MeasureSummary:
     several = [f for f in data.factors if len(f.levels) > 1]
-    return Described(
+    return MeasureSummary(
         what, summaries(data, what), {f.name: summaries(data, what, f) for f in several}
     )
 
 
-def _model(data: StudyData, what: Quantity) -> Modelled:
+def _model(data: StudyData, what: Quantity) -> MeasureModel:
     described = _describe(data, what)
     if what.scale == SHARE:
-        return Modelled(described, "", [], success_differences(data, what.name))
+        return MeasureModel(described, "", [], success_differences(data, what.name))
     rows, y = rows_for_model(data, what)
     model = fit_mixed(data, rows, y)
     differences = [] if isinstance(model, str) else mixed_differences(data, rows, model)
-    return Modelled(described, model, differences, [])
+    return MeasureModel(described, model, differences, [])
 
 
-def adjusted(found: Sequence[Difference | Successes]) -> list[float]:
+def adjusted(found: Sequence[Difference | ShareDifference]) -> list[float]:
     """P values, adjusted (Holm 1979) for how many pairs of levels the same factor has."""
     out = [float("nan")] * len(found)
     factors = [one.pair.factor.name for one in found]

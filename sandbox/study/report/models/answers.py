@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sandbox.study.report.models.comparisons import Difference, Pair, t_difference
-from sandbox.study.report.models.data import Factor, StudyData, to_numbers
+from sandbox.study.report.models.data import ObservedFactor, StudyData, to_numbers
 from sandbox.study.report.models.intervals import Estimate, holm, mean_interval, within_intervals
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ ALL = "all"
 
 
 @dataclass(frozen=True)
-class Scale:
+class ScaleAnswers:
     """A scale of a questionnaire, by level.
 
     Attributes:
@@ -35,7 +35,7 @@ class Scale:
     questionnaire: str
     scale: str
     score: bool
-    factor: Factor | None
+    factor: ObservedFactor | None
     levels: tuple[str, ...]
     values: np.ndarray
     means: tuple[Estimate, ...]
@@ -50,19 +50,19 @@ class Scale:
         return f"{self.questionnaire}: {self.scale}"
 
 
-def scales(data: StudyData) -> list[Scale]:
+def scales(data: StudyData) -> list[ScaleAnswers]:
     """Scores first, then answers that are numbers."""
     return [*_scores(data), *_items(data)]
 
 
-def _scores(data: StudyData) -> list[Scale]:
+def _scores(data: StudyData) -> list[ScaleAnswers]:
     table = data.scores.rename(columns={"participant": "ppid", "questionnaire": "instrument"})
     if not {"instrument", "scale", "score", "ppid"} <= set(table.columns):
         return []
     return _each(data, table, "instrument", "scale", "score", True)
 
 
-def _items(data: StudyData) -> list[Scale]:
+def _items(data: StudyData) -> list[ScaleAnswers]:
     if not {"ppid", "instrument", "item", "answer"} <= set(data.answers.columns):
         return []
     table = data.answers[data.answers["instrument"] != "demographics"]
@@ -71,7 +71,7 @@ def _items(data: StudyData) -> list[Scale]:
 
 def _each(
     data: StudyData, table: DataFrame, form: str, item: str, value: str, score: bool
-) -> list[Scale]:
+) -> list[ScaleAnswers]:
     table = table[~table["ppid"].isin(_left_out(data))]
     scales = []
     for (name, scale), rows in table.groupby([form, item], sort=False):
@@ -92,7 +92,7 @@ def _left_out(data: StudyData) -> list[str]:
 
 def _scale(
     data: StudyData, name: str, scale: str, score: bool, rows: DataFrame, numbers: np.ndarray
-) -> Scale:
+) -> ScaleAnswers:
     factor, level = _level(data, rows)
     levels = tuple(x for x in (factor.levels if factor else (ALL,)) if x in set(level))
     people = list(dict.fromkeys(rows["ppid"]))
@@ -104,7 +104,7 @@ def _scale(
             mine = mine[np.isfinite(mine)]
             if len(mine):
                 values[i, j] = mine.mean()
-    return Scale(
+    return ScaleAnswers(
         name,
         scale,
         score,
@@ -117,7 +117,7 @@ def _scale(
     )
 
 
-def _level(data: StudyData, rows: DataFrame) -> tuple[Factor | None, np.ndarray]:
+def _level(data: StudyData, rows: DataFrame) -> tuple[ObservedFactor | None, np.ndarray]:
     """The innermost factor that the questions were about, and its level in every row."""
     for factor in reversed(data.factors):
         if factor.column in rows.columns and rows[factor.column].isin(factor.levels).all():
@@ -140,7 +140,7 @@ def _level(data: StudyData, rows: DataFrame) -> tuple[Factor | None, np.ndarray]
 
 
 def _differences(
-    factor: Factor | None, levels: tuple[str, ...], values: np.ndarray
+    factor: ObservedFactor | None, levels: tuple[str, ...], values: np.ndarray
 ) -> list[Difference]:
     differences = []
     for j in range(len(levels)):
@@ -174,6 +174,6 @@ def _differences(
     return differences
 
 
-def adjusted(scale: Scale) -> list[float]:
+def adjusted(scale: ScaleAnswers) -> list[float]:
     """P values of a scale's pairs, adjusted for how many they are."""
     return holm([d.p for d in scale.differences])

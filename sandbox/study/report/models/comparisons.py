@@ -9,7 +9,7 @@ from math import nan
 
 import numpy as np
 
-from sandbox.study.report.models.data import Factor, StudyData
+from sandbox.study.report.models.data import ObservedFactor, StudyData
 from sandbox.study.report.models.intervals import Estimate, t_quantile
 
 
@@ -24,7 +24,7 @@ class Pair:
             conditions with the first and with the second level.
     """
 
-    factor: Factor
+    factor: ObservedFactor
     first: str
     second: str
     cells: tuple[tuple[int, int], ...]
@@ -98,7 +98,7 @@ def t_difference(pair: Pair, value: float, error: float, freedom: float) -> Diff
     return Difference(pair, Estimate(value, value - half, value + half), error, freedom, p)
 
 
-def freedom_of(factor: Factor, people: Iterable[tuple[str, str]]) -> float:
+def freedom_of(factor: ObservedFactor, people: Iterable[tuple[str, str]]) -> float:
     """Degrees of freedom of a comparison: those of a paired t test over people, or of one between.
 
     Args:

@@ -44,7 +44,7 @@ TIMEOUT = "timeout"
 
 
 @dataclass(frozen=True)
-class Factor:
+class ObservedFactor:
     """A factor of the design.
 
     Attributes:
@@ -85,7 +85,7 @@ class StudyData:
 
     name: str
     mode: str
-    factors: tuple[Factor, ...]
+    factors: tuple[ObservedFactor, ...]
     trials: DataFrame
     used: DataFrame
     conditions: tuple[str, ...]
@@ -100,7 +100,7 @@ class StudyData:
         """Participants of whom trials are used, in order of first appearance."""
         return list(dict.fromkeys(self.used["ppid"]))
 
-    def factor(self, name: str) -> Factor:
+    def factor(self, name: str) -> ObservedFactor:
         """A factor by its name."""
         return next(f for f in self.factors if f.name == name)
 
@@ -223,21 +223,21 @@ def _only(trials: DataFrame, column: str, path: Path) -> str:
     return str(values[0]) if values else ""
 
 
-class _StudyFile(Struct):
+class _StudyInfo(Struct):
     """The fields of `study.json` that a report shows."""
 
     experiment: str = ""
     mode: str = ""
 
 
-def _about(folder: Path) -> _StudyFile:
+def _about(folder: Path) -> _StudyInfo:
     """The study's file; an empty one where there is none, or it is damaged."""
     path, what = folder / "study.json", "the study cannot be read"
     try:
         data = read_bytes(path, StudyError, what=what)
-        return decoded(data, _StudyFile, StudyError, what=what, where=str(path))
+        return decoded(data, _StudyInfo, StudyError, what=what, where=str(path))
     except StudyError:
-        return _StudyFile()
+        return _StudyInfo()
 
 
 def _codebook(folder: Path) -> dict[str, tuple[str, str]]:
@@ -265,7 +265,7 @@ def _name_sessions(table: DataFrame) -> None:
         table.insert(0, FACTOR + SESSION, [f"session {n:g}" for n in numbers])
 
 
-def _factors(trials: DataFrame, meanings: dict[str, tuple[str, str]]) -> tuple[Factor, ...]:
+def _factors(trials: DataFrame, meanings: dict[str, tuple[str, str]]) -> tuple[ObservedFactor, ...]:
     main = trials[(trials["counted"] == 1) & (trials["practice"] != 1)]
     factors = []
     for column in trials.columns:
@@ -276,11 +276,13 @@ def _factors(trials: DataFrame, meanings: dict[str, tuple[str, str]]) -> tuple[F
         # The codebook's order is the design's; a level that it does not know comes last.
         levels = [x for x in told if x in seen] + [x for x in seen if x not in told]
         within = len(main) > 0 and bool((main.groupby("ppid")[column].nunique() > 1).any())
-        factors.append(Factor(column.removeprefix(FACTOR), tuple(levels), within))
+        factors.append(ObservedFactor(column.removeprefix(FACTOR), tuple(levels), within))
     return tuple(factors)
 
 
-def _used(trials: DataFrame, factors: Sequence[Factor]) -> tuple[DataFrame, tuple[str, ...]]:
+def _used(
+    trials: DataFrame, factors: Sequence[ObservedFactor]
+) -> tuple[DataFrame, tuple[str, ...]]:
     import numpy as np
 
     order = [name for name in ("session_num", "trial_num") if name in trials.columns]

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Step:
+class FlowStep:
     """A step from all data to the used data.
 
     Attributes:
@@ -27,12 +27,12 @@ class Step:
     remains: bool = False
 
 
-def flow(data: StudyData) -> list[Step]:
+def flow(data: StudyData) -> list[FlowStep]:
     """From all finished attempts to the trials used, step by step."""
     trials = data.trials
     steps = [
-        Step("began", len(data.people), 0, True),
-        Step("finished attempts", trials["ppid"].nunique(), len(trials), True),
+        FlowStep("began", len(data.people), 0, True),
+        FlowStep("finished attempts", trials["ppid"].nunique(), len(trials), True),
     ]
     rest = trials
     for what, gone in (
@@ -40,7 +40,7 @@ def flow(data: StudyData) -> list[Step]:
         ("practice", trials["practice"] == 1),
     ):
         rest = _take(steps, rest, rest[gone.reindex(rest.index)], what)
-    steps.append(Step("trials that count", rest["ppid"].nunique(), len(rest), True))
+    steps.append(FlowStep("trials that count", rest["ppid"].nunique(), len(rest), True))
     reasons = rest.get("exclusion_reason")
     excluded = rest["excluded"] == 1
     if reasons is None:
@@ -50,15 +50,15 @@ def flow(data: StudyData) -> list[Step]:
             mine = rest[(rest["excluded"] == 1) & (rest["exclusion_reason"] == reason)]
             rest = _take(steps, rest, mine, f"excluded, {reason or 'without a reason'}")
     rest = _take(steps, rest, rest[~rest["success"].isin([0, 1])], "without a result")
-    steps.append(Step("used here", rest["ppid"].nunique(), len(rest), True))
+    steps.append(FlowStep("used here", rest["ppid"].nunique(), len(rest), True))
     return steps
 
 
-def _take(steps: list[Step], rest: DataFrame, gone: DataFrame, what: str) -> DataFrame:
+def _take(steps: list[FlowStep], rest: DataFrame, gone: DataFrame, what: str) -> DataFrame:
     left = rest.drop(gone.index)
     if len(gone):
         lost = rest["ppid"].nunique() - left["ppid"].nunique()
-        steps.append(Step(what, lost, len(gone)))
+        steps.append(FlowStep(what, lost, len(gone)))
     return left
 
 

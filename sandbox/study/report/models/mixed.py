@@ -22,7 +22,7 @@ from sandbox.study.report.models.comparisons import (
     pairs_of,
     t_difference,
 )
-from sandbox.study.report.models.data import Factor, StudyData
+from sandbox.study.report.models.data import ObservedFactor, StudyData
 from sandbox.study.report.models.intervals import t_quantile
 
 if TYPE_CHECKING:
@@ -78,7 +78,9 @@ def fixed_effects(
     return X, [*names, PRACTICE], present
 
 
-def random_factors(rows: DataFrame, factors: Sequence[Factor]) -> tuple[list[Factor], list[str]]:
+def random_factors(
+    rows: DataFrame, factors: Sequence[ObservedFactor]
+) -> tuple[list[ObservedFactor], list[str]]:
     """Factors whose effect may vary from person to person, and reasons why others cannot."""
     usable, lacking = [], []
     for factor in factors:
@@ -97,7 +99,7 @@ def fit_mixed(data: StudyData, rows: DataFrame, y: np.ndarray) -> Mixed | str:
 
     Args:
         data: Data of the study.
-        rows: Modelled rows of `data.used`.
+        rows: MeasureModel rows of `data.used`.
         y: (rows,) measure, on the scale on which effects are additive.
 
     Returns:
@@ -138,7 +140,7 @@ def fit_mixed(data: StudyData, rows: DataFrame, y: np.ndarray) -> Mixed | str:
 
 
 def _fit(
-    rows: DataFrame, y: np.ndarray, X: np.ndarray, factors: Sequence[Factor]
+    rows: DataFrame, y: np.ndarray, X: np.ndarray, factors: Sequence[ObservedFactor]
 ) -> tuple[dict[str, float], bool] | None:
     """Standard deviations of all random effects, and whether the optimiser was content."""
     import pandas as pd
@@ -178,7 +180,7 @@ def _generalised(
     rows: DataFrame,
     y: np.ndarray,
     X: np.ndarray,
-    factors: Sequence[Factor],
+    factors: Sequence[ObservedFactor],
     spreads: dict[str, float],
 ) -> tuple[np.ndarray, np.ndarray]:
     """Covariance and values of the fixed effects, given all spreads: generalised least squares."""

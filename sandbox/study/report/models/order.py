@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from sandbox.study.report.models.data import Factor, StudyData
+from sandbox.study.report.models.data import ObservedFactor, StudyData
 from sandbox.study.report.models.intervals import Estimate, mean_interval
 from sandbox.study.report.models.quantities import Quantity, rows_with
 
@@ -17,7 +17,7 @@ POINTS = 24
 
 
 @dataclass(frozen=True)
-class Place:
+class LevelPlace:
     """A level at a place in the order.
 
     Attributes:
@@ -34,7 +34,7 @@ class Place:
     mean: Estimate
 
 
-def places(data: StudyData, what: Quantity, factor: Factor) -> list[Place]:
+def places(data: StudyData, what: Quantity, factor: ObservedFactor) -> list[LevelPlace]:
     """Every level of a factor at every place at which it was."""
     rows, y = rows_with(data, what)
     outer = [f.column for f in data.factors[: data.factors.index(factor)]]
@@ -52,7 +52,7 @@ def places(data: StudyData, what: Quantity, factor: Factor) -> list[Place]:
             mine = (level == name) & (at == number)
             means = _by_person(rows["ppid"].to_numpy()[mine], corrected[mine])
             result.append(
-                Place(
+                LevelPlace(
                     factor.name,
                     name,
                     int(number),
@@ -63,7 +63,7 @@ def places(data: StudyData, what: Quantity, factor: Factor) -> list[Place]:
     return result
 
 
-def _place(data: StudyData, factor: Factor, outer: list[str]) -> np.ndarray:
+def _place(data: StudyData, factor: ObservedFactor, outer: list[str]) -> np.ndarray:
     used = data.used
     groups = used.groupby(["ppid", *outer], sort=False)[factor.column]
     return groups.transform(
@@ -71,14 +71,14 @@ def _place(data: StudyData, factor: Factor, outer: list[str]) -> np.ndarray:
     ).to_numpy(int)
 
 
-def balanced(found: list[Place], factor: Factor) -> bool:
+def balanced(found: list[LevelPlace], factor: ObservedFactor) -> bool:
     """True if every level was equally often at every place."""
     counts = {(p.level, p.place): p.times for p in found}
     number = len(factor.levels)
     return len(counts) == number * number and len(set(counts.values())) == 1
 
 
-def neighbours(data: StudyData, factor: Factor) -> dict[tuple[str, str], int]:
+def neighbours(data: StudyData, factor: ObservedFactor) -> dict[tuple[str, str], int]:
     """Number of times that a level came right after another one."""
     count: Counter[tuple[str, str]] = Counter()
     for _, levels in data.used.groupby("ppid", sort=False)[factor.column]:
@@ -88,7 +88,7 @@ def neighbours(data: StudyData, factor: Factor) -> dict[tuple[str, str], int]:
 
 
 @dataclass(frozen=True)
-class Learned:
+class LearningPoint:
     """A point of a learning curve.
 
     Attributes:
@@ -105,7 +105,7 @@ class Learned:
     people: int
 
 
-def learning(data: StudyData, what: Quantity, factor: Factor | None) -> list[Learned]:
+def learning(data: StudyData, what: Quantity, factor: ObservedFactor | None) -> list[LearningPoint]:
     """The measure from trial to trial, by level of a factor, or over all."""
     rows, y = rows_with(data, what)
     if not len(rows):
@@ -124,7 +124,7 @@ def learning(data: StudyData, what: Quantity, factor: Factor | None) -> list[Lea
             mine = (level == name) & (step == k)
             means = _by_person(rows["ppid"].to_numpy()[mine], corrected[mine])
             result.append(
-                Learned(
+                LearningPoint(
                     name,
                     int(k) * size + 1,
                     (int(k) + 1) * size,

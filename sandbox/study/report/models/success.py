@@ -34,7 +34,7 @@ DRAWS = 10_000
 
 
 @dataclass(frozen=True)
-class Successes:
+class ShareDifference:
     """Difference in success between a pair of levels.
 
     Attributes:
@@ -75,7 +75,7 @@ def rates(data: StudyData, name: str = "success") -> tuple[list[str], np.ndarray
     return people, np.divide(won, done, out=np.full_like(done, nan), where=done > 0), done
 
 
-def success_differences(data: StudyData, name: str = "success") -> list[Successes]:
+def success_differences(data: StudyData, name: str = "success") -> list[ShareDifference]:
     """All pairs of levels, in success or in another measure of 0 and 1."""
     if not len(data.used):
         return []
@@ -89,7 +89,7 @@ def _overall(own: np.ndarray, done: np.ndarray) -> tuple[list[float], list[int]]
     return list(np.nanmean(own[who], axis=1)), [int(n) for n in done[who].sum(axis=1)]
 
 
-def _compare(pair: Pair, own: np.ndarray, done: np.ndarray, usual: float) -> Successes:
+def _compare(pair: Pair, own: np.ndarray, done: np.ndarray, usual: float) -> ShareDifference:
     first, second = (np.array(side) for side in zip(*pair.cells, strict=True))
     a, b, n, m = own[:, first], own[:, second], done[:, first], done[:, second]
     if pair.factor.within:
@@ -106,8 +106,10 @@ def _compare(pair: Pair, own: np.ndarray, done: np.ndarray, usual: float) -> Suc
         tied, p, people = 0.0, group_test(a, b), len(a) + len(b)
     low, high = (share(list(x), [int(i) for i in k], usual) for x, k in ((a, n), (b, m)))
     if people < 2:
-        return Successes(pair, low, high, Estimate(high.value - low.value, nan, nan), nan, people)
-    return Successes(pair, low, high, difference(high, low, tied), p, people)
+        return ShareDifference(
+            pair, low, high, Estimate(high.value - low.value, nan, nan), nan, people
+        )
+    return ShareDifference(pair, low, high, difference(high, low, tied), p, people)
 
 
 def sign_test(differences: np.ndarray) -> float:

@@ -11,7 +11,7 @@ from math import inf, nan
 
 import numpy as np
 
-from sandbox.study.report.models.data import Factor, StudyData
+from sandbox.study.report.models.data import ObservedFactor, StudyData
 from sandbox.study.report.models.intervals import (
     Estimate,
     Share,
@@ -60,7 +60,7 @@ def trials_of(data: StudyData, what: Quantity) -> np.ndarray:
     return np.bincount(rows["cell"].to_numpy(int), minlength=len(data.conditions))
 
 
-def cells_of(data: StudyData, factor: Factor) -> list[tuple[str, list[int]]]:
+def cells_of(data: StudyData, factor: ObservedFactor) -> list[tuple[str, list[int]]]:
     """Each level of a factor with the numbers of its conditions."""
     seen = data.used[["cell", factor.column]].drop_duplicates()
     return [
@@ -70,7 +70,9 @@ def cells_of(data: StudyData, factor: Factor) -> list[tuple[str, list[int]]]:
     ]
 
 
-def summaries(data: StudyData, what: Quantity, factor: Factor | None = None) -> list[Summary]:
+def summaries(
+    data: StudyData, what: Quantity, factor: ObservedFactor | None = None
+) -> list[Summary]:
     """Means by condition, or by level of a factor.
 
     Args:

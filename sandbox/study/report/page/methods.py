@@ -6,7 +6,7 @@ from importlib.metadata import PackageNotFoundError, version
 
 from sandbox.study.report.models.analysis import Analysis
 from sandbox.study.report.models.mixed import Mixed
-from sandbox.study.report.page import words
+from sandbox.study.report.page import formats
 from sandbox.study.report.page.parts import Section, Table
 
 LIBRARIES = ("hand-sandbox", "statsmodels", "pandas", "scipy", "numpy", "matplotlib", "jinja2")
@@ -76,7 +76,7 @@ def methods_section(found: Analysis) -> Section:
     )
     software = ", ".join(f"{name} {_version(name)}" for name in LIBRARIES)
     section.say(
-        f"Made of {words.count(len(data.trials), 'row')} of trial_results.csv (SHA-256 "
+        f"Made of {formats.count(len(data.trials), 'row')} of trial_results.csv (SHA-256 "
         f"{data.digest[:16]}…) with {software}."
     )
     return section

@@ -7,7 +7,7 @@ from typing import Any
 
 from sandbox.study.report.models.analysis import Analysis
 from sandbox.study.report.models.exclusions import flow
-from sandbox.study.report.page import words
+from sandbox.study.report.page import formats
 from sandbox.study.report.page.methods import methods_section
 from sandbox.study.report.page.parts import Section
 from sandbox.study.report.page.section_checks import (
@@ -105,11 +105,11 @@ def _facts(found: Analysis) -> list[tuple[str, str, str]]:
     if found.success:
         rate = float(data.used["success"].mean())
         won = int(data.used["success"].sum())
-        facts.append(("Success", words.percent(rate), f"{won} of {len(data.used)} trials"))
+        facts.append(("Success", formats.percent(rate), f"{won} of {len(data.used)} trials"))
     if found.time:
         middle = float(data.used.loc[~data.used["censored"], "time_s"].median())
         facts.append(
-            ("Median completion time", f"{words.number(middle)} s", "of trials that succeeded")
+            ("Median completion time", f"{formats.number(middle)} s", "of trials that succeeded")
         )
     return facts
 
@@ -120,23 +120,23 @@ def _findings(found: Analysis) -> list[str]:
     out = []
     for d in found.leading:
         if d.pair.factor.name == main:
-            ends = words.interval(words.change(d.estimate.low), words.change(d.estimate.high))
+            ends = formats.interval(formats.change(d.estimate.low), formats.change(d.estimate.high))
             clear = d.estimate.low > 0 or d.estimate.high < 0
             doubt = "" if clear else "; it may be none"
             out.append(
-                f"{d.pair.second} took {words.less_or_more(d.estimate, 'less', 'more')} time than "
-                f"{d.pair.first} (95 % interval {ends}{doubt})."
+                f"{d.pair.second} took {formats.less_or_more(d.estimate, 'less', 'more')} time "
+                f"than {d.pair.first} (95 % interval {ends}{doubt})."
             )
     if out and unseen_model(found):
         out[-1] += " Trials without success are taken as longer than they lasted."
     for s in found.success.shares if found.success else []:
         if s.pair.factor.name == main:
-            ends = words.interval(words.points(s.estimate.low), words.points(s.estimate.high))
+            ends = formats.interval(formats.points(s.estimate.low), formats.points(s.estimate.high))
             doubt = "" if s.estimate.low > 0 or s.estimate.high < 0 else "; it may be none"
             out.append(
-                f"{s.pair.second} succeeded in {words.percent(s.second.value)} of trials, "
-                f"{s.pair.first} in {words.percent(s.first.value)}: "
-                f"{words.points(s.estimate.value)} points (95 % interval {ends}{doubt})."
+                f"{s.pair.second} succeeded in {formats.percent(s.second.value)} of trials, "
+                f"{s.pair.first} in {formats.percent(s.first.value)}: "
+                f"{formats.points(s.estimate.value)} points (95 % interval {ends}{doubt})."
             )
     if len(out) > MOST_FINDINGS:
         return [*out[:MOST_FINDINGS], "The other pairs are in the tables below."]

@@ -41,7 +41,7 @@ class Picture:
 
 
 @dataclass(frozen=True)
-class Words:
+class Paragraph:
     """A paragraph.
 
     Attributes:
@@ -54,7 +54,7 @@ class Words:
     kind: str = field(default="words", init=False)
 
 
-Part = Table | Picture | Words
+Part = Table | Picture | Paragraph
 
 
 @dataclass
@@ -73,4 +73,4 @@ class Section:
 
     def say(self, text: str, tone: str = "") -> None:
         """Adds a paragraph."""
-        self.parts.append(Words(text, tone))
+        self.parts.append(Paragraph(text, tone))

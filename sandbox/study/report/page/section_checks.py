@@ -7,15 +7,15 @@ from math import nan
 
 import numpy as np
 
-from sandbox.study.report.models.analysis import Analysis, Modelled
-from sandbox.study.report.models.answers import Scale, adjusted
+from sandbox.study.report.models.analysis import Analysis, MeasureModel
+from sandbox.study.report.models.answers import ScaleAnswers, adjusted
 from sandbox.study.report.models.exclusions import endings, flow, unfinished
 from sandbox.study.report.models.intervals import Estimate
 from sandbox.study.report.models.mixed import Mixed, practice_effect
 from sandbox.study.report.models.order import balanced, neighbours
 from sandbox.study.report.models.quantities import LOG, SHARE
 from sandbox.study.report.models.summaries import cells_of, person_means
-from sandbox.study.report.page import plots, words
+from sandbox.study.report.page import formats, plots
 from sandbox.study.report.page.parts import Picture, Section, Table
 from sandbox.study.report.page.section_results import means_picture
 
@@ -75,7 +75,7 @@ def people_section(found: Analysis) -> Section:
     return section
 
 
-def _spaghetti(found: Analysis, one: Modelled) -> Picture:
+def _spaghetti(found: Analysis, one: MeasureModel) -> Picture:
     data, what = found.data, one.described.what
     own = person_means(data, what)
     several = [f for f in data.factors if len(f.levels) > 1]
@@ -102,7 +102,7 @@ def _spaghetti(found: Analysis, one: Modelled) -> Picture:
         means,
         what.scale == LOG,
     )
-    show = words.number
+    show = formats.number
     rows = [
         [ppid, *(show(v) for part in values for v in part[i])] for i, ppid in enumerate(data.ppids)
     ]
@@ -140,10 +140,10 @@ def practice_section(found: Analysis) -> Section:
     model = found.time.model
     practice = practice_effect(model) if isinstance(model, Mixed) else None
     if practice:
-        value, low, high = (words.change(v) for v in practice)
+        value, low, high = (formats.change(v) for v in practice)
         section.say(
             f"With every doubling of trials done, completion time changes by {value} (95 % "
-            f"interval {words.interval(low, high)}); the models above take this into account."
+            f"interval {formats.interval(low, high)}); the models above take this into account."
         )
     if found.learning:
         section.parts.append(_learning(found))
@@ -171,8 +171,8 @@ def _learning(found: Analysis) -> Picture:
             p.level,
             str(p.first) if p.first == p.last else f"{p.first} to {p.last}",
             str(p.people),
-            words.number(p.mean.value),
-            words.interval(words.number(p.mean.low), words.number(p.mean.high)),
+            formats.number(p.mean.value),
+            formats.interval(formats.number(p.mean.low), formats.number(p.mean.high)),
         ]
         for p in points
     ]
@@ -207,8 +207,8 @@ def _order(section: Section, found: Analysis, name: str) -> None:
             p.level,
             str(p.place),
             str(p.times),
-            words.number(p.mean.value),
-            words.interval(words.number(p.mean.low), words.number(p.mean.high)),
+            formats.number(p.mean.value),
+            formats.interval(formats.number(p.mean.low), formats.number(p.mean.high)),
         ]
         for p in some
     ]
@@ -260,13 +260,13 @@ def questionnaire_section(found: Analysis) -> Section:
     return section
 
 
-def _together(scales: Sequence[Scale]) -> list[list[Scale]]:
+def _together(scales: Sequence[ScaleAnswers]) -> list[list[ScaleAnswers]]:
     """Scales of one questionnaire that were asked about the same levels: scores, then questions.
 
     A question that is a score by itself, as a rating of the NASA-TLX, is not shown twice.
     """
     scored = {(s.questionnaire, s.scale) for s in scales if s.score}
-    groups: dict[tuple[str, bool, tuple[str, ...]], list[Scale]] = {}
+    groups: dict[tuple[str, bool, tuple[str, ...]], list[ScaleAnswers]] = {}
     for name in dict.fromkeys(s.questionnaire for s in scales):
         for s in scales:
             if s.questionnaire == name and (s.score or (name, s.scale) not in scored):
@@ -274,7 +274,7 @@ def _together(scales: Sequence[Scale]) -> list[list[Scale]]:
     return list(groups.values())
 
 
-def _scales(number: int, some: list[Scale]) -> Picture:
+def _scales(number: int, some: list[ScaleAnswers]) -> Picture:
     first, several = some[0], len(some) > 1
     title = first.questionnaire if several else first.title
     names = [s.scale if several else "" for s in some]
@@ -302,7 +302,7 @@ def _scales(number: int, some: list[Scale]) -> Picture:
     )
 
 
-def _scale_rows(name: str, scale: Scale) -> list[list[str]]:
+def _scale_rows(name: str, scale: ScaleAnswers) -> list[list[str]]:
     def called(level: str) -> str:
         if not name:
             return level
@@ -312,8 +312,10 @@ def _scale_rows(name: str, scale: Scale) -> list[list[str]]:
         [
             called(level),
             str(int(np.isfinite(scale.values[:, j]).sum())),
-            words.number(scale.means[j].value),
-            words.interval(words.number(scale.means[j].low), words.number(scale.means[j].high)),
+            formats.number(scale.means[j].value),
+            formats.interval(
+                formats.number(scale.means[j].low), formats.number(scale.means[j].high)
+            ),
             "",
             "",
         ]
@@ -323,10 +325,10 @@ def _scale_rows(name: str, scale: Scale) -> list[list[str]]:
         [
             called(d.pair.title),
             "",
-            words.number(d.estimate.value),
-            words.interval(words.number(d.estimate.low), words.number(d.estimate.high)),
-            words.p_value(d.p),
-            words.p_value(p),
+            formats.number(d.estimate.value),
+            formats.interval(formats.number(d.estimate.low), formats.number(d.estimate.high)),
+            formats.p_value(d.p),
+            formats.p_value(p),
         ]
         for d, p in zip(scale.differences, adjusted(scale), strict=True)
     ]

@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import exp
 
-from sandbox.study.report.models.analysis import Analysis, Described, Modelled, adjusted
+from sandbox.study.report.models.analysis import Analysis, MeasureModel, MeasureSummary, adjusted
 from sandbox.study.report.models.censored import Censored
 from sandbox.study.report.models.comparisons import Difference
 from sandbox.study.report.models.data import BETWEEN_NAMES, StudyData
 from sandbox.study.report.models.intervals import Estimate
 from sandbox.study.report.models.mixed import Mixed, practice_effect
 from sandbox.study.report.models.quantities import LOG, SHARE, Quantity
-from sandbox.study.report.models.success import Successes
+from sandbox.study.report.models.success import ShareDifference
 from sandbox.study.report.models.summaries import Summary, median_with_unseen
-from sandbox.study.report.page import plots, words
+from sandbox.study.report.page import formats, plots
 from sandbox.study.report.page.parts import Picture, Section, Table
 
 HOW_TO_READ = (
@@ -33,7 +33,7 @@ def time_section(found: Analysis) -> Section:
     data = found.data
     unseen = int(data.used["censored"].sum())
     section.say(
-        f"Of {words.count(len(data.used), 'trial')}, {len(data.used) - unseen} succeeded; their "
+        f"Of {formats.count(len(data.used), 'trial')}, {len(data.used) - unseen} succeeded; their "
         "times are averaged as logarithms (geometric means)."
         + (
             f" {unseen} did not, and their completion times are only known to be longer than they "
@@ -75,10 +75,10 @@ def _compare_times(section: Section, found: Analysis, unseen: int) -> None:
         [
             title,
             name,
-            words.change(d.estimate.value),
-            words.interval(words.change(d.estimate.low), words.change(d.estimate.high)),
-            words.p_value(d.p),
-            words.p_value(p),
+            formats.change(d.estimate.value),
+            formats.interval(formats.change(d.estimate.low), formats.change(d.estimate.high)),
+            formats.p_value(d.p),
+            formats.p_value(p),
         ]
         for title in titles
         for (name, some), known in zip(ways, by_title, strict=True)
@@ -110,7 +110,7 @@ def _compare_times(section: Section, found: Analysis, unseen: int) -> None:
                 "Differences in completion time",
                 ["Levels", "From", "Change", "95 % interval", "p", "p, Holm"],
                 rows,
-                "Successes only: by the mixed model. p Holm is adjusted for all "
+                "ShareDifference only: by the mixed model. p Holm is adjusted for all "
                 "pairs of levels of the same factor; intervals are each for itself.",
             ),
         )
@@ -120,14 +120,13 @@ def _compare_times(section: Section, found: Analysis, unseen: int) -> None:
 
 
 def _model_table(model: Mixed, scale: str) -> Table:
-    rows = [[f"{k} (standard deviation)", words.number(v)] for k, v in model.spreads.items()]
+    rows = [[f"{k} (standard deviation)", formats.number(v)] for k, v in model.spreads.items()]
     practice = practice_effect(model)
     if practice:
-        value = words.change(practice[0]) if scale == LOG else words.number(practice[0])
+        value = formats.change(practice[0]) if scale == LOG else formats.number(practice[0])
         rows.append(["change with every doubling of trials done", value])
-    note = (
-        f"{words.count(model.trials, 'trial')} of {words.count(model.people, 'person', 'people')}"
-    )
+    trials = formats.count(model.trials, "trial")
+    note = f"{trials} of {formats.count(model.people, 'person', 'people')}"
     if model.left_out:
         note += "; left out: " + "; ".join(model.left_out)
     if not model.converged:
@@ -151,12 +150,12 @@ def success_section(found: Analysis) -> Section:
         rows = [
             [
                 d.pair.title,
-                words.number(exp(d.estimate.value)),
-                words.interval(
-                    words.number(exp(d.estimate.low)), words.number(exp(d.estimate.high))
+                formats.number(exp(d.estimate.value)),
+                formats.interval(
+                    formats.number(exp(d.estimate.low)), formats.number(exp(d.estimate.high))
                 ),
-                words.p_value(d.p),
-                words.p_value(p),
+                formats.p_value(d.p),
+                formats.p_value(p),
             ]
             for d, p in zip(found.odds, adjusted(found.odds), strict=True)
         ]
@@ -171,17 +170,17 @@ def success_section(found: Analysis) -> Section:
     return section
 
 
-def _share_pairs(name: str, some: Sequence[Successes]) -> Picture:
+def _share_pairs(name: str, some: Sequence[ShareDifference]) -> Picture:
     titles = [d.pair.title for d in some]
     rows = [
         [
             d.pair.title,
-            words.percent(d.first.value),
-            words.percent(d.second.value),
-            words.points(d.estimate.value),
-            words.interval(words.points(d.estimate.low), words.points(d.estimate.high)),
-            words.p_value(d.p),
-            words.p_value(p),
+            formats.percent(d.first.value),
+            formats.percent(d.second.value),
+            formats.points(d.estimate.value),
+            formats.interval(formats.points(d.estimate.low), formats.points(d.estimate.high)),
+            formats.p_value(d.p),
+            formats.p_value(p),
         ]
         for d, p in zip(some, adjusted(some), strict=True)
     ]
@@ -209,7 +208,7 @@ def _share_pairs(name: str, some: Sequence[Successes]) -> Picture:
     )
 
 
-def asked_section(one: Modelled) -> Section:
+def asked_section(one: MeasureModel) -> Section:
     """A measure that was asked for."""
     what = one.described.what
     section = Section(what.name, what.title)
@@ -236,14 +235,14 @@ def asked_sections(found: Analysis) -> list[Section]:
 
 
 def _pairs_table(what: Quantity, some: Sequence[Difference]) -> Table:
-    show = words.change if what.scale == LOG else words.number
+    show = formats.change if what.scale == LOG else formats.number
     rows = [
         [
             d.pair.title,
             show(d.estimate.value),
-            words.interval(show(d.estimate.low), show(d.estimate.high)),
-            words.p_value(d.p),
-            words.p_value(p),
+            formats.interval(show(d.estimate.low), show(d.estimate.high)),
+            formats.p_value(d.p),
+            formats.p_value(p),
         ]
         for d, p in zip(some, adjusted(some), strict=True)
     ]
@@ -254,7 +253,7 @@ def _pairs_table(what: Quantity, some: Sequence[Difference]) -> Table:
     )
 
 
-def means_picture(data: StudyData, one: Described, name: str) -> Picture:
+def means_picture(data: StudyData, one: MeasureSummary, name: str) -> Picture:
     """Means by condition: the first factor in colours, combinations of the others in rows."""
     what = one.what
     factors = [f for f in data.factors if len(f.levels) > 1]
@@ -296,17 +295,17 @@ def means_picture(data: StudyData, one: Described, name: str) -> Picture:
     )
 
 
-def means_table(data: StudyData, one: Described, caption: str) -> Table:
+def means_table(data: StudyData, one: MeasureSummary, caption: str) -> Table:
     """Means with intervals, as texts."""
     what = one.what
-    show = words.percent if what.scale == SHARE else words.number
+    show = formats.percent if what.scale == SHARE else formats.number
     timed = what.name == "time_s"
     rows = []
     for i, s in enumerate(one.conditions):
         extra = []
         if timed:
             middle = median_with_unseen(data, i)
-            extra = ["not seen" if middle == float("inf") else words.number(middle)]
+            extra = ["not seen" if middle == float("inf") else formats.number(middle)]
         rows.append([s.name, *_mean_cells(s, show), *extra])
     for factor, some in one.levels.items():
         if len(one.levels) > 1:
@@ -330,8 +329,8 @@ def _mean_cells(s: Summary, show: object) -> list[str]:
         str(s.people),
         str(s.trials),
         show(s.mean.value),
-        words.interval(show(s.mean.low), show(s.mean.high)),
-        words.interval(show(s.within.low), show(s.within.high)),
+        formats.interval(show(s.mean.low), show(s.mean.high)),
+        formats.interval(show(s.within.low), show(s.within.high)),
     ]
 
 

@@ -13,7 +13,7 @@ from models.errors import InputError
 from sandbox.study.measures.measure import Measure
 from sandbox.study.measures.registry import find_measure, register, rule_measures, unregister
 from sandbox.study.record.folder import StudyFolder
-from sandbox.study.record.kept_sessions import session_path
+from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.report.make import make_report
 from sandbox.study.run.simulate import run_simulated
 from tests.support.study_files import open_study

@@ -16,12 +16,12 @@ from sandbox.cli.study.report import ReportOptions, report
 from sandbox.study.design.plan import FormStep, TrialStep
 from sandbox.study.measures.compute import VERSION
 from sandbox.study.record.folder import Participant, StudyFolder
-from sandbox.study.record.kept_sessions import KeptSession, session_path, sessions_of
 from sandbox.study.record.session_folder import SessionFolder
+from sandbox.study.record.stored_sessions import StoredSession, session_path, sessions_of
 from sandbox.study.share.withdraw import withdraw
 from sandbox.study.tables import tables
 from sandbox.study.tables.export_tables import rebuild_all
-from sandbox.study.tables.tables import StudyTables, are_behind, rebuild_session
+from sandbox.study.tables.tables import StudyTables, rebuild_session, tables_are_outdated
 from sandbox.trial.result import TrialResult
 from tasks.score import Status
 from tests.support.study_files import DESIGN, open_study
@@ -203,7 +203,7 @@ def test_tables_after_any_order_of_steps_are_those_made_whole_from_the_journals(
             sessions.do(*step)
         counts = sessions.tables.update()
         followed = written(sessions.study.path)
-        assert not are_behind(sessions.study.path)
+        assert not tables_are_outdated(sessions.study.path)
         for path in sessions.study.path.rglob("*.csv"):
             path.unlink()
         rebuild_all(StudyFolder.at(sessions.study.path))
@@ -221,7 +221,7 @@ def test_an_update_reads_only_the_journals_that_have_changed(
         sessions.do("trial", who, 1.5)
     read: list[str] = []
 
-    def counting(study: StudyFolder, person: Participant) -> list[KeptSession]:
+    def counting(study: StudyFolder, person: Participant) -> list[StoredSession]:
         read.append(person.ppid)
         return sessions_of(study, person)
 
@@ -261,9 +261,9 @@ def test_a_report_has_the_trials_of_a_session_whose_program_was_killed(
     person = sessions.study.participants()[0]
     with SessionFolder(sessions.study, person, 2) as session:
         sessions.trial(session, 2.5)
-    assert are_behind(sessions.study.path)
+    assert tables_are_outdated(sessions.study.path)
     report(ReportOptions(sessions.study.path), Console())
-    assert "made anew" in capsys.readouterr().out and not are_behind(sessions.study.path)
+    assert "made anew" in capsys.readouterr().out and not tables_are_outdated(sessions.study.path)
     after = (sessions.study.path / "trial_results.csv").read_bytes()
     assert after.startswith(before) and after.count(b"\n") == before.count(b"\n") + 1
 
@@ -275,4 +275,4 @@ def test_a_copy_without_a_journal_keeps_its_tables(tmp_path: Path) -> None:
         sessions.do("trial", who, 1.5)
     person = sessions.study.participants()[0]
     (session_path(sessions.study.path, person.ppid) / "journal.jsonl").unlink()
-    assert not are_behind(sessions.study.path)
+    assert not tables_are_outdated(sessions.study.path)

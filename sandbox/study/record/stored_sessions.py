@@ -17,7 +17,7 @@ SESSIONS = "S[0-9][0-9][0-9]"
 
 
 @dataclass(frozen=True)
-class KeptSession:
+class StoredSession:
     """A session that was begun.
 
     Attributes:
@@ -45,7 +45,7 @@ def session_folders(person: Path) -> list[Path]:
     return sorted(person.glob(SESSIONS))
 
 
-def sessions_of(study: StudyFolder, person: Participant) -> list[KeptSession]:
+def sessions_of(study: StudyFolder, person: Participant) -> list[StoredSession]:
     """The sessions that a participant has begun, in order.
 
     Raises:
@@ -57,11 +57,11 @@ def sessions_of(study: StudyFolder, person: Participant) -> list[KeptSession]:
         records = read_journal(journal) if journal.exists() else []
         state = SessionState.of(records)
         if state.start:
-            sessions.append(KeptSession(person, int(path.name[1:]), path, records, state))
+            sessions.append(StoredSession(person, int(path.name[1:]), path, records, state))
     return sessions
 
 
-def all_sessions(study: StudyFolder) -> Iterator[tuple[Participant, list[KeptSession]]]:
+def all_sessions(study: StudyFolder) -> Iterator[tuple[Participant, list[StoredSession]]]:
     """Everybody who has begun, in order of arrival, with their sessions.
 
     Raises:
@@ -73,7 +73,7 @@ def all_sessions(study: StudyFolder) -> Iterator[tuple[Participant, list[KeptSes
             yield person, sessions
 
 
-def plan_of(study: StudyFolder, session: KeptSession) -> list[Step]:
+def plan_of(study: StudyFolder, session: StoredSession) -> list[Step]:
     """All steps of a session."""
     return session_plan(study.design, session.person.number, session.number)
 

@@ -146,6 +146,6 @@ WORDS = {language: dict(zip(NAMES, words, strict=True)) for language, words in _
 """Words by language (ISO 639-1) and what they are for."""
 
 
-def words_in(language: str) -> dict[str, str]:
+def texts_in(language: str) -> dict[str, str]:
     """The words of a language; of one that there are none in, English."""
     return WORDS.get(language.lower().split("-")[0], WORDS["en"])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from sandbox.study.design.reading import Table, Text
+from sandbox.study.design.reading import Text, TomlTable
 
 SHOWS = ("task", "goal", "time", "progress", "fingers", "sound")
 """`fingers`: the rings under them tell names (in English), colours and forces, too."""
@@ -16,7 +16,7 @@ off and the trial begins anew; `mark`: time goes on. The results say how long it
 
 
 @dataclass(frozen=True)
-class Showing:
+class PageOptions:
     """Settings of trials on the page.
 
     Attributes:
@@ -33,14 +33,14 @@ class Showing:
     goals: dict[str, Text] = field(default_factory=dict)
 
 
-def read_showing(top: Table, trials: Table) -> Showing:
+def read_page_options(top: TomlTable, trials: TomlTable) -> PageOptions:
     """Reads it.
 
     Args:
         top: The design; `[[tasks]]` is taken out of it.
         trials: Its `[trials]`.
     """
-    plain = Showing()
+    plain = PageOptions()
     shows = trials.strings("shows", plain.shows)
     for unknown in sorted(set(shows) - set(SHOWS)):
         trials.wrong("shows", f"got {unknown!r}", f"Choose among {', '.join(SHOWS)}")
@@ -49,7 +49,7 @@ def read_showing(top: Table, trials: Table) -> Showing:
         task = table.string("task")
         names[task], goals[task] = table.text("name"), table.text("goal")
         table.done()
-    return Showing(
+    return PageOptions(
         shows,
         trials.choice("starts", STARTS, plain.starts),
         trials.choice("when_gone", WHEN_GONE, plain.when_gone),
