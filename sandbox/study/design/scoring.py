@@ -55,7 +55,7 @@ class Scale:
 
 @dataclass(frozen=True)
 class ScaleScore:
-    """ScaleScore of a scale: a number, or None with missing answers, and the number of these."""
+    """Score of a scale: a number, or None if answers are missing, and their number."""
 
     scale: str
     value: float | None

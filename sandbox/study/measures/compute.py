@@ -1,4 +1,4 @@
-"""Computes measures; one that fails gives an empty cell and a reason, and costs no trial."""
+"""Computes measures; a failed measure gives an empty cell and a reason, and the trial is kept."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from sandbox.study.measures.registry import measures
 from sandbox.trial.result import TrialResult
 
 VERSION = 1
-"""Version of the definitions; measures of another version are computed again from recordings."""
+"""Version of the definitions; stored measures of another version are computed again."""
 
 T = TypeVar("T")
 
 
 @dataclass(frozen=True)
 class Measured:
-    """Measures of a trial or of several.
+    """Computed measures of one or several trials.
 
     Attributes:
         values: `Value` by name; None for an empty cell.
-        reasons: Why a cell is empty, by name.
-        failed: Measures among these that failed, as opposed to those that do not apply.
+        reasons: Reason why a cell is empty, by name.
+        failed: Names of empty measures that failed; the other empty ones do not apply.
     """
 
     values: dict[str, Any] = field(default_factory=dict)
@@ -38,16 +38,16 @@ class Measured:
 
     @property
     def notices(self) -> list[str]:
-        """A line for every measure that failed."""
+        """A line for every failed measure."""
         return [f"measure {name} is empty: {self.reasons[name]}" for name in self.failed]
 
 
 def measure_trial(table: Columns, result: TrialResult, truth: str = "") -> Measured:
-    """The measures of a trial that come from its 60 Hz table.
+    """Computes the measures of a trial that need its 60 Hz table.
 
     Args:
-        table: Its 60 Hz table.
-        result: Its result.
+        table: The 60 Hz table.
+        result: The trial's result.
         truth: Source of the `true_*` columns.
     """
     trial = PlayedTrial(table, result, truth)
@@ -55,15 +55,15 @@ def measure_trial(table: Columns, result: TrialResult, truth: str = "") -> Measu
 
 
 def measure_result(result: TrialResult) -> Measured:
-    """The measures of a trial that come from its result alone."""
+    """Computes the measures of a trial that need its result only."""
     return _compute([(m, m.of_result, result) for m in measures() if m.of_result is not None])
 
 
 def measure_trials(rows: Sequence[Row]) -> Measured:
-    """The measures of several trials together.
+    """Computes the measures of several trials together.
 
     Args:
-        rows: Of `trial_results.csv`: see `Measure.of_trials`.
+        rows: Rows of `trial_results.csv`; see `Measure.of_trials`.
     """
     return _compute([(m, m.of_trials, rows) for m in measures() if m.of_trials is not None])
 
@@ -78,7 +78,7 @@ def _compute(calls: Sequence[tuple[Measure, Callable[[T], Value], T]]) -> Measur
         try:
             value = _plain(compute(argument))
         except Exception as error:
-            # Code of somebody else's measure may raise anything; the reason is kept and said.
+            # A measure from another package may raise anything; the reason is stored and shown.
             reasons[name] = failure(error)
             failed.append(name)
             continue
@@ -93,12 +93,12 @@ def _compute(calls: Sequence[tuple[Measure, Callable[[T], Value], T]]) -> Measur
 
 
 def _plain(value: Any) -> Any:
-    """A number of NumPy's as one of Python's."""
+    """Converts a NumPy number to a Python number."""
     return value.item() if isinstance(value, np.generic) else value
 
 
 def _wrong(value: Any) -> str | None:
-    """Why a value cannot stand in a table; None where it can."""
+    """Reason why a value cannot be stored in a table; None if it can."""
     if not isinstance(value, bool | int | float | str):
         return f"it returned a {type(value).__name__}, not a number, yes or no, or a word"
     if isinstance(value, float) and not isfinite(value):

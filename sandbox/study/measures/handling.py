@@ -1,4 +1,4 @@
-"""Measures of handling: grasps, regrasps and drops, as functions of who pushes a thing."""
+"""Measures of handling (grasps, regrasps and drops), computed from what pushes an object."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 RELEASE = 0.1
-"""s without any push of the hand, after which a thing has been let go."""
+"""s without any push of the hand, after which the object counts as let go."""
 FORCE = 0.05
-"""N from which on a hand pushes a thing. It then does until nothing of it pushes at all: with one
-bound for both, a light touch would be many."""
+"""N; a push begins when the force reaches this value, and ends when no digit pushes at all. With
+one threshold for both, a single light touch would count as many."""
 FALL = 0.010
-"""m by which a thing that nothing touches must sink to have been dropped. One that is let go a
-little above its place is put down."""
+"""m that an untouched object must fall to count as dropped. One that is let go a little above its
+place is put down, not dropped."""
 PALM = "p"
 
 
 def true_intervals(mask: ArrayLike) -> list[tuple[int, int]]:
-    """First and last index of every run of true values."""
+    """First and last index of every run of true values in a mask (n,)."""
     edges = np.diff(np.concatenate([[0], np.asarray(mask, bool).astype(int), [0]]))
     return list(
         zip(
@@ -31,12 +31,12 @@ def true_intervals(mask: ArrayLike) -> list[tuple[int, int]]:
 
 
 def push_intervals(digits: Sequence[str], grip: ArrayLike, period: float) -> list[tuple[int, int]]:
-    """Stretches in which a hand pushes a thing, by first and last index.
+    """Intervals in which a hand pushes an object, by first and last index.
 
     Args:
-        digits: Letters of what of the hand pushes, by moment.
-        grip: (n,) N.
-        period: s between two moments.
+        digits: Letters of the pushing digits at each moment.
+        grip: (n,) total normal force, N.
+        period: Time between two moments, s.
     """
     strong = np.asarray(grip, float) >= FORCE
     joined: list[tuple[int, int]] = []
@@ -52,23 +52,23 @@ def push_intervals(digits: Sequence[str], grip: ArrayLike, period: float) -> lis
 
 
 def grasps(digits: Sequence[str], runs: Sequence[tuple[int, int]]) -> int:
-    """How many of some stretches are grasps: two digits of one hand push at the same moment."""
+    """Number of intervals that are grasps: two digits of one hand push at the same moment."""
     return sum(any(map(_grasped, digits[first : last + 1])) for first, last in runs)
 
 
 def _grasped(digits: str) -> bool:
-    """Whether two digits of one hand push; a second hand's are capital letters."""
+    """True if two digits of one hand push; capital letters are those of a second hand."""
     fingers = digits.lower().replace(PALM, "")
     second = sum(letter.isupper() for letter in digits.replace(PALM.upper(), ""))
     return max(second, len(fingers) - second) >= 2
 
 
 def drops(free: ArrayLike, height: ArrayLike) -> int:
-    """How often a thing fell.
+    """Number of times that an object was dropped.
 
     Args:
-        free: (n,) whether nothing touches it.
-        height: (n,) m.
+        free: (n,) true while nothing touches the object.
+        height: (n,) height of the object, m.
     """
     heights = np.asarray(height, float)
     falls = [

@@ -1,6 +1,6 @@
-"""The declaration of a measure: its name, unit, meaning and how it is computed, in one place.
+"""Declaration of a measure: name, unit, meaning and computation, in one place.
 
-Column of `trial_results.csv`, codebook, exclusion rules and report are derived from it.
+The column of `trial_results.csv`, codebook, exclusion rules and report are derived from it.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from sandbox.study.measures.played_trial import PlayedTrial
 from sandbox.trial.result import TrialResult, fields
 
 Value = bool | int | float | str | None
-"""A value of a measure; None: it does not apply to the trial."""
+"""Value of a measure; None if it does not apply to the trial."""
 
 Row = Mapping[str, Any]
 """A row of `trial_results.csv` by column."""
@@ -23,36 +23,37 @@ ALL = "all"
 HANDLING = "tasks with objects to handle"
 GOALS = "tasks with goals"
 PLACES = "tasks with one goal that does not move"
-LABELS = "trials in which the true fingers are known: of simulated users, of devices that tell them"
-LIVE = "devices with a clock of their own"
+LABELS = "trials in which the true fingers are known, from a simulated user or from the device"
+LIVE = "trials with a live device"
 PAGE = "trials on the page"
 
 HIGH, LOW = "high", "low"
-"""Direction in which a measure is better."""
+"""Values of `Measure.better`."""
 
 
 @dataclass(frozen=True)
 class Measure:
     """A measure of a trial.
 
-    Exactly one of `of_trial`, `of_result` and `of_trials` computes it. An error in it, None, or a
-    number that is not finite gives an empty cell and a reason, and costs no trial.
+    Exactly one of `of_trial`, `of_result` and `of_trials` computes it. If the function raises an
+    error, or returns None or a number that is not finite, the cell is empty, the reason is stored,
+    and the trial is kept.
 
     Attributes:
         name: Column of `trial_results.csv`.
-        unit: Unit of its numbers; `0/1` for yes or no; empty for counts and words.
+        unit: Unit of the numbers; `0/1` for yes or no; empty for counts and words.
         title: Title in plots.
-        means: Definition in a line, for the codebook.
-        better: `HIGH`, `LOW`, or empty where neither is better.
-        tasks: Trials that it applies to.
-        source: Publication that defines it; `ours` where none does.
+        means: Definition in one line, for the codebook.
+        better: `HIGH` or `LOW`, the better direction; empty if neither is better.
+        tasks: Description of the trials that it applies to.
+        source: Publication that defines it; `ours` if it was defined for this program.
         of_trial: Computes it from the trial's result and 60 Hz table.
-        of_result: Computes it from the result alone.
-        of_trials: Computes it from the rows of those trials of one session and one combination of
-            levels that succeeded, count, and are neither practice nor excluded; the value is the
-            same in all rows of that combination.
-        words: Its values are words, so that no rule and no model can use it.
-        in_report: The report shows it where a study has different values of it.
+        of_result: Computes it from the result only.
+        of_trials: Computes it from rows of one session and one combination of levels: successful
+            and counted trials, without practice and excluded ones. All rows of the combination get
+            this value.
+        words: True if the values are words; exclusion rules and models cannot use them.
+        in_report: True if the report shows it when a study has different values of it.
     """
 
     name: str
@@ -70,12 +71,12 @@ class Measure:
 
     @property
     def meaning(self) -> str:
-        """Definition with its source, as the codebook has it."""
+        """Definition with its source, for the codebook."""
         return self.means if self.source == "ours" else f"{self.means} ({self.source})"
 
 
 def result_measure(name: str, title: str, better: str = "", in_report: bool = True) -> Measure:
-    """A measure that is a field of the trial's result; unit and meaning are declared there."""
+    """Creates a measure from a field of the trial's result, with its unit and meaning."""
     field = fields()[name]
     return Measure(
         name,
@@ -89,10 +90,13 @@ def result_measure(name: str, title: str, better: str = "", in_report: bool = Tr
 
 
 def live_measure(name: str) -> Callable[[TrialResult], Value]:
-    """Reads a measure that is taken while the trial runs, since no table can tell it later."""
+    """Returns a function that reads a value which was measured while the trial ran.
+
+    Such values, as latencies, cannot be computed from tables later.
+    """
 
     def value(result: TrialResult) -> Value:
-        found: Value = (result.measures or {}).get(name)
-        return found
+        measured: Value = (result.measures or {}).get(name)
+        return measured
 
     return value

@@ -1,4 +1,4 @@
-"""The built-in measures of a trial; docs/measures.md has their whole definitions.
+"""The built-in measures of a trial; docs/measures.md defines them in full.
 
 To add a measure, add an entry here. Its column in `trial_results.csv`, its row in the codebook, its
 use in exclusion rules and its place in the report follow from it.
@@ -26,7 +26,7 @@ from sandbox.study.measures.throughput import throughput
 
 
 def _throughput(rows: Sequence[Row]) -> float | None:
-    """Effective throughput of the trials whose object was moved along a line to its goal."""
+    """Effective throughput over the trials in which one object was moved to a fixed goal."""
     moves = [row for row in rows if row.get("move_error_m") is not None]
     return throughput(
         [row["move_amplitude_m"] for row in moves],
@@ -49,7 +49,7 @@ BUILT_IN: tuple[Measure, ...] = (
         "first_attempt_success",
         "0/1",
         "Success at the first attempt",
-        "success without a regrasp, a drop, or an object that left the workspace",
+        "1: success without a regrasp, a drop, or an object that left the workspace",
         better=HIGH,
         tasks=HANDLING,
         of_trial=lambda trial: trial.first_attempt_success,
@@ -58,7 +58,7 @@ BUILT_IN: tuple[Measure, ...] = (
         "completion_s",
         "s",
         "Completion time",
-        "time_s of a success; empty without one",
+        "time_s if the trial succeeded, else empty",
         better=LOW,
         of_trial=lambda trial: trial.result.time_s if trial.result.success else None,
         in_report=False,
@@ -84,7 +84,7 @@ BUILT_IN: tuple[Measure, ...] = (
         "grasps",
         "",
         "Grasps",
-        "stretches of pushing an object in which two digits or more push at once",
+        "number of intervals in which the hand pushes an object with two digits or more at once",
         better=LOW,
         tasks=HANDLING,
         of_trial=lambda trial: trial.handling.get("grasps"),
@@ -93,7 +93,8 @@ BUILT_IN: tuple[Measure, ...] = (
         "regrasps",
         "",
         "Regrasps",
-        "grasps, up to time_s, of an object that had been grasped and let go for 0.1 s or longer",
+        "number of grasps, up to time_s, of an object that had been grasped before and let go for "
+        "0.1 s or longer",
         better=LOW,
         tasks=HANDLING,
         of_trial=lambda trial: trial.handling.get("regrasps"),
@@ -102,7 +103,7 @@ BUILT_IN: tuple[Measure, ...] = (
         "drops",
         "",
         "Drops",
-        "times that an object touched nothing and fell by more than 10 mm",
+        "number of times that an untouched object fell by more than 10 mm",
         better=LOW,
         tasks=HANDLING,
         of_trial=lambda trial: trial.handling.get("drops"),
@@ -119,7 +120,7 @@ BUILT_IN: tuple[Measure, ...] = (
         "palm_efficiency",
         "0 to 1",
         "Path efficiency of the palm",
-        "distance between the ends of the palm's path over its length",
+        "distance from start to end of the palm's path, divided by its length",
         better=HIGH,
         of_trial=lambda trial: trial.palm.get("palm_efficiency"),
     ),
@@ -127,7 +128,7 @@ BUILT_IN: tuple[Measure, ...] = (
         "object_path_m",
         "m",
         "Path of the object",
-        "length of the paths of all objects that have a goal",
+        "total length of the paths of all objects with a goal",
         better=LOW,
         tasks=GOALS,
         of_trial=lambda trial: trial.objects.get("object_path_m"),
@@ -136,7 +137,7 @@ BUILT_IN: tuple[Measure, ...] = (
         "object_efficiency",
         "0 to 1",
         "Path efficiency of the object",
-        "distances between the ends of the objects' paths, added up, over object_path_m",
+        "sum of the distances from start to end of the objects' paths, divided by object_path_m",
         better=HIGH,
         tasks=GOALS,
         of_trial=lambda trial: trial.objects.get("object_efficiency"),
@@ -153,9 +154,9 @@ BUILT_IN: tuple[Measure, ...] = (
     Measure(
         "placement_error_deg",
         "deg",
-        "Placement error (turn)",
-        "angle about the vertical between an object and its goal at time_s, to the nearest turn "
-        "that looks the same; mean over goals",
+        "Placement error (angle)",
+        "angle about the vertical between an object and its goal at time_s, for a symmetric "
+        "object to the nearest equivalent angle; mean over goals",
         better=LOW,
         tasks=GOALS,
         of_trial=lambda trial: trial.objects.get("placement_error_deg"),
@@ -171,7 +172,7 @@ BUILT_IN: tuple[Measure, ...] = (
         "object_peak_m_s",
         "m/s",
         "Peak speed of the object",
-        "largest speed of an object that has a goal",
+        "largest speed of an object with a goal",
         better=LOW,
         tasks=GOALS,
         of_trial=lambda trial: trial.objects.get("object_peak_m_s"),
@@ -180,8 +181,8 @@ BUILT_IN: tuple[Measure, ...] = (
         "palm_sparc",
         "",
         "Smoothness of the palm",
-        "spectral arc length of the palm's speed in the longest stretch in which the hand was "
-        "down; negative, and smoother nearer 0",
+        "spectral arc length of the palm's speed in the longest interval in which the hand was "
+        "down; negative; values nearer 0 are smoother",
         better=HIGH,
         source=BALASUBRAMANIAN,
         of_trial=lambda trial: trial.palm.get("palm_sparc"),
@@ -201,7 +202,7 @@ BUILT_IN: tuple[Measure, ...] = (
         "label_switches",
         "",
         "Label switches",
-        "times that a touch with a finger got another finger",
+        "number of times that a labelled touch got another finger label",
         better=LOW,
         of_trial=lambda trial: trial.labels.get("label_switches"),
     ),
@@ -209,7 +210,7 @@ BUILT_IN: tuple[Measure, ...] = (
         "label_truth",
         "",
         "Source of the true fingers",
-        "source of the true fingers: `simulated user`, `device`; empty where they are unknown",
+        "source of the true fingers: `simulated user` or `device`; empty if they are unknown",
         tasks=LABELS,
         of_trial=lambda trial: trial.labels.get("label_truth"),
         words=True,
@@ -218,7 +219,7 @@ BUILT_IN: tuple[Measure, ...] = (
         "label_accuracy",
         "0 to 1",
         "Label accuracy",
-        "share of the time of touches with a finger in which the finger was right",
+        "share of the time of labelled touches in which the label was right",
         better=HIGH,
         tasks=LABELS,
         of_trial=lambda trial: trial.labels.get("label_accuracy"),
@@ -227,7 +228,7 @@ BUILT_IN: tuple[Measure, ...] = (
         "label_errors",
         "",
         "Wrong labels",
-        "times that a touch got a wrong finger",
+        "number of times that a touch got a wrong finger label",
         better=LOW,
         tasks=LABELS,
         of_trial=lambda trial: trial.labels.get("label_errors"),
@@ -236,8 +237,8 @@ BUILT_IN: tuple[Measure, ...] = (
         "label_recovery_s",
         "s",
         "Time to the right label",
-        "time from a wrong finger to the right one of the same touch; mean over those that were "
-        "corrected",
+        "time from a wrong label to the right label of the same touch; mean over the corrected "
+        "errors",
         better=LOW,
         tasks=LABELS,
         of_trial=lambda trial: trial.labels.get("label_recovery_s"),
@@ -246,7 +247,7 @@ BUILT_IN: tuple[Measure, ...] = (
         "label_unrecovered",
         "",
         "Labels never corrected",
-        "wrong fingers that were never corrected",
+        "number of wrong labels that were never corrected",
         better=LOW,
         tasks=LABELS,
         of_trial=lambda trial: trial.labels.get("label_unrecovered"),
@@ -255,7 +256,7 @@ BUILT_IN: tuple[Measure, ...] = (
         "lost_s",
         "s",
         "Lost time",
-        "real time by which the machine fell behind; 0 on a fast machine",
+        "real time that the simulation lost because the machine was too slow; 0 on a fast machine",
         better=LOW,
         of_result=live_measure("lost_s"),
     ),
@@ -263,8 +264,8 @@ BUILT_IN: tuple[Measure, ...] = (
         "waited_s",
         "s",
         "Time before the first touch",
-        "real time from the first picture of the scene to the first touch, at which simulated "
-        "time begins; 0 where it begins at once",
+        "real time from the first picture of the scene to the first touch, which starts simulated "
+        "time; 0 if simulated time starts at once",
         better=LOW,
         tasks=PAGE,
         of_result=live_measure("waited_s"),
@@ -272,8 +273,8 @@ BUILT_IN: tuple[Measure, ...] = (
     Measure(
         "away_s",
         "s",
-        "Page gone",
-        "real time without a message from the page, in stretches above 1 s",
+        "Time without the page",
+        "total real time without a message from the page, in gaps longer than 1 s",
         better=LOW,
         tasks=PAGE,
         of_result=live_measure("away_s"),
@@ -281,8 +282,8 @@ BUILT_IN: tuple[Measure, ...] = (
     Measure(
         "away",
         "",
-        "Times that the page was gone",
-        "stretches above 1 s without a message from the page",
+        "Gaps without the page",
+        "number of gaps longer than 1 s without a message from the page",
         better=LOW,
         tasks=PAGE,
         of_result=live_measure("away"),
@@ -291,7 +292,7 @@ BUILT_IN: tuple[Measure, ...] = (
         "latency_p50_ms",
         "ms",
         "Latency (median)",
-        "time from receiving a touch to the step in which it took effect: median",
+        "median time from receiving a touch to the simulation step in which it took effect",
         better=LOW,
         tasks=LIVE,
         of_result=live_measure("latency_p50_ms"),
@@ -300,7 +301,7 @@ BUILT_IN: tuple[Measure, ...] = (
         "latency_p95_ms",
         "ms",
         "Latency (95th percentile)",
-        "95th percentile of the time from receiving a touch to its step",
+        "95th percentile of the time from receiving a touch to the step in which it took effect",
         better=LOW,
         tasks=LIVE,
         of_result=live_measure("latency_p95_ms"),
@@ -309,7 +310,7 @@ BUILT_IN: tuple[Measure, ...] = (
         "latency_p99_ms",
         "ms",
         "Latency (99th percentile)",
-        "99th percentile of the time from receiving a touch to its step",
+        "99th percentile of the time from receiving a touch to the step in which it took effect",
         better=LOW,
         tasks=LIVE,
         of_result=live_measure("latency_p99_ms"),
@@ -318,7 +319,7 @@ BUILT_IN: tuple[Measure, ...] = (
         "move_amplitude_m",
         "m",
         "Amplitude",
-        "distance that the object was moved along the line from its start to its goal, at time_s",
+        "distance that the object moved along the line from its start to its goal, at time_s",
         tasks=PLACES,
         source=ISO,
         of_trial=lambda trial: trial.objects.get("move_amplitude_m"),
@@ -326,8 +327,8 @@ BUILT_IN: tuple[Measure, ...] = (
     Measure(
         "move_error_m",
         "m",
-        "Endpoint error along the way",
-        "signed distance beyond the goal along that line, at time_s",
+        "Endpoint error along the line",
+        "signed distance beyond the goal along the line from start to goal, at time_s",
         tasks=PLACES,
         source=ISO,
         of_trial=lambda trial: trial.objects.get("move_error_m"),
@@ -336,8 +337,8 @@ BUILT_IN: tuple[Measure, ...] = (
         "throughput_bit_s",
         "bit/s",
         "Effective throughput",
-        "effective throughput over this session's successes with the same levels, at least 3, "
-        "without practice and exclusions; the same in all rows of these levels",
+        "effective throughput over the successful trials of the session with the same levels (at "
+        "least 3, without practice and excluded trials); equal in all rows with these levels",
         better=HIGH,
         tasks=PLACES,
         source=ISO,

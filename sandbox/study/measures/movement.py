@@ -1,4 +1,4 @@
-"""Measures of movement: path, efficiency, speed and smoothness, as functions of points in time."""
+"""Measures of movement: path, efficiency, speed and smoothness of a series of points."""
 
 from __future__ import annotations
 
@@ -8,56 +8,56 @@ from numpy.typing import ArrayLike
 from models.arithmetic.arrays import Array
 
 STILL = 0.001
-"""m; of a path that is shorter than this, neither efficiency nor smoothness mean anything."""
+"""m; efficiency and smoothness of a shorter path are meaningless."""
 
 CUTOFF = 10.0
-"""Hz, above which SPARC looks at nothing."""
+"""Hz; SPARC ignores higher frequencies."""
 THRESHOLD = 0.05
-"""Share of the largest amplitude below which SPARC takes a spectrum to have ended."""
+"""Share of the largest amplitude at which SPARC cuts the spectrum off."""
 PADDING = 4
-"""Powers of two by which SPARC pads with zeros. These three are its authors' values."""
+"""Powers of two by which SPARC pads the speed with zeros. All three values are its authors'."""
 FEWEST = 8
-"""Speeds of which SPARC makes no number yet."""
+"""Smallest number of speeds for SPARC."""
 
 
 def path_length(points: ArrayLike) -> float:
-    """m along points (n, 3), which are joined by straight lines."""
+    """Length of the path through points (n, 3), m."""
     return float(np.linalg.norm(np.diff(np.asarray(points, float), axis=0), axis=1).sum())
 
 
 def end_distance(points: ArrayLike) -> float:
-    """m between the first and the last of points (n, 3); 0 of none."""
-    found = np.asarray(points, float)
-    return float(np.linalg.norm(found[-1] - found[0])) if len(found) else 0.0
+    """Distance from the first to the last of points (n, 3), m; 0 without points."""
+    path = np.asarray(points, float)
+    return float(np.linalg.norm(path[-1] - path[0])) if len(path) else 0.0
 
 
 def efficiency(distance: float, length: float) -> float | None:
-    """0 to 1, distance over length of path; None for a path that is hardly one."""
+    """Distance divided by length of path, 0 to 1; None if the path is shorter than `STILL`."""
     return distance / length if length >= STILL else None
 
 
 def speeds(points: ArrayLike, period: float) -> Array:
-    """(n - 1,) m/s between points (n, 3) that are `period` seconds apart."""
+    """Speeds (n - 1,) between points (n, 3) that are `period` seconds apart, m/s."""
     return np.linalg.norm(np.diff(np.asarray(points, float), axis=0), axis=1) / period
 
 
 def sparc(speed: ArrayLike, period: float) -> float | None:
     """Smoothness of a movement: the spectral arc length of its speed.
 
-    The length of the curve that the amplitude spectrum of the speed makes, from 0 Hz to where it
-    has sunk to a twentieth of its largest, at 10 Hz at the latest; both axes are scaled to 1, and
-    the sign is negative. Scale and duration do not matter; about -1.4 is a single smooth bell, and
-    every halt in between makes it longer, that is, more negative.
+    This is the negative length of the amplitude spectrum's curve, from 0 Hz to the last frequency
+    at which the amplitude is at least 5 percent of its maximum, and at most 10 Hz; both axes are
+    scaled to 1. It does not depend on the size and duration of the movement. A single smooth bell
+    gives about -1.4; every halt in between makes the value more negative.
 
     Balasubramanian, Melendez-Calderon, Roby-Brami and Burdet, "On the analysis of movement
     smoothness", Journal of NeuroEngineering and Rehabilitation 12:112, 2015.
 
     Args:
-        speed: (n,) of any unit, from rest to rest.
-        period: s between two of them.
+        speed: (n,) speeds in any unit, from rest to rest.
+        period: Time between two speeds, s.
 
     Returns:
-        None where there is too little of it, or nothing moves.
+        The spectral arc length; None for fewer than `FEWEST` speeds or without movement.
     """
     values = np.asarray(speed, float)
     if len(values) < FEWEST or not values.max() > 0.0:
@@ -65,11 +65,11 @@ def sparc(speed: ArrayLike, period: float) -> float | None:
     size = 2 ** (int(np.ceil(np.log2(len(values)))) + PADDING)
     spectrum = np.abs(np.fft.rfft(values, size))
     frequencies = np.fft.rfftfreq(size, period)
-    looked_at = frequencies <= CUTOFF
-    amplitudes = spectrum[looked_at] / spectrum[looked_at].max()
+    low = frequencies <= CUTOFF
+    amplitudes = spectrum[low] / spectrum[low].max()
     over = np.flatnonzero(amplitudes >= THRESHOLD)
     part = slice(over[0], over[-1] + 1)
-    rise, along = np.diff(amplitudes[part]), np.diff(frequencies[looked_at][part])
+    rise, along = np.diff(amplitudes[part]), np.diff(frequencies[low][part])
     if not along.sum() > 0.0:
         return None
     return -float(np.hypot(along / along.sum(), rise).sum())

@@ -1,4 +1,4 @@
-"""A finished trial as measures see it: its result, its 60 Hz table, and groups of measures."""
+"""Input of measures: result and 60 Hz table of a finished trial, and groups of measures."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from sandbox.study.measures.throughput import movement_along
 from sandbox.trial.result import TrialResult
 
 JUMP = 0.05
-"""m in one control period: only an object that is put back moves this far."""
+"""m in one control period; only an object that is put back moves this far."""
 
 DOWN = "down"
 
@@ -33,18 +33,18 @@ Values = dict[str, Any]
 
 
 class PlayedTrial:
-    """A finished trial as measures see it; groups of measures are computed once, when first used.
+    """A finished trial; groups of measures are computed once, when they are first used.
 
     Args:
-        table: Its 60 Hz table.
-        result: Its result.
+        table: The 60 Hz table.
+        result: The trial's result.
         truth: Source of the `true_*` columns.
 
     Attributes:
         whole: The 60 Hz table.
-        table: Its rows up to `time_s`: what comes after success does not count.
+        table: The rows up to `time_s`; what happens after success does not count.
         result: The trial's result.
-        truth: Source of the `true_*` columns; empty where there is none.
+        truth: Source of the `true_*` columns; empty if the true fingers are unknown.
     """
 
     def __init__(self, table: Columns, result: TrialResult, truth: str = "") -> None:
@@ -58,12 +58,12 @@ class PlayedTrial:
 
     @cached_property
     def objects(self) -> Values:
-        """Path, speed, smoothness and place of the objects that have a goal."""
+        """Path, speed, smoothness and placement of the objects with a goal."""
         return _objects(self.table) if len(self.table) else {}
 
     @cached_property
     def handling(self) -> Values:
-        """ObjectPushes, grasps and drops; empty where the contacts are unknown."""
+        """Pushes, grasps and drops; empty if contacts with objects are unknown."""
         return _handling(self.table) if len(self.table) else {}
 
     @cached_property
@@ -73,7 +73,7 @@ class PlayedTrial:
 
     @property
     def first_attempt_success(self) -> bool | None:
-        """Success without a regrasp, a drop or an object put back; None: contacts are unknown."""
+        """Success without a regrasp, a drop or an object put back; None if contacts are unknown."""
         handling = self.handling
         if not handling:
             return None
@@ -83,30 +83,30 @@ class PlayedTrial:
 
 def _palm(table: Columns) -> Values:
     """Path, speed and smoothness of the commanded palms, over all hands."""
-    found: list[tuple[list[Array], list[Array]]] = []
+    paths: list[tuple[list[Array], list[Array]]] = []
     for hand in table.hands:
-        places = table.numbers(*(f"{hand}q_position_{axis}" for axis in "xyz"))
-        stays = true_intervals([phase == DOWN for phase in table.words(f"{hand}phase")])
-        parts = [places[first : last + 1] for first, last in stays]
+        positions = table.numbers(*(f"{hand}q_position_{axis}" for axis in "xyz"))
+        down = true_intervals([phase == DOWN for phase in table.words(f"{hand}phase")])
+        parts = [positions[first : last + 1] for first, last in down]
         if sum(len(part) for part in parts) >= 2:
-            found.append((parts, [speeds(part, CONTROL_PERIOD) for part in parts]))
-    if not found:
+            paths.append((parts, [speeds(part, CONTROL_PERIOD) for part in parts]))
+    if not paths:
         return {}
-    ways = [np.concatenate(parts) for parts, _ in found]
-    lengths = [path_length(way) for way in ways]
-    longest = max((part for _, speed in found for part in speed), key=len)
+    joined = [np.concatenate(parts) for parts, _ in paths]
+    lengths = [path_length(path) for path in joined]
+    longest = max((part for _, speed in paths for part in speed), key=len)
     moves = longest.sum() * CONTROL_PERIOD >= STILL
     return {
         "palm_path_m": sum(lengths),
-        "palm_efficiency": efficiency(sum(end_distance(way) for way in ways), sum(lengths)),
-        "palm_peak_m_s": float(max(part.max(initial=0.0) for _, speed in found for part in speed)),
+        "palm_efficiency": efficiency(sum(map(end_distance, joined)), sum(lengths)),
+        "palm_peak_m_s": float(max(part.max(initial=0.0) for _, speed in paths for part in speed)),
         "palm_sparc": sparc(longest, CONTROL_PERIOD) if moves else None,
     }
 
 
 def _objects(table: Columns) -> Values:
-    """Path, speed, smoothness and place of the objects that have a goal."""
-    names = [name for name in table.things() if f"{name}_goal_x" in table]
+    """Path, speed, smoothness and placement of the objects with a goal."""
+    names = [name for name in table.objects() if f"{name}_goal_x" in table]
     if not names:
         return {}
     places = {name: table.numbers(*(f"{name}_{axis}" for axis in "xyz")) for name in names}
@@ -115,7 +115,7 @@ def _objects(table: Columns) -> Values:
     lengths = {name: sum(path_length(part) for part in parts[name]) for name in names}
     speed = {name: [speeds(part, CONTROL_PERIOD) for part in parts[name]] for name in names}
     length = sum(lengths.values())
-    found: Values = {
+    values: Values = {
         "object_path_m": length,
         "object_efficiency": efficiency(
             sum(end_distance(part) for some in parts.values() for part in some), length
@@ -131,14 +131,14 @@ def _objects(table: Columns) -> Values:
     farthest = max(names, key=lambda name: lengths[name])
     begin = _first_push(table)
     if begin is not None and lengths[farthest] >= STILL and len(parts[farthest]) == 1:
-        found["object_sparc"] = sparc(speed[farthest][0][begin:], CONTROL_PERIOD)
+        values["object_sparc"] = sparc(speed[farthest][0][begin:], CONTROL_PERIOD)
     if len(names) == 1:
-        found |= _move(places[names[0]], goals[names[0]])
-    return found
+        values |= _move(places[names[0]], goals[names[0]])
+    return values
 
 
 def _move(places: Array, goals: Array) -> Values:
-    """Distance that an object was moved along its way, where its goal does not move."""
+    """Amplitude and endpoint error of an object's movement; empty if its goal moves."""
     if np.ptp(goals, axis=0).max() > STILL:
         return {}
     move = movement_along(places[0], goals[-1], places[-1])
@@ -146,7 +146,7 @@ def _move(places: Array, goals: Array) -> Values:
 
 
 def _unbroken(places: Array) -> list[Array]:
-    """The parts (n, 3) of a path between the moments at which an object was put back."""
+    """Splits a path (n, 3) at the moments at which the object was put back."""
     far = np.linalg.norm(np.diff(places, axis=0), axis=1) > JUMP
     return np.split(places, np.flatnonzero(far) + 1)
 
@@ -157,18 +157,18 @@ def _handled(table: Columns, name: str) -> list[tuple[int, int]]:
 
 
 def _known(table: Columns) -> list[str]:
-    """Objects whose contacts are known."""
-    return [name for name in table.things() if all(table.words(f"{name}_grip_N"))]
+    """Names of the objects whose contacts are known at all moments."""
+    return [name for name in table.objects() if all(table.words(f"{name}_grip_N"))]
 
 
 def _first_push(table: Columns) -> int | None:
-    """Row in which the hand first pushes anything."""
+    """First row in which a hand pushes an object; None if there is none."""
     runs = [run for name in _known(table) for run in _handled(table, name)]
     return min((first for first, _ in runs), default=None)
 
 
 def _handling(table: Columns) -> Values:
-    """ObjectPushes, grasps and drops; empty where the contacts are unknown."""
+    """Pushes, grasps and drops; empty if contacts with objects are unknown."""
     names = _known(table)
     if not names:
         return {}
@@ -190,14 +190,14 @@ def _handling(table: Columns) -> Values:
 
 def _labels(table: Columns, truth: str) -> Values:
     """Changes and errors of the labels."""
-    named = _by_contact(table, "touch")
-    found: Values = {"label_switches": label_switches(named)}
-    errors = label_errors(named, _by_contact(table, "true"), CONTROL_PERIOD)
-    return found | ({**errors, "label_truth": truth} if errors else {})
+    labels = _by_contact(table, "touch")
+    values: Values = {"label_switches": label_switches(labels)}
+    errors = label_errors(labels, _by_contact(table, "true"), CONTROL_PERIOD)
+    return values | ({**errors, "label_truth": truth} if errors else {})
 
 
 def _by_contact(table: Columns, kind: str) -> list[FingersByContact]:
-    """Fingers by hand and contact, row by row."""
+    """Finger by hand and contact, for each row; `kind` is `touch` or `true`."""
     columns = [
         (hand, finger, table.whole(f"{hand}{kind}_{name}"))
         for hand in table.hands

@@ -1,4 +1,4 @@
-"""All measures of a trial: the built-in ones, those of installed packages, those registered here.
+"""Registry of measures: built-in ones, those of installed packages, and registered ones.
 
 A package offers a measure under the measure's name:
 
@@ -17,33 +17,33 @@ from sandbox.study.measures.measures import BUILT_IN
 from sandbox.trial.result import KeptIn, kept_fields
 
 GROUP = "hand_sandbox.measures"
-"""Group of the entry points; each is named after its measure."""
+"""Group of the entry points; each entry point has the name of its measure."""
 
 _registered: list[Measure] = []
 
 
 def measures() -> tuple[Measure, ...]:
-    """All measures, in the order of their columns.
+    """Returns all measures, in the order of their columns.
 
     Raises:
-        InputError: A measure of an installed package cannot be used.
+        InputError: A measure of an installed package is invalid.
     """
     return (*BUILT_IN, *_offered(), *_registered)
 
 
 def register(measure: Measure) -> None:
-    """Adds a measure for as long as this program runs.
+    """Adds a measure until this program ends.
 
     Raises:
-        InputError: Another measure has this name, or it does not say how it is computed.
+        InputError: Another measure has this name, or the measure is invalid.
     """
     _check(measure, "register")
     if find_measure(measure.name) is not None:
         raise InputError(
-            "another measure has this name",
+            "another measure already has this name",
             where="register",
             got=measure.name,
-            remedy="Give it a name of its own",
+            remedy="Choose another name",
         )
     _registered.append(measure)
 
@@ -54,25 +54,25 @@ def unregister(name: str) -> None:
 
 
 def find_measure(name: str) -> Measure | None:
-    """The measure of a name; None where there is none."""
+    """Returns the measure of a name; None if it does not exist."""
     return next((measure for measure in measures() if measure.name == name), None)
 
 
 def measure_columns() -> tuple[str, ...]:
-    """Columns of `trial_results.csv` for the measures that are not fields of the result."""
+    """Names of the measures that are not fields of the trial's result."""
     of_result = kept_fields(KeptIn.TABLE)
     return tuple(m.name for m in measures() if m.name not in of_result)
 
 
 def rule_measures() -> tuple[str, ...]:
-    """Measures that an exclusion rule may use, the default first: numbers of a single trial."""
+    """Names of the measures that exclusion rules may use (numbers of one trial), default first."""
     names = [m.name for m in measures() if not m.words and m.of_trials is None]
     return ("time_s", *(name for name in names if name != "time_s"))
 
 
 @cache
 def _offered() -> tuple[Measure, ...]:
-    """Measures of installed packages, by name."""
+    """Measures of installed packages, sorted by name."""
     loaded = []
     for name, entries in sorted(offered(GROUP).items()):
         where = f"entry point {name} = {entries[0].value} of {package(entries[0])}"
@@ -90,7 +90,7 @@ def _offered() -> tuple[Measure, ...]:
                 "a measure of an installed package cannot be loaded",
                 where=where,
                 got=failure(error),
-                remedy="Mend or uninstall the package",
+                remedy="Repair or uninstall the package",
             ) from error
         _check(measure, where)
         if measure.name != name:
@@ -105,10 +105,10 @@ def _offered() -> tuple[Measure, ...]:
 
 
 def _check(measure: object, where: str) -> None:
-    """Refuses what is not a complete measure."""
+    """Raises an error unless this is a valid measure."""
     if not isinstance(measure, Measure):
         raise InputError(
-            "this is not a measure",
+            "expected a measure",
             where=where,
             got=type(measure).__name__,
             expected="sandbox.study.measures.measure.Measure",
@@ -116,14 +116,14 @@ def _check(measure: object, where: str) -> None:
     ways = [w for w in (measure.of_trial, measure.of_result, measure.of_trials) if w is not None]
     if len(ways) != 1:
         raise InputError(
-            "a measure is computed in exactly one way",
+            "a measure needs exactly one function that computes it",
             where=f"{where}, {measure.name}",
             got=len(ways),
             expected="one of of_trial, of_result, of_trials",
         )
     if not measure.name.isidentifier():
         raise InputError(
-            "a measure is named like a column",
+            "this name cannot be the name of a column",
             where=where,
             got=measure.name,
             expected="letters, digits and underscores, such as palm_height_m",

@@ -1,4 +1,4 @@
-"""Effective throughput: how much of moving a thing to its place is done in a second."""
+"""Effective throughput of moving an object to its goal, in bit/s (ISO 9241-411)."""
 
 from __future__ import annotations
 
@@ -9,26 +9,30 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 WIDTH = 4.133
-"""Effective width over the standard deviation of endpoints: 4 percent of a normal distribution lie
-beyond, as Welford (1960) and ISO 9241-411 have it; sqrt(2 pi e) is 4.1327."""
+"""Ratio of the effective width to the standard deviation of endpoints. 4 percent of a normal
+distribution lie outside (Welford 1960, ISO 9241-411); sqrt(2 pi e) is 4.1327."""
 FEWEST = 3
-"""Movements of which it is made at least: a deviation of two is hardly one."""
+"""Smallest number of movements; a standard deviation of two values is too uncertain."""
 NEAR = 0.010
-"""m between start and goal, below which there is no way to be moved along."""
+"""m; if start and goal are nearer than this, the line between them has no defined direction."""
 
 
 def movement_along(start: ArrayLike, goal: ArrayLike, end: ArrayLike) -> tuple[float, float] | None:
-    """A movement seen along the line from its start to its goal, all (3,) m.
+    """Projects a movement onto the line from its start to its goal.
+
+    Args:
+        start, goal, end: (3,) positions, m.
 
     Returns:
-        How far it went, and how far it ended beyond the goal, m; None where there is no way.
+        Distance moved along the line, and signed distance of the end beyond the goal, m; None if
+        start and goal are nearer than `NEAR`.
     """
     way = np.asarray(goal, float) - start
     distance = float(np.linalg.norm(way))
     if distance < NEAR:
         return None
-    went = float((np.asarray(end, float) - start) @ way / distance)
-    return went, went - distance
+    moved = float((np.asarray(end, float) - start) @ way / distance)
+    return moved, moved - distance
 
 
 def throughput(
@@ -42,12 +46,12 @@ def throughput(
     years of Fitts' law research in HCI", International Journal of Human-Computer Studies 61, 2004).
 
     Args:
-        amplitudes: m, how far each movement went.
-        errors: m, signed, how far beyond the goal it ended.
-        times: s that it took.
+        amplitudes: Distance moved along the line from start to goal, of each movement, m.
+        errors: Signed distance beyond the goal at its end, m.
+        times: Duration, s.
 
     Returns:
-        None for fewer than three movements, or where all ended at the very same place.
+        The throughput; None for fewer than three movements, or if all errors are equal.
     """
     if len(amplitudes) < FEWEST:
         return None

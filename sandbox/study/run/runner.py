@@ -26,7 +26,7 @@ from sandbox.study.run.answers import Draft
 from sandbox.study.run.controls import Command, Controls
 from sandbox.study.run.forms import Forms, Ready
 from sandbox.study.run.players import TICK, PlayedAttempt, TrialPlayer, TrialRequest
-from sandbox.study.tables.frames import complete
+from sandbox.study.tables.frames import complete_tables
 from sandbox.study.tables.tables import StudyTables, rebuild_session
 from sandbox.trial.device_makers import DeviceMakers
 from sandbox.trial.result import TrialResult
@@ -283,7 +283,7 @@ class SessionRunner:
                     recording = session.path / attempt.start["file"]
                     if attempt.end is None:
                         continue
-                    for notice in complete(recording, trackers):
+                    for notice in complete_tables(recording, trackers):
                         self.say(notice)
                     pack(recording)
             rebuild_session(session, say=self.say)

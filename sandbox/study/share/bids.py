@@ -29,7 +29,7 @@ from sandbox.study.record.stored_sessions import StoredSession, all_sessions, pl
 from sandbox.study.share.export_folder import new_folder
 from sandbox.study.tables.column import Row, names_of
 from sandbox.study.tables.exclusions import exclude_person
-from sandbox.study.tables.people_table import person_columns, person_row
+from sandbox.study.tables.participant_table import participant_columns, participant_row
 from sandbox.study.tables.trial_table import RESULT, SESSION, trial_rows
 
 TRACKSYS = "handsandbox"
@@ -82,7 +82,7 @@ def export_bids(study: StudyFolder, out: Path, say: Say) -> int:
                 continue
             runs += written
             people.append(
-                person_row(
+                participant_row(
                     study.design, states, planned_trials(study, person), mine, study.design.sessions
                 )
             )
@@ -155,7 +155,7 @@ def motion(frames: Columns) -> tuple[list[Channel], Array]:
             point, frame = (root, "world") if bone == "rotation" else (hand + bone, "parent")
             channels += _orientation(point, frame)
             parts.append(quaternion_exp(frames.numbers(*(f"{hand}q_{bone}_{a}" for a in "xyz"))))
-    for name in _things(frames):
+    for name in frames.objects():
         channels += [Channel(f"{name}_pos_{a}", a, "POS", name, "m", "world") for a in "xyz"]
         channels += _orientation(name, "world")
         columns = (*(f"{name}_{a}" for a in "xyz"), *(f"{name}_q{a}" for a in "wxyz"))
@@ -192,11 +192,6 @@ def _orientation(point: str, frame: str) -> list[Channel]:
     return [Channel(f"{point}_{part}", part, "ORNT", point, "n/a", frame) for part in QUATERNION]
 
 
-def _things(frames: Columns) -> list[str]:
-    """Things that have a place and a rotation."""
-    return [name.removesuffix("_qw") for name in frames.texts if name.endswith("_qw")]
-
-
 def _table(path: Path) -> Columns:
     try:
         return Columns.read(path.read_bytes())
@@ -212,7 +207,7 @@ def _table(path: Path) -> Columns:
 def _about(study: StudyFolder, work: Path, people: Sequence[Row]) -> None:
     _json(work / "dataset_description.json", dataset_description(study))
     (work / "README").write_text(readme(study), encoding="utf-8")
-    asked = names_of(person_columns(study.design))
+    asked = names_of(participant_columns(study.design))
     used = [
         name
         for name in ("hand", "hand_size", "language", "simulated", "complete", "excluded")
@@ -220,7 +215,7 @@ def _about(study: StudyFolder, work: Path, people: Sequence[Row]) -> None:
     ] + [item.name for item in study.design.demographics]
     rows = [[f"sub-{p['ppid']}", *(p.get(name) for name in used)] for p in people]
     _tsv(work / "participants.tsv", ["participant_id", *used], rows)
-    _json(work / "participants.json", participant_columns(study.design, used))
+    _json(work / "participants.json", participants_json(study.design, used))
 
 
 def _tsv(path: Path, head: Sequence[str] | None, rows: Sequence[Sequence[Any]]) -> None:
@@ -354,7 +349,7 @@ def event_columns() -> dict[str, Any]:
     }
 
 
-def participant_columns(design: Design, used: Sequence[str]) -> dict[str, Any]:
+def participants_json(design: Design, used: Sequence[str]) -> dict[str, Any]:
     """`participants.json`."""
-    meanings = {column.name: column.meaning for column in person_columns(design)}
+    meanings = {column.name: column.meaning for column in participant_columns(design)}
     return {name: {"Description": meanings[name]} for name in used}

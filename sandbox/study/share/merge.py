@@ -32,7 +32,7 @@ from sandbox.study.share.privacy import lines
 from sandbox.study.share.privacy_records import RecordingEnd
 from sandbox.study.share.withdraw import SITES, WITHDRAWN, withdrawn
 from sandbox.study.tables.column import csv_bytes
-from sandbox.study.tables.export_tables import rebuild_all
+from sandbox.study.tables.tables import rebuild_all
 
 Say = Callable[[str], object]
 

@@ -35,8 +35,7 @@ from sandbox.study.share.privacy_records import (
     anonymous_records,
     without_folders,
 )
-from sandbox.study.tables.export_tables import rebuild_all
-from sandbox.study.tables.frames import STEMS
+from sandbox.study.tables.tables import rebuild_all
 
 DEMOGRAPHICS = "demographics"
 ABOUT = "anonymised.json"
@@ -203,7 +202,7 @@ def _write_session(
             )
             write_atomically(path / attempt.start["file"], copied, durable=False)
         # What is derived from poses and touches: numbers, and names of fingers and things.
-        for stem in (*STEMS.values(), "measures"):
+        for stem in ("frames", "touches", "measures"):
             for table in (source / "trackers").glob(f"{stem}_{recording.stem}.*"):
                 if table.name.split(f"_{recording.stem}.", 1)[1] in TABLES:
                     shutil.copyfile(table, path / "trackers" / table.name)

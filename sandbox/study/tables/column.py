@@ -1,4 +1,4 @@
-"""A column of a table, declared once with unit and meaning, and rows written as CSV."""
+"""Declaration of table columns (name, unit, meaning), and rows written as CSV."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ class Column:
     """A column of a study's table.
 
     Attributes:
-        name: Name in the first line of the table.
-        unit: Unit of its numbers; `0/1` for yes or no; empty for words and counts.
-        meaning: Definition in a line, for the codebook.
+        name: Name in the header line of the table.
+        unit: Unit of the numbers; `0/1` for yes or no; empty for words and counts.
+        meaning: Definition in one line, for the codebook.
     """
 
     name: str
@@ -29,7 +29,7 @@ class Column:
 
 
 def factor_columns(design: Design) -> list[Column]:
-    """The columns of a design's factors."""
+    """Columns of the factors of a design."""
     return [
         Column(f"factor_{f.name}", "", "level: " + ", ".join(x.name for x in f.levels))
         for f in design.factors
@@ -42,12 +42,13 @@ def names_of(columns: Iterable[Column]) -> list[str]:
 
 
 def csv_bytes(rows: Iterable[Row], columns: Sequence[str]) -> bytes:
-    """A table as every program reads it: UTF-8, commas, points, 1 and 0, empty for nothing."""
+    """A table as CSV: UTF-8, separated by commas, with decimal points, 1 and 0 for yes and no, and
+    empty cells for missing values."""
     return _lines([columns]) + csv_rows(rows, columns)
 
 
 def csv_rows(rows: Iterable[Row], columns: Sequence[str]) -> bytes:
-    """The same without its first line."""
+    """Rows as CSV, without the header line."""
     return _lines([_cell(row.get(name)) for name in columns] for row in rows)
 
 
@@ -65,6 +66,6 @@ def _cell(value: Any) -> Any:
     if isinstance(value, float):
         return repr(round(value, 6))
     if isinstance(value, str):
-        # A lone carriage return is not quoted by csv, and ends a row for many readers.
+        # The csv module does not quote a lone carriage return, but many readers end a row at it.
         return value.replace("\r\n", "\n").replace("\r", "\n")
     return value

@@ -1,4 +1,4 @@
-"""Trials that are left out, by a rule or by the experimenter; none is ever deleted."""
+"""Exclusion of trials by a rule or by the experimenter; excluded trials are never deleted."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from sandbox.study.record.state import SessionState
 from sandbox.study.tables.column import Row
 
 PERSON = "participant: "
-"""Beginning of the reason where all of a participant's trials are left out."""
+"""Prefix of the reason if all trials of a participant are excluded."""
 
 
 def excluded_by_rule(design: Design, row: Row) -> str:
-    """The rule about trials that leaves this one out, as a reason; empty where none does."""
+    """Reason why a rule on trials excludes this row; empty if no rule does."""
     for rule in design.exclusions:
         value = row.get(rule.measure)
         if rule.of == "trial" and value is not None and rule.holds(float(value)):
@@ -22,8 +22,9 @@ def excluded_by_rule(design: Design, row: Row) -> str:
 
 
 def exclude_person(design: Design, states: Sequence[SessionState], rows: Sequence[Row]) -> None:
-    """Leaves out all trials of a participant whom the experimenter excluded in any session, or to
-    whom a rule applies once all sessions are complete. Doing it twice changes nothing.
+    """Marks all trials of a participant as excluded, if the experimenter excluded the participant
+    in any session or a rule on participants applies. Rules apply once all sessions are complete.
+    A second call changes nothing.
 
     Args:
         design: Design of the study.
@@ -39,7 +40,7 @@ def exclude_person(design: Design, states: Sequence[SessionState], rows: Sequenc
 
 
 def _by_rule(design: Design, rows: Sequence[Row]) -> str:
-    """The first rule about participants that holds for the mean of somebody's trials."""
+    """Name of the first rule on participants that the mean over these trials meets, as a reason."""
     counted = [r for r in rows if r["counted"] and not r["practice"] and not r["excluded"]]
     for rule in design.exclusions:
         values = [float(r[rule.measure]) for r in counted if r.get(rule.measure) is not None]

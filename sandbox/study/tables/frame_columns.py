@@ -1,4 +1,4 @@
-"""Columns of the 60 Hz tables, declared once: unit, meaning, and type in Parquet files."""
+"""Declaration of the columns of the 60 Hz tables: unit, meaning, and type in Parquet files."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from sandbox.study.tables.column import Column
 
 OBJECT, ANY = "OBJECT", "*"
-"""Stand for the name of an object, and for the end of a name, in the name of a column."""
+"""Placeholders in names of columns: the name of an object, and the rest of a name."""
 WHOLE, NUMBER, POSE_NUMBER, WORDS = "int64", "float64", "float32", "string"
 """Types in Parquet files."""
 
@@ -27,8 +27,8 @@ class FrameColumn(Column):
 FRAMES = (
     FrameColumn("time_s", "s", "simulated time since the trial's start", NUMBER),
     FrameColumn("step", "", "physics steps since the trial's start", WHOLE),
-    FrameColumn("phase", "", "phase of the hand between hovering and being down", WORDS),
-    FrameColumn("solid", "", "fingers that can touch objects, as letters t i m r l", WORDS),
+    FrameColumn("phase", "", "phase of the hand, such as hovering or down", WORDS),
+    FrameColumn("solid", "", "fingers that collide with objects, as letters t i m r l", WORDS),
     FrameColumn(
         "q_*",
         "m, rad",
@@ -37,46 +37,53 @@ FRAMES = (
         POSE_NUMBER,
     ),
     FrameColumn(
-        "touch_*", "", "id of the contact with this label; empty: the finger does not touch", WHOLE
+        "touch_*", "", "id of the contact with this finger label; empty if there is none", WHOLE
     ),
     FrameColumn(
         "true_*",
         "",
-        "id of the contact that truly is this finger, where a simulated user or a device tells it",
+        "id of the contact that this finger really makes; empty if neither simulated user nor "
+        "device tells",
         WHOLE,
     ),
-    FrameColumn("hand2_phase", "", "phase of the second hand, in trials with two", WORDS),
-    FrameColumn("hand2_solid", "", "as solid, of the second hand", WORDS),
-    FrameColumn("hand2_q_*", "m, rad", "as q_*, of the second hand", POSE_NUMBER),
-    FrameColumn("hand2_touch_*", "", "as touch_*, of the second hand", WHOLE),
-    FrameColumn("hand2_true_*", "", "as true_*, of the second hand", WHOLE),
+    FrameColumn(
+        "hand2_phase", "", "phase of the second hand; only in trials with two hands", WORDS
+    ),
+    FrameColumn("hand2_solid", "", "same as solid, for the second hand", WORDS),
+    FrameColumn("hand2_q_*", "m, rad", "same as q_*, for the second hand", POSE_NUMBER),
+    FrameColumn("hand2_touch_*", "", "same as touch_*, for the second hand", WHOLE),
+    FrameColumn("hand2_true_*", "", "same as true_*, for the second hand", WHOLE),
     FrameColumn(
         "OBJECT_*",
         "m, 1",
-        "position of an object, and its rotation as a quaternion w x y z",
+        "position of the object in the world, and its rotation as a quaternion w x y z",
         POSE_NUMBER,
     ),
     FrameColumn(
         "OBJECT_digits",
         "",
-        "digits that push the object, as letters t i m r l, and p "
-        "for the palm, capitals for a second hand; unknown where grip_N is empty",
+        "digits that push the object: letters t i m r l, and p for the palm; capital letters for a "
+        "second hand; unknown if grip_N is empty",
         WORDS,
     ),
-    FrameColumn("OBJECT_grip_N", "N", "sum of all hands' normal forces on the object", NUMBER),
-    FrameColumn("OBJECT_by", "", "what else pushes the object: table, names of objects", WORDS),
+    FrameColumn(
+        "OBJECT_grip_N", "N", "sum of the normal forces of all hands on the object", NUMBER
+    ),
+    FrameColumn(
+        "OBJECT_by", "", "other things that push the object: the table, names of objects", WORDS
+    ),
     FrameColumn(
         "OBJECT_on",
         "",
-        "which of those bear the object: push up 60 percent of its weight or more",
+        "those of OBJECT_by that bear the object: each pushes up 60 percent of its weight or more",
         WORDS,
     ),
     FrameColumn("OBJECT_goal_*", "m", "position of the goal of the object's centre", POSE_NUMBER),
     FrameColumn(
         "OBJECT_off_rad",
         "rad",
-        "angle about the vertical from the goal to the object, "
-        "by the nearest turn that looks the same",
+        "angle about the vertical from the goal to the object; for a symmetric object, the "
+        "smallest of the equivalent angles",
         NUMBER,
     ),
 )
@@ -86,25 +93,29 @@ TOUCHES = (
     Column(
         "x, y, z",
         "m",
-        "position on the surface, in the world: x right, y away from the person, z up",
+        "position of the touch in the world: x right, y away from the person, z up",
     ),
-    Column("finger", "", "thumb, index, middle, ring, little; empty while it has no label"),
-    Column("state", "", "active; lost: kept for a moment after it ended; ignored"),
-    Column("hand", "", "1, or 2 for the second hand; only in trials with two"),
+    Column(
+        "finger",
+        "",
+        "finger label: thumb, index, middle, ring or little; empty while there is none",
+    ),
+    Column("state", "", "active; lost (kept for a moment after it ended); or ignored"),
+    Column("hand", "", "1, or 2 for the second hand; only in trials with two hands"),
 )
 
 
 def frame_column(name: str) -> FrameColumn:
-    """The declaration of a column of `frames_*`.
+    """Returns the declaration of a column of `frames_*`.
 
     Raises:
-        KeyError: None is declared.
+        KeyError: No column of this name is declared.
     """
-    fitting = [c for c in FRAMES if re.fullmatch(_pattern(c.name), name)]
-    if not fitting:
+    matches = [c for c in FRAMES if re.fullmatch(_pattern(c.name), name)]
+    if not matches:
         raise KeyError(name)
-    # Of `box_goal_x`, both OBJECT_* and OBJECT_goal_* are true; the more literal name is meant.
-    return max(fitting, key=lambda c: len(c.name.replace(OBJECT, "").replace(ANY, "")))
+    # `box_goal_x` matches both OBJECT_* and OBJECT_goal_*: the name with more literal letters wins.
+    return max(matches, key=lambda c: len(c.name.replace(OBJECT, "").replace(ANY, "")))
 
 
 def _pattern(name: str) -> str:

@@ -1,6 +1,6 @@
 """The 60 Hz tables of a trial: commanded pose, labels, touches and objects, as CSV and Parquet.
 
-They are derived: made while a trial runs, and made again from its recording where they are missing.
+They are built while the trial runs, and from its recording if they are missing later.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from models.skeleton import ADULT
 from sandbox.recording.recording import load_recording
 from sandbox.study.measures.columns import SECOND, Columns
 from sandbox.study.measures.compute import VERSION, measure_result, measure_trial
+from sandbox.study.measures.object_contacts import ContactReader, ContactSample, ObjectPushes
 from sandbox.study.measures.registry import measures
-from sandbox.study.measures.touching import ContactReader, ContactSample, ObjectPushes
 from sandbox.study.record.files import write_atomically
 from sandbox.study.tables.frame_columns import frame_column
 from sandbox.trial.result import TrialResult
@@ -37,71 +37,70 @@ if TYPE_CHECKING:
     from tasks.task import Goal
 
 REASONS = "reasons"
-"""Key of a file of measures: why cells are empty, by measure."""
-STEMS = {"frames": "frames", "touches": "touches"}
+"""Key in a file of measures: the reasons why cells are empty, by measure."""
 POSE_COLUMNS = tuple(
     f"q_{name}_{axis}"
     for name in ("position", "rotation", *(b.name for b in ADULT.bones))
     for axis in "xyz"
 )
-"""The 48 numbers of a pose, in its own order."""
+"""Columns of the 48 numbers of a pose, in the order of the pose."""
 
 
 class FrameTable:
-    """A view that keeps what the tables tell of every snapshot.
+    """A view that collects the snapshots of a trial and writes its 60 Hz tables and measures.
 
     Attributes:
-        truths: True finger by contact, hand by hand, where somebody knows.
-        truth_by: Who knows; empty where nobody does.
+        truths: True finger by id of the contact, for each hand; empty if unknown.
+        truth_by: Source of the true fingers; empty if they are unknown.
     """
 
     def __init__(self) -> None:
         self._snapshots: list[Snapshot] = []
         self._contacts: list[ContactSample] = []
-        self._heard: list[list[Frame]] = []
+        self._inputs: list[list[Frame]] = []
         self._session: Session | None = None
-        self._touching: ContactReader | None = None
+        self._reader: ContactReader | None = None
         self.truths: list[dict[int, int]] = []
         self.truth_by = ""
 
     @property
     def first_contact(self) -> float | None:
-        """s, when something first touched; None if nothing did."""
+        """Time of the first touch, s; None without a touch."""
         return next((s.time for s in self._snapshots if any(h.contacts for h in s.hands)), None)
 
     def watch(self, session: Session) -> None:
-        """Says which session the snapshots come from; who pushes what is read there."""
+        """Sets the session that the snapshots come from, and from which contacts are read."""
         if self._session is None:
-            self._session, self._touching = session, ContactReader(session.scene, session.data)
+            self._session, self._reader = session, ContactReader(session.scene, session.data)
 
     def show(self, snapshot: Snapshot) -> None:
-        """Looks at a snapshot; all of them, each before the session goes on."""
-        # It is taken apart after the trial: the session's loop has better things to do.
+        """Collects a snapshot; must be called for every snapshot before the session continues."""
+        # Rows are computed after the trial, so that the session's loop is not delayed.
         self._snapshots.append(snapshot)
-        if self._session is not None and self._touching is not None:
-            self._heard.append([self._session.heard(k) for k in range(len(snapshot.hands))])
-            self._contacts.append(self._touching.copy())
+        if self._session is not None and self._reader is not None:
+            self._inputs.append([self._session.heard(k) for k in range(len(snapshot.hands))])
+            self._contacts.append(self._reader.copy())
 
     def forget_contacts(self) -> None:
-        """Makes who pushes what unknown: what was simulated is not what is shown."""
+        """Discards the contacts with objects, if the simulation differs from the recorded poses."""
         self._contacts = []
 
     def write(self, folder: Path, stem: str, result: TrialResult | None = None) -> list[str]:
-        """Writes the tables of a recording `stem`, and the measures.
+        """Writes the tables and measures of a trial.
 
         Args:
             folder: Folder of the tables.
-            stem: Stem of the recording's name.
-            result: Result that the recording ends with; None writes no measures.
+            stem: Name of the trial's recording without suffix.
+            result: Result at the end of the recording; None writes no measures.
 
         Returns:
-            A line for every measure that failed.
+            A line for every failed measure.
 
         Raises:
-            StudyError: One cannot be written.
+            StudyError: A file cannot be written.
         """
         if not any(self.truths):
-            self._believe_the_devices()
+            self._use_labels_of_devices()
         frames = self._frames()
         if find_spec("pyarrow"):
             write_atomically(folder / f"frames_{stem}.parquet", _parquet(frames), durable=False)
@@ -117,22 +116,22 @@ class FrameTable:
             write_atomically(folder / name, table.csv(), durable=False)
         return notices
 
-    def _believe_the_devices(self) -> None:
-        """Takes what devices say of their touches for true, where nobody knows better."""
-        told = [
+    def _use_labels_of_devices(self) -> None:
+        """Uses the finger labels that devices report as the true fingers."""
+        labels = [
             {
                 contact.id: contact.label
                 for frame in frames
                 for contact in (frame.contacts if isinstance(frame, TouchFrame) else ())
                 if contact.label is not None
             }
-            for frames in zip(*self._heard, strict=True)
+            for frames in zip(*self._inputs, strict=True)
         ]
-        if any(told):
-            self.truths, self.truth_by = told, "device"
+        if any(labels):
+            self.truths, self.truth_by = labels, "device"
 
     def _frames(self) -> dict[str, Any]:
-        """Columns by name, a row for every snapshot."""
+        """Columns of the table of frames, by name: one row for every snapshot."""
         shots = self._snapshots
         columns: dict[str, Any] = {
             "time_s": [s.time for s in shots],
@@ -143,10 +142,10 @@ class FrameTable:
             columns |= self._hand(1, SECOND)
         for name in shots[0].objects if shots else ():
             views = [s.objects[name] for s in shots]
-            places = np.array([view.position for view in views])
-            turns = matrix_to_quaternion(np.array([view.rotation for view in views]))
-            columns |= {f"{name}_{part}": places[:, i] for i, part in enumerate("xyz")}
-            columns |= {f"{name}_q{part}": turns[:, i] for i, part in enumerate("wxyz")}
+            positions = np.array([view.position for view in views])
+            rotations = matrix_to_quaternion(np.array([view.rotation for view in views]))
+            columns |= {f"{name}_{part}": positions[:, i] for i, part in enumerate("xyz")}
+            columns |= {f"{name}_q{part}": rotations[:, i] for i, part in enumerate("wxyz")}
         return columns | self._pushes() | self._goals()
 
     def _hand(self, hand: int, prefix: str) -> dict[str, Any]:
@@ -154,62 +153,62 @@ class FrameTable:
         views = [s.hands[hand] for s in self._snapshots]
         truth = self.truths[hand] if hand < len(self.truths) else {}
         poses = np.array([view.target for view in views]).reshape(-1, POSE_SIZE)
-        named = [{c.label: c.id for c in view.contacts} for view in views]
+        labelled = [{c.label: c.id for c in view.contacts} for view in views]
         true = [{truth.get(c.id): c.id for c in view.contacts} for view in views]
         columns = {
             "phase": [view.phase for view in views],
             "solid": ["".join(FINGERS[f][0] for f in sorted(view.solid)) for view in views],
-            **{f"touch_{name}": [ids.get(i) for ids in named] for i, name in enumerate(FINGERS)},
+            **{f"touch_{name}": [ids.get(i) for ids in labelled] for i, name in enumerate(FINGERS)},
             **{f"true_{name}": [ids.get(i) for ids in true] for i, name in enumerate(FINGERS)},
             **{name: poses[:, i] for i, name in enumerate(POSE_COLUMNS)},
         }
         return {prefix + name: values for name, values in columns.items()}
 
     def _pushes(self) -> dict[str, Any]:
-        """Who pushes each thing; empty cells where that is not known."""
+        """Columns of what pushes each object; the cells are empty if it is unknown."""
         columns: dict[str, Any] = {}
         names = self._snapshots[0].objects if self._snapshots else ()
         rows: list[Mapping[str, ObjectPushes] | None] = [None] * len(self._snapshots)
-        if self._touching is not None and self._contacts:
-            rows = [self._touching.pushes(contacts) for contacts in self._contacts]
+        if self._reader is not None and self._contacts:
+            rows = [self._reader.pushes(contacts) for contacts in self._contacts]
         for name in names:
-            found = [None if row is None else row[name] for row in rows]
+            pushes = [None if row is None else row[name] for row in rows]
             columns |= {
-                f"{name}_digits": [p.digits if p else None for p in found],
-                f"{name}_grip_N": [p.grip if p else None for p in found],
-                f"{name}_by": [" ".join(p.by) if p else None for p in found],
-                f"{name}_on": [" ".join(p.on) if p else None for p in found],
+                f"{name}_digits": [p.digits if p else None for p in pushes],
+                f"{name}_grip_N": [p.grip if p else None for p in pushes],
+                f"{name}_by": [" ".join(p.by) if p else None for p in pushes],
+                f"{name}_on": [" ".join(p.on) if p else None for p in pushes],
             }
         return columns
 
     def _goals(self) -> dict[str, Any]:
-        """Where each thing with a goal should be, and how far it is turned against that."""
+        """Columns of the goal of each object that has one, and of its yaw relative to the goal."""
         columns: dict[str, Any] = {}
-        alike = self._alike()
+        symmetries = self._symmetries()
         for i, goal in enumerate(self._snapshots[0].goals if self._snapshots else ()):
             name = goal.object
-            placed = [s.goals[i] for s in self._snapshots]
-            places = np.array([goal.position for goal in placed])
-            columns |= {f"{name}_goal_{part}": places[:, j] for j, part in enumerate("xyz")}
+            goals = [s.goals[i] for s in self._snapshots]
+            positions = np.array([goal.position for goal in goals])
+            columns |= {f"{name}_goal_{part}": positions[:, j] for j, part in enumerate("xyz")}
             columns[f"{name}_off_rad"] = [
-                turn_off(s.objects[name], goal, alike.get(name, 1))
-                for s, goal in zip(self._snapshots, placed, strict=True)
+                yaw_error(s.objects[name], goal, symmetries.get(name, 1))
+                for s, goal in zip(self._snapshots, goals, strict=True)
             ]
         return columns
 
-    def _alike(self) -> dict[str, int]:
-        """How often things look the same in a turn about the vertical; 0: at any angle."""
-        things = self._session.task.objects if self._session is not None else ()
-        found = {}
-        for thing in things:
-            half = getattr(thing, "half_size", None)
-            found[thing.name] = int(getattr(thing, "looks_alike", 1))
+    def _symmetries(self) -> dict[str, int]:
+        """Number of equivalent angles in one full turn about the vertical, by object; 0: all."""
+        objects = self._session.task.objects if self._session is not None else ()
+        symmetries = {}
+        for item in objects:
+            half = getattr(item, "half_size", None)
+            symmetries[item.name] = int(getattr(item, "looks_alike", 1))
             if half is not None:
-                found[thing.name] = 4 if abs(half[0] - half[1]) < 1e-9 else 2
-        return found
+                symmetries[item.name] = 4 if abs(half[0] - half[1]) < 1e-9 else 2
+        return symmetries
 
     def _touches(self) -> dict[str, Any]:
-        """Columns by name, a row for every contact of every snapshot."""
+        """Columns of the table of touches, by name: one row for every contact of every snapshot."""
         rows = [
             (
                 s.time,
@@ -229,13 +228,19 @@ class FrameTable:
         return {name: [row[i] for row in rows] for i, name in enumerate(names)}
 
 
-def turn_off(thing: ObjectView, goal: Goal, alike: int) -> float:
-    """rad about the vertical from a goal to a thing, by the nearest turn that looks the same."""
-    if alike == 0:
+def yaw_error(view: ObjectView, goal: Goal, symmetry: int) -> float:
+    """Angle about the vertical from a goal to an object, rad, to the nearest equivalent angle.
+
+    Args:
+        view: The object.
+        goal: Its goal.
+        symmetry: Number of equivalent angles in one full turn; 0 if all angles are equivalent.
+    """
+    if symmetry == 0:
         return 0.0
-    part = 2.0 * np.pi / alike
-    # A box on another of its faces has its x axis upright, and still edges with a direction.
-    yaw = flat_yaw(thing.rotation) if alike > 1 else _yaw(thing.rotation)
+    part = 2.0 * np.pi / symmetry
+    # A box that lies on another face may have its x axis upright; its edges still have a yaw.
+    yaw = flat_yaw(view.rotation) if symmetry > 1 else _yaw(view.rotation)
     return float((yaw - goal.yaw + part / 2) % part - part / 2)
 
 
@@ -246,13 +251,20 @@ def _yaw(rotation: Any) -> float:
 def write_measures(
     folder: Path, stem: str, table: Columns, result: TrialResult, truth: str
 ) -> list[str]:
-    """Writes the measures of a trial, and why some are empty.
+    """Writes the measures of a trial, and the reasons why some are empty.
+
+    Args:
+        folder: Folder of the tables.
+        stem: Name of the trial's recording without suffix.
+        table: The 60 Hz table of the trial.
+        result: The trial's result.
+        truth: Source of the true fingers; empty if they are unknown.
 
     Returns:
-        A line for every measure that failed.
+        A line for every failed measure.
 
     Raises:
-        StudyError: They cannot be written.
+        StudyError: The file cannot be written.
     """
     measured, at_end = measure_trial(table, result, truth), measure_result(result)
     values = {
@@ -267,7 +279,7 @@ def write_measures(
 
 
 def read_measures(folder: Path, stem: str) -> dict[str, Any]:
-    """The measures of a trial; empty where there are none, or another version made them."""
+    """Reads the measures of a trial; empty if they are missing or from another version."""
     values = _stored_measures(folder, stem)
     return {name: value for name, value in values.items() if name not in ("truth", REASONS)}
 
@@ -284,8 +296,8 @@ def _stored_measures(folder: Path, stem: str) -> dict[str, Any]:
     return values
 
 
-def missing(folder: Path, stem: str) -> bool:
-    """Whether a trial's tables have to be made from its recording."""
+def tables_are_missing(folder: Path, stem: str) -> bool:
+    """Returns True if the tables of a trial must be built from its recording."""
     # The CSV of the frames is written last.
     lacks = not (folder / f"frames_{stem}.csv.gz").exists() or not read_measures(folder, stem)
     return lacks or (
@@ -293,25 +305,25 @@ def missing(folder: Path, stem: str) -> bool:
     )
 
 
-def complete(recording: Path, folder: Path) -> list[str]:
-    """Makes the tables and measures that a trial lacks.
+def complete_tables(recording: Path, folder: Path) -> list[str]:
+    """Builds the tables and measures of a trial that are missing.
 
-    Tables are made by playing the recording again; a measure that was added since is computed from
-    the table that there is.
+    Tables are built by replaying the recording. A measure that was added to the program later is
+    computed from the existing table.
 
     Args:
-        recording: A finished trial's.
+        recording: Recording of a finished trial.
         folder: Folder of the tables.
 
     Returns:
-        A line for every measure that failed.
+        A line for every failed measure.
 
     Raises:
-        InputError: It cannot be played here, or they cannot be written.
+        InputError: The recording cannot be replayed here, or a file cannot be written.
     """
     stem = recording.stem
-    if missing(folder, stem):
-        return rebuild(recording, folder)
+    if tables_are_missing(folder, stem):
+        return rebuild_tables(recording, folder)
     stored = _stored_measures(folder, stem)
     if all(m.name in stored for m in measures() if m.of_trial is not None):
         return []
@@ -323,14 +335,18 @@ def complete(recording: Path, folder: Path) -> list[str]:
     return write_measures(folder, stem, table, result, str(stored["truth"]))
 
 
-def rebuild(recording: Path, folder: Path) -> list[str]:
-    """Makes a trial's tables from its recording, by playing it again.
+def rebuild_tables(recording: Path, folder: Path) -> list[str]:
+    """Builds the tables of a trial by replaying its recording.
+
+    Args:
+        recording: Recording of a finished trial.
+        folder: Folder of the tables.
 
     Returns:
-        A line for every measure that failed.
+        A line for every failed measure.
 
     Raises:
-        InputError: It cannot be played here, or they cannot be written.
+        InputError: The recording cannot be replayed here, or a file cannot be written.
     """
     from sandbox.trial.replay import replay
 
@@ -340,8 +356,8 @@ def rebuild(recording: Path, folder: Path) -> list[str]:
         table.watch(session)
         return [table.show]
 
-    _, found = replay(loaded, views)
-    if found.shown_recorded and not found.exact:
+    _, verification = replay(loaded, views)
+    if verification.shown_recorded and not verification.exact:
         table.forget_contacts()
     result = TrialResult.from_json(loaded.end["result"], str(recording)) if loaded.end else None
     if result is not None:

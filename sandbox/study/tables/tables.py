@@ -1,9 +1,11 @@
-"""The tables of a study, derived from journals: written whole and atomically, never the only place
-of anything.
+"""Builds the tables of sessions and of the whole study from the journals.
 
-The tables of a session follow every trial, at a cost that does not depend on other participants.
-Those of the study are put together when a session begins and ends: each participant has a part in
-every table, and only parts whose journals or measures have changed are made again.
+Each table is written as a whole and atomically. Everything in it is derived from journals and
+recordings, so that it can be built again at any time.
+
+The tables of a session are written after every trial, at a cost that does not depend on other
+participants. The tables of the study are written when a session begins and ends: the rows of each
+participant are kept, and built again only if their journals or measures have changed.
 """
 
 from __future__ import annotations
@@ -12,60 +14,62 @@ import json
 import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 from sandbox.study.design.design import Design
-from sandbox.study.design.plan import Step
+from sandbox.study.design.plan import trials_of
 from sandbox.study.record.files import write_atomically
 from sandbox.study.record.folder import Participant, StudyFolder
 from sandbox.study.record.journal import Record
 from sandbox.study.record.session_folder import SessionFolder
-from sandbox.study.record.state import SessionState
 from sandbox.study.record.stored_sessions import (
     JOURNAL,
     SESSIONS,
+    StoredSession,
+    all_sessions,
+    plan_of,
     planned_trials,
     session_folders,
     sessions_of,
 )
-from sandbox.study.tables.answer_table import answer_columns, answer_rows
-from sandbox.study.tables.codebook import codebook
+from sandbox.study.tables.codebook import codebook, columns_by_table
 from sandbox.study.tables.column import Row, csv_bytes, csv_rows, names_of
 from sandbox.study.tables.exclusions import exclude_person
-from sandbox.study.tables.people_table import person_columns, person_row
-from sandbox.study.tables.scoring_table import score_columns, score_rows
-from sandbox.study.tables.trial_table import FILE_NAMES, trial_columns, trial_rows
+from sandbox.study.tables.participant_table import participant_row
+from sandbox.study.tables.questionnaire_tables import answer_rows, score_rows
+from sandbox.study.tables.trial_table import FILE_NAMES, trial_rows
 
-MADE_FROM = ".tables.json"
-"""File of a study that tells what its tables were made from: bytes of each session's journal."""
+SOURCES = ".tables.json"
+"""File of a study with the size of every journal, bytes, when the tables were built from it."""
 SETTLED = 1_000_000_000
-"""ns after which a second change of a file cannot have the same time as the first: file systems
-tell times in steps of a few milliseconds, some of them in steps of a second."""
+"""ns after which a second change of a file has another modification time than the first. File
+systems store times in steps of a few milliseconds, some of them in steps of a second."""
 
 Say = Callable[[str], object]
 
 
 def _silent(text: str) -> None:
-    """Says nothing."""
+    """Prints nothing."""
 
 
 @dataclass(frozen=True)
 class _ParticipantRows:
-    """A participant's part of the study's tables.
+    """Rows of one participant in the tables of the study.
 
     Attributes:
-        person: The participant, as the study's journal has them.
+        person: The participant, as in the journal of the study.
         columns: Names of the columns of each table.
-        changed: Size and times of the files that the part was made from, by session.
-        settled: The files had not changed for `SETTLED` when they were read.
-        rows: The rows, as CSV without the first line, by table.
-        trials, excluded: Trials that count, and those of them that are left out.
+        sources: Sizes and modification times of the files that the rows were built from, by
+            session.
+        settled: True if the files had not changed for `SETTLED` when they were read.
+        rows: Rows as CSV without the header line, by table.
+        trials, excluded: Number of counted trials, and how many of them are excluded.
     """
 
     person: Participant
     columns: dict[str, list[str]]
-    changed: tuple[tuple[Any, ...], ...]
+    sources: tuple[tuple[Any, ...], ...]
     settled: bool
     rows: dict[str, bytes]
     trials: int
@@ -73,78 +77,114 @@ class _ParticipantRows:
 
 
 class StudyTables:
-    """The tables of all participants together.
+    """Writes the tables of all participants together.
 
-    The first update reads every journal. Later ones read only those that changed, in this program
-    or in another one, so that what they cost hardly grows with the study.
+    The first update reads every journal. Later updates read only the journals that have changed,
+    in this program or in another one, so that their cost hardly grows with the study.
 
     Args:
         study: The study.
-        say: Called with a line for every measure that fails.
+        say: Called with a line for every failed measure.
     """
 
     def __init__(self, study: StudyFolder, say: Say = _silent) -> None:
         self._study, self._say = study, say
-        self._parts: dict[str, _ParticipantRows] = {}
+        self._kept: dict[str, _ParticipantRows] = {}
 
     def update(self) -> dict[str, int]:
         """Brings the tables up to date with all journals.
 
         Returns:
-            Number of participants, of trials that count, and of those that are left out.
+            Numbers of participants, of counted trials, and of excluded ones among these.
 
         Raises:
             StudyError: A journal is damaged, or a table cannot be written.
         """
         study, design = self._study, self._study.design
         with study.lock():
-            tables = _columns(design)
-            people = study.participants()
-            found = {p.ppid: part for p in people if (part := self._part(p, tables)) is not None}
-            self._parts = found
+            tables = _column_names(design)
+            self._kept = {
+                person.ppid: rows
+                for person in study.participants()
+                if (rows := self._rows(person, tables)) is not None
+            }
+            kept = self._kept.values()
             for name, columns in tables.items():
-                rows = b"".join(part.rows[name] for part in found.values())
-                write_atomically(study.path / name, csv_bytes([], columns) + rows)
+                data = b"".join(participant.rows[name] for participant in kept)
+                write_atomically(study.path / name, csv_bytes([], columns) + data)
             write_atomically(study.path / "codebook.csv", codebook(design))
-            sizes = {f"{ppid}/{c[0]}": c[1] for ppid, part in found.items() for c in part.changed}
-            write_atomically(study.path / MADE_FROM, json.dumps(sizes, indent=1).encode() + b"\n")
+            sizes = {f"{p.person.ppid}/{name}": size for p in kept for name, size, *_ in p.sources}
+            write_atomically(study.path / SOURCES, json.dumps(sizes, indent=1).encode() + b"\n")
         return {
-            "participants": len(found),
-            "trials": sum(part.trials for part in found.values()),
-            "excluded": sum(part.excluded for part in found.values()),
+            "participants": len(kept),
+            "trials": sum(participant.trials for participant in kept),
+            "excluded": sum(participant.excluded for participant in kept),
         }
 
-    def _part(self, person: Participant, columns: dict[str, list[str]]) -> _ParticipantRows | None:
-        """A participant's part; None for one who has not begun."""
-        changed = _changed(self._study.path / person.ppid)
-        part = self._parts.get(person.ppid)
-        made_of = (person, columns, changed)
-        if part and part.settled and (part.person, part.columns, part.changed) == made_of:
-            return part
-        newest = max((t for session in changed for t in session[2:]), default=0)
+    def _rows(self, person: Participant, columns: dict[str, list[str]]) -> _ParticipantRows | None:
+        """Rows of a participant; None for one who has not begun."""
+        sources = _sources(self._study.path / person.ppid)
+        kept = self._kept.get(person.ppid)
+        needed = (person, columns, sources)
+        if kept and kept.settled and (kept.person, kept.columns, kept.sources) == needed:
+            return kept
+        newest = max((t for session in sources for t in session[2:]), default=0)
         settled = time.time_ns() - newest > SETTLED
-        return _make_part(self._study, person, columns, changed, settled, self._say)
+        sessions = sessions_of(self._study, person)
+        if not sessions:
+            return None
+        planned, times = planned_trials(self._study, person), self._study.design.sessions
+        rows = _rows_by_table(self._study, sessions, self._study.path, planned, times, self._say)
+        counted = [r for r in rows["trial_results.csv"] if r["counted"] and not r["practice"]]
+        return _ParticipantRows(
+            person,
+            columns,
+            sources,
+            settled,
+            {name: csv_rows(rows[name], names) for name, names in columns.items()},
+            len(counted),
+            sum(row["excluded"] for row in counted),
+        )
 
 
 def rebuild_study(study: StudyFolder, say: Say = _silent) -> dict[str, int]:
-    """Makes the tables of all participants anew, from everybody's journals.
+    """Builds the tables of all participants again, from all journals.
 
     Returns, Raises: See `StudyTables.update`.
     """
     return StudyTables(study, say).update()
 
 
-def tables_are_outdated(study: Path) -> bool:
-    """Whether a study has journals that its tables were not made from.
+def rebuild_all(study: StudyFolder) -> dict[str, list[StoredSession]]:
+    """Builds the tables of every session, and then those of the study; no session may be open.
 
-    A program that was killed in the middle of a session leaves such tables. A copy that lacks a
-    journal that its tables were made from is not behind: it cannot be made anew.
+    Returns:
+        Sessions of every participant, by pseudonym.
+
+    Raises:
+        StudyError: A journal is damaged, or a table cannot be written.
+    """
+    by_person = {}
+    for person, sessions in all_sessions(study):
+        for session in sessions:
+            (session.path / "session_info").mkdir(exist_ok=True)
+            write_session(study, session)
+        by_person[person.ppid] = sessions
+    rebuild_study(study)
+    return by_person
+
+
+def tables_are_outdated(study: Path) -> bool:
+    """Returns True if a study has journals that its tables were not built from.
+
+    This happens if the program was killed in the middle of a session. It returns False for a copy
+    without some of the journals, since its tables cannot be built again.
 
     Args:
-        study: Folder of a study.
+        study: Folder of the study.
     """
     try:
-        sizes = json.loads((study / MADE_FROM).read_bytes())
+        sizes = json.loads((study / SOURCES).read_bytes())
     except (OSError, ValueError):
         return False
     journals = study.glob(f"*/{SESSIONS}/{JOURNAL}")
@@ -153,72 +193,48 @@ def tables_are_outdated(study: Path) -> bool:
 
 
 def rebuild_session(session: SessionFolder, durable: bool = True, say: Say = _silent) -> None:
-    """Writes the tables of an open session anew.
-
-    Raises:
-        StudyError: One cannot be written; the older one is still there.
-    """
-    write_session(
-        session.study,
-        session.path,
-        session.state,
-        session.steps,
-        session.journal.records,
-        durable,
-        say,
+    """Builds the tables of an open session again; see `write_session`."""
+    stored = StoredSession(
+        session.person, session.number, session.path, session.journal.records, session.state
     )
+    write_session(session.study, stored, durable, say)
 
 
 def write_session(
-    study: StudyFolder,
-    path: Path,
-    state: SessionState,
-    steps: Sequence[Step],
-    records: Sequence[Record],
-    durable: bool = True,
-    say: Say = _silent,
+    study: StudyFolder, session: StoredSession, durable: bool = True, say: Say = _silent
 ) -> None:
-    """Writes the tables of a session that need not be open.
+    """Writes the tables of a session.
 
     Args:
         study: The study of the session.
-        path: Folder of the session.
-        state: State that its journal gives.
-        steps: Its plan.
-        records: Its journal.
-        durable: They are on the disk when this returns.
-        say: Called with a line for every measure that fails.
+        session: The session.
+        durable: True ensures that they are on the disk when this returns.
+        say: Called with a line for every failed measure.
 
     Raises:
-        StudyError: One cannot be written; the older one is still there.
+        StudyError: A table cannot be written; its older version is still there.
     """
     design = study.design
-    rows = trial_rows(design, state, path, say)
-    person = person_row(design, [state], state.done(steps)[1], rows)
-    tables = {
-        "trial_results.csv": rows,
-        "questionnaires.csv": answer_rows(state),
-        "questionnaire_scores.csv": score_rows(design, state),
-        "participants.csv": [person],
-    }
+    planned = len(trials_of(plan_of(study, session)))
+    rows = _rows_by_table(study, [session], session.path, planned, 1, say)
     names = {"participants.csv": "session_info/participant_details.csv"}
     files = {
-        names.get(table, table): csv_bytes(tables[table], columns)
-        for table, columns in _columns(design).items()
+        names.get(table, table): csv_bytes(rows[table], columns)
+        for table, columns in _column_names(design).items()
     }
     settings = {"settings": design.settings, "build": study.build, "design": design.digest}
     files |= {
         "codebook.csv": codebook(design),
         "session_info/settings.json": json.dumps(settings, indent=1, sort_keys=True).encode()
         + b"\n",
-        "session_info/log.csv": log_bytes(records),
+        "session_info/log.csv": log_bytes(session.records),
     }
     for name, data in files.items():
-        write_atomically(path / name, data, durable)
+        write_atomically(session.path / name, data, durable)
 
 
 def log_bytes(records: Iterable[Record]) -> bytes:
-    """UXF's log: time, kind, and the record itself."""
+    """The log of a session in the format of UXF: time, kind, and the rest of each record."""
     rows = [
         {
             "timestamp": r["time"],
@@ -232,71 +248,58 @@ def log_bytes(records: Iterable[Record]) -> bytes:
     return csv_bytes(rows, ["timestamp", "log_type", "message"])
 
 
-def _columns(design: Design) -> dict[str, list[str]]:
-    """Names of the columns of each table."""
-    return {
-        "participants.csv": names_of(person_columns(design)),
-        "trial_results.csv": names_of(trial_columns(design)),
-        "questionnaires.csv": names_of(answer_columns(design)),
-        "questionnaire_scores.csv": names_of(score_columns(design)),
-    }
+def _column_names(design: Design) -> dict[str, list[str]]:
+    return {table: names_of(columns) for table, columns in columns_by_table(design).items()}
 
 
-def _changed(folder: Path) -> tuple[tuple[Any, ...], ...]:
-    """Name, bytes of the journal, and times of change of each session of a participant.
+def _sources(folder: Path) -> tuple[tuple[Any, ...], ...]:
+    """Name, size of the journal in bytes, and modification times of each session of a participant.
 
-    The times are those of the journal, and of the folders of recordings and of measures, whose
-    files are only ever replaced.
+    The times are those of the journal and of the folders of recordings and of measures. Files in
+    these folders are only replaced, which changes the time of the folder.
     """
-    found = []
+    sources = []
     for path in session_folders(folder):
         journal = path / JOURNAL
         if journal.exists():
             size = journal.stat().st_size
             watched = (journal, path / "trials", path / "trackers")
             times = (p.stat().st_mtime_ns for p in watched if p.exists())
-            found.append((path.name, size, *times))
-    return tuple(found)
+            sources.append((path.name, size, *times))
+    return tuple(sources)
 
 
-def _make_part(
+def _rows_by_table(
     study: StudyFolder,
-    person: Participant,
-    columns: dict[str, list[str]],
-    changed: tuple[tuple[Any, ...], ...],
-    settled: bool,
+    sessions: Sequence[StoredSession],
+    base: Path,
+    planned: int,
+    planned_sessions: int,
     say: Say,
-) -> _ParticipantRows | None:
-    """A participant's part of the tables, from their journals."""
+) -> dict[str, list[Row]]:
+    """Rows of every table for one participant.
+
+    Args:
+        study: The study.
+        sessions: Sessions of the participant, at least one.
+        base: Folder that names of files in `trial_results.csv` are relative to.
+        planned: Planned number of trials, practice included.
+        planned_sessions: Planned number of sessions.
+        say: Called with a line for every failed measure.
+    """
     design = study.design
-    sessions = sessions_of(study, person)
-    if not sessions:
-        return None
     trials: list[Row] = []
-    answers: list[Row] = []
-    scores: list[Row] = []
     for session in sessions:
-        inside = session.path.relative_to(study.path).as_posix()
-        for row in trial_rows(design, session.state, session.path, say):
-            trials.append(row | {name: f"{inside}/{row[name]}" for name in FILE_NAMES})
-        answers += answer_rows(session.state)
-        scores += score_rows(design, session.state)
+        inside = PurePosixPath(session.path.relative_to(base).as_posix())
+        trials += [
+            row | {name: str(inside / row[name]) for name in FILE_NAMES}
+            for row in trial_rows(design, session.state, session.path, say)
+        ]
     states = [session.state for session in sessions]
     exclude_person(design, states, trials)
-    planned = planned_trials(study, person)
-    rows = {
-        "participants.csv": [person_row(design, states, planned, trials, design.sessions)],
+    return {
+        "participants.csv": [participant_row(design, states, planned, trials, planned_sessions)],
         "trial_results.csv": trials,
-        "questionnaires.csv": answers,
-        "questionnaire_scores.csv": scores,
+        "questionnaires.csv": [row for state in states for row in answer_rows(state)],
+        "questionnaire_scores.csv": [row for state in states for row in score_rows(design, state)],
     }
-    counted = [row for row in trials if row["counted"] and not row["practice"]]
-    return _ParticipantRows(
-        person,
-        columns,
-        changed,
-        settled,
-        {name: csv_rows(rows[name], names) for name, names in columns.items()},
-        len(counted),
-        sum(row["excluded"] for row in counted),
-    )

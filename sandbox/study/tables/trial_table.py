@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from datetime import datetime
 from pathlib import Path
 from typing import Any
@@ -14,45 +14,65 @@ from sandbox.study.measures.registry import find_measure, measure_columns, measu
 from sandbox.study.record.state import Attempt, SessionState
 from sandbox.study.tables.column import Column, Row, factor_columns
 from sandbox.study.tables.exclusions import exclude_person, excluded_by_rule
-from sandbox.study.tables.frames import STEMS, read_measures
+from sandbox.study.tables.frames import read_measures
 from sandbox.trial.result import KeptIn, fields, kept_fields
 
 UXF = (
     Column("experiment", "", "name of the study"),
-    Column("ppid", "", "pseudonym of the participant; its last sign is a check digit"),
+    Column("ppid", "", "pseudonym of the participant; the last character is a check character"),
     Column("session_num", "", "session number of this participant, from 1"),
     Column("trial_num", "", "number of the trial in the session, from 1, practice included"),
-    Column("block_num", "", "number of the block, from 1; a factor's new level begins a block"),
+    Column(
+        "block_num",
+        "",
+        "number of the block, from 1; a block ends where the level of a factor changes",
+    ),
     Column("trial_num_in_block", "", "number of the trial in its block, from 1"),
-    Column("start_time", "s", "start, by the wall clock, since the session began"),
-    Column("end_time", "s", "end, by the wall clock, since the session began"),
+    Column(
+        "start_time", "s", "wall-clock time from the start of the session to the start of the trial"
+    ),
+    Column(
+        "end_time", "s", "wall-clock time from the start of the session to the end of the trial"
+    ),
 )
-"""The first columns, with the names that users of UXF know."""
+"""First columns, named as in UXF (Unity Experiment Framework)."""
 SESSION = (
-    Column("mode", "", "real, pilot or simulated; a folder holds only one of them"),
-    Column("participant_number", "", "order of arrival, from 0; it decides the order of levels"),
-    Column("hand", "", "hand that touches: left or right"),
-    Column("hand_size", "", "length of the hand over that of the hand that encoders learned from"),
+    Column(
+        "mode", "", "kind of data: real, pilot or simulated; a study folder holds one kind only"
+    ),
+    Column("participant_number", "", "order of arrival, from 0; it determines the order of levels"),
+    Column("hand", "", "hand that the participant uses: left or right"),
+    Column(
+        "hand_size", "", "length of the hand relative to the hand that the encoders were trained on"
+    ),
     Column(
         "attempt",
         "",
-        "number of the attempt of this trial, from 1; session_info/log.csv lists "
-        "attempts that were broken off",
+        "number of the attempt at this trial, from 1; attempts that were broken off are only in "
+        "session_info/log.csv",
     ),
-    Column("counted", "0/1", "1: the attempt of the trial that counts; use only these rows"),
-    Column("practice", "0/1", "1: a practice trial, which is no part of the results"),
+    Column("counted", "0/1", "1: this attempt counts; use only these rows"),
+    Column("practice", "0/1", "1: a practice trial; not part of the results"),
     Column(
         "repetition",
         "",
-        "number of the trial among those with the same levels, from 1; 0 in practice",
+        "number of the trial among trials with the same levels, from 1; 0 in practice trials",
     ),
-    Column("excluded", "0/1", "1: left out by a rule or by the experimenter; never deleted"),
+    Column("excluded", "0/1", "1: excluded by a rule or by the experimenter; the data are kept"),
     Column("exclusion_reason", "", "`rule NAME`, the experimenter's words, or `participant: ...`"),
 )
 FILES = (
-    Column("trial_recording_location_0", "", "file of the recording; `sandbox replay FILE`"),
-    Column("hand_pose_location_0", "", "file of the 60 Hz table; the extra `study` adds .parquet"),
-    Column("touches_location_0", "", "file of all touches, one row for each contact and moment"),
+    Column(
+        "trial_recording_location_0", "", "file of the recording; `sandbox replay FILE` plays it"
+    ),
+    Column(
+        "hand_pose_location_0",
+        "",
+        "file of the 60 Hz table; also written as .parquet if pyarrow is installed",
+    ),
+    Column(
+        "touches_location_0", "", "file of all touches: one row for each contact at each moment"
+    ),
 )
 FILE_NAMES = tuple(column.name for column in FILES)
 RESULT = tuple(
@@ -75,7 +95,7 @@ def trial_columns(design: Design) -> list[Column]:
 
 
 def meaning_of(column: Column) -> str:
-    """The meaning of a field of the result; a measure of its name may add a source."""
+    """Meaning of a field of the result, with the source of the measure of that name, if any."""
     measure = find_measure(column.name)
     return column.meaning if measure is None else measure.meaning
 
@@ -86,13 +106,14 @@ def trial_rows(
     session: Path | None = None,
     say: Callable[[str], object] = lambda text: None,
 ) -> list[Row]:
-    """One row for every finished attempt; exactly one of each trial counts.
+    """One row for every finished attempt; exactly one attempt of each trial counts.
 
     Args:
         design: Design of the study.
         state: State of the session.
-        session: Folder of the session, for the measures that come from 60 Hz tables.
-        say: Called with a line for every measure of several trials that fails.
+        session: Folder of the session, from which measures of 60 Hz tables are read; None leaves
+            their cells empty.
+        say: Called with a line for every failed measure over several trials.
     """
     if not state.start:
         return []
@@ -107,6 +128,22 @@ def trial_rows(
     return rows
 
 
+def session_cells(state: SessionState) -> Row:
+    """Cells that are equal in all rows of a session, in every table."""
+    start = state.start
+    return {
+        "experiment": start["experiment"],
+        "ppid": start["ppid"],
+        "session_num": start["session"],
+        "mode": start["mode"],
+    }
+
+
+def level_cells(levels: Mapping[str, str]) -> Row:
+    """Cells of the columns of factors."""
+    return {f"factor_{name}": level for name, level in levels.items()}
+
+
 def _trial_row(
     design: Design, state: SessionState, attempt: Attempt, counted: bool, folder: Path | None
 ) -> Row:
@@ -114,15 +151,12 @@ def _trial_row(
     session = state.start
     trial = start["trial"]
     row: Row = {
-        "experiment": session["experiment"],
-        "ppid": session["ppid"],
-        "session_num": session["session"],
+        **session_cells(state),
         "trial_num": trial,
         "block_num": start["block"],
         "trial_num_in_block": start["in_block"],
         "start_time": _seconds(session["time"], start["time"]),
         "end_time": _seconds(session["time"], end["time"]),
-        "mode": session["mode"],
         "participant_number": session["number"],
         "hand": session["hand"],
         "hand_size": session["hand_size"],
@@ -130,7 +164,7 @@ def _trial_row(
         "counted": counted,
         "practice": start["practice"],
         "repetition": start["repetition"],
-        **{f"factor_{k}": v for k, v in start["levels"].items()},
+        **level_cells(start["levels"]),
         **result.kept_in(KeptIn.TABLE),
         **measure_result(result).values,
         "trial_recording_location_0": start["file"],
@@ -140,14 +174,14 @@ def _trial_row(
         row |= read_measures(folder / "trackers", stem)
         file = stored(folder / start["file"])
         row["trial_recording_location_0"] = file.relative_to(folder).as_posix()
-    for column, kind in (("hand_pose_location_0", "frames"), ("touches_location_0", "touches")):
-        row[column] = f"trackers/{STEMS[kind]}_{stem}.csv.gz"
+    row["hand_pose_location_0"] = f"trackers/frames_{stem}.csv.gz"
+    row["touches_location_0"] = f"trackers/touches_{stem}.csv.gz"
     reason = state.excluded.get(trial, "") or excluded_by_rule(design, row)
     return {**row, "excluded": bool(reason), "exclusion_reason": reason}
 
 
 def _measure_combinations(rows: list[Row], say: Callable[[str], object]) -> None:
-    """Puts the measures of several trials into all rows with the same task and levels."""
+    """Adds the measures over several trials to all rows with the same task and levels."""
     cells: dict[tuple[Any, ...], list[Row]] = {}
     for row in rows:
         levels = tuple(v for name, v in row.items() if name.startswith("factor_"))

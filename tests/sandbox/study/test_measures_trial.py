@@ -18,12 +18,12 @@ from sandbox.devices.simulated.simulated import SimulatedDevice
 from sandbox.session.session import Session
 from sandbox.study.measures.columns import Columns
 from sandbox.study.measures.compute import measure_trial
+from sandbox.study.measures.object_contacts import ContactReader
 from sandbox.study.measures.registry import find_measure, measures
-from sandbox.study.measures.touching import ContactReader
 from sandbox.study.record.folder import StudyFolder
 from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.run.simulate import run_simulated
-from sandbox.study.tables.frames import FrameTable, missing, rebuild, turn_off
+from sandbox.study.tables.frames import FrameTable, rebuild_tables, tables_are_missing, yaw_error
 from sandbox.study.tables.tables import rebuild_study
 from sandbox.study.tables.trial_table import trial_columns
 from sandbox.trial.assembly import build
@@ -185,7 +185,7 @@ def test_a_thing_is_turned_by_the_nearest_turn_that_looks_the_same(
             [[np.cos(turn), -np.sin(turn), 0.0], [np.sin(turn), np.cos(turn), 0.0], [0.0, 0.0, 1.0]]
         )
 
-    assert turn_off(Seen(), Goal("box", (0.0, 0.0, 0.0), 0.0), alike) == pytest.approx(off)  # type: ignore[arg-type]
+    assert yaw_error(Seen(), Goal("box", (0.0, 0.0, 0.0), 0.0), alike) == pytest.approx(off)  # type: ignore[arg-type]
 
 
 def played(task: str, seed: int, look: Callable[[Session], object]) -> tuple[Session, FrameTable]:
@@ -301,10 +301,10 @@ def test_measures_are_in_the_results_of_a_study_and_made_again_where_they_are_mi
         else:
             told_as = "" if value is None else value if isinstance(value, str) else str(int(value))
             assert row[name] == told_as
-    assert not missing(folder / "trackers", "T002")
+    assert not tables_are_missing(folder / "trackers", "T002")
     path.write_text('{"version": 0}')
-    assert missing(folder / "trackers", "T002")
-    rebuild(folder / "trials/T002.jsonl", folder / "trackers")
+    assert tables_are_missing(folder / "trackers", "T002")
+    rebuild_tables(folder / "trials/T002.jsonl", folder / "trackers")
     assert path.read_bytes() == before
 
 

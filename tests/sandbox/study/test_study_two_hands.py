@@ -29,7 +29,7 @@ from sandbox.study.run.run_device import fitting, needs_second_device, person_de
 from sandbox.study.run.runner import SessionOutcome, SessionRunner
 from sandbox.study.run.simulate import run_simulated
 from sandbox.study.share.bids import motion, touch_events
-from sandbox.study.tables.frames import rebuild
+from sandbox.study.tables.frames import rebuild_tables
 from sandbox.study.tables.tables import rebuild_study
 from sandbox.trial.settings import HandSettings, RunSettings
 from tests.support.study_files import design, open_study
@@ -94,7 +94,7 @@ def test_the_recording_tells_both_hands_and_their_users(session: Path) -> None:
 
 
 def test_tables_made_again_from_the_recording_are_the_same(session: Path, tmp_path: Path) -> None:
-    rebuild(session / "trials" / "T001.jsonl", tmp_path)
+    rebuild_tables(session / "trials" / "T001.jsonl", tmp_path)
     for kind in ("frames", "touches"):
         name = f"{kind}_T001.csv.gz"
         again = gzip.decompress((tmp_path / name).read_bytes())

@@ -110,7 +110,7 @@ def _compare_times(section: Section, found: Analysis, unseen: int) -> None:
                 "Differences in completion time",
                 ["Levels", "From", "Change", "95 % interval", "p", "p, Holm"],
                 rows,
-                "ShareDifference only: by the mixed model. p Holm is adjusted for all "
+                "Successes only: by the mixed model. p Holm is adjusted for all "
                 "pairs of levels of the same factor; intervals are each for itself.",
             ),
         )

@@ -20,8 +20,12 @@ from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.stored_sessions import StoredSession, session_path, sessions_of
 from sandbox.study.share.withdraw import withdraw
 from sandbox.study.tables import tables
-from sandbox.study.tables.export_tables import rebuild_all
-from sandbox.study.tables.tables import StudyTables, rebuild_session, tables_are_outdated
+from sandbox.study.tables.tables import (
+    StudyTables,
+    rebuild_all,
+    rebuild_session,
+    tables_are_outdated,
+)
 from sandbox.trial.result import TrialResult
 from tasks.score import Status
 from tests.support.study_files import DESIGN, open_study

@@ -1,8 +1,9 @@
-"""Who pushes what in a simulation: the digits, the table and other things, for the 60 Hz tables.
+"""Reads which digits, objects and table push each object in a simulation, for the 60 Hz tables.
 
-As for tasks, contact sensors tell what pushes a thing. They tell one net force for a whole hand,
-and a grasp is two digits that push against each other: these are read from the solver's list of
-contacts. Its order is not defined, and nothing here depends on it, since forces are only added up.
+Contact sensors, which tasks use as well, give the force between an object and the table or another
+object. For a hand they give only the net force of all digits, so the forces of single digits are
+read from the solver's list of contacts. The order of that list is undefined; nothing here depends
+on it, since forces are only added.
 """
 
 from __future__ import annotations
@@ -21,22 +22,22 @@ from models.scene import TABLE, Scene, touching_sensor
 from tasks.sensing import SUPPORT
 
 PALM = "p"
-"""Stands for the palm among the letters of digits."""
+"""Letter of the palm among the letters of digits."""
 
 LETTERS = (str.lower, str.upper)
-"""Make the letters of the first hand and of the second out of a letter."""
+"""Functions that convert a letter for the first hand and for the second."""
 
 
 @dataclass(frozen=True)
 class ObjectPushes:
-    """What pushes a thing at one moment.
+    """Digits and other things that push one object at one moment.
 
     Attributes:
-        digits: First letters of the digits that push it, thumb first, `p` for the palm; capital
+        digits: First letters of the digits that push it, thumb first, and `p` for the palm; capital
             letters for a second hand.
-        grip: N, sum of the normal forces of all hands on it.
-        by: What else pushes it: the table, names of things.
-        on: Which of those bear it: push up most of its weight.
+        grip: Sum of the normal forces of all hands on it, N.
+        by: Other things that push it: the table, names of objects.
+        on: Those of `by` that bear it, with an upward force of most of its weight.
     """
 
     digits: str = ""
@@ -46,13 +47,15 @@ class ObjectPushes:
 
 
 class ContactSample(NamedTuple):
-    """What is kept of a moment, copied.
+    """Copy of the contact data of one moment.
+
+    `geoms`, `addresses` and `forces` are None while no hand touches an object.
 
     Attributes:
         sensors: Readings of all contact sensors.
-        geoms: (n, 2) of the solver's contacts; None while no hand touches a thing, like the rest.
-        addresses: (n,) of their normal forces in `forces`; negative where there is none.
-        forces: All of the solver's forces, N.
+        geoms: (n, 2) geoms of each contact of the solver.
+        addresses: (n,) index of the normal force of each contact in `forces`; negative if none.
+        forces: All constraint forces of the solver, N.
     """
 
     sensors: Array
@@ -62,16 +65,16 @@ class ContactSample(NamedTuple):
 
 
 class ContactReader:
-    """Tells who pushes what in a simulation.
+    """Reads which digits and other things push each object of a simulation.
 
     Args:
-        scene: With elliptic friction cones, as all of ours have.
-        data: Is read, moment by moment.
+        scene: Scene with elliptic friction cones, as all scenes of this program have.
+        data: State of the simulation, read at each moment.
     """
 
     def __init__(self, scene: Scene, data: mujoco.MjData) -> None:
         model = scene.model
-        # MuJoCo's sensors stay where they are; its contacts do not.
+        # The array of sensor readings stays valid; the arrays of contacts do not.
         self._data, self._readings = data, data.sensordata
         self._scene = scene
         letters, palms = {}, {}
@@ -80,43 +83,44 @@ class ContactReader:
                 body = model.body(link.body).id
                 letters[body] = letter_of(FINGERS[link.finger][0])
                 palms[int(model.body_rootid[body])] = letter_of(PALM)
-        things = {body: name for name, body in scene.object_bodies.items()}
-        # Of every geom: a thing's name, a digit's letter or the table.
-        self._thing: dict[int, str] = {}
+        objects = {body: name for name, body in scene.object_bodies.items()}
+        # By geom: the name of its object, or the letter of its digit.
+        self._object: dict[int, str] = {}
         self._digit: dict[int, str] = {}
         for geom in range(model.ngeom):
             body = int(model.geom_bodyid[geom])
-            while body > 0 and body not in things and body not in letters:
+            while body > 0 and body not in objects and body not in letters:
                 body = int(model.body_parentid[body])
-            if body in things:
-                self._thing[geom] = things[body]
+            if body in objects:
+                self._object[geom] = objects[body]
             elif body in letters:
                 self._digit[geom] = letters[body]
             elif (body := int(model.geom_bodyid[geom])) > 0:
                 self._digit[geom] = palms.get(int(model.body_rootid[body]), PALM)
         hands = [hand.name for hand in scene.spec.hands]
         self._hands = [
-            int(model.sensor(touching_sensor(thing, hand)).adr[0])
-            for thing in scene.object_bodies
+            int(model.sensor(touching_sensor(name, hand)).adr[0])
+            for name in scene.object_bodies
             for hand in hands
         ]
-        # By thing: who else may push it, where that is told, and as whose push.
+        # By object: name, address of the sensor, and sign of the force, for every other thing that
+        # may push it.
         self._others: dict[str, list[tuple[str, int, float]]] = {n: [] for n in scene.object_bodies}
         names = list(scene.object_bodies)
-        for i, thing in enumerate(names):
+        for i, name in enumerate(names):
             for other in (TABLE, *names[i + 1 :]):
-                adr = int(model.sensor(touching_sensor(thing, other)).adr[0])
-                # A sensor tells the force of its first on its second.
-                self._others[thing].append((other, adr, -1.0))
+                adr = int(model.sensor(touching_sensor(name, other)).adr[0])
+                # The sensor gives the force of the first body on the second one.
+                self._others[name].append((other, adr, -1.0))
                 if other in self._others:
-                    self._others[other].append((thing, adr, 1.0))
+                    self._others[other].append((name, adr, 1.0))
         self._weight = {
             name: -float(model.opt.gravity[2] * model.body_subtreemass[body])
             for name, body in scene.object_bodies.items()
         }
 
     def copy(self) -> ContactSample:
-        """What is kept of this moment."""
+        """Copies the contact data of this moment."""
         readings = self._readings
         sensors, item = readings.copy(), readings.item
         for adr in self._hands:
@@ -124,12 +128,12 @@ class ContactReader:
                 break
         else:
             return ContactSample(sensors)
-        found = self._data.contact
+        contact = self._data.contact
         forces = self._data.efc_force.copy()
-        return ContactSample(sensors, found.geom.copy(), found.efc_address.copy(), forces)
+        return ContactSample(sensors, contact.geom.copy(), contact.efc_address.copy(), forces)
 
     def pushes(self, contacts: ContactSample) -> Mapping[str, ObjectPushes]:
-        """What pushes each thing, by its name."""
+        """Returns what pushes each object, by the object's name."""
         digits: dict[str, dict[str, float]] = {name: {} for name in self._weight}
         if contacts.geoms is not None:
             assert contacts.addresses is not None and contacts.forces is not None
@@ -139,18 +143,20 @@ class ContactReader:
                 normal = float(contacts.forces[address]) if address >= 0 else 0.0
                 if normal > 0.0:
                     for mine, other in (pair, pair[::-1]):
-                        if mine in self._thing and other in self._digit:
-                            found = digits[self._thing[mine]]
+                        if mine in self._object and other in self._digit:
+                            by_letter = digits[self._object[mine]]
                             letter = self._digit[other]
-                            found[letter] = found.get(letter, 0.0) + normal
+                            by_letter[letter] = by_letter.get(letter, 0.0) + normal
         readings = contacts.sensors.tolist()
-        return {name: self._told(name, found, readings) for name, found in digits.items()}
+        return {name: self._object_pushes(name, own, readings) for name, own in digits.items()}
 
-    def _told(self, name: str, digits: dict[str, float], readings: list[float]) -> ObjectPushes:
+    def _object_pushes(
+        self, name: str, digits: dict[str, float], readings: list[float]
+    ) -> ObjectPushes:
         by, on = [], []
         for other, adr, sign in self._others[name]:
-            found, *force = readings[adr : adr + 4]
-            if found > 0 and any(force):
+            touches, *force = readings[adr : adr + 4]
+            if touches > 0 and any(force):
                 by.append(other)
                 if sign * force[2] > SUPPORT * self._weight[name]:
                     on.append(other)
