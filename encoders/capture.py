@@ -1,4 +1,4 @@
-"""A capture: what fingers and hand did at the same time, frame by frame."""
+"""Captures: touches and hand poses recorded at the same time, frame by frame."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ from models.pose import POSE_SIZE, relative_pose
 class Capture:
     """Recorded frames of contacts and pose; T frames, sorted by trial, then time.
 
-    Contacts are stored by label (a capture knows its labels): finger f of frame t has the id
-    `ids[t, f]` and the place `xy[t, f]`, or -1 and NaN when it is lifted.
+    Contacts are stored by label: finger f of frame t has the id `ids[t, f]` and the position
+    `xy[t, f]`, or -1 and NaN while it is lifted.
 
     Attributes:
         time: (T,) s.
-        trial: (T,) int, equal for frames of one continuous take. Frames of a trial depend on each
-            other, so everything that splits a capture splits it by trial.
+        trial: (T,) int, equal for the frames of one continuous take. Frames of a trial depend on
+            each other, so captures must be split by trial.
         ids: (T, 5) int64, contact ids.
         xy: (T, 5, 2) m on the surface, x right and y down.
         q: (T, 48) pose in the 3-D surface frame.
-        meta: Subject, side, skeleton, rate (Hz) and how the capture came to be; JSON values only.
+        meta: Subject, side, skeleton, rate (Hz) and origin of the capture; JSON values only.
     """
 
     time: Array
@@ -61,17 +61,17 @@ class Capture:
         lifted = np.isnan(self.xy).all(axis=2)
         if not (np.array_equal(down, ~lifted) and np.isfinite(self.xy[down]).all()):
             raise CaptureError(
-                "contacts and their places disagree",
+                "contact ids and positions disagree",
                 where="ids, xy",
-                expected="a finite place where there is an id, NaN where the id is -1",
+                expected="a finite position for every id, NaN where the id is -1",
             )
         if not down.any(axis=1).all():
             raise CaptureError(
-                "frames without any contact",
+                "frames have no contact",
                 where="ids",
                 got=int((~down.any(axis=1)).sum()),
                 expected="at least one contact in every frame",
-                remedy="Drop those frames: no contact vector exists for them",
+                remedy="Drop these frames; they have no contact vector",
             )
 
     def __len__(self) -> int:
@@ -79,7 +79,7 @@ class Capture:
 
     @cached_property
     def down(self) -> NDArray[np.bool_]:
-        """(T, 5) which fingers touch."""
+        """Mask (T, 5) of touching fingers."""
         return self.ids >= 0
 
     @cached_property
@@ -88,21 +88,21 @@ class Capture:
 
     @property
     def u(self) -> Array:
-        """(T, 15) contact vectors; derived, never stored."""
+        """Contact vectors (T, 15); derived, never stored."""
         return self._inputs[0]
 
     @property
     def leftmost(self) -> Array:
-        """(T, 2) m, leftmost contact on the surface."""
+        """Leftmost contacts (T, 2) m on the surface."""
         return self._inputs[1]
 
     @cached_property
     def relative(self) -> Array:
-        """(T, 48) relative poses; derived, never stored."""
+        """Relative poses (T, 48); derived, never stored."""
         return relative_pose(self.q, self.leftmost)
 
     def select(self, frames: NDArray[Any]) -> Capture:
-        """The capture of some of the frames (a mask or indices), in their order."""
+        """Capture of the selected frames (a mask or indices), in their order."""
         return Capture(
             self.time[frames],
             self.trial[frames],

@@ -1,12 +1,12 @@
-"""Encoders that are not ours: from installed packages by entry point, from a file, from a module.
+"""Loads external encoders: from installed packages by entry point, from a file or a module.
 
 A package offers its encoders under a name:
 
     [project.entry-points."hand_sandbox.encoders"]
     my-lab-forest = "my_lab.encoders:Forest"
 
-Nothing of a package is loaded before its encoder is asked for. An encoder that cannot be used is
-refused in one line, and concerns nobody who does not ask for it.
+A package is loaded only when its encoder is requested. Errors in an encoder are reported then, in
+one line; they do not affect other encoders.
 """
 
 from __future__ import annotations
@@ -37,12 +37,12 @@ _MODULE = re.compile(r"(?P<module>[A-Za-z_][\w.]*):(?P<member>[A-Za-z_]\w*)")
 
 
 def offered() -> dict[str, list[EntryPoint]]:
-    """Encoders that installed packages offer, by name; nothing of them is loaded."""
+    """Entry points of installed packages by name; loads none of them."""
     return outside.offered(GROUP)
 
 
 def load_offered(name: str) -> type[Encoder] | None:
-    """The encoder that a package offers under a name; None where none does.
+    """Loads an encoder that a package offers; returns None if no package offers it.
 
     Raises:
         EncoderError: Two packages offer it, or it cannot be used.
@@ -60,8 +60,8 @@ def load_offered(name: str) -> type[Encoder] | None:
     entry = entries[0]
     where = f"entry point {name} = {entry.value} of {package(entry)}"
     with guarded("this encoder cannot be loaded", where):
-        found = entry.load()
-    return checked(found, where)
+        encoder = entry.load()
+    return checked(encoder, where)
 
 
 def is_place(text: str) -> bool:
@@ -70,7 +70,7 @@ def is_place(text: str) -> bool:
 
 
 def load_place(text: str) -> type[Encoder]:
-    """The encoder at a place; see `is_place`.
+    """Loads the encoder at a place; see `is_place`.
 
     Raises:
         EncoderError: The file or module does not exist, or contains no encoder.
@@ -91,26 +91,26 @@ def load_place(text: str) -> type[Encoder]:
     members = dict(inspect.getmembers(module))
     if member not in members:
         raise EncoderError(
-            "there is nothing of this name", where=text, got=member, expected=_names(module)
+            "the module has nothing of this name", where=text, got=member, expected=_names(module)
         )
     return checked(members[member], text)
 
 
-def checked(found: Any, where: str) -> type[Encoder]:
+def checked(candidate: Any, where: str) -> type[Encoder]:
     """Checks that a loaded object is an encoder class that can be instantiated.
 
     Raises:
-        EncoderError: It is something else, lacks a method, or wants arguments.
+        EncoderError: It is something else, lacks a method, or requires arguments.
     """
-    if not (inspect.isclass(found) and issubclass(found, Encoder)):
+    if not (inspect.isclass(candidate) and issubclass(candidate, Encoder)):
         raise EncoderError(
             "not an encoder",
             where=where,
-            got=repr(found)[:80],
+            got=repr(candidate)[:80],
             expected="a class that inherits from encoders.encoder.Encoder",
             remedy=HOW,
         )
-    kind: type[Encoder] = found
+    kind: type[Encoder] = candidate
     if inspect.isabstract(kind):
         lacking = sorted(
             name for name, value in inspect.getmembers(kind) if name in _REQUIRED and _open(value)
@@ -118,16 +118,16 @@ def checked(found: Any, where: str) -> type[Encoder]:
         raise EncoderError(
             "this encoder lacks a method", where=where, got=f"no {', '.join(lacking)}", remedy=HOW
         )
-    with guarded("this encoder cannot be made without arguments", where):
+    with guarded("this encoder cannot be created without arguments", where):
         kind()
     return kind
 
 
 def source_digest(kind: type[Encoder]) -> str:
-    """BLAKE2b of the file that a class is in, hexadecimal; files that it imports do not count.
+    """BLAKE2b of the file that defines a class, hexadecimal; imported files are not included.
 
     Raises:
-        EncoderError: The class is in no file, as when it was typed in.
+        EncoderError: The class is not in a file, for example in an interactive session.
     """
     try:
         source = Path(inspect.getfile(kind)).read_bytes()
@@ -143,7 +143,7 @@ def source_digest(kind: type[Encoder]) -> str:
 
 @contextmanager
 def guarded(what: str, where: str) -> Iterator[None]:
-    """Makes one line of whatever error somebody else's code raises."""
+    """Converts any error of external code to an `EncoderError` of one line."""
     try:
         yield
     except HandSandboxError:
@@ -156,12 +156,12 @@ _REQUIRED = ("fit", "predict")
 
 
 def _open(method: Any) -> bool:
-    """True if a method is the contract's own, which does nothing."""
+    """True for an abstract method of the contract itself."""
     return method in (Encoder.fit, Encoder.predict)
 
 
 def _encoders_in(module: ModuleType) -> list[str]:
-    """Names of the encoders that a module makes itself."""
+    """Names of the encoder classes that a module defines itself."""
     return [
         name
         for name, kind in inspect.getmembers(module, inspect.isclass)
@@ -173,7 +173,7 @@ def _only_encoder(module: ModuleType, path: str) -> str:
     names = _encoders_in(module)
     if len(names) != 1:
         raise EncoderError(
-            "which encoder of this file is not clear",
+            "unclear which encoder of the file is meant",
             where=path,
             got=_names(module),
             expected=f"one encoder, or {Path(path).name}:CLASS",

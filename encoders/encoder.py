@@ -7,8 +7,8 @@ Shapes and units, for T frames:
 - `Q` (T, 48), relative poses: position of the root in metres relative to the leftmost contact, then
   the root's rotation vector and those of 14 ball joints in radians (`models.pose`).
 
-Our own encoders are in `encoders.regression`, by name in `encoders.regression.registry`. How to
-write another one is told in docs/write-an-encoder.md.
+Built-in encoders are in `encoders.regression`, by name in `encoders.regression.registry`.
+docs/write-an-encoder.md explains how to write another one.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from models.arithmetic.arrays import Array
 
 
 class Predictor(Protocol):
-    """Predicts poses; all that a labeller asks of an encoder."""
+    """Predicts poses; the only part of an encoder that labellers need."""
 
     def predict(self, U: ArrayLike, /) -> Array:
         """Relative poses (T, 48) of contact vectors (T, 15)."""
@@ -34,48 +34,46 @@ class Predictor(Protocol):
 
 @runtime_checkable
 class Encoder(Protocol):
-    """A stateless estimator of relative poses; a class of your own inherits from it.
+    """A stateless estimator of relative poses; base class of custom encoders.
 
-    `fit` and `predict` are needed. Everything else has a default: no options, nothing stored but
-    the training frames, and no quicker form for contact vectors.
+    `fit` and `predict` are required. All other methods have defaults: no options, nothing stored
+    but the training frames, and no quicker form for contact vectors.
 
-    The class can be called without arguments, so that a fresh encoder can be made. Equal frames
-    must give equal encoders, and a prediction must not depend on the ones before it: sessions
-    replay to the bit.
+    The class must be callable without arguments. Equal frames must give equal encoders, and a
+    prediction must not depend on earlier ones, since sessions replay to the bit.
     """
 
     @abstractmethod
     def fit(self, U: ArrayLike, Q: ArrayLike) -> Self:
-        """Learns from contact vectors U (T, 15) and relative poses Q (T, 48); gives itself back."""
+        """Learns from contact vectors U (T, 15) and relative poses Q (T, 48); returns itself."""
 
     @abstractmethod
     def predict(self, U: ArrayLike) -> Array:
         """Relative poses (T, 48) of contact vectors (T, 15), or (48,) of one contact vector (15,).
 
-        A session asks for one pose in every touch frame, so a prediction should take less than a
-        millisecond.
+        A session predicts one pose per touch frame, which should take less than a millisecond.
         """
 
     def configuration(self) -> dict[str, Any]:
-        """Arguments of the constructor, as JSON values, that make an equal encoder.
+        """Arguments of the constructor, as JSON values, that create an equal encoder.
 
         The default is for encoders without options.
         """
         return {}
 
     def arrays(self) -> dict[str, NDArray[Any]]:
-        """The learned numbers by name, in the precision in which they are stored.
+        """Learned arrays by name, in the precision in which they are stored.
 
-        The default stores nothing: `restore` then learns again from the training frames.
+        The default stores nothing; `restore` then fits the encoder again to the training frames.
         """
         return {}
 
     def restore(self, arrays: Mapping[str, NDArray[Any]], U: Array, Q: Array) -> Self:
-        """Takes over what an equally configured encoder has learned; gives itself back.
+        """Takes over the learned arrays of an encoder with equal options; returns itself.
 
         Args:
-            arrays: What `arrays` gave.
-            U: (T, 15) training frames in single precision; a model's file holds them anyway.
+            arrays: Result of `arrays`.
+            U: (T, 15) training frames in single precision; a model's file contains them.
             Q: (T, 48) their relative poses, likewise.
 
         Raises:
@@ -88,7 +86,7 @@ class Encoder(Protocol):
         form.
 
         Args:
-            fast: Whether to compile it where it can be compiled (extra `fast`: numba).
+            fast: True compiles it if possible (extra `fast`: numba).
         """
         return self
 

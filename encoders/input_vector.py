@@ -24,7 +24,7 @@ LIFTED = -1.0
 CONTACT_VECTOR_SIZE = 15
 
 _NOTHING = [LIFTED] * (2 * len(FINGERS)) + [0.0] * len(FINGERS)
-"""The numbers of a hand that touches nothing."""
+"""Contact vector of a hand without contacts."""
 
 
 def leftmost(xy: ArrayLike, ids: ArrayLike | None = None) -> int:

@@ -1,7 +1,6 @@
-"""Arrays and a JSON header in one npz file, read without trusting the file.
+"""Writes and reads npz files with arrays and a JSON header; files are not trusted.
 
-Pickle stays off, sizes are bounded before anything is unpacked, and whatever else can be wrong with
-a zip of arrays becomes one sentence.
+Pickle is off, sizes are limited before unpacking, and any damage is reported in one sentence.
 """
 
 from __future__ import annotations
@@ -20,7 +19,8 @@ from numpy.typing import NDArray
 from models.errors import InputError
 
 LARGEST = 2**30
-"""bytes, of a file unpacked: 100 times the paper's capture; more is a mistake or an attack."""
+"""bytes, largest size of an unpacked file: 100 times the paper's capture; more is a mistake or an
+attack."""
 
 _DAMAGE = (
     OSError,
@@ -37,7 +37,7 @@ _DAMAGE = (
     OverflowError,
     MemoryError,
 )
-"""What numpy, zipfile and zlib raise on files that are no sound npz (measured by mutation)."""
+"""Errors that numpy, zipfile and zlib raise for damaged files (measured by mutation)."""
 
 
 def write_npz(path: Path, header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> None:
@@ -54,14 +54,14 @@ def write_npz(path: Path, header: Mapping[str, Any], arrays: Mapping[str, NDArra
 def read_npz(
     path: Path, names: Iterable[str] | None, error: type[InputError], what: str, remedy: str
 ) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
-    """Header and arrays of a file.
+    """Reads header and arrays of a file.
 
     Args:
         path: The file.
-        names: Arrays that it must have; None reads whatever arrays it has.
-        error: Raised when it is missing, damaged or too large.
-        what: What the file should be, for the message: "a capture".
-        remedy: How to get a sound one.
+        names: Names of required arrays; None reads all arrays.
+        error: Class of the error for a file that is missing, damaged or too large.
+        what: Kind of file, for the message: "a capture".
+        remedy: Next step in the message.
     """
     where = str(path)
     try:
@@ -70,7 +70,7 @@ def read_npz(
             if size > LARGEST:
                 what_is_wrong = "the file is too large"
                 raise error(what_is_wrong, where=where, got=size, expected=f"{LARGEST} bytes")
-            # Checksums come before numpy looks at a part: it would parse damaged text otherwise.
+            # Check the checksums first; numpy would parse damaged text otherwise.
             bad = archive.testzip()
         if bad is not None:
             raise zipfile.BadZipFile(f"checksum of {bad}")

@@ -1,4 +1,4 @@
-"""numba, the extra `fast`, or an error that says how to get it."""
+"""Imports numba (extra `fast`), or raises an error with the way to install it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Captures on disk: npz without pickle, checked whole before anything of it is used."""
+"""Saves and loads captures as npz files without pickle, checked completely on loading."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ def save_capture(capture: Capture, path: Path | str, dtype: type[np.floating] = 
 
     Args:
         capture: Frames of contacts and poses.
-        path: The file; one that exists is replaced.
-        dtype: Precision of places and poses; float32 halves the file and keeps 0.01 micrometre.
+        path: The file; an existing one is replaced.
+        dtype: Precision of positions and poses; float32 halves the file and keeps 0.01 micrometre.
     """
     arrays = {
         "time": capture.time,
@@ -45,12 +45,12 @@ def load_capture(path: Path | str) -> Capture:
         _ARRAYS,
         CaptureError,
         "a capture",
-        "`sandbox subject --out FILE` makes a sound one",
+        "`sandbox subject --out FILE` makes a valid one",
     )
     where, schema = str(path), meta.pop("schema", None)
     if schema != SCHEMA:
         raise CaptureError(
-            "another version's capture", where=where, got=schema, expected=f"schema {SCHEMA}"
+            "the capture has another version", where=where, got=schema, expected=f"schema {SCHEMA}"
         )
     for name, kind in _ARRAYS.items():
         if arrays[name].dtype.kind != kind:

@@ -1,4 +1,4 @@
-"""Validation that never splits a trial, and the one number by which it chooses."""
+"""Cross-validation that never splits a trial, and its error measure."""
 
 from __future__ import annotations
 
@@ -11,23 +11,23 @@ from models.pose import ROOT_POSITION, joint_vectors
 from models.rotations import geodesic_angle
 
 FOLDS = 10
-"""The paper validates tenfold, too."""
+"""Number of folds, as in the paper."""
 
 _LARGEST_LENGTH = 4.0
-"""Robust standard deviations that one frame's error may count in the covariance."""
+"""Limit of one frame's error in the covariance, in robust standard deviations."""
 
 
 def trial_folds(trial: NDArray[np.int64], folds: int = FOLDS) -> NDArray[np.int64]:
-    """(T,) fold of every frame; frames of one trial share a fold, folds are about equally large.
+    """Fold (T,) of every frame; frames of one trial share a fold, folds are about equally large.
 
-    Random frames would leak: neighbours in time are nearly equal.
+    Random frames would leak, since neighbouring frames are nearly equal.
 
     Raises:
-        EncoderError: There is one trial only.
+        EncoderError: There is only one trial.
     """
     trials, counts = np.unique(trial, return_counts=True)
     if len(trials) < 2:
-        raise EncoderError("one trial alone cannot be validated", expected="2 trials or more")
+        raise EncoderError("cross-validation needs several trials", expected="2 trials or more")
     loads = np.zeros(folds, int)
     fold_of = {}
     for i in np.argsort(-counts, kind="stable"):
@@ -37,15 +37,15 @@ def trial_folds(trial: NDArray[np.int64], folds: int = FOLDS) -> NDArray[np.int6
     return np.array([fold_of[int(t)] for t in trial])
 
 
-def badness(q: Array, truth: Array) -> float:
+def error_product(q: Array, truth: Array) -> float:
     """Mean distance of the wrist times mean angle of the joints, the paper's two measures.
 
-    A product needs no rate of exchange between metres and radians. (Standardised squares of all 48
-    numbers would: most of them cannot be told from touches, and they would drown the wrist.)
+    A product does not depend on the relative weight of metres and radians. (In a sum of
+    standardised squares, the many numbers that touches cannot determine would outweigh the wrist.)
 
     Args:
         q: (T, 48) estimated poses.
-        truth: (T, 48) captured ones.
+        truth: (T, 48) captured poses.
     """
     wrist = np.linalg.norm((q - truth)[:, ROOT_POSITION], axis=1).mean()
     joints = geodesic_angle(joint_vectors(q), joint_vectors(truth)).mean()
@@ -53,10 +53,10 @@ def badness(q: Array, truth: Array) -> float:
 
 
 def robust_covariance(residuals: Array) -> Array:
-    """(N, N) second moments of errors (T, N), each frame's length bounded.
+    """Second moments (N, N) of errors (T, N), with the length of each frame's error limited.
 
-    A few frames on which plain least squares explodes would otherwise make it seem that nothing is
-    known about the pose anywhere.
+    Otherwise a few frames with extreme errors of plain least squares would dominate the covariance
+    of all poses.
     """
     spread = np.median(np.abs(residuals), axis=0) * 1.4826 + 1e-9
     length = np.sqrt(np.mean((residuals / spread) ** 2, axis=1))

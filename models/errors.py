@@ -1,21 +1,21 @@
-"""The one exception tree of the project.
+"""The exception tree of the project.
 
-Every message says what is wrong, where, what we got, what was expected and what to do next.
-A caller raises with facts; the sentence is built here, so that all messages read alike.
+Every message states the problem, its place, the actual and the expected value, and the next step.
+Callers give these facts; the message is built here, so that all messages have the same form.
 """
 
 from __future__ import annotations
 
 
 class HandSandboxError(Exception):
-    """Root of everything this project raises on purpose.
+    """Base class of all errors that this project raises.
 
     Args:
-        what: What is wrong, one clause.
-        where: File, line, field or setting that holds the mistake.
-        got: The offending value, shortened by the caller where it may be long.
-        expected: What would have been accepted.
-        remedy: The next step for the person who reads the message.
+        what: The problem, in one clause.
+        where: File, line, field or setting with the mistake.
+        got: The wrong value; the caller shortens long ones.
+        expected: Accepted values.
+        remedy: Next step for the reader of the message.
     """
 
     def __init__(
@@ -71,7 +71,7 @@ class RecordingError(InputError):
 
 
 class StudyError(InputError):
-    """A user study's design, folder or journal cannot be used as asked."""
+    """A user study's design, folder or journal cannot be used as requested."""
 
 
 class SceneError(HandSandboxError):
@@ -79,4 +79,4 @@ class SceneError(HandSandboxError):
 
 
 class DivergenceError(HandSandboxError):
-    """The simulation left the region where its numbers mean something."""
+    """The simulation diverged: its numbers are not valid any more."""

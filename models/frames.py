@@ -16,7 +16,7 @@ class Contact:
     """One finger on the surface.
 
     Attributes:
-        id: Lives from touch-down to touch-up; unique among the contacts of one frame.
+        id: Constant from touch-down to touch-up; unique among the contacts of one frame.
         x: Surface position, metres to the right of the top left corner.
         y: Surface position, metres down from the top left corner.
         size: Contact diameter in metres; None where the device does not measure it.
@@ -81,7 +81,7 @@ SIDES = ("right", "left")
 """The two hands of a person."""
 
 _UNIT = 1e-3
-"""By how much the length of a direction may differ from 1; devices send six digits."""
+"""Tolerance for the length of a unit vector; devices send six digits."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +89,7 @@ class TrackedFinger:
     """A finger as a 3-D device sees it, in the frame of its `HandFrame`.
 
     Attributes:
-        id: Lives from appearing to vanishing; unique among the fingers of one hand.
+        id: Constant while the finger is visible; unique among the fingers of one hand.
         tip: m, position of the fingertip.
         direction: Unit vector along the finger, as the device reports it.
         length: m, finger length as the device reports it: the visible length (first Leap software),
@@ -117,7 +117,10 @@ class TrackedFinger:
         _unit(self.direction, where, "direction")
         if not (math.isfinite(self.length) and self.length > 0.0):
             raise FrameError(
-                "a finger has a length", where=where, got=self.length, expected="metres above 0"
+                "a finger's length is not a positive number",
+                where=where,
+                got=self.length,
+                expected="metres above 0",
             )
         if self.finger is not None and self.finger not in range(len(FINGERS)):
             raise FrameError("no such finger", where=where, got=self.finger, expected="0 to 4")
@@ -128,13 +131,13 @@ class TrackedHand:
     """A hand as a 3-D device sees it, in the frame of its `HandFrame`.
 
     Attributes:
-        id: Lives from appearing to vanishing; unique in its frame.
+        id: Constant while the hand is visible; unique in its frame.
         palm: m, centre of the palm.
-        normal: Unit vector out of the palm (down, where the palm faces down).
+        normal: Unit vector out of the palm; it points down if the palm faces down.
         direction: Unit vector from the palm towards the fingers.
         fingers: The visible fingers, in any order.
         side: `right`, `left`, or None where the device does not know.
-        confidence: 0 to 1, the device's own; 1 where it has none.
+        confidence: Confidence of the device, 0 to 1; 1 where it reports none.
         sphere_radius: m, radius of the ball that the hand could hold; None where the device does
             not report it.
         wrist: m, position of the wrist; None where the device does not know it.

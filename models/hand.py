@@ -1,8 +1,8 @@
-"""The hand as MJCF: a palm on three slides and a ball, 14 ball joints, 48 servos.
+"""The hand as MJCF: a palm on three slides and a ball joint, 14 ball joints, 48 servos.
 
-The order of joints and actuators is the order of the pose `q`, so that a pose *is* the control
-vector. Servos are limited in force, as the motors of the paper's Bullet hand were: its largest
-motor impulse J per step of 1/60 s becomes the force limit J / (1/60 s), whatever our time step.
+Joints and actuators are in the order of the pose `q`, so that a pose is also the control vector.
+The servos' forces are limited, as those of the motors of the paper's Bullet hand: its maximum motor
+impulse J per step of 1/60 s becomes the force limit J / (1/60 s) for any time step.
 """
 
 from __future__ import annotations
@@ -27,16 +27,17 @@ IMPULSE_PERIOD = 1.0 / 60.0
 """s, the step of the paper's physics engine, over which its impulse limit is counted."""
 
 IMPULSE_PROFILES: dict[str, float] = {"paper": 100.0, "safe": 0.5}
-"""N s (N m s for turns). `paper` is 6000 N, which never binds; `safe` is 30 N."""
+"""N s (N m s for rotations). `paper` is 6000 N, which is never reached; `safe` is 30 N."""
 
 CALM_ARMATURE = 3.0
-"""Factor on the armature of the finger joints of a hand no stronger than `safe`. A fingertip that
-pushes with 100 N, and bounces off for a single physics step, is back at 1.6 m/s and goes 4 mm into
-what it pushes; a heavier one does not (benchmarks.soak)."""
+"""Factor on the armature of the finger joints of a hand no stronger than `safe`. A lighter
+fingertip that pushes with 100 N, and bounces off for a single physics step, returns at 1.6 m/s and
+penetrates the object by 4 mm; a heavier one does not (benchmarks.soak)."""
 
 SERVOS = ("orientation", "position")
-"""`orientation`: one servo on the rotation of each ball joint, its torque limited in norm, as
-Bullet's. `position`: three servos on the components of its rotation vector, each limited."""
+"""`orientation`: one servo on the rotation of each ball joint, with a limit on the norm of its
+torque, as in Bullet. `position`: three servos on the components of its rotation vector, each
+limited."""
 
 ROOT_MASS, ROOT_INERTIA = 1.0, 0.006
 """kg and kg m2 added to the root's joints for the mass of a forearm; the hand jitters without
@@ -45,8 +46,8 @@ ROOT_STIFFNESS, ROOT_TURN_STIFFNESS = 8000.0, 40.0
 """N/m and N m/rad of the root's servos, at servo stiffness 1."""
 
 CONTACT_HAND, CONTACT_OBJECT, CONTACT_TABLE = 1, 2, 4
-"""Collision bits. The hand meets objects only: neither itself nor the table, below which a wrist
-may have to go when the surface stands upright."""
+"""Collision bits. The hand collides with objects only, neither with itself nor with the table: at
+an upright surface, the wrist may have to be below the table."""
 
 FLESH_DENSITY = 1100.0
 """kg/m3."""
@@ -57,15 +58,15 @@ CUFF, SLEEVE = ".93 .94 .95 1", ".16 .20 .27 1"
 
 @dataclass(frozen=True)
 class Hand:
-    """The built-in hand; it keeps to the contract `models.scene_hand.SceneHand`.
+    """The built-in hand; implements `models.scene_hand.SceneHand`.
 
     Attributes:
         name: Prefix of its bodies, joints and actuators.
-        skeleton: Its bones; either side, any size.
+        skeleton: Skeleton of either side and any size.
         servo: One of `SERVOS`.
         impulse: Impulse limit of every servo, N s (or N m s) per 1/60 s.
         stiffness: Factor on the servo stiffnesses of the skeleton and the root.
-        finger_armature: Factor on the armature of the finger joints; see the function of this name.
+        finger_armature: Factor on the armature of the finger joints; see `finger_armature()`.
         solid_end: m, length of the part of a last link that collides, measured from the middle of
             the fingertip, where only fingertips are solid; None makes the whole link collide.
     """
@@ -110,7 +111,7 @@ class Hand:
 
     @cached_property
     def links(self) -> tuple[Link, ...]:
-        """All bones but the palm, as links."""
+        """All bones except the palm, as links."""
         last = self.skeleton.last_bones
         return tuple(self._link(bone, bone is last[bone.finger]) for bone in self.skeleton.bones)
 
@@ -126,7 +127,7 @@ class Hand:
         return hand_default()
 
     def body(self) -> Element:
-        """The palm's body with everything that hangs on it."""
+        """The palm's body with all fingers attached."""
         return hand_body(self)
 
     def actuators(self) -> list[Element]:
@@ -134,20 +135,20 @@ class Hand:
         return hand_actuators(self)
 
     def controls(self, q: Array) -> Array:
-        """The pose (48,) itself: every servo has one of its numbers as its target."""
+        """Controls (48,) for a pose (48,): the pose itself, one target per servo."""
         return q
 
     def joint_positions(self, q: Array) -> Array:
-        """(63,) joint positions at a pose (48,): three slides and 15 quaternions."""
+        """Joint positions (63,) at a pose (48,): three slides and 15 quaternions."""
         return np.concatenate([q[:3], quaternion_exp(q[3:].reshape(15, 3)).ravel()])
 
     def tips_of(self) -> Callable[[Array], Array]:
-        """Forward kinematics: a pose (48,) gives the fingertips (5, 3) m."""
+        """Forward kinematics: a function from a pose (48,) to the fingertips (5, 3) m."""
         return OnePose(self.skeleton).tips
 
 
 def is_calm(impulse: float) -> bool:
-    """True for a hand no stronger than `safe`, which is also made slow and heavy."""
+    """True for a hand no stronger than `safe`, which also gets lower speeds and more armature."""
     return impulse <= IMPULSE_PROFILES["safe"]
 
 
@@ -182,8 +183,8 @@ def hand_default() -> Element:
 def hand_body(hand: Hand) -> Element:
     """The palm's body with all fingers attached.
 
-    The bones' geoms are compiled as solid: MuJoCo decides at compile time which bodies may collide
-    at all. A session turns geoms off and on again afterwards.
+    The bones' geoms are compiled as solid, since MuJoCo decides at compile time which bodies may
+    collide at all. A session switches their collisions off and on afterwards.
     """
     palm = Element(
         "body",
@@ -227,8 +228,8 @@ def hand_body(hand: Hand) -> Element:
                 "gravcomp": "1",
             },
         )
-        # The joint's own limit bounds the total angle only, a little outside the legal box; a
-        # finger stays straight because its target is legal and its servo stiff.
+        # The joint's own limit bounds the total angle only, a little outside the legal ranges; a
+        # finger keeps within them because its target is legal and its servo stiff.
         reach = float(np.linalg.norm(np.maximum(-bone.lower, bone.upper))) + np.deg2rad(10.0)
         SubElement(
             body,
@@ -253,7 +254,7 @@ def hand_body(hand: Hand) -> Element:
             },
         )
         if hand.solid_end is not None and bone is hand.skeleton.last_bones[bone.finger]:
-            # It has no mass and is never seen: only its collisions count.
+            # It has no mass and is invisible; it only collides.
             start = bone.length - min(max(hand.solid_end, 1e-4), bone.length)
             fromto = _text(0, start, 0, 0, bone.length, 0)
             SubElement(
@@ -287,7 +288,8 @@ def hand_actuators(hand: Hand) -> list[Element]:
         )
         for axis in "xyz"
     ]
-    # The root turns further than three position servos hold (they fail beyond about 120 degrees).
+    # The root rotates farther than three position servos can hold (they fail beyond about 120
+    # degrees).
     servos.append(_orientation(hand, "root", ROOT_TURN_STIFFNESS))
     for bone in hand.skeleton.bones:
         if hand.servo == "orientation":
@@ -378,7 +380,7 @@ def _palm_look(palm: Element, knuckles: list[NDArray[np.float64]], radius: float
             },
         )
 
-    # Back of the hand: a ray to every knuckle and one to every web between two, else grooves show.
+    # Back of the hand: a ray to every knuckle and to every web between two, to avoid grooves.
     rays = [knuckles[1]]
     for inner, outer in pairwise(knuckles[1:]):
         web = (inner + outer) / 2 - np.array([0.0, 0.9 * radius, 0.1 * radius])
@@ -403,7 +405,7 @@ def _palm_look(palm: Element, knuckles: list[NDArray[np.float64]], radius: float
         knuckles[1] * [0.85, 0.62, 0.0] - [0.0, 0.0, 0.6 * radius],
         0.95 * radius,
     )
-    # A flat dome over the metacarpals, which alone would look like a rake.
+    # A flat dome covers the metacarpals, which would otherwise look like a rake.
     middle = (knuckles[1] + little) / 2
     SubElement(
         palm,

@@ -1,7 +1,7 @@
 """JSON from files, other programs and the network, read into msgspec structs.
 
 A struct says which fields a value has, and their types and ranges. A value that does not fit raises
-one error of ours, which names the file, the line or field, what was found and what was expected.
+one of our errors, which names the file, the line or field, the actual and the expected value.
 """
 
 from __future__ import annotations
@@ -61,9 +61,9 @@ def read_bytes(
     Args:
         path: The file.
         error: The class of the error.
-        what: The clause for a file that cannot be read.
+        what: Clause of the message for a file that cannot be read.
         largest: Bytes beyond which a file is refused.
-        remedy: The next step for the person who reads the error.
+        remedy: Next step in the message.
 
     Raises:
         HandSandboxError: The file cannot be read, or it is too large. Its class is `error`.
@@ -85,11 +85,11 @@ def read_bytes(
 
 
 def numbered_lines(path: Path, longest: int) -> Iterator[tuple[int, bytes]]:
-    """Lines of a file that are not blank, with their numbers from 1.
+    """Yields the lines of a file that are not blank, with their numbers from 1.
 
     Args:
         path: The file.
-        longest: Bytes beyond which a line is cut in two, so that neither part is JSON.
+        longest: Bytes beyond which a line is split; neither part is then valid JSON.
 
     Raises:
         OSError: The file cannot be read.
@@ -114,17 +114,17 @@ def decoded(
 ) -> T:
     """Decodes JSON and checks it against a type.
 
-    NaN, Infinity, numbers beyond a float's range, and values nested too deep are refused. Of two
-    fields of one name the last one counts. A byte order mark is skipped.
+    NaN, Infinity, numbers beyond the range of a float and values nested too deeply are refused. Of
+    two fields with the same name, the last one is used. A byte order mark is skipped.
 
     Args:
         data: JSON, UTF-8.
         form: A struct, or another type that msgspec decodes.
         error: The class of the error.
-        what: The clause for data that do not fit.
-        where: The file, with the line where it holds one value a line.
-        expected: What the whole should look like; said where no single field is to blame.
-        remedy: The next step for the person who reads the error.
+        what: Clause of the message for data that do not fit.
+        where: The file; with the line for files with one value per line.
+        expected: Expected form of the whole, for errors that concern no single field.
+        remedy: Next step in the message.
 
     Raises:
         HandSandboxError: The data do not fit. Its class is `error`.
@@ -147,10 +147,10 @@ def checked(
     expected: str | None = None,
     remedy: str | None = None,
 ) -> T:
-    """Checks a value that is decoded already, such as TOML or a part of a larger file.
+    """Checks a decoded value, such as TOML or a part of a larger file.
 
     Args:
-        value: Dictionaries, lists, texts, numbers, truth values and None.
+        value: Dictionaries, lists, strings, numbers, booleans and None.
         form, error, what, where, expected, remedy: See `decoded`.
 
     Raises:
@@ -173,14 +173,14 @@ def check_layout(
     where: str,
     remedy: str | None = None,
 ) -> None:
-    """Checks that a file names its own kind and a version that can be read.
+    """Checks that a file has the expected kind and version.
 
     Args:
         data: JSON, UTF-8: an object with `kind` and `schema`.
-        kind: The text that the file must have; None for files without one.
-        schema: The version that the file must have.
+        kind: Expected value of `kind`; None for files without it.
+        schema: Expected version.
         error: The class of the error.
-        what: The clause for a file of another kind.
+        what: Clause of the message for a file of another kind.
         where, remedy: See `decoded`.
 
     Raises:
@@ -201,7 +201,7 @@ def check_layout(
 
 
 class _Head(msgspec.Struct):
-    """The fields that tell what a file is, whatever they hold."""
+    """The fields that identify a file, with values of any type."""
 
     kind: Any = None
     schema: Any = None
@@ -210,17 +210,17 @@ class _Head(msgspec.Struct):
 def decoded_record(
     data: bytes, error: type[HandSandboxError], *, what: str, where: str, remedy: str | None = None
 ) -> dict[str, Any]:
-    """Decodes an object with fields of any kind that this program has written.
+    """Decodes an object with arbitrary fields that this program has written.
 
-    `json` reads these, not msgspec: a measure of somebody's own task may be NaN, which `json`
-    writes and JSON does not know.
+    It uses `json` instead of msgspec: a measure of a custom task may be NaN, which `json` writes
+    although JSON does not allow it.
 
     Args:
         data: JSON, UTF-8.
         error, what, where, remedy: See `decoded`.
 
     Raises:
-        HandSandboxError: The data are no JSON object. Its class is `error`.
+        HandSandboxError: The data are not a JSON object. Its class is `error`.
     """
     try:
         value = json.loads(data)
@@ -234,10 +234,10 @@ class _Fault(NamedTuple):
     """Describes the error in a value.
 
     Attributes:
-        clause: Is added to the message; may be empty.
-        place: Line or field; empty where it is the whole.
-        got: The value that was found.
-        expected: What was expected there.
+        clause: Clause to add to the message; may be empty.
+        place: Line or field; empty for the whole value.
+        got: The actual value.
+        expected: The expected value.
     """
 
     clause: str = ""
@@ -273,7 +273,7 @@ def _fault_of_text(data: bytes, problem: Exception, form: Any) -> _Fault:
         try:
             value = msgspec.json.decode(data)
         except msgspec.ValidationError:
-            # A number is too large for any decoded value, so that there is nothing to look into.
+            # A number is too large for any decoded value, so there is no value to inspect.
             return _fault(None, problem, form)
         except _UNREADABLE as other:
             return _fault_of_text(data, other, form)
@@ -305,49 +305,53 @@ def _fault(value: Any, problem: Exception, form: Any) -> _Fault:
     text = str(problem)
     place = _PLACE.fullmatch(text)
     message, path = (place[1], place[3]) if place else (text, "")
-    field, found = _found(value, path, text, form, place is not None and place[2] is not None)
+    field, actual = _field_at(value, path, text, form, place is not None and place[2] is not None)
     if lacking := _LACKING.fullmatch(message):
         return _Fault(f"{_name(lacking[1])} is missing", field)
     if unknown := _UNKNOWN.fullmatch(message):
         return _Fault(f"{_name(unknown[1])} is not known here", field)
     if wanted := _EXPECTED.fullmatch(message):
-        return _Fault("", field, _shown(found), _plain(wanted[1]))
+        return _Fault("", field, _shown(actual), _plain(wanted[1]))
     if message.startswith("Invalid enum value"):
-        return _Fault("this value is not known here", field, _shown(found))
+        return _Fault("this value is not known here", field, _shown(actual))
     if message.endswith("out of range"):
         return _Fault("the number is too large", field)
-    # A struct's own check has written this one.
+    # This message comes from a struct's own check.
     return _Fault(" ".join(message.split())[:200], field)
 
 
-def _found(value: Any, path: str, text: str, form: Any, key: bool) -> tuple[str, Any]:
-    """The name of the field at a path of msgspec's, and its value.
+def _field_at(value: Any, path: str, text: str, form: Any, key: bool) -> tuple[str, Any]:
+    """Name and value of the field at a path in an error of msgspec.
 
-    msgspec writes `[...]` for a field of an object that may have any. Such a field is found by
-    trying: the object is emptied but for one field, and the error must stay the same.
+    msgspec writes `[...]` for a field of an object with arbitrary fields. Such a field is found by
+    trial: with this field alone, the object must give the same error.
 
     Args:
-        value: The whole value; it is changed and put back.
+        value: The whole value; it is modified temporarily.
         path: Path in msgspec's error, without `$`.
         text: Text of msgspec's error.
         form: The type that the value does not fit.
-        key: The name of a field is wrong, and not its value.
+        key: True if the name of a field is wrong, not its value.
     """
     steps = [match.group(1, 2) for match in _STEP.finditer(path)]
     if key:
         steps.append((None, None))
-    found, name, tried = value, "", ""
+    current, name, tried = value, "", ""
     emptied: list[tuple[dict[str, Any], dict[str, Any]]] = []
     try:
         for field, index in steps:
-            if field is not None and isinstance(found, dict) and field in found:
-                found, name = found[field], f"{name}.{field}" if name else field
-            elif index is not None and isinstance(found, list | tuple) and int(index) < len(found):
-                found, name = found[int(index)], f"{name}[{index}]"
-            elif field is None and index is None and isinstance(found, dict):
-                emptied.append((found, dict(found)))
-                tried = _culprit(found, lambda: _says(value, form) == _without_got(text))
-                found, name = found.get(tried), f"{name}[{tried[:_SHOWN]!r}]"
+            if field is not None and isinstance(current, dict) and field in current:
+                current, name = current[field], f"{name}.{field}" if name else field
+            elif (
+                index is not None
+                and isinstance(current, list | tuple)
+                and int(index) < len(current)
+            ):
+                current, name = current[int(index)], f"{name}[{index}]"
+            elif field is None and index is None and isinstance(current, dict):
+                emptied.append((current, dict(current)))
+                tried = _culprit(current, lambda: _says(value, form) == _without_got(text))
+                current, name = current.get(tried), f"{name}[{tried[:_SHOWN]!r}]"
             else:
                 # The value itself could not be decoded.
                 return path.lstrip("."), None
@@ -355,11 +359,11 @@ def _found(value: Any, path: str, text: str, form: Any, key: bool) -> tuple[str,
         for container, items in reversed(emptied):
             container.clear()
             container.update(items)
-    return name, tried if key else found
+    return name, tried if key else current
 
 
 def _culprit(items: dict[str, Any], same: Callable[[], bool]) -> str:
-    """The first field with which alone an object gives the same error; the object keeps it."""
+    """First field that alone gives the same error; the object is left with this field only."""
     for name, inner in list(items.items()):
         items.clear()
         items[name] = inner
@@ -369,7 +373,7 @@ def _culprit(items: dict[str, Any], same: Callable[[], bool]) -> str:
 
 
 def _says(value: Any, form: Any) -> str:
-    """The error that msgspec has for a value; empty for none."""
+    """Error of msgspec for a value; empty if the value fits."""
     try:
         _converted(value, form)
     except _UNREADABLE as problem:
@@ -378,12 +382,12 @@ def _says(value: Any, form: Any) -> str:
 
 
 def _without_got(text: str) -> str:
-    """An error of msgspec's without what was found, which it words in two ways."""
+    """An error of msgspec without the actual value, which it phrases in two ways."""
     return re.sub(r", got .*?(?= - at |$)", "", text)
 
 
 def _plain(expected: str) -> str:
-    """An expectation of msgspec's in plain words."""
+    """Expected type in an error of msgspec, in plain words."""
 
     def words(match: re.Match[str]) -> str:
         return " or ".join(_PLAIN.get(name, name) for name in match[1].split(" | "))
@@ -400,7 +404,7 @@ def _name(field: str) -> str:
 
 
 def _shown(value: Any) -> object:
-    """A wrong value in an error, shortened."""
+    """A wrong value for a message, shortened."""
     if isinstance(value, str):
         return value[:_SHOWN]
     if value is None or isinstance(value, bool):

@@ -119,7 +119,7 @@ JAW = -0.052
 BOLT_FLAT = 0.0075
 """m, half the width across the flats of the bolt's head."""
 BOLT_LIFT = 0.004
-"""m, height at which a bolt holds its wrench above the table."""
+"""m, height of a wrench on a bolt above the table."""
 
 _SPLAY = np.deg2rad(9.0)
 _HALF = THICKNESS / 2
@@ -256,7 +256,7 @@ class Wrench:
         jaw, flat = (self.jaw, 0.0, 0.0), self.size * BOLT_FLAT
         head = SubElement(body, "body", {"name": f"{self.name}_head", "pos": _text(jaw)})
         for third in range(3):
-            # Three boxes across each other make a hexagon; tops of one height would flicker.
+            # Three crossed boxes form a hexagon; tops of equal height would flicker.
             half = self.thickness / 2 + 0.0014 + 0.0001 * third
             flats = (flat / np.sqrt(3.0), flat, half)
             _shown(head, "box", flats, half - self.thickness / 2, STEEL, third * np.pi / 3)
@@ -344,11 +344,11 @@ def _text(values: ArrayLike) -> str:
 WOOD, DARK_WOOD = (0.80, 0.60, 0.38), (0.55, 0.37, 0.22)
 
 TRAY_DECK = (0.080, 0.060, 0.007)
-"""m, half the edges of the deck of a tray of size 1: broader than a hand opens."""
+"""m, half the edges of the deck of a tray of size 1; it is wider than a hand can grasp."""
 TRAY_HANDLE = (0.035, 0.015, 0.018)
-"""m, half the edges of each of its handles, which begin where the deck ends."""
+"""m, half the edges of each handle; handles begin where the deck ends."""
 TRAY_GRIP = 0.120
-"""m from a tray's middle to where a hand closes on a handle."""
+"""m from a tray's middle to the grip on a handle."""
 
 
 @dataclass(frozen=True)
@@ -418,12 +418,12 @@ class Tray:
         return body
 
     def clearance(self, points: ArrayLike, position: Array, rotation: Array) -> Array:
-        """(n,) m, signed distance of world points (n, 3) to the tray, negative inside.
+        """Signed distances (n,) m of world points (n, 3) to the tray, negative inside.
 
         Args:
             points: World points.
-            position: (3,) m, where the tray's middle is now.
-            rotation: (3, 3) how it is turned now.
+            position: (3,) m, current position of the tray's middle.
+            rotation: (3, 3) current rotation.
         """
         local = (np.asarray(points, float) - position) @ rotation
         distances = []

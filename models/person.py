@@ -1,8 +1,8 @@
-"""The person at the screen: which hand, its size, and the side of the screen where they sit.
+"""The person at the screen: the hand, its size, and the side of the screen at which they sit.
 
 All models are trained on one right hand of one size at the lower edge of a screen. `PersonFrame`
-covers everybody else: touches are turned, mirrored and scaled into what the trained hand would have
-touched, and its pose is transformed back.
+serves all other people: it rotates, mirrors and scales touches to those that the trained hand would
+have made, and transforms the pose back.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ any adult's. A value outside is a typing error."""
 
 @dataclass(frozen=True)
 class Person:
-    """Which hand, which size, and where the person sits; plain values.
+    """Hand, hand size and seat of a person.
 
     Attributes:
         hand: One of `HANDS`.

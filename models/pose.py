@@ -34,7 +34,7 @@ def joint_vectors(q: ArrayLike) -> Array:
 def mirrored(q: ArrayLike) -> Array:
     """The pose of the other hand seen in a mirror across x = 0; its own inverse.
 
-    Positions change the sign of x; rotation vectors, being axial, the signs of y and z.
+    In positions, x changes its sign; in rotation vectors, which are axial, y and z do.
     """
     return np.asarray(q, float) * _MIRROR
 
@@ -74,7 +74,7 @@ def _shifted(q: ArrayLike, leftmost: ArrayLike, sign: float) -> Array:
 
 
 def blend(a: ArrayLike, b: ArrayLike, t: float) -> Array:
-    """Interpolates from pose a (48,) (t = 0) to b (t = 1); rotations go the short way round."""
+    """Interpolates from pose a (48,) (t = 0) to b (t = 1); rotations take the shorter way."""
     a, b = np.asarray(a, float), np.asarray(b, float)
     target = b.copy()
     target[ROOT_ROTATION] = unwrap_near(b[ROOT_ROTATION], a[ROOT_ROTATION])

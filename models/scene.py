@@ -80,7 +80,7 @@ class Scene:
     def __init__(self, spec: SceneSpec) -> None:
         self.spec = spec
         substeps = CONTROL_PERIOD / spec.timestep if spec.timestep > 0 else 0.0
-        # A million steps or less than one are a typing error.
+        # More than a million steps, or less than one, are a typing error.
         if not (0.5 < substeps < 1e6 and np.isclose(substeps, round(substeps))):
             raise SceneError(
                 "the control period is not a whole number of physics steps",
@@ -95,7 +95,7 @@ class Scene:
         self.object_bodies = {n: self.model.body(n).id for n in names}
         geom = self.model.geom
         self._geoms = [{link.geom: geom(link.geom).id for link in h.links} for h in spec.hands]
-        # The last link of a finger is the one that stays.
+        # The dictionary keeps the last link of every finger.
         self._ends = [{link.finger: geom(link.tip_geom).id for link in h.links} for h in spec.hands]
         at_rest = np.zeros(POSE_SIZE)
         ends = np.cumsum([0, *(len(h.controls(at_rest)) for h in spec.hands)])
@@ -107,7 +107,7 @@ class Scene:
         ]
 
     def control_slice(self, hand: int) -> slice:
-        """Where in `ctrl` the controls of a hand go."""
+        """Slice of `ctrl` with the controls of a hand."""
         return self._controls[hand]
 
     def set_solid(
@@ -138,11 +138,11 @@ class Scene:
         return data.xpos[body].copy(), data.xmat[body].reshape(3, 3).copy()
 
     def pose_to_qpos(self, hand: int, q: Array) -> Array:
-        """(n,) joint positions of a hand that is at the pose (48,), in the order of its joints."""
+        """Joint positions (n,) of a hand at a pose (48,), in the order of its joints."""
         return self.spec.hands[hand].joint_positions(q)
 
     def qpos_slice(self, hand: int) -> slice:
-        """Where in `qpos` a hand's joint positions are."""
+        """Slice of `qpos` with the joint positions of a hand."""
         return self._joints[hand]
 
 
@@ -156,8 +156,8 @@ def scene_xml(spec: SceneSpec) -> str:
     root = Element("mujoco", {"model": "hand sandbox"})
     SubElement(root, "compiler", {"angle": "degree", "autolimits": "true"})
     # impratio 100: friction otherwise creeps, and a held box sinks by millimetres.
-    # A hand's tree makes the constraints' matrices sparse: a grasp costs a third less that way, and
-    # the states are the same up to rounding.
+    # The hand's kinematic tree makes the constraint matrices sparse; this saves a third of the time
+    # in a grasp, and states are equal up to rounding.
     option = SubElement(
         root,
         "option",
@@ -169,7 +169,7 @@ def scene_xml(spec: SceneSpec) -> str:
             "jacobian": "sparse",
         },
     )
-    # A silent reset would look like a hand that jumped home; we stop with an error instead.
+    # An automatic reset would be silent; the simulation stops with an error instead.
     SubElement(option, "flag", {"autoreset": "disable"})
     _look(root)
     defaults = SubElement(root, "default")

@@ -1,9 +1,8 @@
-"""The contract of a hand in a scene: any hand that keeps to it can follow a pose.
+"""The contract of hands in a scene.
 
-`models.hand.Hand` is the built-in one: 48 degrees of freedom, driven by the pose itself. Another
-hand, a robot's for example, gives its own MJCF, turns a pose into its own controls, and says which
-of its links stand for which finger. Scene, session, collision gating, sensing and views know a hand
-by this contract alone.
+`models.hand.Hand` is the built-in hand with 48 degrees of freedom, driven by the pose itself. Other
+hands, such as robot hands, have their own MJCF, convert a pose to their own controls, and assign
+their links to fingers. Scene, session, collision gating, sensing and views use only this contract.
 """
 
 from __future__ import annotations
@@ -19,15 +18,15 @@ from models.skeleton import Skeleton
 
 @dataclass(frozen=True)
 class Link:
-    """One link of a finger: a capsule along the y axis of its body, from its joint on.
+    """One link of a finger: a capsule along the y axis of its body, beginning at its joint.
 
     Attributes:
         finger: Label of its finger, thumb 0 to little 4.
         body: Name of its body in the model.
         length: m, from its joint to the next one, or to the centre of the fingertip.
-        radius: m, of the capsule.
-        geom: Name of the geom that collides where the whole link is solid.
-        tip_geom: Name of the geom that collides where only fingertips are solid; `geom` for a link
+        radius: m, radius of the capsule.
+        geom: Name of the geom that collides if the whole link is solid.
+        tip_geom: Name of the geom that collides if only fingertips are solid; `geom` for a link
             that is solid as a whole or not at all.
         solid_from: Share of the length, from its joint, at which `tip_geom` begins.
     """
@@ -51,12 +50,12 @@ class SceneHand(Protocol):
 
     @property
     def palm(self) -> str:
-        """Name of the body that all its links hang on, itself a child of the world."""
+        """Name of the palm's body, a child of the world with all links below it."""
         ...
 
     @property
     def first_joint(self) -> str:
-        """Name of the joint with which its joint positions begin."""
+        """Name of its first joint."""
         ...
 
     @property
@@ -66,15 +65,15 @@ class SceneHand(Protocol):
 
     @property
     def skeleton(self) -> Skeleton | None:
-        """The bones to which the shipped skin is fitted; None shows the hand's own geoms."""
+        """Skeleton to which the shipped skin is fitted; None shows the hand's own geoms."""
         ...
 
     def defaults(self) -> Element:
-        """The MJCF default class of its elements; hands with a class of one name share it."""
+        """MJCF default class of its elements; hands with a class of the same name share it."""
         ...
 
     def body(self) -> Element:
-        """The MJCF body of the palm with everything that hangs on it.
+        """MJCF body of the palm with all links.
 
         The geoms of `links` are compiled with the collision bit `CONTACT_HAND` of `models.hand`:
         MuJoCo decides at compile time which bodies may collide at all.
@@ -82,19 +81,19 @@ class SceneHand(Protocol):
         ...
 
     def actuators(self) -> list[Element]:
-        """The MJCF actuators, in the order of its controls."""
+        """MJCF actuators in the order of its controls."""
         ...
 
     def controls(self, q: Array) -> Array:
-        """Controls (m,) that make it follow a pose q (48,) in the world; m is the same always."""
+        """Controls (m,) that make it follow a pose q (48,) in the world; m is constant."""
         ...
 
     def joint_positions(self, q: Array) -> Array:
-        """Joint positions (n,) of the hand at a pose q (48,), as MuJoCo's qpos has them."""
+        """Joint positions (n,) of the hand at a pose q (48,), as in MuJoCo's qpos."""
         ...
 
     def tips_of(self) -> Callable[[Array], Array]:
-        """A function from a pose (48,) to the places (5, 3) m where it wants the fingertips.
+        """Function from a pose (48,) to the intended positions (5, 3) m of the fingertips.
 
         The function may use buffers of its own, so it serves one thread at a time.
         """

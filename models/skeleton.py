@@ -32,12 +32,12 @@ class Bone:
     Attributes:
         name: Joint name, `index_pip` for example.
         finger: Label of its finger, thumb 0 .. little 4.
-        anchor: (3,) m, position of the joint in the parent bone's frame (the palm's for the first).
+        anchor: (3,) m, position of the joint in the frame of its parent bone, or of the palm.
         rest: (3, 3) rotation, parent from bone, at a zero joint.
-        length: m, joint to next joint, or to the centre of the fingertip.
-        radius: m, radius of the capsule that stands for the flesh.
-        lower: (3,) rad, least rotation vector of a legal pose, component by component.
-        upper: (3,) rad, greatest rotation vector, likewise.
+        length: m, from the joint to the next one or to the centre of the fingertip.
+        radius: m, radius of the capsule that represents the flesh.
+        lower: (3,) rad, least rotation-vector components of a legal pose.
+        upper: (3,) rad, greatest rotation-vector components.
         stiffness: N m/rad of the servo.
         armature: kg m2 added to the joint; without it links of a few grams make the servo unstable.
     """
@@ -56,7 +56,7 @@ class Bone:
 
 @dataclass(frozen=True)
 class Skeleton:
-    """The bones of a right hand, or of the left one that `mirrored` makes of it.
+    """The bones of a right hand, or of a left one created by `mirrored`.
 
     Attributes:
         name: Name that captures contain.
@@ -116,16 +116,16 @@ class Skeleton:
         return Skeleton(name, bones, self.palm_radius * factor, self.side)
 
     def mirrored(self) -> Skeleton:
-        """The other hand: this one seen in a mirror across x = 0; its own inverse.
+        """The other hand, mirrored across x = 0; its own inverse.
 
-        With it, `models.pose.mirrored` of a pose gives the mirror image, bone by bone.
+        On it, the pose `models.pose.mirrored(q)` is the mirror image of pose q on this hand.
         """
         bones = tuple(
             replace(
                 b,
                 anchor=(-b.anchor[0], b.anchor[1], b.anchor[2]),
                 rest=_MIRROR @ b.rest @ _MIRROR,
-                # Turns about x look alike in the mirror, those about y and z the other way round.
+                # Mirrored rotations keep their sign about x, and change it about y and z.
                 lower=np.array([b.lower[0], -b.upper[1], -b.upper[2]]),
                 upper=np.array([b.upper[0], -b.lower[1], -b.lower[2]]),
             )

@@ -1,4 +1,4 @@
-"""Checks of what a task's own code gives: its drawn trial, and its measure."""
+"""Checks the results of a task's own code: its drawn trial and its measure."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from tasks.sensing import Sensing
 from tasks.task import Measure, Task
 
 DEEPEST = 0.001
-"""m that two objects, or an object and the table, may overlap at the start. Contacts are soft: an
-object at rest sinks in by some hundredths of a millimetre."""
+"""m, largest overlap of two objects, or of an object and the table, at the start. Contacts are
+soft: an object at rest sinks in by some hundredths of a millimetre."""
 
 
 def check_names(task: Task, where: str) -> None:
@@ -24,8 +24,8 @@ def check_names(task: Task, where: str) -> None:
         where: Task and seed, for messages.
 
     Raises:
-        InputError: No object, two of one name, a goal for an unknown object, or a number that is
-            not finite.
+        InputError: There is no object, two objects share a name, a goal names an unknown object, or
+            a number is not finite.
     """
     names = [thing.name for thing in task.objects]
     if not names or len(set(names)) < len(names):
@@ -47,7 +47,7 @@ def check_names(task: Task, where: str) -> None:
         raise InputError("a start or a goal is not finite", where=where)
 
 
-def check_chance(task: Task, again: Task, where: str) -> None:
+def check_repeatable(task: Task, again: Task, where: str) -> None:
     """Checks that two draws of one seed are equal.
 
     Args:
@@ -56,7 +56,7 @@ def check_chance(task: Task, again: Task, where: str) -> None:
         where: Task and seed, for messages.
 
     Raises:
-        InputError: They differ: some chance does not come from the seed.
+        InputError: They differ, so some randomness does not come from the seed.
     """
     first, second = _drawn(task), _drawn(again)
     changed = [name for name in first if second.get(name) != first[name]]
@@ -66,7 +66,7 @@ def check_chance(task: Task, again: Task, where: str) -> None:
             where=where,
             got=f"another {', '.join(changed) or 'number of objects or goals'}",
             expected="the same trial from the same seed",
-            remedy="Draw all chance from `rng`: no `random`, no generator of your own, no clock",
+            remedy="Draw all random numbers from `rng`, not from `random`, a generator or a clock",
         )
 
 
@@ -88,7 +88,7 @@ def check_places(task: Task, surface: Surface, where: str) -> None:
 
     Args:
         task: The drawn trial.
-        surface: Where fingers reach, as placed in the world.
+        surface: The surface as placed in the world.
         where: Task and seed, for messages.
 
     Raises:
@@ -113,12 +113,12 @@ def check_places(task: Task, surface: Surface, where: str) -> None:
             where=where,
             got=f"{1000 * deepest:.1f} mm deep",
             expected=f"at most {1000 * DEEPEST:g} mm",
-            remedy="Place them apart: physics would throw them across the table",
+            remedy="Place them apart, or the physics would throw them across the table",
         )
 
 
 def _deepest_overlap(task: Task) -> tuple[float, tuple[str, str]]:
-    """m and names of the two bodies that overlap most; 0 where none do."""
+    """Depth (m) and names of the two bodies that overlap most; 0 if none do."""
     model = Scene(SceneSpec((), task.objects, task.table_friction)).model
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
@@ -133,7 +133,7 @@ def _deepest_overlap(task: Task) -> tuple[float, tuple[str, str]]:
 
 
 def measure(task: Task, sensing: Sensing) -> Measure:
-    """A task's measure of how things stand now.
+    """Calls a task's `measure`, and checks its result.
 
     Raises:
         InputError: `measure` of the task returns something else, such as nothing.
@@ -141,10 +141,10 @@ def measure(task: Task, sensing: Sensing) -> Measure:
     result = task.measure(sensing)
     if not isinstance(result, Measure):
         raise InputError(
-            "`measure` returned no Measure",
+            "`measure` did not return a Measure",
             where=task.name,
             got=repr(result)[:80],
             expected="a Measure, such as `return judge(...)`",
-            remedy="Every way through `measure` needs a `return`",
+            remedy="Every branch of `measure` needs a `return`",
         )
     return result

@@ -1,4 +1,4 @@
-"""Loads tasks of other people: from installed packages by entry point, from a file or a module.
+"""Loads external tasks: from installed packages by entry point, from a file or a module.
 
 A package offers its tasks under the name of the task:
 
@@ -103,7 +103,7 @@ def place_file(text: str) -> Path | None:
 
 
 def adapted(kind: Any, where: str) -> type[Task]:
-    """A checked task with all members of the contract; those that it lacks get their defaults.
+    """Checks a task, and adds missing members of the contract with their defaults.
 
     Raises:
         InputError: A required member is missing.
@@ -129,7 +129,7 @@ def check_task(kind: Any, where: str) -> None:
     name = getattr(kind, "name", None)
     if not (isinstance(name, str) and _NAME.fullmatch(name)):
         raise InputError(
-            "a task's name is missing or odd",
+            "a task's name is missing or invalid",
             where=where,
             got=name,
             expected="small letters, digits and hyphens: my-lab-push",
@@ -138,21 +138,21 @@ def check_task(kind: Any, where: str) -> None:
         value = getattr(kind, number, None)
         if isinstance(value, bool) or not isinstance(value, int | float) or not value >= 0:
             raise InputError(
-                f"a task's {number} is missing or odd",
+                f"a task's {number} is missing or invalid",
                 where=where,
                 got=value,
                 expected="a number that is not negative",
             )
     if getattr(kind, "plane", None) not in ("table", "front"):
         raise InputError(
-            "a task's plane is missing or odd",
+            "a task's plane is missing or invalid",
             where=where,
             got=getattr(kind, "plane", None),
             expected="table or front",
         )
     missing: frozenset[str] = getattr(kind, "__abstractmethods__", frozenset())
     if missing:
-        raise InputError("this task lacks something", where=where, got=", ".join(sorted(missing)))
+        raise InputError("this task lacks members", where=where, got=", ".join(sorted(missing)))
 
 
 def _guarded(load: Any, where: str) -> Any:

@@ -12,21 +12,21 @@ from models.arithmetic.arrays import Array
 from tasks.sensing import length
 
 _NEAR = 0.030
-"""m; an object nearer than this to its own goal counts as placed, and a goal on top of it follows
-it. While the object is farther away, the goal on top is shown above the object's own goal."""
+"""m, distance from its own goal below which an object counts as placed, so that a goal on top of it
+follows it. Before, the goal on top is shown above the object's own goal."""
 
 
 @dataclass(frozen=True)
 class Goal:
-    """Where an object should end up; views draw the object's ghost there.
+    """Intended pose of an object; views draw the object's ghost there.
 
     Attributes:
         object: Name of the object.
-        position: (3,) m, centre of the object at the goal; where `on` is set, how far from that
-            object's centre, in the world's directions.
-        yaw: rad about the vertical; where `on` is set, against that object's.
-        on: Name of the object on which it should stand, wherever that is now. Whoever looks at
-            goals takes them from `place`, which has put them into the world.
+        position: (3,) m, centre of the object at the goal; with `on`, relative to the centre of
+            that object, in the world's directions.
+        yaw: rad about the vertical; with `on`, relative to that object.
+        on: Name of the object on which it should stand, at that object's current position. `place`
+            converts such goals to positions in the world.
     """
 
     object: str
@@ -68,7 +68,7 @@ def place(goals: Sequence[Goal], poses: Mapping[str, Posed]) -> tuple[Goal, ...]
 
 
 def flat_yaw(rotation: Array) -> float:
-    """Yaw in rad of the object's axis that lies flattest; x before y before z.
+    """Yaw in rad of the object's most horizontal axis; x before y before z.
 
     A box that stands on its x face has an upright x axis, but its other edges still have a yaw.
     """

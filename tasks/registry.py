@@ -9,7 +9,7 @@ from models.outside import failure, package
 from models.surface import Surface
 from tasks.box_to_goal import BoxToGoal
 from tasks.carry_together import CarryTogether
-from tasks.checks import check_chance, check_names, check_places
+from tasks.checks import check_names, check_places, check_repeatable
 from tasks.discovery import is_place, load_offered, load_place, offered, place_file
 from tasks.stack import Stack, StackThree
 from tasks.stack_vertical import StackVertical
@@ -95,7 +95,7 @@ def draw_task(kind: type[Task], seed: int, surface: Surface) -> Task:
     task = _drawn(kind, seed, surface, where)
     check_names(task, where)
     if not is_built_in(kind):
-        check_chance(task, _drawn(kind, seed, surface, where), where)
+        check_repeatable(task, _drawn(kind, seed, surface, where), where)
         check_places(task, surface, where)
     return task
 
@@ -115,7 +115,7 @@ def is_built_in(kind: type[Task]) -> bool:
 
 
 def origin(name: str) -> dict[str, Any]:
-    """Origin of a task of other people, needed to run it again; empty for built-in tasks.
+    """Origin of an external task, needed to run it again; empty for built-in tasks.
 
     Returns:
         `entry_point` as `module:Class`, with `package` and `version` where one is installed; or

@@ -36,8 +36,8 @@ class TaskDefaults(Protocol):
     """Members that a task may leave out, with their defaults.
 
     Attributes:
-        hands: How many hands it is made for.
-        user: Makes its simulated user; None: the one that plays the built-in tasks.
+        hands: Number of hands that it needs.
+        user: Creates its simulated user; None uses the user of the built-in tasks.
     """
 
     hands: ClassVar[int] = 1

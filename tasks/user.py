@@ -1,4 +1,4 @@
-"""Contract and settings of simulated users, and what they see of the screen."""
+"""Contract, settings and sights of simulated users."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.frames import TouchFrame
-from models.later import Later
+from models.lazy_fields import LazyFields
 from models.objects import Thing
 from models.surface import Surface
 from tasks.goals import Goal
@@ -28,7 +28,7 @@ class UserConfiguration:
         kind: One of `KINDS`.
         fingers: Number of touching fingers, 2 to 5: the thumb, then index, middle, ...
         reaction: s, range from which each trial's delay between seeing and acting is drawn.
-        peak_speed: m/s, fastest a fingertip moves.
+        peak_speed: m/s, highest speed of a fingertip.
         movement_base, movement_slope: s; a movement of d metres takes base + slope log2(d / 2 mm),
         or longer because of the peak speed. end_noise: Share of a movement's length by which it
         misses. tremor: m, slow correlated noise of every finger (standard deviation per axis).
@@ -99,7 +99,7 @@ class SeenObject:
 
 
 @dataclass(frozen=True)
-class Sight(Later):
+class Sight(LazyFields):
     """Content of the screen at one moment.
 
     Attributes:
@@ -130,4 +130,4 @@ class User(Protocol):
 
 
 UserMaker = Callable[[UserConfiguration, Surface, int], User]
-"""Makes a simulated person from what kind of person it is, the screen, and a seed."""
+"""Creates a simulated user from settings, screen and seed."""

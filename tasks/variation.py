@@ -67,7 +67,7 @@ class Variation:
         return self == Variation()
 
     @property
-    def spoils(self) -> bool:
+    def degrades_touches(self) -> bool:
         """True if it degrades touches."""
         return any(getattr(self, name) != 0.0 for name in TOUCHES)
 

@@ -34,8 +34,8 @@ TOO_FAR = float(np.deg2rad(15.0))
 class WrenchTurn(WrenchTask):
     """Turn a wrench about its bolt onto its translucent twin.
 
-    Scene: an open-ended wrench of 12 cm, 60 to 150 g, on a bolt that stands still and is being
-    tightened or loosened: dry friction of 2.0 to 2.5 N m, at which it stays wherever it is let go.
+    Scene: an open-ended wrench of 12 cm, 60 to 150 g, on a fixed bolt that is being tightened or
+    loosened: dry friction of 2.0 to 2.5 N m, so that it stays wherever it is let go.
     Nothing stops it at the goal; more than 15 degrees past it the nut is overtightened and the
     trial fails. Goal: the wrench's ghost, turned by 40 to 90 degrees, either way.
     Success: yaw within 5 degrees of the goal, the wrench's middle slower than 1 cm/s and touched by

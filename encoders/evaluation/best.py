@@ -34,9 +34,9 @@ from encoders.regression.trained import (
     origin,
     rounded,
 )
-from encoders.regression.turned import TurnedEncoder
+from encoders.regression.yaw_normalised import YawNormalisedEncoder
 from encoders.smoothing import PoseFilter, rigid_motion
-from encoders.validation import badness, robust_covariance
+from encoders.validation import error_product, robust_covariance
 from models.arithmetic.arrays import Array
 from models.pose import absolute_pose
 from models.skeleton import ADULT
@@ -47,9 +47,9 @@ CANDIDATES: dict[str, Callable[[], Encoder]] = {
     "quadratic, ridge 0.1": lambda: PolynomialEncoder(2, 0.1),
     "cubic, ridge 0.1": lambda: PolynomialEncoder(3, 0.1),
     "cubic, ridge 0.3": lambda: PolynomialEncoder(3, 0.3),
-    "turned, ridge 0.03": lambda: TurnedEncoder(0.03, 0.03),
-    "turned, ridge 0.1": lambda: TurnedEncoder(0.03, 0.1),
-    "turned, ridge 0.3": lambda: TurnedEncoder(0.03, 0.3),
+    "turned, ridge 0.03": lambda: YawNormalisedEncoder(0.03, 0.03),
+    "turned, ridge 0.1": lambda: YawNormalisedEncoder(0.03, 0.1),
+    "turned, ridge 0.3": lambda: YawNormalisedEncoder(0.03, 0.3),
 }
 """Candidate encoders. Kernel regression, a Kalman filter over time and pair distances as further
 terms were tried during design without a lasting gain (docs/encoding.md)."""
@@ -133,7 +133,7 @@ def train_best_model(
         covariance = covariances[candidate] = robust_covariance(Q - q)
         correction = PersonCorrection(bones, covariance, variance)
         corrected = correction.correct(absolute_pose(q, capture.leftmost), capture.xy)
-        scores[candidate] = (badness(q, Q), badness(corrected, capture.q))
+        scores[candidate] = (error_product(q, Q), error_product(corrected, capture.q))
         if progress:
             progress((i + 1) / (len(CANDIDATES) + 1))
     winner = min(scores, key=lambda name: scores[name][1])
@@ -143,11 +143,11 @@ def train_best_model(
     return rounded(TrainedModel(name, encoder, covariances[winner], U, Q, meta, correction))
 
 
-def _in_cm_degrees(found: dict[str, tuple[float, float]]) -> dict[str, Any]:
+def _in_cm_degrees(errors: dict[str, tuple[float, float]]) -> dict[str, Any]:
     """Validated wrist error times joint angle in cm x degrees, plain and corrected, by
     candidate."""
     scale = 100 * float(np.rad2deg(1.0))
-    return {name: [round(scale * value, 3) for value in pair] for name, pair in found.items()}
+    return {name: [round(scale * value, 3) for value in pair] for name, pair in errors.items()}
 
 
 def train_best(capture: Capture, progress: Callable[[float], None] | None = None) -> Best:

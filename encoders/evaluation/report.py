@@ -180,16 +180,16 @@ def _labels(result: MethodResult, tests: Tests) -> dict[str, Any]:
     }
 
 
-def _smooth(found: Smoothness) -> dict[str, float]:
+def _smooth(smoothness: Smoothness) -> dict[str, float]:
     return {
-        "jump_deg": _mean(found.jump),
-        "jump_largest_deg": _largest(found.jump),
-        "joint_jump_largest_deg": _largest(found.largest_joint),
-        "joint_jump_deg": _mean(found.largest_joint),
-        "wrist_jump_cm": _mean(found.wrist_jump),
-        "wrist_jump_largest_cm": _largest(found.wrist_jump),
-        "acceleration_deg_s2": _mean(found.acceleration),
-        "contact_changes": len(found.jump),
+        "jump_deg": _mean(smoothness.jump),
+        "jump_largest_deg": _largest(smoothness.jump),
+        "joint_jump_largest_deg": _largest(smoothness.largest_joint),
+        "joint_jump_deg": _mean(smoothness.largest_joint),
+        "wrist_jump_cm": _mean(smoothness.wrist_jump),
+        "wrist_jump_largest_cm": _largest(smoothness.wrist_jump),
+        "acceleration_deg_s2": _mean(smoothness.acceleration),
+        "contact_changes": len(smoothness.jump),
     }
 
 

@@ -149,14 +149,14 @@ def pointing(finger: TrackedFinger) -> tuple[float, float, float]:
     return (b[0] - a[0]) / length, (b[1] - a[1]) / length, (b[2] - a[2]) / length
 
 
-def _enough(found: int, wanted: int, left_out: Counter[str], side: str) -> None:
-    total = found + sum(left_out.values())
-    if found >= wanted and found >= LEAST_USABLE * total:
+def _enough(usable: int, wanted: int, left_out: Counter[str], side: str) -> None:
+    total = usable + sum(left_out.values())
+    if usable >= wanted and usable >= LEAST_USABLE * total:
         return
     why = ", ".join(f"{n} x {what}" for what, n in left_out.most_common()) or "the frames ended"
     raise EncoderError(
         f"the {side} hand cannot be calibrated: too few frames with five fingers",
-        got=f"{found} of {total} ({why})",
+        got=f"{usable} of {total} ({why})",
         expected=f"{wanted}, and at least half of all",
         remedy="Hold the hand open, palm down, fingers spread, 20 cm above the device",
     )

@@ -159,8 +159,8 @@ class HandSizes:
         """The touches (5, 2) in the order of the fingers, thumb first."""
         return xy[np.argsort(self.layout.match(xy).labels)]
 
-    def _check_spreads(self, found: dict[str, Array]) -> None:
-        sizes = {name: float(np.exp(logs.mean())) for name, logs in found.items()}
+    def _check_spreads(self, spreads: dict[str, Array]) -> None:
+        sizes = {name: float(np.exp(logs.mean())) for name, logs in spreads.items()}
         growth = min(sizes["natural"] / sizes["closed"], sizes["wide"] / sizes["natural"])
         if growth < LEAST_GROWTH:
             raise InputError(
@@ -172,7 +172,7 @@ class HandSizes:
                 expected=f"each {LEAST_GROWTH:g} times the one before, or more",
                 remedy="Close the fingers more, and spread them wider",
             )
-        for name, logs in found.items():
+        for name, logs in spreads.items():
             spread = self._spreads[name]
             off = logs - spread.mean
             off = off - (off @ spread.shape).sum() / spread.shape.sum()

@@ -24,7 +24,7 @@ from encoders.smoothing import Motion, PoseFilter, common_motion
 from models.arithmetic.arrays import Array
 from models.frames import TouchFrame
 from models.kinematics import Kinematics
-from models.later import Later
+from models.lazy_fields import LazyFields
 from models.limits import RateLimit, within_limits
 from models.pose import ROOT_POSITION, absolute_pose, surface_to_world
 from models.skeleton import Skeleton
@@ -88,7 +88,7 @@ class ReconstructedContact:
 
 
 @dataclass(frozen=True)
-class Reconstruction(Later):
+class Reconstruction(LazyFields):
     """The reconstructed hand at one moment.
 
     Attributes:
@@ -227,7 +227,7 @@ class TouchReconstructor:
         if not tracks:
             self._filter.reset()
             self.labeller.reset()
-        return Reconstruction.later(
+        return Reconstruction.deferred(
             self._contacts(),
             q=surface_to_world(self._commanded, self.surface),
             phase=self._arrival.phase,

@@ -1,8 +1,8 @@
-"""Compiled poses of contact vectors: the extra `fast` (numba).
+"""Compiled polynomial encoders for contact vectors (extra `fast`: numba).
 
-Everything here is compiled when the module is imported, for the types it is used with, and kept on
-disk for the next time; nothing compiles later. Sessions do without it: they keep one path of
-numbers, so that a replay does not depend on what is installed.
+Everything is compiled when the module is imported, and cached on disk; nothing compiles later.
+Sessions do not use it: their arithmetic must not depend on installed packages, or replays would
+differ.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _KEYS = _F << _F
 
 @njit("int64(float64[::1])", fastmath=ANY_ORDER, cache=True)
 def _key(u):  # type: ignore[no-untyped-def]
-    """Key of a contact vector, -1 if it is none."""
+    """Key of a contact vector; -1 for an invalid one."""
     code, origin = 0, -1
     for f in range(_F):
         if u[FLAGS + f] == 1.0:
@@ -37,7 +37,7 @@ def _key(u):  # type: ignore[no-untyped-def]
 
 @njit("void(float64[::1], uint32[:, ::1], int64, float64[::1])", fastmath=ANY_ORDER, cache=True)
 def _monomials(u, factors, start, x):  # type: ignore[no-untyped-def]
-    """Values of as many monomials as `x` has room for, from `start` on."""
+    """Fills `x` with the values of monomials from `start` on."""
     n = x.shape[0]
     if factors.shape[0] == 2:
         first, second = factors[0, start : start + n], factors[1, start : start + n]
@@ -56,7 +56,7 @@ def _monomials(u, factors, start, x):  # type: ignore[no-untyped-def]
     cache=True,
 )
 def _one(u, starts, factors, coef, x, out):  # type: ignore[no-untyped-def]
-    """Fills in the outputs of one contact vector, or says that it is none."""
+    """Fills in the outputs of one contact vector; returns false for an invalid one."""
     key = _key(u)
     if key < 0:
         return False
@@ -65,7 +65,7 @@ def _one(u, starts, factors, coef, x, out):  # type: ignore[no-untyped-def]
     _monomials(u, factors, start, x)
     for n in range(out.shape[0]):
         out[n] = 0.0
-    # Four rows at a time: the outputs are then read and written a fourth as often.
+    # Four rows at a time, so that outputs are read and written a quarter as often.
     for r in range(0, stop - start, 4):
         a, b, c, d = x[r], x[r + 1], x[r + 2], x[r + 3]
         w = coef[start + r : start + r + 4]
@@ -80,7 +80,7 @@ def _one(u, starts, factors, coef, x, out):  # type: ignore[no-untyped-def]
     cache=True,
 )
 def _many(U, starts, factors, coef, out):  # type: ignore[no-untyped-def]
-    """Fills in the outputs of contact vectors, those of one key together."""
+    """Fills in the outputs of contact vectors, grouped by key; returns false if one is invalid."""
     frames = U.shape[0]
     keys = np.empty(frames, np.int64)
     ends = np.zeros(_KEYS + 1, np.int64)
@@ -112,9 +112,9 @@ def _many(U, starts, factors, coef, out):  # type: ignore[no-untyped-def]
 
 
 class FastContactPoses(ContactPoses):
-    """As `ContactPoses`, compiled; contact vectors must have a finger at (0, 0), as theirs have.
+    """Compiled `ContactPoses` for contact vectors with a finger at (0, 0), as all real ones have.
 
-    Others, and arrays of other kinds than C-ordered doubles, take the slower way.
+    Other vectors, and arrays other than C-ordered doubles, fall back to the slower class.
     """
 
     def __init__(self, coef: Array, degree: int) -> None:
@@ -126,12 +126,12 @@ class FastContactPoses(ContactPoses):
             starts[key + 1] = starts[key]
             if origin not in fingers:
                 continue
-            found = collapse(fingers, degree, origin)
-            # Filled up to a multiple of four with monomials that count nothing.
-            spare = -found.factors.shape[1] % 4
+            reduced = collapse(fingers, degree, origin)
+            # Padded to a multiple of four with monomials that have zero coefficients.
+            spare = -reduced.factors.shape[1] % 4
             one = FLAGS + fingers[0]
-            factors.append(np.pad(found.factors, ((0, 0), (0, spare)), constant_values=one))
-            rows.append(np.pad(found.coefficients(coef), ((0, spare), (0, 0))))
+            factors.append(np.pad(reduced.factors, ((0, 0), (0, spare)), constant_values=one))
+            rows.append(np.pad(reduced.coefficients(coef), ((0, spare), (0, 0))))
             starts[key + 1] += len(rows[-1])
         self._starts, self._factors = starts, np.ascontiguousarray(np.hstack(factors), np.uint32)
         self._rows = _aligned(np.vstack(rows))
@@ -147,7 +147,7 @@ class FastContactPoses(ContactPoses):
             ):
                 return out
         except TypeError:
-            # Not what the compiled function was made for.
+            # The compiled function does not accept this type of array.
             return super().__call__(u)
         return super().__call__(u)
 
@@ -162,9 +162,9 @@ class FastContactPoses(ContactPoses):
 
 
 def _aligned(array: Array) -> Array:
-    """The same numbers, beginning where a cache line does."""
+    """Copy of an array that begins at a cache line."""
     room = np.empty(array.size + 8)
     skipped = -room.ctypes.data % 64 // 8
-    found = room[skipped : skipped + array.size].reshape(array.shape)
-    found[:] = array
-    return found
+    copy = room[skipped : skipped + array.size].reshape(array.shape)
+    copy[:] = array
+    return copy

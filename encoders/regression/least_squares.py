@@ -1,11 +1,11 @@
 """Least squares over any number of frames, in memory that does not grow with them.
 
-Frames come in blocks. A block of terms and outputs [X Q] is put below the triangle left of the
-blocks before it, and an orthogonal (QR) transformation makes one triangle of both. That keeps
-everything a fit needs and squares no condition number, as the sums X'X would: the solution is that
-of the whole matrix to rounding. Frames of one finger set are reduced together, in the few monomials
-that the set leaves (`encoders.regression.collapsed`), and the triangles of all sets are stacked at
-the end.
+Frames come in blocks. Each block of terms and outputs [X Q] is stacked below the triangle of the
+previous blocks, and a QR decomposition reduces both to one triangle. The triangle contains
+everything that a fit needs, and its condition number is that of X, not the square of it as with
+X'X: up to rounding, the solution is that of the whole matrix. Frames of one finger set are reduced
+together, in the few monomials of that set (`encoders.regression.collapsed`), and the triangles of
+all sets are stacked at the end.
 """
 
 from __future__ import annotations
@@ -21,15 +21,16 @@ from encoders.regression.collapsed import SETS, collapse, set_code, set_codes
 from models.arithmetic.arrays import Array
 
 RCOND = 1e-10
-"""Singular values below this share of the largest count as zero: far below those of independent
-terms (measured on captures of the simulated subject: above 1e-6), far above rounding (1e-15)."""
+"""Share of the largest singular value below which others count as zero: far below those of
+independent terms (above 1e-6 on captures of the simulated subject), far above rounding (1e-15)."""
 
 _ROWS = 4096
-"""Frames reduced at once; larger blocks leave the processor's caches, smaller ones repeat work."""
+"""Number of frames reduced at once; larger blocks exceed the processor's caches, smaller ones
+repeat work."""
 
 
 def is_ridge(value: object) -> bool:
-    """Whether a value can be a penalty: a finite number that is not negative."""
+    """True for a value that can be a penalty: a finite number that is not negative."""
     if not isinstance(value, int | float | np.number) or isinstance(value, bool):
         return False
     # Whole numbers of JSON may be larger than any float.
@@ -37,18 +38,18 @@ def is_ridge(value: object) -> bool:
 
 
 class LeastSquares:
-    """The sums of squares of a polynomial fit, as triangles.
+    """Accumulates the least-squares problem of a polynomial fit as triangles.
 
     Args:
-        degree: Of the polynomial.
-        terms: All K terms (T, K) of inputs (T, width), the constant first.
+        degree: Degree of the polynomial.
+        terms: Function that computes all K terms (T, K) of inputs (T, width), the constant first.
 
     Attributes:
         frames: Number of frames so far.
         codes: Codes of the finger sets of all contact vectors so far
             (`encoders.regression.collapsed`).
-        others: Whether there were inputs that are no contact vectors.
-        least, greatest: (width,) of the inputs.
+        others: True if some inputs were not contact vectors.
+        least, greatest: (width,) least and greatest value of each input.
     """
 
     def __init__(self, degree: int, terms: Callable[[Array], Array]) -> None:
@@ -65,7 +66,7 @@ class LeastSquares:
         return 0 in self._triangles
 
     def add(self, U: Array, Q: Array) -> None:
-        """Takes in frames: inputs (T, width) and outputs (T, n_outputs), finite."""
+        """Adds frames: finite inputs (T, width) and outputs (T, n_outputs)."""
         if not self.frames:
             self.least = np.full(U.shape[1], np.inf)
             self.greatest = -self.least
@@ -86,22 +87,27 @@ class LeastSquares:
         self._triangles[code] = triangle(X, Q, *(() if above is None else (above,)))
 
     def stacked(self) -> tuple[Array, Array]:
-        """(m, K) and (m, n_outputs) with the normal equations of all frames; m is some thousand."""
+        """Terms (m, K) and outputs (m, n_outputs) with the same least-squares problem as all
+        frames.
+
+        m is a few thousand.
+        """
         terms, outputs = [], []
         for code, reduced in self._triangles.items():
             left = reduced[:, : -self._outputs]
             if code:
-                found = collapse(_FINGERS[code], self._degree)
-                left = left[:, found.monomial] * found.sign
+                reduction = collapse(_FINGERS[code], self._degree)
+                left = left[:, reduction.monomial] * reduction.sign
             terms.append(left)
             outputs.append(reduced[:, -self._outputs :])
         return np.concatenate(terms), np.concatenate(outputs)
 
     def solve(self) -> tuple[Array, int]:
-        """(K, n_outputs) shortest of the best coefficients of scaled terms, and the terms' rank."""
+        """Minimum-norm least-squares coefficients (K, n_outputs) of scaled terms, and the terms'
+        rank."""
         X, Q = self.stacked()
         scale = np.sqrt(np.einsum("mk,mk->k", X, X))
-        # A term that is zero in all frames carries nothing; it must not be divided by nothing.
+        # A term that is zero in all frames has no scale; avoid a division by zero.
         scale[scale == 0] = 1.0
         solution, _, rank, _ = lstsq(X / scale, Q, cond=RCOND, lapack_driver="gelsd")
         return solution / scale[:, None], int(rank)
@@ -110,8 +116,8 @@ class LeastSquares:
         """(len(ridges), K, n_outputs) coefficients, one set for every penalty; see `ridge_path`."""
         X, Q = self.stacked()
         whole = triangle(X, Q)
-        # The constant comes first. What is orthogonal to it is what varies about the mean, and the
-        # constant itself, of length sqrt(frames) in all, holds the means.
+        # The constant comes first. The remainder orthogonal to it is the variation about the mean;
+        # the component along the constant, of length sqrt(frames), gives the means.
         mean, centre = np.split(whole[0] / whole[0, 0], [X.shape[1]])
         rest, outputs = np.split(whole[1:], [X.shape[1]], axis=1)
         std = _steady(np.linalg.norm(rest, axis=0) / np.sqrt(self.frames), mean)
@@ -138,8 +144,8 @@ def triangle(X: Array, Q: Array, above: Array | None = None) -> Array:
 def ridge_path(X: Array, Q: Array, ridges: Sequence[float]) -> Array:
     """(len(ridges), K, n_outputs) coefficients of terms X (T, K), one set for every penalty.
 
-    Penalties are on standardised terms, the constant is not penalised; the costly part, the terms'
-    products, is done once for all of them.
+    Penalties apply to standardised terms, except the constant. The costly part, the products of
+    the terms, is computed once for all penalties.
     """
     mean, std = X.mean(axis=0), _steady(X.std(axis=0), X.mean(axis=0))
     centre = Q.mean(axis=0)
@@ -148,7 +154,7 @@ def ridge_path(X: Array, Q: Array, ridges: Sequence[float]) -> Array:
 
 
 def _steady(std: Array, mean: Array) -> Array:
-    """Standard deviations, infinite for terms that never vary: those carry nothing."""
+    """Standard deviations, infinite for terms that never vary, so that these get coefficient 0."""
     return np.where(std < 1e-12 * np.maximum(1.0, np.abs(mean)), np.inf, std)
 
 

@@ -1,4 +1,4 @@
-"""The mean training pose as an encoder: the least that every other encoder must beat."""
+"""The mean training pose as an encoder: the baseline for all other encoders."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from models.errors import EncoderError
 
 
 class MeanEncoder(Encoder):
-    """The mean training pose, whatever the touches.
+    """Predicts the mean training pose for any touches.
 
     Attributes:
         mean_: (n,) mean of the outputs.
@@ -39,6 +39,8 @@ class MeanEncoder(Encoder):
         """See `Encoder.restore`."""
         mean = arrays.get("mean")
         if mean is None or mean.shape != Q.shape[1:] or not np.isfinite(mean).all():
-            raise EncoderError("the mean pose is not the encoder's", expected=f"{Q.shape[1:]}")
+            raise EncoderError(
+                "the stored mean pose does not fit the encoder", expected=f"{Q.shape[1:]}"
+            )
         self.mean_ = mean
         return self

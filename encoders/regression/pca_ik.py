@@ -1,36 +1,38 @@
-"""PCA-IK: inverse kinematics in few principal components, the paper's rival to its encoder.
+"""PCA-IK: inverse kinematics in few principal components, the paper's baseline for its encoder.
 
 Chung, Kim, Han and Pollard (2015), section 3, after Mulatto, Formaglio, Malvezzi and Prattichizzo
 (2013). The paper gives it one paragraph: the number of components follows from the number of
 contacts (12, 9, 6 and 3 for 5, 4, 3 and 2, hence 3 k - 3), the compliance is 0.1 for translation
 and 25 for rotation, 100 iterations suffice, and the nearest neighbour is found by touch positions.
-What it leaves open is an option here; the defaults are the readings argued for below.
+Choices that it leaves open are options here; the defaults follow the interpretations argued below.
 
-What is free. k fingertips give 3 k equations. With 3 k - 3 components, three unknowns are left: the
-translation of the root. Then all rotations, the wrist's too, must be in the components, which fits
-the paper's use of "hand pose" for joint angles and wrist together, and the number of equations that
-remain when positions are relative to one contact. Other readings: components of the ball joints
-alone with the whole root free, as in inverse kinematics of a free-floating hand (3 more unknowns
-than equations); or components of the whole pose and nothing else (3 fewer, so fingertips miss).
+Free variables. k fingertips give 3 k equations. With 3 k - 3 components, three unknowns are left:
+the translation of the root. All rotations, including the wrist's, are then in the components. This
+agrees with the paper's use of "hand pose" for joint angles and wrist together, and with the number
+of equations that remain when positions are relative to one contact. Other interpretations:
+components of the ball joints alone with a free root, as in inverse kinematics of a free-floating
+hand (3 more unknowns than equations); or components of the whole pose and nothing else (3 fewer, so
+that fingertips miss).
 
-What a compliance does. Read as damping: each step minimises
+Compliance. As damping, each step minimises
 
     |tips still off|^2 + 0.1 |change of translations|^2 + 25 |change of rotations|^2
 
-in centimetres and radians. Damping acts on the step, not on the way from the start: nothing holds
-fingertips back from their touches for ever ("tries to fit the target position excessively"). In
-these units 100 iterations go most of the way; in metres and radians, or in centimetres and
-degrees, rotations would hardly have begun to move, and the paper found 100 to be enough. Read as
-softness, as mechanics uses the word (what is more compliant moves more), the costs are 1 / 0.1 and
-1 / 25 instead. Other units: give other numbers.
+in centimetres and radians. Damping acts on the step, not on the distance from the start, so that
+fingertips do reach their touches in the end ("tries to fit the target position excessively"). In
+these units 100 iterations come close to the target; in metres and radians, or in centimetres and
+degrees, rotations would hardly have changed by then, and the paper found 100 to be enough. As
+softness, the mechanical meaning (a more compliant part moves more), the costs are 1 / 0.1 and
+1 / 25 instead. For other units, give other numbers.
 
-Where it starts. The paper uses the nearest neighbour to label the fingers; that inverse kinematics
-begins there, too, is the reading here. Components then are directions in which that pose changes.
-Or the neighbour is first replaced by its best likeness in the components ("represent hand pose"),
-or the mean pose is the start.
+Start. The paper uses the nearest neighbour to label the fingers; here inverse kinematics starts
+from it as well. The components are then directions in which that pose changes. Alternatively, the
+neighbour is first projected onto the components ("represent hand pose"), or the mean pose is the
+start.
 
-One contact has no components (3 k - 3 = 0): the mean pose of the training frames for that finger is
-moved, or with a free root also turned, until the fingertip is there. The paper excludes it.
+A single contact has no components (3 k - 3 = 0): the mean pose of the training frames for that
+finger is shifted, or with a free root also rotated, until the fingertip is at its target. The paper
+excludes this case.
 """
 
 from __future__ import annotations
@@ -51,8 +53,8 @@ COMPLIANCE_ROTATION = 25.0
 """The paper's two values."""
 
 FREE = {"translation": (3, slice(3, POSE_SIZE)), "root": (6, JOINTS), "nothing": (0, slice(0, 48))}
-"""What is free beside the components -> how many numbers of the root that is, and the part of the
-pose that the components describe."""
+"""Option `free` -> number of free variables of the root, and the part of the pose that the
+components describe."""
 
 READINGS = ("damping", "softness")
 STARTS = ("neighbour", "projected", "mean")
@@ -62,15 +64,15 @@ _SQUARE_CM = 1e-4
 
 _DEGREES_PER_RADIAN = 57.29577951308232
 _WHISPER = 1e-10
-"""Share of the mean diagonal added to normal equations: decides where nothing else does."""
+"""Share of the mean diagonal added to normal equations, so that they are never singular."""
 
 
 def step_costs(translation: float, rotation: float, reading: str) -> Array:
-    """(48,) cost of changing each number of the pose, m2 per m2 or rad2, from two compliances.
+    """Costs (48,) of changing each number of the pose, m2 per m2 or rad2, from two compliances.
 
     Raises:
         EncoderError: A compliance is negative, or 0 where it would be divided by, or there is no
-            such reading.
+            such interpretation.
     """
     if reading not in READINGS:
         raise EncoderError("no such reading", got=reading, expected=", ".join(READINGS))
@@ -79,10 +81,10 @@ def step_costs(translation: float, rotation: float, reading: str) -> Array:
         raise EncoderError("compliances must be finite, 0 or more", got=pair.tolist())
     if reading == "softness":
         if not pair.all():
-            raise EncoderError("what has no compliance cannot move", got=pair.tolist())
+            raise EncoderError("compliances must be above 0 where they mean softness", got=pair.tolist())
         pair = 1.0 / pair
     cost = np.full(POSE_SIZE, pair[1] * _SQUARE_CM)
-    # Centimetres on both sides: the factors cancel.
+    # Both sides are in centimetres, so the factors cancel.
     cost[ROOT_POSITION] = pair[0]
     return cost
 
@@ -94,21 +96,23 @@ class PcaIkEncoder(TouchIkEncoder):
     relative poses. The module's docstring explains the options.
 
     Args:
-        skeleton: Whose fingertips are to meet the touches.
-        iterations: Most steps; 100 as in the paper.
-        compliance_translation: Of the root's translation, cm2 per cm2.
-        compliance_rotation: Of every component of a rotation vector, cm2 per rad2.
-        reading: `damping` or `softness`.
-        free: Beside the components: `translation`, `root` (translation and rotation) or `nothing`.
-        start: `neighbour`, `projected` (the neighbour's likeness in the components) or `mean`.
-        components: How many; None is 3 k - 3 for k contacts.
+        skeleton: Skeleton whose fingertips should meet the touches.
+        iterations: Maximum number of steps; 100 as in the paper.
+        compliance_translation: Compliance of the root's translation, cm2 per cm2.
+        compliance_rotation: Compliance of each rotation-vector component, cm2 per rad2.
+        reading: Meaning of compliance, `damping` or `softness`.
+        free: Free variables besides the components: `translation`, `root` (translation and
+            rotation) or `nothing`.
+        start: Start of the steps: `neighbour`, `projected` (the neighbour projected onto the
+            components) or `mean`.
+        components: Number of components; None uses 3 k - 3 for k contacts.
         settled: See `TouchIkEncoder`.
         pad_height: See `TouchIkEncoder`.
 
     Attributes:
-        components_: (48, n) directions of the pose, most variance first, as many as the training
-            poses vary in; orthonormal where metres count 100 and radians 180 / pi.
-        explained_: (n,) share of the variance that the first 1, 2, .. n of them carry.
+        components_: (48, n) principal directions of the training poses, in order of variance;
+            orthonormal in centimetres and degrees.
+        explained_: (n,) share of the variance in the first 1, 2, .. n of them.
         mean_, pad_height_, tip_misfit_: See `TouchIkEncoder`.
     """
 
@@ -146,12 +150,12 @@ class PcaIkEncoder(TouchIkEncoder):
         }
 
     def n_components(self, contacts: int) -> int:
-        """Number of components used for so many contacts."""
+        """Number of components for a number of contacts."""
         wanted = 3 * contacts - 3 if self.components is None else self.components
         return min(wanted, self.components_.shape[1])
 
     def basis(self, contacts: int) -> Array:
-        """(48, m) directions in which the pose may change: what is free, then the components."""
+        """Directions (48, m) in which the pose may change: free variables, then the components."""
         root, _ = FREE[self.free]
         used = self.components_[:, : self.n_components(contacts)]
         return np.concatenate([np.eye(POSE_SIZE)[:, :root], used], axis=1)
@@ -160,7 +164,7 @@ class PcaIkEncoder(TouchIkEncoder):
         self._cost = step_costs(self.compliance_translation, self.compliance_rotation, self.reading)
         _, part = FREE[self.free]
         scale = np.full(POSE_SIZE, _DEGREES_PER_RADIAN)
-        # Matters only where metres and radians are mixed; the paper reports these units.
+        # Units matter only where lengths and angles are mixed; the paper reports these units.
         scale[ROOT_POSITION] = 100.0
         self._scale = scale[part]
         away = (Q - self.mean_)[:, part] * self._scale
@@ -174,7 +178,8 @@ class PcaIkEncoder(TouchIkEncoder):
         self._ways = [self._way(contacts) for contacts in range(len(FINGERS) + 1)]
 
     def _way(self, contacts: int) -> tuple[Array, Array]:
-        """(48, m) directions of so many contacts, and (m, m) what it costs to go there."""
+        """Directions (48, m) for a number of contacts, and the cost matrix (m, m) of steps along
+        them."""
         basis = self.basis(contacts)
         return basis, basis.T @ (self._cost[:, None] * basis)
 
@@ -198,7 +203,7 @@ class PcaIkEncoder(TouchIkEncoder):
         diagonal = normal.reshape(len(normal), -1)[:, :: len(cost) + 1]
         diagonal += _WHISPER * diagonal.mean(axis=1, keepdims=True)
         right = np.swapaxes(JB, 1, 2) @ off[..., None]
-        # A product for each row: one for all of them would add up in another order.
+        # One product per row: a single product for all rows would sum in another order.
         return (np.swapaxes(np.linalg.solve(normal, right), 1, 2) @ basis.T)[:, 0]
 
     def _check_options(self) -> None:

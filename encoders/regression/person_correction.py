@@ -1,11 +1,10 @@
-"""Fingertip correction as an estimate of the *person's* pose.
+"""Corrects estimates of a *person's* pose by the touches.
 
-`encoders.correction` makes the tips of our own hand meet the touches, whatever it takes. Here the
-question is another: where is the person's hand? The person has other bones, so a touch tells where
-a fingertip of theirs is only as well as their bones are known. Two things follow. Bones are fitted
-to the person's capture first (`encoders.regression.bone_fit`). And how far the touches are trusted
-is neither assumed nor typed in: it is found by validation blocked by trial, on skeletons that were
-made wrong on purpose before their bones were fitted.
+`encoders.correction` makes the tips of our own hand meet the touches exactly. Here the pose of the
+person's hand is estimated. The person has other bones, so the accuracy of a touch as a measurement
+of the pose depends on how well those bones are known. Therefore bones are first fitted to the
+person's capture (`encoders.regression.bone_fit`), and the weight of the touches is chosen by
+validation blocked by trial, on skeletons that were perturbed before their bones were fitted.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ from encoders.regression.bone_fit import (
     tip_misses,
     tip_targets,
 )
-from encoders.validation import badness, trial_folds
+from encoders.validation import error_product, trial_folds
 from models.arithmetic.arrays import Array
 from models.frames import FINGERS
 from models.kinematics import Kinematics
@@ -31,32 +30,34 @@ from models.pose import POSE_SIZE, absolute_pose
 from models.skeleton import Skeleton
 
 STEPS = 3
-"""Gauss-Newton steps; the tips are then as exact as the trust in the touches wants them."""
+"""Number of Gauss-Newton steps, after which tips are as exact as the touches' variance requires."""
 
 DISTRUSTS = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0)
-"""Factors on the tips' variance that validation chooses from."""
+"""Candidate factors on the tips' variance for validation."""
 
 WRONG_LENGTH, WRONG_KNUCKLE = 0.06, 0.004
-"""Share and m, standard deviations by which validation's skeletons are wrong."""
+"""Share and m, standard deviations of lengths and knuckles of perturbed skeletons in validation."""
 
 WRONG_SKELETONS = 3
 FOLDS = 5
 JUDGED_FRAMES = 1500
-"""Held-out frames that judge a trust, spread evenly; neighbours say nearly the same."""
+"""Number of held-out frames, evenly spaced, on which a factor is evaluated; neighbouring frames are
+nearly equal."""
 
 _LIFTED_VARIANCE = 1e6
-"""m2, of fingertips that do not touch: nothing is known of them."""
+"""m2, variance of fingertips that do not touch, whose position is unknown."""
 
 
 @dataclass(frozen=True)
 class PersonCorrection:
-    """A Kalman-like update of predicted poses by the touches.
+    """Kalman-like update of predicted poses by the touches.
 
     Attributes:
-        skeleton: The person's, as well as it is known.
-        covariance: (48, 48) of the predictions' errors on trials not seen, m and rad.
-        tip_variance: (3,) m2, of touches about the skeleton's fingertips, times the distrust.
-        distrust: What validation chose; 1 if the bones explain all that the touches say.
+        skeleton: The person's skeleton as far as it is known.
+        covariance: (48, 48) covariance of prediction errors on unseen trials, m and rad.
+        tip_variance: (3,) m2, variance of touches about the skeleton's fingertips, times
+            `distrust`.
+        distrust: Factor chosen by validation; 1 if the touches' variance needs no increase.
     """
 
     skeleton: Skeleton
@@ -65,7 +66,7 @@ class PersonCorrection:
     distrust: float = 1.0
 
     def correct(self, q: Array, xy: Array) -> Array:
-        """The likeliest poses (T, 48), given predicted ones and touches.
+        """Most likely poses (T, 48), given predicted poses and touches.
 
         Args:
             q: (T, 48) predictions, 3-D surface frame.
@@ -93,15 +94,15 @@ class PersonCorrection:
 def train_correction(
     capture: Capture, predicted: Array, covariance: Array, skeleton: Skeleton, fit: bool = True
 ) -> PersonCorrection:
-    """A correction for the person of a capture.
+    """Trains a correction for the person of a capture.
 
     Args:
         capture: Poses and touches.
         predicted: (T, 48) relative poses predicted by an encoder that had not seen their trial.
-        covariance: (48, 48) of their errors.
-        skeleton: What is known of the person's bones beforehand.
-        fit: Whether bones are fitted to the capture. Without it, the correction is one for people
-            whose bones nobody knows, and the touches' variance is that about wrong skeletons.
+        covariance: (48, 48) covariance of their errors.
+        skeleton: Known skeleton before the fit.
+        fit: True fits the bones to the capture. False makes a correction for people with unknown
+            bones; the touches' variance is then that about perturbed skeletons.
     """
     fold = trial_folds(capture.trial, FOLDS)
     rng = np.random.default_rng(0)
@@ -119,14 +120,14 @@ def train_correction(
         return PersonCorrection(
             fitted_skeleton(capture, skeleton), covariance, distrust * variance, distrust
         )
-    # How well these bones happen to fit this person says nothing about the next one.
+    # The fit of these bones to this person does not carry over to other people.
     return PersonCorrection(skeleton, covariance, distrust * np.mean(variances, axis=0), distrust)
 
 
 def blocked_variance(capture: Capture, known: Skeleton, fit: bool = True) -> Array:
-    """(3,) m2, second moments of touches about tips, on trials that the bones were not fitted to.
+    """Second moments (3,) m2 of touches about tips, on trials to which the bones were not fitted.
 
-    The two directions along the surface share one number: no direction on it is special.
+    Both directions along the surface share one value, since no direction on it is special.
     """
     fold = trial_folds(capture.trial, FOLDS)
     misses = []
@@ -147,7 +148,7 @@ def _scores(
     fold: NDArray[np.int64],
     fit: bool,
 ) -> Array:
-    """(len(DISTRUSTS),) badness on held-out trials, starting from a wrong skeleton."""
+    """Error products (len(DISTRUSTS),) on held-out trials, starting from a perturbed skeleton."""
     judged = np.linspace(0, len(capture) - 1, min(len(capture), JUDGED_FRAMES)).astype(int)
     scores = np.zeros(len(DISTRUSTS))
     for k in np.unique(fold):
@@ -158,5 +159,5 @@ def _scores(
         for i, distrust in enumerate(DISTRUSTS):
             correction = PersonCorrection(bones, covariance, distrust * variance)
             corrected = correction.correct(q, part.xy)
-            scores[i] += badness(corrected, part.q) * len(held) / len(judged)
+            scores[i] += error_product(corrected, part.q) * len(held) / len(judged)
     return scores

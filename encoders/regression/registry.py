@@ -1,4 +1,4 @@
-"""Encoders by name: ours, those that installed packages offer, and those at a place in a file."""
+"""Finds encoders by name: built-in ones, those of installed packages, and those in a file."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from encoders.regression.polynomial import (
     QuadraticEncoder,
 )
 from encoders.regression.regularised_ik import MapIkEncoder, NullSpaceIkEncoder
-from encoders.regression.turned import TurnedEncoder
+from encoders.regression.yaw_normalised import YawNormalisedEncoder
 from models.errors import EncoderError
 from models.outside import loaded_from
 
@@ -24,67 +24,67 @@ ENCODERS: dict[str, type[Encoder]] = {
     "linear": LinearEncoder,
     "quadratic": QuadraticEncoder,
     "cubic": CubicEncoder,
-    "turned": TurnedEncoder,
+    "turned": YawNormalisedEncoder,
     "pca-ik": PcaIkEncoder,
     "pca-ik-null": NullSpaceIkEncoder,
     "map-ik": MapIkEncoder,
     "mean": MeanEncoder,
 }
-"""Name -> class of our encoders. A model's file has the first name that its encoder belongs to."""
+"""Built-in encoders by name. A model's file contains the first name that matches its encoder."""
 
 
 def find_encoder(name: str) -> type[Encoder]:
-    """The class of a name, ours or of an installed package; or at a place such as `FILE.py:CLASS`.
+    """Finds an encoder class by name: built-in, of an installed package, or at `FILE.py:CLASS`.
 
     Raises:
-        EncoderError: There is none, or it cannot be used.
+        EncoderError: No encoder has this name, or it cannot be used.
     """
     if name in ENCODERS:
         return ENCODERS[name]
     if is_place(name):
         return load_place(name)
-    found = load_offered(name)
-    if found is None:
+    encoder = load_offered(name)
+    if encoder is None:
         raise EncoderError(
-            "there is no such encoder",
+            "no such encoder",
             where="--encoder",
             got=name,
             expected=", ".join((*ENCODERS, *sorted(offered()))) + " or FILE.py:CLASS",
         )
-    return found
+    return encoder
 
 
 def is_outside(name: str) -> bool:
-    """Whether a name stands for an encoder that is not ours: a place, or an installed package's."""
+    """True for the name of an external encoder: a place, or one of an installed package."""
     return is_place(name) or (name not in ENCODERS and name in offered())
 
 
 def kind_of(encoder: Encoder) -> str | None:
-    """The first name of our encoders that an encoder belongs to; None where it is not ours."""
+    """First name of a built-in encoder; None for an external one."""
     if type(encoder) not in ENCODERS.values():
         return None
     return next(name for name, kind in ENCODERS.items() if isinstance(encoder, kind))
 
 
 def origin(name: str) -> dict[str, Any]:
-    """Where the encoder of a name comes from if it is not ours; else empty. See `origin_of`."""
+    """Origin of an external encoder (see `origin_of`); empty for a built-in one."""
     return origin_of(find_encoder(name)) if is_outside(name) else {}
 
 
 def origin_of(kind: type[Encoder]) -> dict[str, Any]:
-    """Where a class comes from that is not ours, for whoever looks for it again.
+    """Origin of an external class, needed to load it again.
 
     Returns:
         `file`, absolute, and `member`; or `entry_point` as `module:Class`, with `package` and
         `version` where an installed package offers it.
 
     Raises:
-        EncoderError: It is within another class or a function, where nobody finds it.
+        EncoderError: The class is inside another class or a function and cannot be imported.
     """
     member = kind.__qualname__
     if not member.isidentifier():
         raise EncoderError(
-            "this encoder cannot be found again",
+            "this encoder cannot be loaded again",
             where=f"{kind.__module__}.{member}",
             expected="a class at the top of its module",
         )

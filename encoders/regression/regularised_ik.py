@@ -1,9 +1,9 @@
-"""Inverse kinematics with a will of its own: two fair rivals beside the paper's PCA-IK.
+"""Regularised inverse kinematics: two further baselines beside the paper's PCA-IK.
 
-Touches fix 3 k of a pose's 48 numbers. PCA-IK decides the rest by leaving most of them out. Here
-all 48 move, and what the touches leave open goes towards a desired pose: in the null space of the
-fingertips' Jacobian, which the paper of 2015 names as the comparison to make next, or as far as
-the training poses' covariance says that it should.
+Touches determine 3 k of a pose's 48 numbers. PCA-IK restricts the others to few components. Here
+all 48 may change, and the undetermined part moves towards a desired pose: in the null space of the
+fingertips' Jacobian, which the paper of 2015 suggests as a further comparison, or by the covariance
+of the training poses.
 """
 
 from __future__ import annotations
@@ -21,19 +21,19 @@ from models.skeleton import ADULT, Skeleton
 DESIRED = ("mean", "neighbour")
 
 _LEAST_SIGMA = 1e-6
-"""m; training poses without any misfit would leave nothing to divide by."""
+"""m, lower bound that avoids a division by zero for training poses without misfit."""
 
 _FLOOR = 1e-12
-"""m2 per m2 and rad2; least cost of a step, so that costs of 0 can still be divided by."""
+"""m2 per m2 and rad2, lower bound of a step's cost, which avoids a division by zero."""
 
 
 def leaving_tips(wish: Array, J: Array, cost: Array) -> Array:
-    """Wished changes of pose (n, 48) less what would move the fingertips: their null-space part.
+    """Null-space part (n, 48) of wished changes of pose, which does not move the fingertips.
 
     Args:
-        wish: (n, 48).
+        wish: (n, 48) wished changes.
         J: (n, 3 k, 48) derivative of the fingertips.
-        cost: (48,) of changing each number, above 0; what is taken away costs least.
+        cost: (48,) positive cost of changing each number; the removed part has the least cost.
     """
     back = np.swapaxes(J / cost, 1, 2)
     moved = np.linalg.solve(J @ back, J @ wish[..., None])
@@ -41,20 +41,20 @@ def leaving_tips(wish: Array, J: Array, cost: Array) -> Array:
 
 
 class NullSpaceIkEncoder(TouchIkEncoder):
-    """Fingertips go to their touches, the rest of the pose to a desired one in their null space.
+    """Inverse kinematics of the fingertips, with a desired pose in the null space.
 
-    A step is the damped one of PCA-IK, in all 48 numbers rather than in components, plus the way to
-    the desired pose projected into the null space of the fingertips' Jacobian. In 3 k - 3
-    components there is nothing to project into: with the root's translation they are as many
-    unknowns as equations. Steps begin at the desired pose.
+    A step is the damped step of PCA-IK, in all 48 numbers rather than in components, plus the
+    difference to the desired pose projected into the null space of the fingertips' Jacobian. (With
+    3 k - 3 components and the root's translation there are as many unknowns as equations, so that
+    no null space exists.) Steps begin at the desired pose.
 
     Args:
-        skeleton: Whose fingertips are to meet the touches.
-        iterations: Most steps.
+        skeleton: Skeleton whose fingertips should meet the touches.
+        iterations: Maximum number of steps.
         desired: `neighbour` (the training frame with the nearest touches) or `mean`.
-        compliance_translation: As in PCA-IK read as damping; also the metric of the projection.
-        compliance_rotation: Likewise.
-        gain: Share of the way to the desired pose that one step takes.
+        compliance_translation: See `PcaIkEncoder`, as damping; also the metric of the projection.
+        compliance_rotation: Likewise, for rotations.
+        gain: Share of the difference to the desired pose that one step makes.
         settled: See `TouchIkEncoder`.
         pad_height: See `TouchIkEncoder`.
     """
@@ -113,23 +113,23 @@ class NullSpaceIkEncoder(TouchIkEncoder):
 
 
 class MapIkEncoder(TouchIkEncoder):
-    """The likeliest pose for fingertips at their touches, were poses normally distributed.
+    """Maximum a posteriori pose with a normal prior over poses.
 
-    The prior is the mean and the full covariance of the training poses, the touches are
+    The prior has the mean and the full covariance of the training poses, and the touches are
     measurements of the fingertips; Gauss-Newton steps of this Kalman-like update find the most
-    probable pose. Where a simulated subject draws its poses from a normal distribution and has the
-    skeleton used here, this encoder is given the answer's form: say so beside its errors.
+    probable pose. On a simulated subject that draws its poses from a normal distribution and has
+    this skeleton, the model is exactly right, which must be stated beside its errors.
 
     Args:
-        skeleton: Whose fingertips are to meet the touches.
-        iterations: Most steps; a handful is enough, the others find nothing left to do.
-        tip_sigma: m per coordinate, how far a fingertip may be from its target; None takes what
-            the training poses show (`tip_misfit_`).
+        skeleton: Skeleton whose fingertips should meet the touches.
+        iterations: Maximum number of steps; a handful is enough.
+        tip_sigma: m per coordinate, standard deviation of a fingertip about its target; None uses
+            that of the training poses (`tip_misfit_`).
         settled: See `TouchIkEncoder`.
         pad_height: See `TouchIkEncoder`.
 
     Attributes:
-        covariance_: (48, 48) of the training poses, m and rad.
+        covariance_: (48, 48) covariance of the training poses, m and rad.
         mean_, pad_height_, tip_misfit_: See `TouchIkEncoder`.
     """
 

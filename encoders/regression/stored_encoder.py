@@ -1,4 +1,4 @@
-"""Encoders as a file holds them: what describes one, and how it is made again from its arrays."""
+"""Stores encoders in files as a header and arrays, and restores them."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from models.outside import how_to_get, place_of
 from models.pose import POSE_SIZE
 
 OUTSIDE = "outside"
-"""What a header calls an encoder that is not ours."""
+"""Kind of external encoders in a header."""
 
 MODEL_ARRAYS = (
     "header",
@@ -29,17 +29,17 @@ MODEL_ARRAYS = (
     "lengths",
     "tip_variance",
 )
-"""Names of arrays in a model's file that are not the encoder's."""
+"""Names of the arrays in a model's file that do not belong to its encoder."""
 
 SAME_POSE = 1e-3
-"""m or rad, most by which poses may change by storing an encoder."""
+"""m or rad, largest change of a pose that storing an encoder may cause."""
 
 _TRIED = 100
-"""Frames on which an encoder is tried."""
+"""Number of frames on which a restored encoder is tested."""
 
 
 def described(encoder: Encoder) -> dict[str, Any]:
-    """What a header says of an encoder; with its arrays, all of it. JSON values only."""
+    """Header fields of an encoder, as JSON values; with its arrays they define it completely."""
     ours = kind_of(encoder)
     if ours is not None:
         return {"kind": ours, **encoder.configuration()}
@@ -59,35 +59,35 @@ def restored(
     U: Array,
     Q: Array,
 ) -> Encoder:
-    """An encoder made again from what is stored.
+    """Restores a stored encoder.
 
     Args:
-        kind: Its class.
+        kind: Class of the encoder.
         options: Its configuration.
-        arrays: What it has learned.
+        arrays: Its learned arrays.
         U: (T, 15) training frames in single precision.
         Q: (T, 48) likewise.
 
     Raises:
-        EncoderError: It cannot be made again.
+        EncoderError: It cannot be restored.
     """
     with guarded("the encoder does not take its own options", kind.__qualname__):
         encoder = kind(**options)
-    with guarded("the encoder cannot be made again from its arrays", kind.__qualname__):
-        found: Encoder = encoder.restore(arrays, U, Q)
-    return found
+    with guarded("the encoder cannot be restored from its arrays", kind.__qualname__):
+        complete: Encoder = encoder.restore(arrays, U, Q)
+    return complete
 
 
 def as_stored(encoder: Encoder, U: Array, Q: Array) -> Encoder:
-    """The encoder as it comes back from a file.
+    """The encoder as restored from a file.
 
     Args:
-        encoder: A fitted one.
+        encoder: A fitted encoder.
         U: (T, 15) training frames in single precision.
         Q: (T, 48) likewise.
 
     Raises:
-        EncoderError: It cannot be stored, or comes back as another one.
+        EncoderError: It cannot be stored, or the restored encoder differs.
     """
     ours = kind_of(encoder)
     if ours is not None:
@@ -98,27 +98,27 @@ def as_stored(encoder: Encoder, U: Array, Q: Array) -> Encoder:
         options = json.loads(json.dumps(encoder.configuration(), allow_nan=False))
         arrays = encoder.arrays()
     _check_arrays(arrays, where)
-    found = restored(kind, options, arrays, U, Q)
+    loaded = restored(kind, options, arrays, U, Q)
     with guarded("the encoder cannot be stored", where):
-        same = found.digest() == encoder.digest()
+        same = loaded.digest() == encoder.digest()
     some = U[:_TRIED]
-    moved = np.abs(predicted(found, some) - predicted(encoder, some)).max()
-    # One that stores nothing has learned anew, from frames that were rounded.
+    moved = np.abs(predicted(loaded, some) - predicted(encoder, some)).max()
+    # An encoder without stored arrays was fitted again, to rounded frames.
     if not same or (arrays and moved > SAME_POSE):
         raise EncoderError(
-            "the encoder does not come back from its arrays as it was",
+            "the encoder restored from its arrays differs from the original",
             where=where,
             got=f"poses that differ by up to {moved:.2g} m or rad" if same else "other arrays",
-            remedy="restore must take over all that arrays and configuration give",
+            remedy="restore must use everything that arrays and configuration return",
         )
-    return found
+    return loaded
 
 
 def predicted(encoder: Encoder, U: ArrayLike) -> Array:
-    """Poses (T, 48) that an encoder predicts of contact vectors (T, 15), checked.
+    """Poses (T, 48) that an encoder predicts from contact vectors (T, 15), checked.
 
     Raises:
-        EncoderError: It fails, or gives something else; for all together or for one alone.
+        EncoderError: The encoder fails, or returns something else, for many vectors or for one.
     """
     U = np.asarray(U, float)
     where = f"{type(encoder).__qualname__}.predict"
@@ -137,11 +137,11 @@ def predicted(encoder: Encoder, U: ArrayLike) -> Array:
     return poses
 
 
-def found_again(source: Mapping[str, Any]) -> type[Encoder]:
-    """The class that a header tells the origin of (`encoders.regression.registry.origin`).
+def class_of_origin(source: Mapping[str, Any]) -> type[Encoder]:
+    """Loads the class of an origin in a header (`encoders.regression.registry.origin`).
 
     Raises:
-        EncoderError: It is not on this machine.
+        EncoderError: The class does not exist on this machine.
     """
     place = place_of(source)
     try:
@@ -156,14 +156,14 @@ def found_again(source: Mapping[str, Any]) -> type[Encoder]:
 
 
 def _check_arrays(arrays: Any, where: str) -> None:
-    """Refuses what cannot be written without pickle."""
+    """Raises an error for arrays that cannot be written without pickle."""
     sound = isinstance(arrays, dict) and all(
         isinstance(name, str) and isinstance(array, np.ndarray) and array.dtype.kind in "biuf"
         for name, array in arrays.items()
     )
     if not sound:
         raise EncoderError(
-            "what the encoder stores are no arrays",
+            "the encoder does not store plain arrays",
             where=f"{where}.arrays",
             got=repr(arrays)[:80],
             expected="a dictionary of NumPy arrays of numbers by name",
@@ -171,7 +171,7 @@ def _check_arrays(arrays: Any, where: str) -> None:
     odd = [name for name in arrays if name in MODEL_ARRAYS or not name.isidentifier()]
     if odd:
         raise EncoderError(
-            "an array of the encoder has a name that it cannot have",
+            "an array of the encoder has a reserved or invalid name",
             where=f"{where}.arrays",
             got=", ".join(odd),
             expected=f"an identifier other than {', '.join(MODEL_ARRAYS)}",

@@ -1,7 +1,7 @@
-"""What every encoder by inverse kinematics does: from touches to targets, step by step, in batches.
+"""Base class of encoders by inverse kinematics: from touches to targets, iteratively, in batches.
 
-Rows with the same fingers down share the shape of their equations, so they are solved side by side.
-A concrete encoder says where to start and what one step is.
+Rows with the same touching fingers have equations of the same shape and are solved together.
+Subclasses define the start and one step.
 """
 
 from __future__ import annotations
@@ -24,21 +24,23 @@ from models.pose import POSE_SIZE
 from models.skeleton import ADULT, Skeleton
 
 _CHUNK = 256
-"""Rows solved side by side: their Jacobians (1.5 MB) then stay in the processor's cache."""
+"""Number of rows solved together; their Jacobians (1.5 MB) stay in the processor's cache."""
 
 _LARGEST_TURN = 0.5
-"""rad, most that one step may turn a joint; a longer step is shortened as a whole. Beyond it the
-Jacobian says nothing, and steps that hardly any compliance damps would tumble the hand."""
+"""rad, largest rotation of a joint in one step; a longer step is scaled down. The Jacobian is not
+valid beyond it, and weakly damped steps would make the hand tumble."""
 
 
 _FREE_STEPS = 10
-"""First steps that may be as long as they like: far from the end, long steps are progress."""
+"""Number of first steps whose length is not limited by the pace: far from the solution, long steps
+are progress."""
 _SHRINKS = 0.98
-"""Share of the last step's length beyond which a paced row's steps do not count as shrinking."""
+"""Ratio of successive step lengths above which the steps of a paced row do not count as
+shrinking."""
 
 
 class IkSolution(NamedTuple):
-    """Poses and how they were found."""
+    """Solved poses with residuals and numbers of steps."""
 
     q: Array
     """(T, 48) relative poses."""
@@ -55,23 +57,24 @@ class TouchIkEncoder(Encoder):
     surface frame with the leftmost contact as its origin. Joint ranges are not enforced.
 
     Args:
-        skeleton: Whose fingertips are to meet the touches.
-        iterations: Most steps.
-        settled: m and rad; a row whose step changes no number by more stops there. 0 always takes
-            all the steps.
-        pad_height: m, centre of a touching fingertip above the surface; None learns it.
+        skeleton: Skeleton whose fingertips should meet the touches.
+        iterations: Maximum number of steps.
+        settled: m and rad; a row stops after a step that changes no number by more. 0 always takes
+            all steps.
+        pad_height: m, centre of a touching fingertip above the surface; None estimates it.
 
     Attributes:
         mean_: (48,) mean training pose.
-        pad_height_: m; learned, the median over the touching fingertips of the training poses.
-        tip_misfit_: m, root mean square per coordinate of what lies between the touching
-            fingertips of the training poses and their own targets: noise, rolling fingertips, and
-            whatever the skeleton's bones have wrong.
+        pad_height_: m, the given value or the median over the touching fingertips of the training
+            poses.
+        tip_misfit_: m, root mean square per coordinate of the offsets between the touching
+            fingertips of the training poses and their targets, caused by noise, rolling fingertips
+            and errors of the skeleton's bones.
     """
 
     paced: bool = False
-    """Whether a row whose steps do not shrink goes on at half the pace. Steps towards a wish, which
-    nothing damps, can otherwise go to and fro between two poses for ever."""
+    """True halves the pace of a row whose steps do not shrink. Undamped steps towards a desired
+    pose could otherwise alternate between two poses for ever."""
 
     def __init__(
         self, skeleton: Skeleton, iterations: int, settled: float, pad_height: float | None
@@ -116,18 +119,18 @@ class TouchIkEncoder(Encoder):
         """Relative poses (T, 48) of contact vectors (T, 15), or (48,) of one contact vector (15,).
 
         Raises:
-            EncoderError: As `solve`.
+            EncoderError: See `solve`.
         """
         U = np.asarray(U, float)
         return self.solve(U[None]).q[0] if U.ndim == 1 else self.solve(U).q
 
     def solve(self, U: ArrayLike) -> IkSolution:
-        """Poses of contact vectors (T, 15), how far their fingertips are off, and the steps taken.
+        """Solves for the poses of contact vectors (T, 15).
 
         Raises:
-            EncoderError: Nothing was learned, a wrong width, a value that is not finite, a row
-                without contact, or a set of fingers for which a nearest neighbour is needed and no
-                training frame has one.
+            EncoderError: The encoder is not fitted, or the contact vectors have a wrong width, a
+                value that is not finite, a row without contact, or a set of fingers that needs a
+                nearest neighbour and occurs in no training frame.
         """
         if not self._learned:
             raise EncoderError("the encoder has learned nothing yet", remedy="Call fit first")
@@ -141,13 +144,13 @@ class TouchIkEncoder(Encoder):
             for first in range(0, len(rows), _CHUNK):
                 some = rows[first : first + _CHUNK]
                 start = self._start(fingers, places[some])
-                found = self._iterate(start, fingers, targets[some].compress(fingers, 1))
-                for whole, part in zip(solution, found, strict=True):
+                partial = self._iterate(start, fingers, targets[some].compress(fingers, 1))
+                for whole, part in zip(solution, partial, strict=True):
                     whole[some] = part
         return solution
 
     def _iterate(self, start: Array, fingers: Mask, targets: Array) -> IkSolution:
-        """Steps from poses (n, 48) until fingertips are at their targets (n, k, 3)."""
+        """Iterates from poses (n, 48) until fingertips are at their targets (n, k, 3)."""
         tips_and_jacobian = self._walker(fingers, len(start))
         q = start.copy()
         taken = np.zeros(len(q), np.int64)
@@ -173,9 +176,9 @@ class TouchIkEncoder(Encoder):
         return IkSolution(q, np.sqrt(np.sum(off**2, axis=2).max(axis=1)), taken)
 
     def _walker(self, fingers: Mask, many: int) -> Callable[[Array], tuple[Array, Array]]:
-        """From so many poses (n, 48) to tips (n, k, 3) and Jacobians (n, k, 3, 48) of fingers.
+        """Function from poses (n, 48) to tips (n, k, 3) and Jacobians (n, k, 3, 48) of fingers.
 
-        A single pose, as sessions ask for it, has a quicker way to the same bits.
+        For the single poses of sessions, a quicker function gives the same bits.
         """
         which = np.flatnonzero(fingers).tolist()
         if many > 1:
@@ -189,10 +192,10 @@ class TouchIkEncoder(Encoder):
         return one
 
     def configuration(self) -> dict[str, Any]:
-        """Options of all encoders by inverse kinematics; a concrete one adds its own.
+        """Options of all encoders by inverse kinematics; subclasses add their own.
 
         Raises:
-            EncoderError: The skeleton is not that of our own hand, which alone has a name.
+            EncoderError: The skeleton is not that of the built-in hand; others cannot be stored.
         """
         if self.skeleton is not ADULT:
             raise EncoderError(
@@ -208,7 +211,7 @@ class TouchIkEncoder(Encoder):
 
     @abstractmethod
     def _learn(self, Q: Array) -> None:
-        """Takes from the training poses (T, 48) what the steps need."""
+        """Learns from the training poses (T, 48) what the steps need."""
 
     @abstractmethod
     def _start(self, fingers: Mask, places: Array) -> Array:
@@ -220,7 +223,7 @@ class TouchIkEncoder(Encoder):
 
         Args:
             q: Poses now.
-            start: Poses from which the steps began.
+            start: Poses at which the steps began.
             off: (n, 3 k) m, from the k touching fingertips to their targets.
             J: (n, 3 k, 48) derivative of those fingertips.
         """
@@ -235,6 +238,6 @@ class TouchIkEncoder(Encoder):
 
 
 def _targets(places: Array, height: float) -> Array:
-    """(T, 5, 3) m, where fingertips' centres belong for touches (T, 5, 2)."""
+    """Targets (T, 5, 3) m of the fingertips' centres for touches (T, 5, 2)."""
     depth = np.full((*places.shape[:-1], 1), height)
     return np.concatenate([places[..., :1], -places[..., 1:], depth], axis=-1)

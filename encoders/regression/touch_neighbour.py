@@ -1,8 +1,8 @@
-"""The training frame whose touches lie most like the ones at hand.
+"""Finds the training frames with the most similar touches.
 
-The rule of the paper of 2015 for its inverse kinematics (section 3): frames are compared by where
-the fingertips touch, not by poses. Only frames with the same fingers down can be compared; where
-there is none, this implementation looks at frames in which other fingers touch as well.
+This is the rule of the paper of 2015 for its inverse kinematics (section 3): frames are compared by
+the positions of their touches, not by poses. Only frames with the same touching fingers can be
+compared; if there are none, this implementation uses frames in which other fingers touch as well.
 """
 
 from __future__ import annotations
@@ -21,10 +21,11 @@ _PLACES = 2 * len(FINGERS)
 
 
 def touches_of(U: ArrayLike) -> tuple[Mask, Array]:
-    """Which fingers touch (T, 5), and where (T, 5, 2), of contact vectors (T, 15).
+    """Masks (T, 5) and positions (T, 5, 2) of the touching fingers of contact vectors (T, 15).
 
-    Places are in metres relative to the leftmost contact, x right and y down, NaN where a finger is
-    lifted. They are taken relative anew, so that moving all touches of a row alike changes nothing.
+    Positions are in metres relative to the leftmost contact, x right and y down, NaN where a finger
+    is lifted. The leftmost contact is determined again, so that a common shift of a row has no
+    effect.
 
     Raises:
         EncoderError: Wrong width, a value that is not finite, a flag that is neither 0 nor 1, or a
@@ -46,7 +47,7 @@ def touches_of(U: ArrayLike) -> tuple[Mask, Array]:
     down = flags == 1.0
     if not down.any(axis=1).all():
         raise EncoderError(
-            "a contact vector without any contact",
+            "a contact vector has no contact",
             where=_first_row(~down.any(axis=1, keepdims=True)),
             expected="1 to 5 fingers down",
         )
@@ -58,18 +59,18 @@ def touches_of(U: ArrayLike) -> tuple[Mask, Array]:
 
 
 def finger_names(fingers: Mask) -> str:
-    """'thumb, index' for a mask (5,)."""
+    """Names of the fingers of a mask (5,), such as 'thumb, index'."""
     return ", ".join(name for name, down in zip(FINGERS, fingers, strict=True) if down)
 
 
 class TouchNeighbours:
-    """Training frames by the set of their touching fingers.
+    """Training frames, grouped by the set of their touching fingers.
 
-    Frames for a set are those with exactly these fingers down; failing that, all those in which at
-    least these touch, with touches and pose taken relative to the leftmost of these.
+    The frames for a set are those with exactly these fingers down; if there are none, those in
+    which at least these touch, with touches and pose relative to the leftmost of these.
 
     Args:
-        down: (T, 5) which fingers touch.
+        down: (T, 5) mask of touching fingers.
         places: (T, 5, 2) m relative to the leftmost contact, as `touches_of` gives them.
         Q: (T, 48) relative poses.
     """
@@ -81,16 +82,16 @@ class TouchNeighbours:
     def nearest(self, fingers: Mask, places: Array) -> Array:
         """Poses (n, 48) of the frames whose touches are nearest to given ones.
 
-        Nearest is the least sum of squared distances over the touching fingers, the first of
-        equals. A lone touch has no layout and is equally near to every frame: the answer is then
-        the mean pose of all frames that could be compared.
+        The nearest frame has the least sum of squared distances over the touching fingers; of
+        equals, the first is taken. A single touch has no layout and is equally near to all frames:
+        the result is then the mean pose of all comparable frames.
 
         Args:
-            fingers: (5,) which fingers touch.
+            fingers: (5,) mask of touching fingers.
             places: (n, 5, 2) m relative to the leftmost contact.
 
         Raises:
-            EncoderError: In no training frame do these fingers touch together; names them.
+            EncoderError: These fingers touch together in no training frame.
         """
         layouts, poses = self._comparable(fingers)
         if fingers.sum() == 1:

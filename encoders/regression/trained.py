@@ -1,7 +1,6 @@
-"""A trained encoder with what else it learned: how wrong it is, and what it was trained on.
+"""Trained models: an encoder with the covariance of its errors and its training data.
 
-The built-in models are trained on a capture of the *simulated* subject; none of them has seen a
-person.
+The built-in models are trained on a capture of the *simulated* subject, not on people.
 """
 
 from __future__ import annotations
@@ -31,13 +30,13 @@ from encoders.regression.stored_encoder import (
     MODEL_ARRAYS,
     OUTSIDE,
     as_stored,
+    class_of_origin,
     described,
-    found_again,
     predicted,
     restored,
 )
 from encoders.store import load_capture
-from encoders.validation import FOLDS, badness, robust_covariance, trial_folds
+from encoders.validation import FOLDS, error_product, robust_covariance, trial_folds
 from models.arithmetic.arrays import Array
 from models.errors import EncoderError
 from models.outside import place_of
@@ -47,10 +46,10 @@ from models.skeleton import ADULT, Skeleton
 SCHEMA = 2
 """Version of the file's layout."""
 
-_REMEDY = "`sandbox train --out FILE` makes a sound one"
+_REMEDY = "`sandbox train --out FILE` makes a valid one"
 
 RIDGES = (1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 1e-1, 3e-1, 1.0, 3.0)
-"""Penalties that validation chooses from."""
+"""Candidate penalties for validation."""
 
 POLYNOMIALS: dict[str, tuple[int, float | None]] = {
     "paper": (2, 0.0),
@@ -69,15 +68,15 @@ class TrainedModel:
     """An encoder ready for use: `model.encoder.predict(u)` gives relative poses.
 
     Attributes:
-        name: `paper`, `best`, ... or what its maker called it.
+        name: Name of a built-in model, such as `paper` or `best`, or a name of your own.
         encoder: The fitted encoder.
-        residual_covariance: (48, 48) of the relative pose's error, m and rad, on trials that the
-            encoder had not seen.
-        training_u: (T, 15) contact vectors it was trained on.
-        training_pose: (T, 48) relative poses it was trained on.
-        meta: Where the capture came from, whether it was simulated, degree and ridge; JSON values.
-        correction: By the touches, of the estimate of the captured person's pose. It says nothing
-            about our hand, and no session uses it.
+        residual_covariance: (48, 48) covariance of the relative pose's error, m and rad, on unseen
+            trials.
+        training_u: (T, 15) contact vectors of the training data.
+        training_pose: (T, 48) relative poses of the training data.
+        meta: Origin of the capture, simulated or not, degree and ridge; JSON values.
+        correction: Correction of estimates of the captured person's pose by the touches. It does
+            not apply to our hand, and no session uses it.
     """
 
     name: str
@@ -90,7 +89,7 @@ class TrainedModel:
 
     @cached_property
     def digest(self) -> str:
-        """BLAKE2b over arrays and meta, hexadecimal; two models are the same if theirs is."""
+        """BLAKE2b over arrays and meta, hexadecimal; equal for equal models."""
         hash_ = blake2b(digest_size=16)
         for _, learned in sorted(self.encoder.arrays().items()):
             hash_.update(np.ascontiguousarray(learned).tobytes())
@@ -110,18 +109,18 @@ def train(capture: Capture, name: str, degree: int, ridge: float | None) -> Trai
 
     Args:
         capture: Labelled contacts and poses.
-        name: Of the model.
+        name: Name of the model.
         degree: 1, 2 or 3.
-        ridge: Penalty; 0 is least squares, None chooses among `RIDGES` by cross-validation blocked
-            by trial. Random frames would leak: neighbours in time are nearly equal.
+        ridge: Penalty; 0 is least squares, None chooses from `RIDGES` by cross-validation blocked
+            by trial. (Random frames would leak, since neighbouring frames are nearly equal.)
 
     Raises:
-        EncoderError: Degree or ridge are none, or the capture has one trial only.
+        EncoderError: Degree or ridge is invalid, or the capture has only one trial.
     """
     U, Q = capture.u, capture.relative
     if ridge is None:
         candidates = _blocked_residuals(capture, degree, RIDGES)
-        best = int(np.argmin([badness(Q - e, Q) for e in candidates]))
+        best = int(np.argmin([error_product(Q - e, Q) for e in candidates]))
         ridge, residuals = RIDGES[best], candidates[best]
     else:
         residuals = _blocked_residuals(capture, degree, [ridge])[0]
@@ -140,13 +139,13 @@ def train_encoder(
 
     Args:
         capture: Labelled contacts and poses.
-        name: Of the model.
-        make: Makes an encoder that has learned nothing.
+        name: Name of the model.
+        make: Creates an untrained encoder.
         progress: Called with the share done, 0 to 1.
 
     Raises:
-        EncoderError: The encoder cannot learn, predict or be stored, or the capture has one trial
-            only.
+        EncoderError: The encoder cannot learn, predict or be stored, or the capture has only one
+            trial.
     """
     U, Q = capture.u, capture.relative
     residuals = Q - blocked_predictions(make, capture, progress=progress)
@@ -163,37 +162,38 @@ def blocked_predictions(
     folds: int = FOLDS,
     progress: Callable[[float], None] | None = None,
 ) -> Array:
-    """(T, 48) relative poses predicted by encoders that had not seen their trial.
+    """Relative poses (T, 48) predicted by encoders that were not trained on their trial.
 
     Args:
-        make: Makes an encoder that has learned nothing.
+        make: Creates an untrained encoder.
         capture: Labelled contacts and poses.
-        folds: Of the cross-validation.
+        folds: Number of folds of the cross-validation.
         progress: Called with the share done, 0 to 1.
 
     Raises:
-        EncoderError: The encoder cannot learn or predict, or the capture has one trial only.
+        EncoderError: The encoder cannot learn or predict, or the capture has only one trial.
     """
     U, Q = capture.u, capture.relative
-    found = np.empty((len(U), POSE_SIZE))
+    poses = np.empty((len(U), POSE_SIZE))
     fold = trial_folds(capture.trial, folds)
     for k in np.unique(fold):
         out = fold == k
         with guarded("the encoder cannot learn", "fit"):
             encoder = make().fit(U[~out], Q[~out])
-        found[out] = predicted(encoder, U[out])
+        poses[out] = predicted(encoder, U[out])
         if progress:
             progress((k + 1) / (folds + 1))
-    return found
+    return poses
 
 
 def origin(capture: Capture) -> dict[str, Any]:
-    """What a model's `meta` says about the capture it was trained on."""
+    """Fields of a model's `meta` that describe its training capture."""
     return {"simulated": bool(capture.meta.get("simulated", False)), "capture": capture.meta}
 
 
 def _blocked_residuals(capture: Capture, degree: int, ridges: Sequence[float]) -> Array:
-    """(len(ridges), T, 48) errors of predictions of frames whose trial the encoder had not seen."""
+    """Prediction errors (len(ridges), T, 48) of encoders that were not trained on the frame's
+    trial."""
     U, Q = capture.u, capture.relative
     fold = trial_folds(capture.trial)
     residuals = np.empty((len(ridges), *Q.shape))
@@ -210,12 +210,12 @@ def _blocked_residuals(capture: Capture, degree: int, ridges: Sequence[float]) -
 
 
 def single(array: Array) -> Array:
-    """The values as single precision keeps them."""
+    """Values rounded to single precision."""
     return np.asarray(array, np.float32).astype(float)
 
 
 def rounded(model: TrainedModel) -> TrainedModel:
-    """The model as it comes back from a file, so that a saved one predicts alike to the bit."""
+    """The model as restored from a file, so that a saved model predicts the same bits."""
     training_u, training_pose = single(model.training_u), single(model.training_pose)
     covariance = single(model.residual_covariance)
     correction = model.correction
@@ -246,7 +246,7 @@ def _lengths(correction: PersonCorrection) -> Array:
 
 
 def _skeleton(anchors: Array, lengths: Array) -> Skeleton:
-    """The table's hand with other knuckles (14, 3) and lengths (14,), m."""
+    """The built-in skeleton with other joint anchors (14, 3) and lengths (14,), m."""
     bones = tuple(
         replace(bone, anchor=(float(a[0]), float(a[1]), float(a[2])), length=float(length))
         for bone, a, length in zip(ADULT.bones, anchors, lengths, strict=True)
@@ -257,14 +257,13 @@ def _skeleton(anchors: Array, lengths: Array) -> Skeleton:
 def save_model(model: TrainedModel, path: Path | str, training: bool = True) -> None:
     """Writes a model as npz without pickle: a JSON header, and arrays.
 
-    Arrays of the model are in single precision, those of an encoder that is not ours as it gives
-    them.
+    Arrays of the model are in single precision, those of an external encoder as it returns them.
 
     Args:
         model: The model.
         path: The file.
-        training: Whether to write the training data, too. Built-in models leave it out: it is the
-            built-in capture, and that is in the package already.
+        training: True writes the training data as well. Built-in models leave it out, since the
+            package contains the built-in capture.
 
     Raises:
         EncoderError: The encoder cannot be stored.
@@ -287,11 +286,11 @@ def save_model(model: TrainedModel, path: Path | str, training: bool = True) -> 
 
 
 def load_model(path: Path | str, capture: Capture | None = None) -> TrainedModel:
-    """Reads a model. One of an encoder that is not ours also loads the code of its class.
+    """Reads a model; for an external encoder, also loads the code of its class.
 
     Args:
         path: The file.
-        capture: Of what the model was trained on, where the file does not hold it.
+        capture: Training capture, for files that do not contain it.
 
     Raises:
         EncoderError: The file is missing, damaged, of another version or breaks its contract, or
@@ -301,7 +300,7 @@ def load_model(path: Path | str, capture: Capture | None = None) -> TrainedModel
     header, raw = read_npz(Path(path), None, EncoderError, "a trained model", _REMEDY)
     if header.get("schema") != SCHEMA:
         raise EncoderError(
-            "another version's model",
+            "the model has another version",
             where=where,
             got=header.get("schema"),
             expected=str(SCHEMA),
@@ -357,10 +356,10 @@ def _stored_encoder(
             raise EncoderError("the header is damaged", where="kind", got=str(name)[:80])
         options = {option: header.get(option) for option in kind().configuration()}
         return restored(kind, options, learned, U, Q)
-    source, told = header.get("from"), header.get("configuration")
-    if not isinstance(source, dict) or not isinstance(told, dict):
+    source, stored = header.get("from"), header.get("configuration")
+    if not isinstance(source, dict) or not isinstance(stored, dict):
         raise EncoderError("the header is damaged", where="from, configuration")
-    encoder = restored(found_again(source), told, learned, U, Q)
+    encoder = restored(class_of_origin(source), stored, learned, U, Q)
     if encoder.digest() != header.get("encoder"):
         raise EncoderError(
             "the encoder is not as it was stored: the file is damaged, or the class has changed",
@@ -372,7 +371,7 @@ def _stored_encoder(
 
 def _array(raw: Mapping[str, NDArray[Any]], name: str, where: str) -> Array:
     if name not in raw:
-        raise EncoderError("a part is missing", where=where, expected=name, remedy=_REMEDY)
+        raise EncoderError("an array is missing", where=where, expected=name, remedy=_REMEDY)
     if raw[name].dtype.kind != "f":
         raise EncoderError(
             "wrong type", where=f"{where}: {name}", expected="floating point", remedy=_REMEDY
@@ -381,7 +380,7 @@ def _array(raw: Mapping[str, NDArray[Any]], name: str, where: str) -> Array:
 
 
 def _is_distrust(value: Any) -> bool:
-    """Whether a header's trust in the touches is one, or is absent."""
+    """True for a valid `distrust` of a header, or none."""
     return value is None or (is_ridge(value) and value > 0)
 
 
@@ -408,19 +407,19 @@ def _check(arrays: Mapping[str, Array], where: str) -> None:
 
 @cache
 def builtin_capture() -> Capture:
-    """The capture of the simulated subject that all built-in models are trained on."""
+    """Capture of the simulated subject, on which all built-in models are trained."""
     return load_capture(builtin_folder() / "capture.npz")
 
 
 @cache
 def builtin(name: str) -> TrainedModel:
-    """A built-in model by name, as it comes with the package.
+    """Loads a built-in model by name.
 
     Args:
         name: `paper`, `linear`, `quadratic`, `cubic` or `best`.
 
     Raises:
-        EncoderError: There is no such model.
+        EncoderError: The name is unknown.
     """
     if name not in BUILTIN:
         raise EncoderError("no such encoder", got=name, expected=", ".join(BUILTIN))
@@ -428,5 +427,5 @@ def builtin(name: str) -> TrainedModel:
 
 
 def builtin_folder() -> Path:
-    """Where the built-in capture and models are."""
+    """Folder of the built-in capture and models."""
     return Path(str(files("encoders") / "data"))

@@ -1,7 +1,7 @@
-"""The hand as motion formats see it: a wrist, fourteen joints below it, and keys of their turns.
+"""The hand in motion formats: a wrist, fourteen joints below it, and keys of their rotations.
 
-Formats disagree about the frames of joints. BVH and ASF define none: at zero rotation every joint's
-frame is that of the file. So each writer chooses a *zero pose*: fingers straight and side by side,
+Formats differ in the frames of joints. BVH and ASF define none: at zero rotation every joint has
+the frame of the file. So each writer chooses a *zero pose*: fingers straight and side by side,
 the thumb at its reference pose, the whole hand turned so that the first letter of the Euler order
 is flexion and the last the back of the hand (`zero_frame`). Angles are then anatomical, and far
 from the poles of their order.
@@ -139,8 +139,8 @@ class Armature:
         """
         base = zero_frame(order)
         out = np.tile(base, (len(self.names), 1, 1))
-        # The thumb's frame is turned so far against the palm's that its angles would pass the
-        # poles of the order; from its reference pose, no legal rotation exceeds 65 degrees.
+        # The thumb's frame is rotated so far relative to the palm's that its angles would pass the
+        # poles of the order; relative to its reference pose, no legal rotation exceeds 65 degrees.
         for j, bone in enumerate(self.skeleton.bones, start=1):
             if bone.finger == 0:
                 out[j] = out[self.parents[j]] @ bone.rest

@@ -76,13 +76,13 @@ class Motion:
         return PlacedJoints(positions, rotations, ends)
 
 
-def turned_in_turn(angles: Array, axes: str, *, fixed: bool) -> Array:
-    """Rotations (..., 3, 3): n rotations by angles (..., n) rad, applied one after the other.
+def rotations_of_angles(angles: Array, axes: str, *, fixed: bool) -> Array:
+    """Products (..., 3, 3) of n rotations by angles (..., n) rad about coordinate axes.
 
     Args:
-        angles: In the order of the axes.
+        angles: Angles in the order of the axes.
         axes: Letters x, y and z.
-        fixed: True turns about axes that stand still (ASF), False about axes that turn along (BVH).
+        fixed: True rotates about fixed axes (ASF), False about axes that rotate along (BVH).
     """
     out = np.broadcast_to(np.eye(3), (*angles.shape[:-1], 3, 3))
     for i, axis in enumerate(axes):
@@ -92,7 +92,7 @@ def turned_in_turn(angles: Array, axes: str, *, fixed: bool) -> Array:
 
 
 def _about(axis: int, angle: Array) -> Array:
-    """(..., 3, 3) turns about one coordinate axis."""
+    """Rotations (..., 3, 3) about one coordinate axis."""
     c, s = np.cos(angle), np.sin(angle)
     out = np.zeros((*angle.shape, 3, 3))
     b, d = (axis + 1) % 3, (axis + 2) % 3

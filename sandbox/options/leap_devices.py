@@ -86,7 +86,7 @@ def with_leaps(
     """
     first, *others = settings.hands
     if is_leap(options.device):
-        if settings.variation.spoils:
+        if settings.variation.degrades_touches:
             raise InputError("touches can be spoiled, hands in the air cannot", where="--vary")
         first = replace(first, in_air=hand_input(options, options.device, first.side))
         settings = replace(settings, hands=(first, *others))

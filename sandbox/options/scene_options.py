@@ -196,7 +196,7 @@ def _keeping(
     def open_device(task: Task, surface: Surface) -> Device:
         device = make(task, surface)
         # What was recorded was spoiled then.
-        if variation.spoils and not isinstance(device, RecordedDevice):
+        if variation.degrades_touches and not isinstance(device, RecordedDevice):
             return SpoiledDevice(device, variation, surface, settings.seed + hand * NEXT_PERSON)
         return device
 

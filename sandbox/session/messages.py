@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from models.arithmetic.arrays import Array
-from models.later import Later
+from models.lazy_fields import LazyFields
 from tasks.score import Score
 from tasks.task import Goal
 
@@ -60,7 +60,7 @@ class ObjectView:
 
 
 @dataclass(frozen=True)
-class Snapshot(Later):
+class Snapshot(LazyFields):
     """One moment of a session.
 
     Attributes:

@@ -265,7 +265,7 @@ class Session:
                 "goals": place(task.goals, objects),
             }
 
-        return Snapshot.later(
+        return Snapshot.deferred(
             compute,
             time=self.time,
             step=self.step,

@@ -71,7 +71,7 @@ class FrontUser:
         view = (
             self._view
         )  # Without references to this user: a user that stores its sights would keep itself alive.
-        self.user.look(Sight.later(lambda: vars(view.sight(sight)), time=sight.time))
+        self.user.look(Sight.deferred(lambda: vars(view.sight(sight)), time=sight.time))
 
     def touch(self, now: float) -> TouchFrame:
         """Current touches, in the surface's own frame in any orientation."""

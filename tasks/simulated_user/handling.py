@@ -136,7 +136,7 @@ def handling_of(shape: Thing) -> Handling:
         return OwnHandling(shape)
     if not isinstance(shape, Box):
         raise InputError(
-            "the simulated user does not know how to handle this",
+            "the simulated user cannot handle this object",
             got=type(shape).__name__,
             expected="Box, Wrench or MjcfThing",
             remedy="Give the task a user of its own: docs/write-a-task.md",

@@ -110,7 +110,7 @@ class SeatedUser:
         seat = (
             self._seat
         )  # Without references to this user: a user that stores its sights would keep itself alive.
-        self.user.look(Sight.later(lambda: vars(seat.sight(sight)), time=sight.time))
+        self.user.look(Sight.deferred(lambda: vars(seat.sight(sight)), time=sight.time))
 
     def touch(self, now: float) -> TouchFrame:
         """Current touches on the real screen."""

@@ -26,7 +26,7 @@ from models.motion.armature import (
     zero_frame,
 )
 from models.motion.euler import Continuous, angles_of
-from models.motion.motion import Motion, turned_in_turn
+from models.motion.motion import Motion, rotations_of_angles
 from models.motion.points import HandPoints
 from models.motion.read.asf import read_amc, read_asf
 from models.motion.read.bvh import read_bvh
@@ -173,14 +173,16 @@ def test_euler_angles_mean_the_turn_they_were_made_of(vectors, order):
     angles = Continuous(order).angles(turns[:, None])[:, 0]
     again = Rotation.from_euler(order, angles).as_matrix()
     np.testing.assert_allclose(again, turns, atol=1e-6)
-    np.testing.assert_allclose(turned_in_turn(angles, order.lower(), fixed=False), again, atol=1e-9)
+    np.testing.assert_allclose(
+        rotations_of_angles(angles, order.lower(), fixed=False), again, atol=1e-9
+    )
 
 
 @pytest.mark.parametrize("order", ORDERS)
 def test_angles_that_pass_through_a_pole_are_those_they_were_made_of(order):
     t = np.linspace(0, 6, 3000)
     angles = np.stack([3 * t, 1.7 * np.sin(1.3 * t), 0.5 * t * t], axis=-1)[:, None]
-    turns = turned_in_turn(angles, order.lower(), fixed=False)
+    turns = rotations_of_angles(angles, order.lower(), fixed=False)
     euler = Continuous(order)
     found = np.concatenate([euler.angles(part) for part in np.array_split(turns, 7)])
     assert np.abs(angles[:, 0, 1]).max() > 1.65
@@ -190,11 +192,13 @@ def test_angles_that_pass_through_a_pole_are_those_they_were_made_of(order):
 @pytest.mark.parametrize("order", ORDERS)
 @pytest.mark.parametrize("sign", (1, -1))
 def test_at_a_pole_itself_angles_stay_near_and_mean_the_same(order, sign):
-    turn = turned_in_turn(np.array([[0.3, sign * np.pi / 2, 0.7]]), order.lower(), fixed=False)
+    turn = rotations_of_angles(np.array([[0.3, sign * np.pi / 2, 0.7]]), order.lower(), fixed=False)
     euler = Continuous(order)
-    before = turned_in_turn(np.array([[0.1, sign * 1.5, 0.6]]), order.lower(), fixed=False)
+    before = rotations_of_angles(np.array([[0.1, sign * 1.5, 0.6]]), order.lower(), fixed=False)
     angles = euler.angles(np.stack([before, turn]))[1]
-    np.testing.assert_allclose(turned_in_turn(angles, order.lower(), fixed=False), turn, atol=1e-7)
+    np.testing.assert_allclose(
+        rotations_of_angles(angles, order.lower(), fixed=False), turn, atol=1e-7
+    )
     assert np.abs(angles[0, 2] - 0.6) < 1e-7
 
 

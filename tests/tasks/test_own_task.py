@@ -147,7 +147,10 @@ def test_objects_that_just_touch_are_no_overlap():
 @pytest.mark.parametrize(
     ("measure", "says"),
     [
-        (lambda self, sensing: None, "test-broken: `measure` returned no Measure .*got 'None'"),
+        (
+            lambda self, sensing: None,
+            "test-broken: `measure` did not return a Measure .*got 'None'",
+        ),
         (lambda self, sensing: sensing.object("mug"), "got 'mug', expected it"),
         (lambda self, sensing: sensing.touching("it", "mug"), "got 'mug', expected it, .*table"),
     ],
@@ -174,7 +177,7 @@ def test_a_measure_that_gives_none_later_ends_the_trial_in_a_line(monkeypatch):
 
     monkeypatch.setitem(TASKS, "test-broken", broken(measure=measure))
     session = build(RunSettings(task="test-broken"), (lambda task, surface: Script(),))
-    with pytest.raises(InputError, match="returned no Measure"):
+    with pytest.raises(InputError, match="did not return a Measure"):
         for _ in range(9):
             session.advance()
 
@@ -193,9 +196,9 @@ def write(path: Path, body: str) -> Path:
         ("", "which task .*no task"),
         ("class A(Slide): name = 'a'\nclass B(Slide): name = 'b'", "which task .*A, B"),
         ("class A(Slide): name = 'box-to-goal'", "another task has this name"),
-        ("class A(Slide): name = 'Too Nice'", "name is missing or odd"),
-        ("class A(Slide): name = 'a'; hold_time = 'long'", "hold_time is missing or odd"),
-        ("class A(Slide): name = 'a'; plane = 'ceiling'", "plane is missing or odd"),
+        ("class A(Slide): name = 'Too Nice'", "name is missing or invalid"),
+        ("class A(Slide): name = 'a'; hold_time = 'long'", "hold_time is missing or invalid"),
+        ("class A(Slide): name = 'a'; plane = 'ceiling'", "plane is missing or invalid"),
         ("from tasks.own_task import OwnTask\nclass A(OwnTask): name = 'a'", "lacks .*measure"),
     ],
 )

@@ -1,1 +1,1 @@
-"""Makes the skin that ships; needs the extra `skin`."""
+"""Generates the shipped skin; needs the extra `skin`."""

@@ -1,7 +1,7 @@
-"""Creases: where the skin lies deeper than the flesh under it would have it.
+"""Creases of the skin.
 
-Inside the fingers they run across every joint, on their backs there are folds over the knuckles,
-and the palm has its lines. Metres, in the palm's frame at the zero pose.
+On the palmar side of the fingers they run across every joint, on the back there are folds over the
+knuckles, and the palm has its lines. Metres, in the palm's frame at the zero pose.
 """
 
 from __future__ import annotations
@@ -16,21 +16,21 @@ from models.arithmetic.arrays import Array
 from tools.skin.shapes import Limb, between, groove, step
 
 REACH = (0.011, 0.016)
-"""m from the bone's axis: within, a finger's crease is whole, beyond, there is none."""
+"""m from the bone's axis, between which a finger's crease fades out."""
 BEND = ((-0.0013, 0.00050), (0.0014, 0.00038))
 END = ((0.0, 0.00050),)
 BASE = ((0.0, 0.00036),)
 THUMB_BEND = ((0.0, 0.00050), (-0.0028, 0.00028))
-"""m along the finger and depth of creases, m: inside its middle joint, its last, at its base,
-and inside the thumb's last joint."""
+"""m along the finger, and depth in m, of creases on the palmar side: at the middle joint, the last
+joint, the base, and the thumb's last joint."""
 KNUCKLE = ((-0.0032, 0.00012), (-0.0010, 0.00022), (0.0012, 0.00019), (0.0034, 0.00010))
 LAST_KNUCKLE = ((-0.0012, 0.00015), (0.0010, 0.00013))
 THUMB_KNUCKLE = ((-0.0030, 0.00013), (-0.0006, 0.00022), (0.0018, 0.00013))
-"""The same for the folds on their backs."""
+"""The same for the folds on the back."""
 WIDTH, BASE_WIDTH, FOLD_WIDTH = 0.0008, 0.0010, 0.0007
-"""m, of creases and folds."""
+"""m, widths of creases and folds."""
 BASE_PLACE = 0.335
-"""Of a finger's first crease along its first bone."""
+"""Position of a finger's first crease along its first bone, as a share of its length."""
 
 
 @dataclass(frozen=True)
@@ -38,12 +38,12 @@ class Line:
     """A crease across a finger.
 
     Attributes:
-        place: (3,) m, on the finger's axis.
+        place: (3,) m, position on the finger's axis.
         along: (3,) direction of the finger there.
-        back: (3,) out of the finger's back.
-        depth: m.
-        width: m.
-        dorsal: It is on the back.
+        back: (3,) direction out of the finger's back.
+        depth: m, depth of the crease.
+        width: m, width of the crease.
+        dorsal: True for a crease on the back.
     """
 
     place: Array
@@ -55,11 +55,11 @@ class Line:
 
 
 def finger_lines(chain: Sequence[Limb], thumb_joint: float) -> list[Line]:
-    """All creases of a finger of two bones (the thumb) or three.
+    """All creases of a finger with two bones (the thumb) or three.
 
     Args:
-        chain: Its bones.
-        thumb_joint: Place of the thumb's last joint along its last bone.
+        chain: Bones of the finger.
+        thumb_joint: Position of the thumb's last joint along its last bone, as a share.
     """
     first, last = chain[0], chain[-1]
     if len(chain) == 2:
@@ -90,12 +90,12 @@ def _across(
 
 
 def relief_of(p: Array, lines: Sequence[Line], widen: float = 1.0) -> Array:
-    """(n,) m, depth of a finger's creases at places (n, 3), `widen` times as wide as they are."""
+    """Depths (n,) m of a finger's creases at points (n, 3), widened by a factor."""
     depth = np.zeros(len(p))
     for line in lines:
         away = p - line.place
         height = away @ line.back
-        # Folds on the back are short, those inside go halfway round.
+        # Folds on the back are short; palmar creases go halfway around.
         side = step(height, 0.0035, 0.0075) if line.dorsal else step(-height, -0.0005, 0.0050)
         near = 1.0 - step(np.linalg.norm(away, axis=1), *REACH)
         cut = groove(away @ line.along, widen * line.width)
@@ -104,7 +104,7 @@ def relief_of(p: Array, lines: Sequence[Line], widen: float = 1.0) -> Array:
 
 
 def palm_relief(p: Array, widen: float = 1.0) -> Array:
-    """(n,) m, the lines of the palm and of the inside of the wrist."""
+    """Depths (n,) m of the lines of the palm and of the wrist's palmar side."""
     depth = np.zeros(len(p))
     inside = step(-p[:, 2], 0.006, 0.011)
     for points, strength, width in PALM_LINES:
@@ -118,7 +118,7 @@ def palm_relief(p: Array, widen: float = 1.0) -> Array:
 
 
 def _curve(*points: tuple[float, float]) -> Array:
-    """(n, 2) m, a smooth line through points given in mm (Catmull and Rom's spline)."""
+    """Smooth line (n, 2) m through points given in mm (Catmull-Rom spline)."""
     knots = np.array([points[0], *points, points[-1]], float) / 1000.0
     out = []
     for a, b, c, d in zip(knots, knots[1:], knots[2:], knots[3:], strict=False):
@@ -135,5 +135,5 @@ PALM_LINES = (
     (_curve((-24, -3), (0, -1), (24, -4)), 0.00026, 0.0011),
     (_curve((-22, -8), (0, -7), (22, -9)), 0.00018, 0.0010),
 )
-"""Lines of the palm seen from its back, x and y, m: heart, head and life line, and two at the
-wrist; depth and width, m. Drawn by eye."""
+"""Lines of the palm as seen from the back, with depth and width: heart, head and life line, and two
+at the wrist; all in m. Drawn by eye."""

@@ -1,6 +1,6 @@
-"""What is put on the skin: nails, a shirt's cuff and a sleeve. Surfaces of their own.
+"""Separate surfaces on the skin: nails, cuff and sleeve.
 
-Metres, in the palm's frame at the zero pose, like the skin's field.
+Metres, in the palm's frame at the zero pose, as in `field`.
 """
 
 from __future__ import annotations
@@ -15,14 +15,15 @@ Faces = NDArray[np.int64]
 
 NAIL_RINGS, NAIL_SIDES = 6, 28
 NAIL_RAISED, NAIL_SUNK = 0.00042, 0.0011
-"""m above the skin in the middle, and below it at the rim. Less, and the skin pokes through."""
+"""m above the skin in the middle, and below it at the rim; with less, the skin pokes through."""
 NAIL_SQUARE = 2.7
-"""Exponent of the outline: 2 would be an ellipse."""
+"""Exponent of the superellipse of the outline; 2 would be an ellipse."""
 CUFF_SIDES = 56
 
 
 def nail(field: HandField, finger: int) -> tuple[Array, Faces, Array]:
-    """A nail's plate: vertices (n, 3), triangles, and (n,) 0 on its bed to 1 at its free edge."""
+    """A nail: vertices (n, 3), triangles, and values (n,) from 0 on its bed to 1 at its free
+    edge."""
     limb = field.fingers[finger][-1]
     r, wide = limb.radius, 1.12 if finger == 0 else 1.0
     tilt = np.deg2rad(17.0)
@@ -36,7 +37,7 @@ def nail(field: HandField, finger: int) -> tuple[Array, Faces, Array]:
         angle = 2 * np.pi * np.arange(NAIL_SIDES) / NAIL_SIDES
         circle = np.stack([np.cos(angle), np.sin(angle)], axis=1)
         size = np.sum(np.abs(circle) ** NAIL_SQUARE, axis=1) ** (-1.0 / NAIL_SQUARE)
-        # Rings lie closer towards the rim, where the plate bends down.
+        # Rings are closer towards the rim, where the nail bends down.
         share = 1.0 - (1.0 - ring / NAIL_RINGS) ** 1.6
         rows.append(share * circle * size[:, None])
     flat = np.concatenate(rows)
@@ -48,7 +49,7 @@ def nail(field: HandField, finger: int) -> tuple[Array, Faces, Array]:
     )
     down = _onto(field, start, -out, 3.6 * r)
     rim = np.linalg.norm(flat, ord=NAIL_SQUARE, axis=1)
-    # The free edge stands out a little further than the sides, which lie in their folds.
+    # The free edge stands out a little farther than the sides, which lie in folds of the skin.
     lift = NAIL_RAISED - (NAIL_RAISED + NAIL_SUNK) * rim**7
     places = down + lift[:, None] * out
     edge = np.clip((flat[:, 1] - 0.66) / 0.10, 0.0, 1.0)
@@ -56,7 +57,7 @@ def nail(field: HandField, finger: int) -> tuple[Array, Faces, Array]:
 
 
 def _onto(field: HandField, start: Array, direction: Array, far: float) -> Array:
-    """Where rays meet the skin, or come nearest to it."""
+    """Points at which rays meet the skin, or come nearest to it."""
     walked = np.zeros(len(start))
     for _ in range(30):
         walked = np.minimum(walked + 0.9 * field(start + walked[:, None] * direction), far)
@@ -64,7 +65,7 @@ def _onto(field: HandField, start: Array, direction: Array, far: float) -> Array
 
 
 def _fan(rings: int, sides: int) -> Faces:
-    """Triangles of a disc: a middle and rings around it, counterclockwise."""
+    """Triangles of a disc with a middle and rings around it, counterclockwise."""
     triangles = [(0, 1 + i, 1 + (i + 1) % sides) for i in range(sides)]
     for ring in range(rings - 1):
         a, b = 1 + ring * sides, 1 + (ring + 1) * sides
@@ -96,11 +97,11 @@ SLEEVE_PROFILE = (
     (-0.0856, 0.0040),
     (-0.0856, -0.0080),
 )
-"""Place along the forearm and height over the wrist's skin, m, from the inside out."""
+"""Position along the forearm and height above the wrist's skin, m, from the inside out."""
 
 
 def tube(profile: ArrayLike, closed: bool) -> tuple[Array, Faces]:
-    """An elliptic tube round the wrist, of a profile; `closed`: its last ring is filled."""
+    """Elliptic tube around the wrist with a given profile; `closed` fills its last ring."""
     angle = 2 * np.pi * np.arange(CUFF_SIDES) / CUFF_SIDES
     rings = []
     for y, height in np.asarray(profile, float):

@@ -1,10 +1,10 @@
 """The shape of the built-in hand's flesh: a signed distance field over its skeleton.
 
-Metres, in the palm's frame, at the zero pose: fingers half bent, from where no joint has more than
-65 degrees to go, so that a skin made here is never pulled far. Negative inside.
+Metres, in the palm's frame, at the zero pose: fingers half bent, so that no joint is more than 65
+degrees from it and the skin is never stretched far. Negative inside.
 
-Fingers are melted into the palm one by one and never into each other, or neighbours would grow
-together. Every finger carries its own creases, so that they stay on it.
+Each finger is blended into the palm separately, never into another finger, so that neighbours stay
+apart. Every finger has its own creases.
 """
 
 from __future__ import annotations
@@ -27,28 +27,29 @@ WRIST_HALF = (0.0262, 0.0168)
 WRIST_MIDDLE = -0.0066
 """m, height of the wrist's axis over the palm's origin."""
 WRIST_END = -0.066
-"""m along y, where the forearm is cut off; the cuff hides it."""
+"""m along y, end of the forearm; the cuff hides it."""
 
 FINGER_WIDTH = 1.05
-"""Width of a finger to its thickness."""
+"""Ratio of a finger's width to its thickness."""
 WEB = 0.34
-"""Place of the webs along the first phalanges."""
+"""Position of the webs along the first phalanges, as a share of their length."""
 THUMB_IP = 0.50
-"""Place of the thumb's last joint, which the skeleton holds stiff, along its last bone."""
+"""Position of the thumb's last joint, which is fixed in the skeleton, as a share of its last
+bone."""
 
 MELT_FINGER, MELT_THUMB = 0.007, 0.015
-"""m over which a finger and the thumb go over into the palm."""
+"""m, widths of the blends of a finger and of the thumb into the palm."""
 
 
 class HandField:
-    """Distance to the hand, its creases, and how much any place of it is folded.
+    """Signed distance field of the hand with its creases.
 
     Args:
-        skeleton: A right hand. Shapes are made for `ADULT`; other hands get their skin by
-            stretching that one's.
+        skeleton: A right hand. Shapes are designed for `ADULT`; the skin of other hands is made by
+            stretching its skin.
 
     Attributes:
-        limbs: One per bone, in the skeleton's order.
+        limbs: One limb per bone, in the skeleton's order.
         fingers: Limbs of each finger, thumb first.
     """
 
@@ -67,15 +68,15 @@ class HandField:
         self._lines = [finger_lines(chain, THUMB_IP) for chain in self.fingers]
 
     def __call__(self, points: ArrayLike) -> Array:
-        """(n,) m, signed distance of points (n, 3) to the skin."""
+        """Signed distances (n,) m of points (n, 3) to the skin."""
         return self.united(*self.parts(np.asarray(points, float)))
 
     def parts(self, p: Array) -> tuple[Array, list[Array]]:
-        """Distances to the palm and to each finger, creases included."""
+        """Distances to the palm and to each finger, including creases."""
         return self._palm(p), [self._one_finger(p, f) for f in range(len(FINGERS))]
 
     def _one_finger(self, p: Array, finger: int) -> Array:
-        """Distance to a finger; far from it, where its shape does not matter, to its bones."""
+        """Distance to a finger; far from it, an approximate distance to its bones."""
         bones = [
             rounded_cone(p, limb.at(0, 0, 0), limb.at(0, 1, 0), 0.0, 0.0)
             for limb in self.fingers[finger]
@@ -86,24 +87,24 @@ class HandField:
         return rough
 
     def united(self, palm: Array, fingers: list[Array]) -> Array:
-        """The whole hand of its parts."""
+        """Distance to the whole hand, from the distances to its parts."""
         whole = melt(palm, fingers[0], MELT_THUMB)
         for finger in fingers[1:]:
-            # A hair's rounding between neighbours, else their crossing is a jagged edge.
+            # A small blend between neighbours avoids a jagged edge where they meet.
             whole = melt(whole, melt(palm, finger, MELT_FINGER), 0.0006)
         return whole
 
     def webs(self) -> list[tuple[Array, Array, tuple[int, int]]]:
-        """Ends, m, of the edges of the webs, and between which fingers they are."""
-        found = [
+        """Both ends (m) of each web's edge, and the two fingers beside it."""
+        webs = [
             (a[0].at(0, WEB, -0.25), b[0].at(0, WEB, -0.25), (f + 1, f + 2))
             for f, (a, b) in enumerate(pairwise(self.fingers[1:]))
         ]
         thumb, index = self.fingers[0][0].at(0.2, 0.62, 0.05), self.knuckles[1]
-        return [(thumb, index * [1.02, 0.70, 1.0] - [0, 0, 0.007], (0, 1)), *found]
+        return [(thumb, index * [1.02, 0.70, 1.0] - [0, 0, 0.007], (0, 1)), *webs]
 
     def normal(self, points: ArrayLike, reach: float = 2e-4) -> Array:
-        """(n, 3) unit vectors out of the skin."""
+        """Unit normals (n, 3) that point out of the skin."""
         p = np.asarray(points, float)
         slope = np.stack([self(p + reach * e) - self(p - reach * e) for e in np.eye(3)], axis=1)
         return slope / np.maximum(np.linalg.norm(slope, axis=1, keepdims=True), 1e-12)
@@ -115,7 +116,7 @@ class HandField:
         body = self._phalanx(p, first, 1.10, 1.00)
         middle = self._phalanx(p, second, 1.03, 0.98)
         body = melt(body, middle, 0.003)
-        # Knuckles are wider than what is between them, and lie on the back.
+        # Knuckles are wider than the bones between them, and lie on the back.
         body = melt(
             body,
             ellipsoid(
@@ -136,7 +137,7 @@ class HandField:
             ),
             0.005,
         )
-        # Pads fill the inside between the creases.
+        # Pads fill the palmar side between the creases.
         for limb, along, under, reach in ((first, 0.56, 0.34, 0.005), (second, 0.50, 0.30, 0.004)):
             half = [0.84 * limb.radius, 0.36 * limb.length, 0.81 * limb.radius]
             pad = ellipsoid(p, limb.at(0, along, -under), half, limb.axes)
@@ -145,7 +146,8 @@ class HandField:
         return body + relief_of(p, self._lines[finger])
 
     def _phalanx(self, p: Array, limb: Limb, first: float, last: float) -> Array:
-        """What is round about a bone; a little wider than thick. Radii are in the bone's own."""
+        """Distance to the flesh around a bone, a little wider than thick; radii in units of the
+        bone's."""
         r, local = limb.radius, limb.local(p) / [FINGER_WIDTH, 1.0, 1.0]
         start, end = [0.0, 0.0, 0.01 * r], [0.0, limb.length, 0.04 * r]
         return rounded_cone(local, start, end, first * r, last * r)
@@ -178,7 +180,8 @@ class HandField:
         return body + relief_of(p, self._lines[finger])
 
     def _tip(self, p: Array, limb: Limb, wide: float, start: float) -> Array:
-        """The last phalanx: round where it touches, flat under the nail, narrower at the end."""
+        """Distance to the last phalanx: round at the pad, flat under the nail, narrower at the
+        end."""
         r, local = limb.radius, limb.local(p)
         length = limb.length
         begin = start * length
@@ -233,7 +236,7 @@ class HandField:
         return body
 
     def _cushions(self, p: Array, knuckles: list[Array]) -> Array:
-        """What lies on the inside of the palm."""
+        """Distance to the cushions on the palmar side."""
         thumb, little = self.fingers[0][0], knuckles[3]
         heel = rounded_cone(
             p, [0.0205, 0.014, -0.0095], [little[0] - 0.0045, 0.058, -0.0098], 0.0122, 0.0100
@@ -255,7 +258,7 @@ class HandField:
         return melt(melt(near, far, 0.012), root, 0.012)
 
     def _wrist(self, p: Array) -> Array:
-        """An elliptic tube, a little narrower where the hand begins."""
+        """Distance to the wrist: an elliptic tube, a little narrower towards the hand."""
         y = p[:, 1]
         flare = step(y, -0.045, 0.018)
         wide, thick = WRIST_HALF[0] * (1.0 + 0.16 * flare), WRIST_HALF[1] * (1.0 - 0.06 * flare)
@@ -268,10 +271,10 @@ class HandField:
         return cut(cut(tube, WRIST_END - y, 0.003), y - 0.014, 0.020)
 
     def relief(self, points: ArrayLike, widen: float = 1.0) -> Array:
-        """(n,) m, depth of the creases at places on the skin, `widen` times as wide as they are."""
+        """Depths (n,) m of the creases at points on the skin, widened by a factor."""
         p = np.asarray(points, float)
         _, fingers = self.parts(p)
         nearest = np.argmin(np.stack(fingers), axis=0)
-        # A crease belongs to one finger, however near the next one is.
+        # A crease belongs to one finger, even if another one is near.
         own = [relief_of(p, lines, widen) * (nearest == f) for f, lines in enumerate(self._lines)]
         return np.max([palm_relief(p, widen), *own], axis=0)

@@ -1,4 +1,4 @@
-"""Makes the shipped skin anew: needs the extra `skin`, and about two minutes.
+"""Generates the shipped skin in about two minutes; needs the extra `skin`.
 
 python -m tools.skin.make_skin     # writes models/data/skin.npz
 """
@@ -23,17 +23,17 @@ from tools.skin.tone import tone_of
 from tools.skin.weights import weights_of
 
 LOW, HIGH = np.array([-0.088, -0.076, -0.104]), np.array([0.072, 0.172, 0.036])
-"""m, a box around the hand at the zero pose."""
+"""m, corners of a box around the hand at the zero pose."""
 SPACING = 0.0016
-"""m, of the grid on which its surface is found."""
+"""m, spacing of the grid on which the surface is computed."""
 FACES = 7600
-"""Triangles before creases get theirs."""
+"""Number of triangles before refinement at creases."""
 CREASE_EDGE, NEAR_CREASE = 0.00135, 0.00006
-"""m, longest edge in a crease, and the depth (of a crease thought wider) at which one begins."""
+"""m, longest edge in a crease, and the depth of a widened crease at which refinement begins."""
 TIP_EDGE, TIP = 0.0024, 0.011
-"""m, longest edge at fingertips, and how far from their centres that reaches."""
+"""m, longest edge at fingertips, and the distance from their centres within which it applies."""
 STEP = 4e-6
-"""m, to which places are rounded."""
+"""m, rounding of positions."""
 
 Piece = tuple[str, Array, NDArray[np.int64], NDArray[np.uint8], NDArray[np.uint8], Array]
 """Name, vertices, triangles, bones, weights, tone."""
@@ -53,7 +53,7 @@ def make(field: HandField, faces: int = FACES, spacing: float = SPACING) -> list
 
 
 def _longest(field: HandField, p: Array) -> Array:
-    """(n,) m, longest edges at places (n, 3): short in creases, and where fingers are round."""
+    """Longest edges (n,) m at points (n, 3): short in creases and at fingertips."""
     tips = np.min(
         [np.linalg.norm(p - chain[-1].at(0, 1, 0), axis=1) for chain in field.fingers], axis=0
     )
@@ -87,7 +87,7 @@ def _rigid(count: int, bone: int) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]
 
 
 def packed(pieces: list[Piece]) -> dict[str, Any]:
-    """The arrays of the file."""
+    """Arrays of the file."""
     corner = np.min([p[1].min(axis=0) for p in pieces], axis=0) - STEP
     parts, start, first = [], 0, 0
     for name, places, triangles, *_ in pieces:

@@ -1,6 +1,6 @@
-"""Triangles on a distance field: even ones, and finer ones where the skin is creased.
+"""Triangulates distance fields evenly, and more finely where the skin is creased.
 
-Needs scikit-image and fast-simplification (the extra `skin`), and only to make the skin anew.
+Needs scikit-image and fast-simplification (extra `skin`), only to regenerate the skin.
 """
 
 from __future__ import annotations
@@ -22,21 +22,21 @@ Field = Callable[[Array], Array]
 def mesh_of(
     field: Field, low: Array, high: Array, spacing: float, faces: int
 ) -> tuple[Array, Faces]:
-    """A closed surface of about `faces` even triangles, outwards.
+    """Closed surface of about `faces` even triangles that face outwards.
 
     Args:
-        field: (n, 3) m to (n,) m, negative inside.
-        low: (3,) m, corner of a box around all of it.
-        high: (3,) m.
-        spacing: m, of the grid.
-        faces: How many triangles to keep.
+        field: Function from points (n, 3) m to signed distances (n,) m, negative inside.
+        low: (3,) m, lower corner of a box around the surface.
+        high: (3,) m, upper corner.
+        spacing: m, spacing of the grid.
+        faces: Number of triangles to keep.
     """
     try:
         from fast_simplification import simplify
         from skimage.measure import marching_cubes
     except ImportError as error:
         raise InputError(
-            "the skin cannot be made anew: a package is missing",
+            "the skin cannot be regenerated: a package is missing",
             got=error.name,
             remedy="pip install 'hand-sandbox[skin]'",
         ) from error
@@ -60,7 +60,7 @@ def _sampled(field: Field, low: Array, high: Array, spacing: float) -> tuple[Arr
     rough = field(_points(rough_axes)).reshape([len(a) for a in rough_axes])
     points = _points(axes)
     values = RegularGridInterpolator(rough_axes, rough)(points)
-    # Beyond this, even a field that is a little steeper than a distance cannot be zero.
+    # Farther away the field cannot be zero, even if it is a little steeper than a distance.
     near = np.flatnonzero(np.abs(values) < 2.0 * coarse * spacing)
     for chunk in np.array_split(near, max(len(near) // 200_000, 1)):
         values[chunk] = field(points[chunk])
@@ -74,7 +74,7 @@ def _points(axes: list[Array]) -> Array:
 def settled(
     field: Field, normal: Field, vertices: Array, triangles: Faces, rounds: int, pull: float = 0.5
 ) -> Array:
-    """Vertices moved along the surface towards the middle of their neighbours, and onto it."""
+    """Moves vertices towards the mean of their neighbours, and back onto the surface."""
     for _ in range(rounds):
         out = normal(vertices)
         towards = neighbour_means(vertices, triangles) - vertices
@@ -85,7 +85,7 @@ def settled(
 
 
 def neighbour_means(values: Array, triangles: Faces) -> Array:
-    """(n, k) mean over each vertex's neighbours of values (n, k)."""
+    """Means (n, k) of values (n, k) over each vertex's neighbours."""
     edges = edges_of(triangles)
     ends = np.concatenate([edges, edges[:, ::-1]])
     links = csr_matrix((np.ones(len(ends)), (ends[:, 0], ends[:, 1])), shape=(len(values),) * 2)
@@ -93,7 +93,7 @@ def neighbour_means(values: Array, triangles: Faces) -> Array:
 
 
 def edges_of(triangles: Faces) -> Faces:
-    """(e, 2) every edge once, its smaller vertex first."""
+    """All edges (e, 2) once, the smaller vertex first."""
     pairs = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
     return np.unique(pairs, axis=0)
 
@@ -101,7 +101,7 @@ def edges_of(triangles: Faces) -> Faces:
 def refined(
     vertices: Array, triangles: Faces, longest: Callable[[Array], Array]
 ) -> tuple[Array, Faces]:
-    """Splits every edge that is longer than `longest` (m) wants at its middle, once."""
+    """Splits every edge longer than `longest` (m) at its middle, once."""
     edges = edges_of(triangles)
     middle = vertices[edges].mean(axis=1)
     length = np.linalg.norm(vertices[edges[:, 0]] - vertices[edges[:, 1]], axis=1)
@@ -122,7 +122,7 @@ def refined(
 def _split(
     points: Array, a: int, b: int, c: int, ab: int, bc: int, ca: int
 ) -> list[tuple[int, int, int]]:
-    """A triangle cut at the new middles of its edges; -1 where an edge stays whole."""
+    """Triangles of a triangle split at the new middles of its edges; -1 for an edge without one."""
     parts = sum(m >= 0 for m in (ab, bc, ca))
     if parts == 0:
         return [(a, b, c)]
@@ -132,20 +132,20 @@ def _split(
         a, b, c, ab, bc, ca = b, c, a, bc, ca, ab
     if parts == 1:
         return [(a, ab, c), (ab, b, c)]
-    # Of the two ways to cut what is left, the one with the shorter new edge.
+    # Split the remaining quadrilateral along its shorter diagonal.
     if np.sum((points[ab] - points[c]) ** 2) < np.sum((points[a] - points[bc]) ** 2):
         return [(ab, b, bc), (a, ab, c), (ab, bc, c)]
     return [(ab, b, bc), (a, ab, bc), (a, bc, c)]
 
 
 def volume(vertices: Array, triangles: Faces) -> float:
-    """m3 that a closed surface holds; negative where it is inside out."""
+    """Volume in m3 of a closed surface; negative if it is inside out."""
     a, b, c = vertices[triangles].transpose(1, 0, 2)
     return float(np.sum(a * np.cross(b, c)) / 6.0)
 
 
 def flipped_edges(vertices: Array, triangles: Faces, rounds: int = 4) -> Faces:
-    """Triangles with edges turned where that makes the smallest angle of a pair larger."""
+    """Flips edges where this increases the smallest angle of the two triangles."""
     for _ in range(rounds):
         triangles, count = _flip_once(vertices, triangles.copy())
         if count == 0:
@@ -189,7 +189,8 @@ def _least_angle(v: Array, a: int, b: int, c: int) -> float:
 
 
 def _flat(v: Array, a: int, b: int, c: int, d: int) -> bool:
-    """Whether two triangles with the common edge ab lie nearly in a plane, before and after."""
+    """True if two triangles with the common edge ab are nearly coplanar, before and after a
+    flip."""
     normals = [
         np.cross(v[j] - v[i], v[k] - v[i])
         for i, j, k in ((a, b, c), (b, a, d), (c, a, d), (d, b, c))

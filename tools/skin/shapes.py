@@ -1,4 +1,4 @@
-"""Simple bodies as signed distance fields, and how they melt into each other. Metres throughout."""
+"""Simple shapes as signed distance fields, and smooth unions of them; all lengths in m."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from models.arithmetic.arrays import Array
 
 
 def rounded_cone(p: Array, start: ArrayLike, end: ArrayLike, first: float, last: float) -> Array:
-    """(n,) m, distance to a capsule whose radius changes from `first` to `last`."""
+    """Distances (n,) m to a capsule whose radius changes from `first` to `last`."""
     start, along = np.asarray(start), np.asarray(end, float) - np.asarray(start, float)
     t = np.clip((p - start) @ along / (along @ along), 0.0, 1.0)
     return np.linalg.norm(p - start - t[:, None] * along, axis=1) - (first + (last - first) * t)
 
 
 def ellipsoid(p: Array, centre: ArrayLike, half: ArrayLike, axes: Array | None = None) -> Array:
-    """(n,) m, about the distance to an ellipsoid; exact on it and right in sign.
+    """Approximate distances (n,) m to an ellipsoid; exact on its surface, with the right sign.
 
     Args:
-        p: (n, 3) m.
-        centre: (3,) m.
-        half: (3,) m, half its axes.
-        axes: (3, 3), columns its directions.
+        p: (n, 3) m, points.
+        centre: (3,) m, centre.
+        half: (3,) m, semi-axes.
+        axes: (3, 3), directions of the axes as columns; None for the coordinate axes.
     """
     local = p - np.asarray(centre)
     if axes is not None:
@@ -35,36 +35,36 @@ def ellipsoid(p: Array, centre: ArrayLike, half: ArrayLike, axes: Array | None =
 
 
 def melt(a: Array, b: Array, reach: float) -> Array:
-    """Union whose seam is filled over `reach` m; where both are equal it adds a sixth of that."""
+    """Smooth union, blended over `reach` m; where both are equal it adds a sixth of that."""
     mixed = np.maximum(reach - np.abs(a - b), 0.0) / reach
     return np.minimum(a, b) - mixed**3 * (reach / 6.0)
 
 
 def cut(a: Array, b: Array, reach: float) -> Array:
-    """Intersection, its edge rounded over `reach` m."""
+    """Smooth intersection, with the edge rounded over `reach` m."""
     return -melt(-a, -b, reach)
 
 
 def groove(across: Array, width: float) -> Array:
-    """(n,) 0 to 1, depth of a furrow at a distance from its middle line; edges are soft."""
+    """Relative depth (n,) 0 to 1 of a soft-edged furrow at a distance from its middle line."""
     return np.exp(-((across / width) ** 2))
 
 
 def step(x: Array, low: float, high: float) -> Array:
-    """0 below `low`, 1 above `high`, smooth between."""
+    """Smooth step: 0 below `low`, 1 above `high`."""
     t = np.clip((x - low) / (high - low), 0.0, 1.0)
     return t * t * (3.0 - 2.0 * t)
 
 
 @dataclass(frozen=True)
 class Limb:
-    """A bone where it is at the zero pose.
+    """A bone at the zero pose.
 
     Attributes:
-        start: (3,) m, its joint.
+        start: (3,) m, position of its joint.
         axes: (3, 3), columns: sideways, along the bone, out of its back.
-        length: m.
-        radius: m.
+        length: m, length of the bone.
+        radius: m, radius of the flesh.
     """
 
     start: Array
@@ -73,18 +73,18 @@ class Limb:
     radius: float
 
     def at(self, side: float, along: float, up: float) -> Array:
-        """(3,) m, a place: `along` in lengths, the others in radii."""
+        """Position (3,) m from coordinates: `along` in lengths, the others in radii."""
         return self.start + self.axes @ np.array(
             [side * self.radius, along * self.length, up * self.radius]
         )
 
     def local(self, p: Array) -> Array:
-        """(n, 3) m in its frame."""
+        """Points (n, 3) m in its frame."""
         return (p - self.start) @ self.axes
 
 
 def between(a: Limb, b: Limb) -> Array:
-    """(3, 3) axes halfway between those of two bones that follow each other."""
+    """Axes (3, 3) halfway between those of two consecutive bones."""
     y = a.axes[:, 1] + b.axes[:, 1]
     y /= np.linalg.norm(y)
     z = a.axes[:, 2] + b.axes[:, 2]

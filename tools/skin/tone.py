@@ -1,7 +1,7 @@
-"""How warm and how bright the skin is, place by place: two numbers instead of a painted picture.
+"""Warmth and brightness of the skin at every vertex, instead of a texture.
 
-Warm (0 to 1) where blood shows: fingertips, knuckles, the inside of the hand. Bright (0 to 1)
-except in creases and where flesh shadows flesh.
+Skin is warm (0 to 1) where blood shows: fingertips, knuckles, the palmar side. It is bright (0 to
+1) except in creases and in the shadow of other flesh.
 """
 
 from __future__ import annotations
@@ -13,22 +13,23 @@ from tools.skin.field import HandField
 from tools.skin.shapes import step
 
 CREASE_DARKNESS = 0.44
-"""Brightness that the deepest crease takes away."""
+"""Loss of brightness in the deepest crease."""
 DEEPEST = 0.0006
-"""m, of a crease."""
+"""m, depth of the deepest crease."""
 HOLLOWS = ((0.0025, 0.30), (0.006, 0.25), (0.012, 0.18))
-"""m from the skin at which nearness of other flesh is felt, and what it takes away at most."""
+"""m from the skin at which other flesh casts a shadow, and the largest loss of brightness from
+it."""
 
 
 def tone_of(field: HandField, vertices: Array, normals: Array) -> Array:
-    """(n, 2) warmth and brightness, 0 to 1, of places on the skin."""
+    """Warmth and brightness (n, 2), 0 to 1, of points on the skin."""
     return np.stack(
         [_warmth(field, vertices, normals), _brightness(field, vertices, normals)], axis=1
     )
 
 
 def _warmth(field: HandField, p: Array, out: Array) -> Array:
-    # The inside of the hand, softly; never the wrist.
+    # The palmar side, softly, without the wrist.
     warm = 0.26 * step(-out[:, 2], 0.0, 0.8) * step(p[:, 1], 0.004, 0.030)
 
     def near(place: Array, reach: float, strength: float) -> None:

@@ -1,7 +1,7 @@
-"""Which bones carry a piece of skin, and how much: heat that flows from the bones into the skin.
+"""Skinning weights by heat diffusion from the bones into the skin.
 
-Every vertex hangs on its nearest bone; diffusion along the surface then lets bones share what lies
-between them. Since nothing flows through the air, a finger never pulls its neighbour's skin.
+Every vertex is attached to its nearest bone; diffusion along the surface then blends the weights of
+neighbouring bones. Since heat does not flow through air, a finger never pulls its neighbour's skin.
 Method: heat equilibrium as in Baran and Popovic, "Automatic Rigging and Animation of 3D
 Characters" (2007); the bone is nearest within the flesh of one finger, rather than in sight.
 """
@@ -21,32 +21,35 @@ from tools.skin.field import HandField
 from tools.skin.shapes import step
 
 COLLAPSED = 0.01
-"""Share of its area under which a triangle counts as folded."""
+"""Share of its area below which a triangle counts as folded."""
 MOST = 4
-"""Bones per vertex."""
+"""Maximum number of bones per vertex."""
 STIFFNESS = 0.18
-"""How strongly a vertex keeps to its nearest bone. Stiffer joints keep more flesh in a fist, and
-skin folds at them (see `folds`)."""
+"""Strength of a vertex's attachment to its nearest bone. Stiffer skin keeps more volume in a fist,
+but folds at joints (see `folds`)."""
 TIP_STIFFNESS, TIP = 4.0, (0.15, 0.55)
-"""The same for fingertips, which carry rigid nails; from where to where along the last bone."""
+"""The same for fingertips, which have rigid nails, and the range along the last bone over which it
+grows to this value."""
 WEB_EDGE = (0.0100, 0.0135)
-"""m from the axis of a web's edge, within which skin belongs to it, and beyond which not."""
+"""m from the axis of a web's edge, between which the skin's membership in the web fades out."""
 WEB_FINGER = 0.042
-"""m, length of a first bone below which webs beside it are smaller."""
+"""m, length of a first bone below which the webs beside it are smaller."""
 WEB_SHARES, THUMB_WEB_SHARES = (0.32, 0.34, 0.34), (0.45, 0.55, 0.0)
-"""Of the palm and the fingers on both sides."""
+"""Weights of the palm and of the fingers on both sides."""
 WEB_LENGTH = 0.3
-"""Share of it that is neither finger's."""
+"""Share of a web's length that belongs to neither finger."""
 WEB_HOLD = 0.0045
-"""m, distance from which the edge of a web is held: near, so that it is all of one piece."""
+"""m, assumed distance of a web's edge from its bones: small, so that the edge moves as one
+piece."""
 
 
 def weights_of(
     field: HandField, vertices: Array, triangles: NDArray[np.int64]
 ) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
-    """Bones (n, 4), palm 0, and their shares (n, 4) of 255, of vertices (n, 3) in the bind pose.
+    """Bones (n, 4), palm 0, and their weights (n, 4) out of 255, of vertices (n, 3) in the bind
+    pose.
 
-    Bones with no share are 0.
+    Bones without weight are 0.
     """
     owner, distance, stiffness = _owners(field, vertices)
     flow, area = cotangents(vertices, triangles)
@@ -56,7 +59,7 @@ def weights_of(
 
 
 def trial_poses(skeleton: Skeleton, count: int, seed: int) -> Array:
-    """(count, 48) random legal poses at the origin, all angles equally likely."""
+    """Random legal poses (count, 48) at the origin, with uniformly distributed angles."""
     rng = np.random.default_rng(seed)
     q = np.zeros((count, POSE_SIZE))
     q[:, JOINTS] = rng.uniform(skeleton.lower, skeleton.upper, (count, len(skeleton.lower)))
@@ -66,10 +69,10 @@ def trial_poses(skeleton: Skeleton, count: int, seed: int) -> Array:
 def folds(
     skeleton: Skeleton, rest: Array, triangles: NDArray[np.int64], shares: Array, poses: Array
 ) -> NDArray[np.bool_]:
-    """(p, m) which triangles are folded over in which poses (p, 48).
+    """Booleans (p, m): the triangles that are folded over in poses (p, 48).
 
-    Folded: facing away from where the mean turn of its bones would have it, or shrunk to less
-    than `COLLAPSED` of its area.
+    A folded triangle faces away from the direction given by the mean rotation of its bones, or has
+    less than the share `COLLAPSED` of its area.
     """
     before = _cross(rest, triangles)
     size = np.linalg.norm(before, axis=1)
@@ -93,20 +96,20 @@ def _cross(vertices: Array, triangles: NDArray[np.int64]) -> Array:
 
 
 def strongest(shares: Array) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
-    """The four largest of shares (n, 15) as whole shares of 255, the largest first."""
+    """The four largest of weights (n, 15) as integers out of 255, the largest first."""
     order = np.argsort(-shares, axis=1, kind="stable")[:, :MOST]
-    # Fading towards the fifth keeps the skin smooth where the fourth changes.
+    # Subtracting the fifth keeps the skin smooth where the fourth bone changes.
     fifth = np.sort(shares, axis=1)[:, -MOST - 1]
     kept = np.clip(np.take_along_axis(shares, order, axis=1) - fifth[:, None], 0.0, None)
     kept /= kept.sum(axis=1, keepdims=True)
     weights = np.round(FULL * kept).astype(int)
-    # The largest takes what rounding leaves.
+    # The largest gets the rounding remainder.
     weights[:, 0] += FULL - weights.sum(axis=1)
     return np.where(weights > 0, order, 0).astype(np.uint8), weights.astype(np.uint8)
 
 
 def _nearest(field: HandField, vertices: Array) -> tuple[NDArray[np.int64], Array]:
-    """The bone each vertex hangs on, and how far it is from that bone's axis, m."""
+    """Nearest bone of each vertex, and the distance in m from that bone's axis."""
     _, fingers = field.parts(vertices)
     finger = np.argmin(np.stack(fingers), axis=0)
     distances = np.full((len(vertices), BONES), np.inf)
@@ -114,17 +117,17 @@ def _nearest(field: HandField, vertices: Array) -> tuple[NDArray[np.int64], Arra
     for i, (limb, bone) in enumerate(zip(field.limbs, field.skeleton.bones, strict=True)):
         away = _to_segment(vertices, limb.at(0, 0, 0), limb.at(0, 1, 0))
         distances[:, i + 1] = np.where(finger == bone.finger, away, np.inf)
-    # Flesh over a thick part is far from its bone and belongs to it all the same.
+    # Flesh over a thick bone is far from its axis but still belongs to it.
     thick = np.array([field.skeleton.palm_radius * 1.2, *(b.radius for b in field.skeleton.bones)])
     nearest = np.argmin(distances - thick, axis=1)
     return nearest, distances[np.arange(len(vertices)), nearest]
 
 
 def _owners(field: HandField, vertices: Array) -> tuple[Array, Array, Array]:
-    """What holds each vertex, (n, 15) summing to one, from how far, m, and how stiffly.
+    """Initial weights (n, 15) that sum to one, distances (n,) m and stiffnesses (n,) of vertices.
 
-    The edge of a web belongs to all its neighbours alike, so that what one finger moves against
-    the next is taken up along their sides, where there is more skin than on the edge.
+    The edge of a web belongs to all its neighbours, so that relative movements of two fingers are
+    taken up along their sides, where there is more skin than on the edge.
     """
     nearest, distance = _nearest(field, vertices)
     owner = np.eye(BONES)[nearest]
@@ -173,7 +176,7 @@ def cotangents(vertices: Array, triangles: NDArray[np.int64]) -> tuple[csr_matri
         j, k = (i + 1) % 3, (i + 2) % 3
         a, b = p[:, j] - p[:, i], p[:, k] - p[:, i]
         cross = np.maximum(np.linalg.norm(np.cross(a, b), axis=1), 1e-12)
-        # Very obtuse corners would let heat flow uphill.
+        # Very obtuse corners would give negative conductances.
         half = np.clip(0.5 * np.sum(a * b, axis=1) / cross, 1e-3, 1e3)
         rows += [triangles[:, j], triangles[:, k]]
         columns += [triangles[:, k], triangles[:, j]]

@@ -91,10 +91,10 @@ def distances(
     return np.sqrt((off**2).sum(axis=2) + above**2), known
 
 
-def _one_each(found: list[LabelledTrack], report: ConversionReport) -> list[LabelledTrack]:
+def _one_each(labelled: list[LabelledTrack], report: ConversionReport) -> list[LabelledTrack]:
     """Keeps at most one contact per finger at a time; of two that overlap, the nearer one."""
     kept: list[LabelledTrack] = []
-    for one in sorted(found, key=lambda labelled: labelled.distance):
+    for one in sorted(labelled, key=lambda contact: contact.distance):
         rival = any(
             other.finger == one.finger
             and one.track.start < other.track.end

@@ -94,11 +94,11 @@ def _least(off: Array) -> float:
     return float(np.median(off.min(axis=1))) if len(off) else np.inf
 
 
-def _taken(tracks: list[ContactTrack], number: int, found: dict[int, LabelledTrack]) -> set[int]:
+def _taken(tracks: list[ContactTrack], number: int, labelled: dict[int, LabelledTrack]) -> set[int]:
     """Fingers of contacts that are down at some time of this contact's life."""
     own = tracks[number]
     return {
         other.finger
-        for n, other in found.items()
+        for n, other in labelled.items()
         if n != number and own.start < other.track.end and other.track.start < own.end
     }

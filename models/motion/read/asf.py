@@ -14,12 +14,12 @@ import numpy as np
 
 from models.arithmetic.arrays import Array
 from models.errors import MotionError
-from models.motion.motion import Motion, turned_in_turn
+from models.motion.motion import Motion, rotations_of_angles
 from models.motion.read.text import numbers, read_lines
 
 INCH = 0.0254
-"""m; a file's lengths divided by its `length` unit are taken for inches, the usual reading of the
-CMU files, which nothing printed confirms."""
+"""m; a file's lengths divided by its `length` unit are interpreted as inches, as is usual for CMU
+files, although no publication confirms it."""
 
 CMU_RATE = 120.0
 """Hz."""
@@ -66,7 +66,7 @@ def read_asf(path: Path, unit: float | None = None) -> AcclaimSkeleton:
         unit: m, the file's unit of length; None uses the unit in the file, taken as inches.
 
     Raises:
-        MotionError: It is no ASF file, is cut short, or a bone is incomplete.
+        MotionError: It is not an ASF file, is cut short, or a bone is incomplete.
     """
     sections = _sections(path)
     for name in ("units", "root", "bonedata", "hierarchy"):
@@ -107,7 +107,8 @@ def read_amc(path: Path, skeleton: AcclaimSkeleton, rate: float | None = None) -
             otherwise CMU's 120.
 
     Raises:
-        MotionError: It is no AMC file, a frame is incomplete or out of order, or a bone unknown.
+        MotionError: It is not an AMC file, a frame is incomplete or out of order, or a bone
+            unknown.
     """
     lines = read_lines(path, "an AMC file")
     if rate is None:
@@ -180,7 +181,7 @@ def _motion(
                 axes += _TURNS[freedom]
                 angles.append(np.deg2rad(column) if degrees else column)
         stacked = np.stack(angles, axis=-1) if angles else np.zeros((frames, 0))
-        turn = turned_in_turn(stacked, axes, fixed=True)
+        turn = rotations_of_angles(stacked, axes, fixed=True)
         # Bones at rest share one frame, so that a child needs no rest rotation of its own.
         rotations[:, j] = bone.frame @ turn @ bone.frame.T
     ends = np.array([bone.end for bone in bones])
@@ -231,7 +232,9 @@ def _bones(
             bones.append(_bone(said, degrees, unit, where))
             said = None
         elif said is None:
-            raise MotionError("this line belongs to no bone", where=where, got=" ".join(words)[:40])
+            raise MotionError(
+                "this line does not belong to a bone", where=where, got=" ".join(words)[:40]
+            )
         else:
             said.setdefault(key, (where, words[1:]))
     if said is not None or not bones:
@@ -259,7 +262,7 @@ def _frame(angles: list[float], order: list[str], degrees: bool, where: str) -> 
     if sorted(axes) != ["x", "y", "z"]:
         raise MotionError("not an order of axes", where=where, got=axes, expected="XYZ")
     turned = np.deg2rad(angles) if degrees else np.array(angles)
-    return turned_in_turn(turned, axes, fixed=True)
+    return rotations_of_angles(turned, axes, fixed=True)
 
 
 def _freedoms(words: list[str], where: str) -> tuple[str, ...]:

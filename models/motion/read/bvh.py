@@ -14,7 +14,7 @@ import numpy as np
 
 from models.arithmetic.arrays import Array
 from models.errors import MotionError
-from models.motion.motion import Motion, turned_in_turn
+from models.motion.motion import Motion, rotations_of_angles
 from models.motion.read.text import numbers, read_lines
 
 CENTIMETRE = 0.01
@@ -191,7 +191,7 @@ def _motion(joints: list[_Joint], values: Array, frame_time: float, unit: float)
                 turns += channel[0]
                 angles.append(np.deg2rad(column))
         stacked = np.stack(angles, axis=-1) if angles else np.zeros((frames, 0))
-        rotations[:, j] = turned_in_turn(stacked, turns, fixed=False)
+        rotations[:, j] = rotations_of_angles(stacked, turns, fixed=False)
     return Motion(
         tuple(j.name for j in joints),
         tuple(j.parent for j in joints),

@@ -89,11 +89,11 @@ def read_vsk(path: Path, unit: float = MILLIMETRE) -> ViconSkeleton:
     reader = _Reader(path, unit, _parameters(path, root))
     for segment in skeleton.findall("Segment"):
         reader.segment(segment, -1, 1)
-    if not reader.found.names:
+    if not reader.skeleton.names:
         raise MotionError("the skeleton contains no segment", where=str(path))
     for marker in root.iter("Marker"):
         reader.marker(marker)
-    return reader.found
+    return reader.skeleton
 
 
 def _parameters(path: Path, root: ElementTree.Element) -> dict[str, float]:
@@ -107,13 +107,13 @@ def _parameters(path: Path, root: ElementTree.Element) -> dict[str, float]:
 class _Reader:
     def __init__(self, path: Path, unit: float, parameters: dict[str, float]) -> None:
         self._path, self._unit, self._parameters = path, unit, parameters
-        self.found = ViconSkeleton()
+        self.skeleton = ViconSkeleton()
 
     def segment(self, element: ElementTree.Element, parent: int, depth: int) -> None:
         """Reads a segment and the segments inside it."""
         name = element.get("NAME", "")
         where = f"{self._path}, segment {name}"[:120]
-        if not name or name in self.found.names:
+        if not name or name in self.skeleton.names:
             raise MotionError("a segment needs a name of its own", where=str(self._path), got=name)
         if depth > DEEPEST:
             raise MotionError(
@@ -127,12 +127,12 @@ class _Reader:
                 got=", ".join(kinds)[:60],
                 expected=", ".join(JOINTS),
             )
-        index = len(self.found.names)
-        self.found.names.append(name)
-        self.found.parents.append(parent)
-        self.found.positions.append(self._unit * self._vector(element, "POSITION", where))
-        self.found.frames.append(exp(self._vector(element, "ORIENTATION", where)))
-        self.found.joints.append(kinds[0])
+        index = len(self.skeleton.names)
+        self.skeleton.names.append(name)
+        self.skeleton.parents.append(parent)
+        self.skeleton.positions.append(self._unit * self._vector(element, "POSITION", where))
+        self.skeleton.frames.append(exp(self._vector(element, "ORIENTATION", where)))
+        self.skeleton.joints.append(kinds[0])
         for child in element.findall("Segment"):
             self.segment(child, index, depth + 1)
 
@@ -140,10 +140,10 @@ class _Reader:
         """Reads a marker."""
         name, segment = element.get("NAME", ""), element.get("SEGMENT", "")
         where = f"{self._path}, marker {name}"[:120]
-        if segment not in self.found.names:
+        if segment not in self.skeleton.names:
             raise MotionError("a marker is not on any segment", where=where, got=segment[:40])
         place = self._unit * self._vector(element, "POSITION", where)
-        self.found.markers[name] = (self.found.names.index(segment), place)
+        self.skeleton.markers[name] = (self.skeleton.names.index(segment), place)
 
     def _vector(self, element: ElementTree.Element, key: str, where: str) -> Array:
         """(3,) numbers, or parameters by name."""

@@ -1,10 +1,9 @@
 """Writes a hand as an Acclaim skeleton (.asf) and its motion (.amc), key by key.
 
-y up, centimetres (said as the CMU files say it: inches times `length`), degrees. A bone begins
-where its parent ends, so that every finger hangs on a bone without freedoms, from the wrist to its
-knuckle. All bones share the file's frame at rest (`axis 0 0 0`); rotations are about axes that
-stand still, x first, as every reader expects: the same as the Euler order ZYX about axes that turn
-along.
+y up, centimetres (written as in the CMU files: inches times `length`), degrees. A bone begins where
+its parent ends, so every finger is attached to a bone without degrees of freedom, from the wrist to
+its knuckle. All bones share the file's frame at rest (`axis 0 0 0`); rotations are about fixed
+axes, x first, as every reader expects, which equals the Euler order ZYX about rotating axes.
 """
 
 from __future__ import annotations

@@ -2,8 +2,8 @@
 
 Millimetres, z up (`X_SCREEN` +X, `Y_SCREEN` +Z), single precision, Intel byte order; no analog
 channels. Blocks have 512 bytes: a header, the parameters, then four numbers for each point of each
-frame. The number of frames stands in three places and is filled in at the end; a number above
-65,535 stands in `TRIAL:ACTUAL_END_FIELD` alone, as the format's later users agreed.
+frame. The number of frames is in three places and is filled in at the end; a number above
+65,535 is in `TRIAL:ACTUAL_END_FIELD` alone, as later users of the format agreed.
 """
 
 from __future__ import annotations

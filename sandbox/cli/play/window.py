@@ -230,8 +230,8 @@ class WindowPlay:
             makers = with_first(makers, beside_page)
         # Spoiled frames carry the session's time, in which nothing can be late.
         # Nobody knows what a Leap's clock has to do with this machine's.
-        spoils = chosen.settings.variation.spoils
-        measured = chosen.live and not spoils and not chosen.settings.in_air
+        degrades = chosen.settings.variation.degrades_touches
+        measured = chosen.live and not degrades and not chosen.settings.in_air
         if measured:
             makers = with_first(makers, lambda maker: timed(maker, timing))
         return with_first(makers, _from_first_touch) if self._waits(chosen) else makers

@@ -138,7 +138,7 @@ class SimulatedDevice(Device):
             self._seated.look(shown())
             return
         # Who acts four times in a second need not see sixty pictures.
-        self._seated.look(Sight.later(lambda: vars(shown()), time=snapshot.time))
+        self._seated.look(Sight.deferred(lambda: vars(shown()), time=snapshot.time))
 
     def poll(self, now: float) -> Sequence[TouchFrame]:
         """What the user touches now."""

@@ -82,7 +82,7 @@ def person_devices(
                 maker = live_maker(asked)
                 assert maker is not None, name
                 device = maker(surface)
-            if settings.variation.spoils:
+            if settings.variation.degrades_touches:
                 noise = trial.seed + hand * NEXT_PERSON
                 return SpoiledDevice(device, settings.variation, surface, noise)
             return device

@@ -119,7 +119,7 @@ def simulated_hand(
             hand=hand,
             home=home(hand, settings, surface),
         )
-        if settings.variation.spoils:
+        if settings.variation.degrades_touches:
             return SpoiledDevice(device, settings.variation, surface, seed + hand * NEXT_PERSON)
         return device
 

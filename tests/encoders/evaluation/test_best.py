@@ -23,9 +23,9 @@ from encoders.regression.trained import (
     builtin_capture,
     builtin_folder,
 )
-from encoders.regression.turned import TurnedEncoder
+from encoders.regression.yaw_normalised import YawNormalisedEncoder
 from encoders.smoothing import PoseFilter
-from encoders.validation import FOLDS, badness, robust_covariance, trial_folds
+from encoders.validation import FOLDS, error_product, robust_covariance, trial_folds
 from models.errors import EncoderError
 from models.pose import absolute_pose
 from tests.encoders.regression.turning import turned_places, turned_pose
@@ -123,7 +123,7 @@ def test_estimating_leaves_the_touches_as_they_were():
 
 def test_on_what_it_was_trained_on_it_is_nearer_than_its_encoder_alone():
     encoder = absolute_pose(shipped().model.encoder.predict(takes().u), takes().leftmost)
-    assert badness(estimated(), takes().q) < badness(encoder, takes().q)
+    assert error_product(estimated(), takes().q) < error_product(encoder, takes().q)
 
 
 def test_a_labeller_is_a_fresh_one_each_time():
@@ -135,7 +135,9 @@ def test_the_built_in_estimate_is_simulated_and_says_so():
     meta = shipped().model.meta
     assert meta["simulated"] is True and meta["capture"] == builtin_capture().meta
     assert shipped().model.name == "best" and shipped().model.correction is not None
-    assert isinstance(shipped().model.encoder, TurnedEncoder) == meta["winner"].startswith("turned")
+    assert isinstance(shipped().model.encoder, YawNormalisedEncoder) == meta["winner"].startswith(
+        "turned"
+    )
 
 
 def test_the_packages_data_are_below_five_megabytes():
@@ -152,7 +154,7 @@ def test_the_winner_is_the_candidate_with_the_least_validated_error(trained):
 def test_what_the_table_says_of_a_candidate_is_what_validation_gives(trained):
     winner = trained.meta["winner"]
     predicted = blocked_predictions(CANDIDATES[winner], sparse())
-    plain = 100 * np.rad2deg(badness(predicted, sparse().relative))
+    plain = 100 * np.rad2deg(error_product(predicted, sparse().relative))
     assert trained.meta["validated"][winner][0] == pytest.approx(plain, abs=1e-3)
     np.testing.assert_array_equal(
         trained.residual_covariance,
@@ -220,13 +222,13 @@ def test_badness_is_a_product_without_order_direction_or_place(a, b, seed):
     rng = np.random.default_rng(seed)
     q = np.stack([a, b, a, b]) + rng.normal(0, 0.01, (4, 48))
     truth = np.stack([b, a, a, b])
-    found = badness(q, truth)
+    found = error_product(q, truth)
     order = rng.permutation(4)
-    assert badness(q[order], truth[order]) == pytest.approx(found, rel=1e-9)
-    assert badness(truth, q) == pytest.approx(found, rel=1e-9)
+    assert error_product(q[order], truth[order]) == pytest.approx(found, rel=1e-9)
+    assert error_product(truth, q) == pytest.approx(found, rel=1e-9)
     angle, about = rng.uniform(-3, 3), rng.uniform(-1, 1, 2)
     turned = turned_pose(q, angle, about), turned_pose(truth, angle, about)
-    assert badness(*turned) == pytest.approx(found, rel=1e-9)
+    assert error_product(*turned) == pytest.approx(found, rel=1e-9)
 
 
 @given(a=legal_poses, b=legal_poses, wrist=st.booleans(), joints=st.booleans())
@@ -236,8 +238,8 @@ def test_badness_is_zero_where_the_wrist_or_the_joints_are_right_and_nowhere_els
     """It is a product, so one part that is right hides the other."""
     b = b.copy()
     b[:3], b[6:] = a[:3] + 0.01 * wrist, a[6:] + 0.1 * joints
-    assert badness(a[None], a[None]) == pytest.approx(0.0, abs=1e-12)
-    assert (badness(a[None], b[None]) > 1e-6) == (wrist and joints)
+    assert error_product(a[None], a[None]) == pytest.approx(0.0, abs=1e-12)
+    assert (error_product(a[None], b[None]) > 1e-6) == (wrist and joints)
 
 
 @given(seed=st.integers(0, 2**16))

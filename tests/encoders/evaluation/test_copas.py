@@ -109,5 +109,5 @@ def test_predictions_that_never_vary_have_no_slope_and_are_not_counted(capture):
 
 def test_one_take_has_no_folds(capture):
     one = capture.select(capture.trial == capture.trial[0])
-    with pytest.raises(EncoderError, match="one trial alone"):
+    with pytest.raises(EncoderError, match="several trials"):
         copas(LinearEncoder, one.u, one.relative, one.trial, blocked=True)

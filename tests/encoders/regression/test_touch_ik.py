@@ -208,7 +208,7 @@ Unusable = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
         (lambda u, q: (u + 0.5, q), "row 0: a contact flag is neither 0 nor 1"),
         (
             lambda u, q: (u * np.r_[np.ones(10), np.zeros(5)], q),
-            "row 0: a contact vector without any contact",
+            "row 0: a contact vector has no contact",
         ),
     ],
 )

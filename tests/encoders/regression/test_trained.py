@@ -29,7 +29,7 @@ from encoders.regression.trained import (
     save_model,
     train,
 )
-from encoders.regression.turned import TurnedEncoder
+from encoders.regression.yaw_normalised import YawNormalisedEncoder
 from encoders.store import save_capture
 from encoders.validation import trial_folds
 from models.errors import EncoderError
@@ -67,7 +67,7 @@ def model(capture) -> TrainedModel:
 @pytest.fixture(scope="module")
 def corrected(model, capture) -> TrainedModel:
     """A turned encoder with a correction by bones that are not the table's."""
-    encoder = TurnedEncoder(0.03, 0.1).fit(capture.u, capture.relative)
+    encoder = YawNormalisedEncoder(0.03, 0.1).fit(capture.u, capture.relative)
     bones = perturbed_skeleton(ADULT, np.random.default_rng(0), 0.06, 0.004)
     correction = PersonCorrection(bones, model.residual_covariance, np.full(3, 1e-6), 2.0)
     return rounded(replace(model, name="turned", encoder=encoder, correction=correction))
@@ -105,7 +105,7 @@ def test_a_turned_encoder_and_its_correction_come_back_to_the_bit(
     assert read.digest == corrected.digest
     q = corrected.encoder.predict(capture.u)
     np.testing.assert_array_equal(read.encoder.predict(capture.u), q)
-    assert isinstance(read.encoder, TurnedEncoder) and read.encoder.turned_ridge == 0.1
+    assert isinstance(read.encoder, YawNormalisedEncoder) and read.encoder.turned_ridge == 0.1
     assert read.correction is not None and read.correction.distrust == 2.0
     q = absolute_pose(q, capture.leftmost)
     np.testing.assert_array_equal(

@@ -185,7 +185,7 @@ class Clock:
 
 
 def row(count: int) -> list[Snapshot]:
-    return [Snapshot.later(dict, time=PERIOD * i, step=i) for i in range(count)]
+    return [Snapshot.deferred(dict, time=PERIOD * i, step=i) for i in range(count)]
 
 
 def test_what_is_looked_at_goes_by_the_clock_and_stops_at_the_end() -> None:

@@ -5,23 +5,23 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from models.later import Later
+from models.lazy_fields import LazyFields
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.trial.assembly import build
 
 
 @dataclass(frozen=True)
-class Place(Later):
+class Place(LazyFields):
     x: float
     y: float
     name: str = "here"
 
 
 def test_what_nobody_looks_at_is_never_worked_out():
-    def work_out() -> dict[str, float]:
+    def compute() -> dict[str, float]:
         raise AssertionError("somebody looked")
 
-    place = Place.later(work_out, x=1.0)
+    place = Place.deferred(compute, x=1.0)
     assert (place.x, place.name) == (1.0, "here")
     with pytest.raises(AssertionError, match="somebody looked"):
         _ = place.y
@@ -29,27 +29,27 @@ def test_what_nobody_looks_at_is_never_worked_out():
 
 def test_a_field_is_worked_out_once_and_stays():
     calls = []
-    place = Place.later(lambda: calls.append(1) or {"y": 2.0}, x=1.0)
+    place = Place.deferred(lambda: calls.append(1) or {"y": 2.0}, x=1.0)
     assert (place.y, place.y, len(calls)) == (2.0, 2.0, 1)
 
 
 def test_an_object_that_is_worked_out_later_is_like_any_other():
-    late = Place.later(lambda: {"y": 2.0}, x=1.0)
+    late = Place.deferred(lambda: {"y": 2.0}, x=1.0)
     assert late == Place(1.0, 2.0)
-    assert replace(Place.later(lambda: {"y": 2.0}, x=1.0), x=3.0) == Place(3.0, 2.0)
-    assert repr(Place.later(lambda: {"y": 2.0}, x=1.0)) == "Place(x=1.0, y=2.0, name='here')"
+    assert replace(Place.deferred(lambda: {"y": 2.0}, x=1.0), x=3.0) == Place(3.0, 2.0)
+    assert repr(Place.deferred(lambda: {"y": 2.0}, x=1.0)) == "Place(x=1.0, y=2.0, name='here')"
 
 
 @pytest.mark.parametrize("name", ["z", "_work", "__len__"])
 def test_what_is_no_field_is_an_attribute_error(name):
-    place = Place.later(lambda: {"y": 2.0}, x=1.0)
+    place = Place.deferred(lambda: {"y": 2.0}, x=1.0)
     assert not hasattr(place, name)
     assert not hasattr(Place(1.0, 2.0), name)
 
 
 def test_a_field_that_is_not_worked_out_either_is_an_attribute_error():
     with pytest.raises(AttributeError, match="Place has no y"):
-        _ = Place.later(dict, x=1.0).y
+        _ = Place.deferred(dict, x=1.0).y
 
 
 def test_a_snapshot_shows_its_own_moment_whenever_it_is_looked_at():

@@ -13,7 +13,12 @@ from encoders.capture import Capture
 from encoders.input_vector import contact_vectors
 from encoders.regression.polynomial import PolynomialEncoder, QuadraticEncoder
 from encoders.regression.trained import builtin_capture
-from encoders.regression.turned import SPREADS, TurnedEncoder, turn_of, turned_touches
+from encoders.regression.yaw_normalised import (
+    SPREADS,
+    YawNormalisedEncoder,
+    turn_of,
+    turned_touches,
+)
 from models.errors import EncoderError
 from models.pose import absolute_pose, joint_vectors, relative_pose
 from models.rotations import exp, geodesic_angle, log
@@ -34,8 +39,8 @@ def new() -> Capture:
 
 
 @cache
-def turned_encoder() -> TurnedEncoder:
-    return TurnedEncoder().fit(learned().u, learned().relative)
+def turned_encoder() -> YawNormalisedEncoder:
+    return YawNormalisedEncoder().fit(learned().u, learned().relative)
 
 
 @cache
@@ -48,7 +53,7 @@ angles = st.floats(-3.0, 3.0)
 seeds = st.integers(0, 2**16)
 
 
-def estimate(encoder: TurnedEncoder | PolynomialEncoder, xy: np.ndarray) -> np.ndarray:
+def estimate(encoder: YawNormalisedEncoder | PolynomialEncoder, xy: np.ndarray) -> np.ndarray:
     """(T, 48) poses in the 3-D surface frame of touches (T, 5, 2)."""
     u, leftmost = contact_vectors(xy)
     return absolute_pose(encoder.predict(u), leftmost)
@@ -62,7 +67,7 @@ def differences(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def after_a_turn(
-    encoder: TurnedEncoder | PolynomialEncoder, angle: float, about: np.ndarray
+    encoder: YawNormalisedEncoder | PolynomialEncoder, angle: float, about: np.ndarray
 ) -> np.ndarray:
     """How far the poses of turned touches are from the turned poses of the touches."""
     turned = turned_pose(estimate(encoder, new().xy), angle, about)
@@ -168,7 +173,7 @@ def turning_hands(frames: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
 def test_a_quadratic_law_in_the_hands_own_frame_is_found_far_better_than_by_a_plain_quadratic():
     u, q = turning_hands(1500, 1)
     unseen, truth = turning_hands(400, 2)
-    turned = differences(TurnedEncoder(1e-4, 1e-4).fit(u, q).predict(unseen), truth)
+    turned = differences(YawNormalisedEncoder(1e-4, 1e-4).fit(u, q).predict(unseen), truth)
     plain = min(
         (differences(QuadraticEncoder(r).fit(u, q).predict(unseen), truth) for r in (0, 1e-4)),
         key=lambda found: found[0],
@@ -180,15 +185,15 @@ def test_on_takes_not_seen_the_wrist_is_nearer_than_a_plain_quadratics():
     left = learned().trial % 5 == 0
     seen, unseen = learned().select(~left), learned().select(left)
 
-    def wrist_error(encoder: TurnedEncoder | PolynomialEncoder) -> float:
+    def wrist_error(encoder: YawNormalisedEncoder | PolynomialEncoder) -> float:
         fitted = encoder.fit(seen.u, seen.relative)
         return float(differences(fitted.predict(unseen.u), unseen.relative)[0])
 
-    assert wrist_error(TurnedEncoder()) < wrist_error(QuadraticEncoder(0.03))
+    assert wrist_error(YawNormalisedEncoder()) < wrist_error(QuadraticEncoder(0.03))
 
 
 def test_the_same_training_gives_the_same_encoder_to_the_bit():
-    again = TurnedEncoder().fit(learned().u, learned().relative)
+    again = YawNormalisedEncoder().fit(learned().u, learned().relative)
     np.testing.assert_array_equal(again.coef_, turned_encoder().coef_)
     assert again.coef_.shape == (1 + len(SPREADS), 136, 48)
 
@@ -199,7 +204,7 @@ def test_the_first_of_its_quadratics_is_the_plain_one():
 
 def test_training_leaves_its_data_as_they_were():
     u, q = learned().u.copy(), learned().relative.copy()
-    TurnedEncoder().fit(u, q).predict(u)
+    YawNormalisedEncoder().fit(u, q).predict(u)
     np.testing.assert_array_equal(u, learned().u)
     np.testing.assert_array_equal(q, learned().relative)
 
@@ -215,7 +220,7 @@ def test_many_at_once_are_what_one_after_the_other_is(rows):
 
 
 def test_coefficients_taken_over_predict_alike_to_the_bit():
-    loaded = TurnedEncoder().load(turned_encoder().coef_)
+    loaded = YawNormalisedEncoder().load(turned_encoder().coef_)
     np.testing.assert_array_equal(loaded.predict(new().u), turned_encoder().predict(new().u))
 
 
@@ -234,7 +239,7 @@ def test_coefficients_taken_over_predict_alike_to_the_bit():
 )
 def test_data_that_are_no_touches_and_poses_are_refused(u, q):
     with pytest.raises(EncoderError):
-        TurnedEncoder().fit(u, q)
+        YawNormalisedEncoder().fit(u, q)
 
 
 @pytest.mark.parametrize("shape", ((14,), (3, 16), ()))
@@ -245,16 +250,16 @@ def test_inputs_of_another_width_are_refused(shape):
 
 def test_an_encoder_says_when_it_has_learned_nothing():
     with pytest.raises(EncoderError, match="learned nothing"):
-        TurnedEncoder().predict(np.zeros(15))
+        YawNormalisedEncoder().predict(np.zeros(15))
 
 
 @pytest.mark.parametrize("shape", ((), (136,), (136, 48), (0, 136, 48), (3, 136, 47), (3, 816, 48)))
 def test_coefficients_of_another_shape_are_refused(shape):
     with pytest.raises(EncoderError, match="coefficients"):
-        TurnedEncoder().load(np.zeros(shape))
+        YawNormalisedEncoder().load(np.zeros(shape))
 
 
 @pytest.mark.parametrize("ridges", ((-1.0, 0.1), (0.1, np.nan), (np.inf, 0.1)))
 def test_a_ridge_that_is_none_is_refused(ridges):
     with pytest.raises(EncoderError, match="ridge"):
-        TurnedEncoder(*ridges).fit(learned().u, learned().relative)
+        YawNormalisedEncoder(*ridges).fit(learned().u, learned().relative)

@@ -1,13 +1,15 @@
-"""An encoder that turns with the hand: the quadratic encoding in a frame that the hand has turned.
+"""Yaw-normalised encoder: quadratic encoding in a frame that turns with the hand.
 
-A hand that turns on the surface does the same with its fingers, but a polynomial of touches in the
-surface's frame has to learn that anew for every direction: sines and cosines by squares. Here a
-first quadratic predicts the hand's turn about the surface's normal. Touches are turned back by it
-about their middle, a second quadratic predicts the pose in that frame, and its answer is turned
-forth again. A second round starts from the better turn. What is left to learn varies little, and
-what is learned holds for directions with little training, too.
+A turned hand moves its fingers in the same way, but a polynomial of touches in the surface's frame
+must learn every direction separately, approximating sines and cosines by quadratics. Here a first
+quadratic predicts the hand's yaw, its rotation about the surface's normal. The touches are rotated
+back by this yaw about their middle, a second quadratic predicts the pose in the rotated frame, and
+the result is rotated forward again. A third quadratic repeats this with the improved yaw. In the
+normalised frame there is less variation to learn, and directions with little training data profit
+from the others.
 
-The paper fixed the device before the person and used one quadratic; this is ours.
+The paper of 2015 fixed the device in front of the person and used one quadratic; this encoder is
+our own.
 """
 
 from __future__ import annotations
@@ -36,25 +38,26 @@ from models.rotations import exp, log, turn_about_normal, turned_about_normal
 from models.surface import METRES_PER_INCH
 
 SPREADS = (0.25, 0.15)
-"""rad, by which the turn is wrong in each round of training: about what the round before leaves on
-trials it has not seen (0.22 and 0.18 rad root mean square, five folds of the built-in capture)."""
+"""rad, standard deviation of the simulated yaw error in each round of training: about that of the
+previous round on unseen trials (0.22 and 0.18 rad root mean square, five folds of the built-in
+capture)."""
 
 _COPIES = 3
-"""Of every training frame, each with another error of the turn."""
+"""Number of copies of every training frame, each with another yaw error."""
 
 _COEF = (comb(CONTACT_VECTOR_SIZE + 2, 2), POSE_SIZE)
-"""(136, 48), shape of one quadratic's coefficients."""
+"""Shape (136, 48) of one quadratic's coefficients."""
 
 _UP = np.array([1.0, -1.0])
-"""From the surface's y down to the pose's y up."""
+"""Factors from the surface's y down to the pose's y up."""
 
 
-class TurnedEncoder(Encoder):
-    """Quadratics in a frame that turns with the hand.
+class YawNormalisedEncoder(Encoder):
+    """Quadratic encoder in a frame that turns with the hand.
 
     Args:
         ridge: Penalty of the first quadratic; see `PolynomialEncoder`.
-        turned_ridge: Penalty of the quadratics in the turned frame.
+        turned_ridge: Penalty of the quadratics in the normalised frame.
 
     Attributes:
         coef_: (1 + rounds, 136, 48) coefficients of the quadratics in their order.
@@ -68,16 +71,16 @@ class TurnedEncoder(Encoder):
     def fit(self, U: ArrayLike, Q: ArrayLike) -> Self:
         """Learns from contact vectors (T, 15) and relative poses (T, 48).
 
-        Equal inputs give equal encoders: the errors of the turn come from a fixed seed.
+        Equal inputs give equal encoders: the yaw errors come from a fixed seed.
 
         Raises:
-            EncoderError: Shapes or values are not those.
+            EncoderError: Shapes or values are invalid.
         """
         U, Q = np.asarray(U, float), np.asarray(Q, float)
         widths = (U.shape[-1:], Q.shape[-1:])
         if widths != ((CONTACT_VECTOR_SIZE,), (POSE_SIZE,)):
             raise EncoderError(
-                "only contact vectors and poses can be turned",
+                "this encoder needs contact vectors and poses",
                 got=(U.shape, Q.shape),
                 expected=f"(T, {CONTACT_VECTOR_SIZE}) and (T, {POSE_SIZE})",
             )
@@ -116,7 +119,7 @@ class TurnedEncoder(Encoder):
         """Relative poses (T, 48) of contact vectors (T, 15), or (48,) of one (15,).
 
         Raises:
-            EncoderError: Other inputs, or nothing was learned yet.
+            EncoderError: The inputs have another width, or the encoder is not fitted.
         """
         self._check_learned()
         U = np.asarray(U, float)
@@ -139,7 +142,7 @@ class TurnedEncoder(Encoder):
         return result
 
     def configuration(self) -> dict[str, Any]:
-        """Both ridges."""
+        """Both penalties."""
         return {"ridge": self.ridge, "turned_ridge": self.turned_ridge}
 
     def arrays(self) -> dict[str, NDArray[Any]]:
@@ -161,30 +164,30 @@ class TurnedEncoder(Encoder):
     def _made_of(self, stages: list[PolynomialEncoder]) -> Self:
         self._stages = stages
         self.coef_ = np.stack([s.coef_ for s in stages])
-        self._one = TurnedPose(self.coef_)
+        self._one = YawNormalisedPose(self.coef_)
         self._learned = True
         return self
 
 
 def turn_of(q: ArrayLike) -> Array:
-    """(...) rad, turn of poses (..., 48) about the surface's normal; 0 straight up the screen.
+    """Yaw (...) rad of poses (..., 48) about the surface's normal; 0 is straight up the screen.
 
-    The turn whose rotation about the normal is nearest to the root's rotation.
+    It is the rotation about the normal that is nearest to the root's rotation.
     """
     R = exp(np.asarray(q, float)[..., ROOT_ROTATION])
     return np.arctan2(R[..., 1, 0] - R[..., 0, 1], R[..., 0, 0] + R[..., 1, 1])
 
 
 def turned_touches(U: Array, turn: Array) -> tuple[Array, Array]:
-    """Touches turned back about their middle.
+    """Rotates touches back by a yaw about their middle.
 
     Args:
         U: (T, 15) contact vectors.
-        turn: (T,) rad, of the hand.
+        turn: (T,) rad, yaw of the hand.
 
     Returns:
-        (T, 15): places relative to the middle, in inches with y up, 0 where lifted, and flags; and
-        the middle (T, 2) m relative to the leftmost contact, y up.
+        Inputs (T, 15): positions relative to the middle in inches, y up, 0 where lifted, and flags;
+        and the middle (T, 2) m relative to the leftmost contact, y up.
     """
     down = U[:, 2 * len(FINGERS) :]
     places = U[:, : 2 * len(FINGERS)].reshape(len(U), len(FINGERS), 2) * _UP
@@ -197,7 +200,8 @@ def turned_touches(U: Array, turn: Array) -> tuple[Array, Array]:
 
 
 def _turned_back(Q: Array, turn: Array, middle: Array) -> Array:
-    """Relative poses (T, 48) seen from the touches' middle, in the turned frame."""
+    """Transforms relative poses (T, 48) to the normalised frame, with the touches' middle as
+    origin."""
     back = _about_normal(-turn)
     out = Q.copy()
     out[:, :2] -= middle
@@ -225,34 +229,37 @@ def _rotated(Q: Array, rotation: Array) -> Array:
 
 
 _MIDDLE = 0.0
-"""Both coordinates of a lifted finger in the turned frame, whose origin is the touches' middle."""
+"""Both coordinates of a lifted finger in the normalised frame, whose origin is the touches'
+middle."""
 
 
 class _Quadratic:
-    """v' A v for every output, v being 1 and the coordinates of one set of fingers."""
+    """Quadratic forms v' A v, one per output; v is 1 and the coordinates of one set of fingers."""
 
     def __init__(self, coef: Array, fingers: tuple[int, ...], lifted: float) -> None:
-        found = collapse(fingers, 2, None, lifted)
+        reduced = collapse(fingers, 2, None, lifted)
         places = [FLAGS + fingers[0], *(2 * f + axis for f in fingers for axis in range(2))]
         row = {place: i for i, place in enumerate(places)}
         self._outputs = coef.shape[1]
         A = np.zeros((len(places), len(places), self._outputs))
-        for pair, values in zip(found.factors.T.tolist(), found.coefficients(coef), strict=True):
+        for pair, values in zip(
+            reduced.factors.T.tolist(), reduced.coefficients(coef), strict=True
+        ):
             A[row[pair[0]], row[pair[1]]] += values
         self._first = A.reshape(len(places), -1)
         self._shape = (len(places), self._outputs)
 
     def __call__(self, v: Array) -> Array:
-        # `dot` is what `@` is, to the bit, at two thirds of the price.
-        found: Array = v.dot(v.dot(self._first).reshape(self._shape))
-        return found
+        # `dot` gives the same bits as `@` in two thirds of the time.
+        outputs: Array = v.dot(v.dot(self._first).reshape(self._shape))
+        return outputs
 
 
-class TurnedPose:
-    """A fitted turned encoder, prepared for single contact vectors.
+class YawNormalisedPose:
+    """Fitted yaw-normalised encoder, prepared for single contact vectors.
 
     Args:
-        coef: (1 + rounds, 136, 48) coefficients of its quadratics.
+        coef: (1 + rounds, 136, 48) coefficients of the encoder's quadratics.
     """
 
     def __init__(self, coef: Array) -> None:
@@ -260,7 +267,7 @@ class TurnedPose:
         self._sets: dict[tuple[float, ...], tuple[tuple[int, ...], list[_Quadratic]]] = {}
 
     def __call__(self, u: Array) -> Array | None:
-        """(48,) relative pose of a contact vector (15,); None if `u` is no contact vector."""
+        """Relative pose (48,) of a contact vector (15,); None for an invalid one."""
         numbers = u.tolist()
         flags = tuple(numbers[FLAGS:])
         prepared = self._sets.get(flags)
@@ -277,7 +284,7 @@ class TurnedPose:
         v = [1.0]
         for f in fingers:
             v += numbers[2 * f : 2 * f + 2]
-        # All rounds but the last are for the turn alone, and predict the root's rotation only.
+        # All rounds but the last only give the yaw, and predict the root's rotation alone.
         w = first(np.array(v))
         turn = turn_about_normal(w)
         mx, my = sum(x) / len(x), sum(y) / len(y)
@@ -311,7 +318,8 @@ class TurnedPose:
 
 
 def _turned(x: Sequence[float], y: Sequence[float], turn: float) -> Array:
-    """1 and coordinates about the touches' middle, y up, turned back by `turn`."""
+    """Vector of 1 and the coordinates relative to the touches' middle, y up, rotated back by
+    `turn`."""
     c, s = cos(turn), sin(turn)
     v = [1.0]
     for a, b in zip(x, y, strict=True):
