@@ -7,7 +7,7 @@ sandbox regress --tasks examples/push_the_mug.py --seeds 0:20
 
 import numpy as np
 
-from models import MjcfThing
+from models import MjcfObject
 from tasks import Goal, OwnTask, judge, two_places
 
 MUG = """<mujoco><worldbody><body>
@@ -31,7 +31,7 @@ class PushTheMug(OwnTask):
     def place(cls, rng, surface):
         start, end = two_places(rng, surface, apart=(0.04, 0.08), border=0.05)
         yaw, turn = rng.uniform(-np.pi, np.pi), rng.uniform(-1, 1) * np.deg2rad(30)
-        mug = MjcfThing.on_table("mug", MUG, rng.uniform(0.08, 0.20), start, yaw)
+        mug = MjcfObject.on_table("mug", MUG, rng.uniform(0.08, 0.20), start, yaw)
         return [mug], [Goal("mug", (end[0], end[1], mug.height), yaw + turn)]
 
     def measure(self, sensing):

@@ -6,7 +6,7 @@ sandbox regress --tasks examples/push_the_puck.py --seeds 0:20
 
 import numpy as np
 
-from models import Contact, MjcfThing, TouchFrame
+from models import Contact, MjcfObject, TouchFrame
 from tasks import Goal, OwnTask, judge, two_places
 
 PUCK = """<mujoco><worldbody><body>
@@ -55,7 +55,7 @@ class PushThePuck(OwnTask):
     @classmethod
     def place(cls, rng, surface):
         start, end = two_places(rng, surface, apart=(0.04, 0.08), border=0.06)
-        puck = MjcfThing.on_table("puck", PUCK, 0.1, start, 0.0)
+        puck = MjcfObject.on_table("puck", PUCK, 0.1, start, 0.0)
         return [puck], [Goal("puck", (end[0], end[1], puck.height), 0.0)]
 
     def measure(self, sensing):

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from models.errors import DeviceError, HandSandboxError, InputError
     from models.frames import FINGERS, Contact, HandFrame, TouchFrame
     from models.kinematics import Kinematics
-    from models.mjcf_thing import MjcfThing
+    from models.mjcf_object import MjcfObject
     from models.objects import Box, Wrench
     from models.skeleton import ADULT, Skeleton
     from models.surface import Surface, parse_surface
@@ -60,7 +60,7 @@ else:
             "HandSandboxError": "models.errors",
             "InputError": "models.errors",
             "Kinematics": "models.kinematics",
-            "MjcfThing": "models.mjcf_thing",
+            "MjcfObject": "models.mjcf_object",
             "Skeleton": "models.skeleton",
             "Surface": "models.surface",
             "TouchFrame": "models.frames",
@@ -79,7 +79,7 @@ __all__ = [
     "HandSandboxError",
     "InputError",
     "Kinematics",
-    "MjcfThing",
+    "MjcfObject",
     "Skeleton",
     "Surface",
     "TouchFrame",

@@ -16,7 +16,7 @@ RED = (0.86, 0.30, 0.24)
 STEEL, BRIGHT_STEEL, DARK_STEEL = (0.52, 0.55, 0.59), (0.74, 0.77, 0.80), (0.30, 0.32, 0.35)
 
 
-class Thing(Protocol):
+class SceneObject(Protocol):
     """Contract of an object that lies in a scene and is manipulated.
 
     Attributes:
@@ -71,7 +71,8 @@ class Box:
         """MJCF of the box."""
         quat = (np.cos(self.yaw / 2), 0.0, 0.0, np.sin(self.yaw / 2))
         body = Element(
-            "body", {"name": self.name, "pos": _text(self.position), "quat": _text(quat)}
+            "body",
+            {"name": self.name, "pos": mjcf_text(self.position), "quat": mjcf_text(quat)},
         )
         SubElement(body, "freejoint", {"name": self.name})
         SubElement(
@@ -80,7 +81,7 @@ class Box:
             {
                 "name": self.name,
                 "type": "box",
-                "size": _text(self.half_size),
+                "size": mjcf_text(self.half_size),
                 **_solid(self.mass, self.rgb),
             },
         )
@@ -200,7 +201,8 @@ class Wrench:
         """MJCF of the wrench, or of its bolt with the wrench in it."""
         quat = (np.cos(self.yaw / 2), 0.0, 0.0, np.sin(self.yaw / 2))
         body = Element(
-            "body", {"name": self.name, "pos": _text(self.position), "quat": _text(quat)}
+            "body",
+            {"name": self.name, "pos": mjcf_text(self.position), "quat": mjcf_text(quat)},
         )
         if self.bolt is None:
             SubElement(body, "freejoint", {"name": self.name})
@@ -214,7 +216,7 @@ class Wrench:
                     "name": self.name,
                     "type": "hinge",
                     "axis": "0 0 1",
-                    "pos": _text((self.jaw, 0.0, 0.0)),
+                    "pos": mjcf_text((self.jaw, 0.0, 0.0)),
                     "armature": "2e-4",
                     "damping": "1e-3",
                     "frictionloss": f"{self.bolt:.9g}",
@@ -233,9 +235,9 @@ class Wrench:
                 {
                     "name": f"{self.name}_{piece.name}",
                     "type": "box",
-                    "pos": _text(middle),
-                    "quat": _text(turn),
-                    "size": _text(half),
+                    "pos": mjcf_text(middle),
+                    "quat": mjcf_text(turn),
+                    "size": mjcf_text(half),
                     **_solid(self.mass * share, self.rgb),
                 },
             )
@@ -247,14 +249,19 @@ class Wrench:
         """The fixed plate under the bolt, with the wrench's body in it."""
         x, y = self.bolt_place(self.position[:2], self.yaw)
         plate = Element(
-            "body", {"name": f"{self.name}_bolt", "pos": _text((x, y, 0.0)), "quat": _text(quat)}
+            "body",
+            {
+                "name": f"{self.name}_bolt",
+                "pos": mjcf_text((x, y, 0.0)),
+                "quat": mjcf_text(quat),
+            },
         )
         _shown(plate, "cylinder", (self.size * 0.012, BOLT_LIFT / 2), BOLT_LIFT / 2, DARK_STEEL)
         # Within the plate's frame, which is turned as the wrench is at the start.
-        body.set("pos", _text((-self.jaw, 0.0, self.position[2])))
+        body.set("pos", mjcf_text((-self.jaw, 0.0, self.position[2])))
         body.set("quat", "1 0 0 0")
         jaw, flat = (self.jaw, 0.0, 0.0), self.size * BOLT_FLAT
-        head = SubElement(body, "body", {"name": f"{self.name}_head", "pos": _text(jaw)})
+        head = SubElement(body, "body", {"name": f"{self.name}_head", "pos": mjcf_text(jaw)})
         for third in range(3):
             # Three crossed boxes form a hexagon; tops of equal height would flicker.
             half = self.thickness / 2 + 0.0014 + 0.0001 * third
@@ -302,13 +309,13 @@ def _shown(
         "geom",
         {
             "type": kind,
-            "size": _text(size),
-            "pos": _text((0.0, 0.0, height)),
-            "quat": _text((np.cos(turn / 2), 0.0, 0.0, np.sin(turn / 2))),
+            "size": mjcf_text(size),
+            "pos": mjcf_text((0.0, 0.0, height)),
+            "quat": mjcf_text((np.cos(turn / 2), 0.0, 0.0, np.sin(turn / 2))),
             "mass": "0",
             "contype": "0",
             "conaffinity": "0",
-            "rgba": _text((*rgb, 1.0)),
+            "rgba": mjcf_text((*rgb, 1.0)),
         },
     )
 
@@ -324,7 +331,7 @@ def _solid(mass: float, rgb: tuple[float, float, float]) -> dict[str, str]:
         "friction": "1 .01 .0001",
         "solref": ".004 1",
         "solimp": ".95 .99 .001",
-        "rgba": _text((*rgb, 1.0)),
+        "rgba": mjcf_text((*rgb, 1.0)),
     }
 
 
@@ -337,7 +344,8 @@ def _box_clearance(points: Array, half_size: ArrayLike) -> Array:
     return np.asarray(outside + np.minimum(np.maximum.reduce(local, axis=-1), 0.0))
 
 
-def _text(values: ArrayLike) -> str:
+def mjcf_text(values: ArrayLike) -> str:
+    """Numbers as the value of an MJCF attribute."""
     return " ".join(f"{float(v):.9g}" for v in np.asarray(values, float))
 
 
@@ -392,7 +400,8 @@ class Tray:
         """MJCF of the tray."""
         quat = (np.cos(self.yaw / 2), 0.0, 0.0, np.sin(self.yaw / 2))
         body = Element(
-            "body", {"name": self.name, "pos": _text(self.position), "quat": _text(quat)}
+            "body",
+            {"name": self.name, "pos": mjcf_text(self.position), "quat": mjcf_text(quat)},
         )
         SubElement(body, "freejoint", {"name": self.name})
         for name, middle, half in self._pieces():
@@ -403,8 +412,8 @@ class Tray:
                 {
                     "name": f"{self.name}_{name}",
                     "type": "box",
-                    "pos": _text(middle),
-                    "size": _text(half),
+                    "pos": mjcf_text(middle),
+                    "size": mjcf_text(half),
                     "mass": f"{self.mass * (0.8 if deck else 0.1):.9g}",
                     "contype": str(CONTACT_OBJECT | CONTACT_TABLE),
                     "conaffinity": "7",
@@ -412,7 +421,7 @@ class Tray:
                     "friction": "1 .01 .0001",
                     "solref": ".004 1",
                     "solimp": ".95 .99 .001",
-                    "rgba": _text((*(WOOD if deck else DARK_WOOD), 1.0)),
+                    "rgba": mjcf_text((*(WOOD if deck else DARK_WOOD), 1.0)),
                 },
             )
         return body

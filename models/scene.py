@@ -13,8 +13,8 @@ import numpy as np
 from models.arithmetic.arrays import Array
 from models.errors import SceneError
 from models.hand import CONTACT_HAND, CONTACT_TABLE
-from models.mjcf_thing import MjcfThing
-from models.objects import Thing
+from models.mjcf_object import MjcfObject
+from models.objects import SceneObject
 from models.pose import POSE_SIZE
 from models.scene_hand import SceneHand
 
@@ -36,7 +36,7 @@ class SceneSpec:
     """
 
     hands: tuple[SceneHand, ...]
-    objects: tuple[Thing, ...] = ()
+    objects: tuple[SceneObject, ...] = ()
     table_friction: float = 0.5
     timestep: float = 0.002
 
@@ -209,13 +209,13 @@ def scene_xml(spec: SceneSpec) -> str:
     )
     for hand in spec.hands:
         world.append(hand.body())
-    for thing in spec.objects:
-        world.append(thing.body())
+    for obj in spec.objects:
+        world.append(obj.body())
     assets = root.find("asset")
     assert assets is not None
-    for thing in spec.objects:
-        if isinstance(thing, MjcfThing):
-            assets.extend(thing.assets())
+    for obj in spec.objects:
+        if isinstance(obj, MjcfObject):
+            assets.extend(obj.assets())
     actuators = SubElement(root, "actuator")
     for hand in spec.hands:
         actuators.extend(hand.actuators())
@@ -227,7 +227,7 @@ def scene_xml(spec: SceneSpec) -> str:
 def _touch_sensors(root: Element, spec: SceneSpec) -> None:
     """One contact sensor for every pair of parts whose contact a task may query."""
     sensors = SubElement(root, "sensor")
-    for i, thing in enumerate(spec.objects):
+    for i, obj in enumerate(spec.objects):
         pairs = [(TABLE, {"geom2": TABLE})]
         pairs += [(h.name, {"subtree2": h.palm}) for h in spec.hands]
         pairs += [(other.name, {"body2": other.name}) for other in spec.objects[i + 1 :]]
@@ -236,8 +236,8 @@ def _touch_sensors(root: Element, spec: SceneSpec) -> None:
                 sensors,
                 "contact",
                 {
-                    "name": touching_sensor(thing.name, name),
-                    "body1": thing.name,
+                    "name": touching_sensor(obj.name, name),
+                    "body1": obj.name,
                     **match,
                     "data": "found force",
                     "reduce": "netforce",

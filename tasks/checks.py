@@ -27,7 +27,7 @@ def check_names(task: Task, where: str) -> None:
         InputError: There is no object, two objects share a name, a goal names an unknown object, or
             a number is not finite.
     """
-    names = [thing.name for thing in task.objects]
+    names = [obj.name for obj in task.objects]
     if not names or len(set(names)) < len(names):
         raise InputError("a task needs objects with different names", where=where, got=str(names))
     named = {g.object for g in task.goals} | {g.on for g in task.goals if g.on}
@@ -73,8 +73,8 @@ def check_repeatable(task: Task, again: Task, where: str) -> None:
 def _drawn(task: Task) -> dict[str, tuple[object, ...]]:
     """The random values of a draw, by object and by goal."""
     objects = {
-        thing.name: (*map(float, thing.position), float(thing.yaw), float(thing.mass))
-        for thing in task.objects
+        obj.name: (*map(float, obj.position), float(obj.yaw), float(obj.mass))
+        for obj in task.objects
     }
     goals = {
         f"goal {i} of {goal.object}": (*map(float, goal.position), float(goal.yaw), goal.on)
@@ -94,7 +94,7 @@ def check_places(task: Task, surface: Surface, where: str) -> None:
     Raises:
         InputError: The centre of an object or goal is off the surface, or two objects overlap.
     """
-    centres = {f"the object {thing.name}": thing.position for thing in task.objects}
+    centres = {f"the object {obj.name}": obj.position for obj in task.objects}
     centres |= {f"the goal of {g.object}": g.position for g in task.goals if g.on is None}
     width, height = surface.size
     for what, centre in centres.items():

@@ -6,7 +6,7 @@
         @classmethod
         def place(cls, rng, surface):
             start, goal = two_places(rng, surface)
-            mug = MjcfThing.on_table("mug", "mug.xml", 0.2, start)
+            mug = MjcfObject.on_table("mug", "mug.xml", 0.2, start)
             return [mug], [Goal("mug", (goal[0], goal[1], mug.height), 0.0)]
 
         def measure(self, sensing):
@@ -29,7 +29,7 @@ import numpy as np
 
 from models.arithmetic.arrays import Array
 from models.errors import InputError
-from models.objects import Thing
+from models.objects import SceneObject
 from models.surface import Surface
 from tasks.sensing import Sensing
 from tasks.task import Goal, Measure, TaskDefaults
@@ -60,14 +60,14 @@ class OwnTask(TaskDefaults, ABC):
     plane: ClassVar[str] = "table"
 
     seed: int
-    objects: tuple[Thing, ...]
+    objects: tuple[SceneObject, ...]
     goals: tuple[Goal, ...] = ()
 
     @classmethod
     @abstractmethod
     def place(
         cls, rng: np.random.Generator, surface: Surface
-    ) -> tuple[Sequence[Thing], Sequence[Goal]]:
+    ) -> tuple[Sequence[SceneObject], Sequence[Goal]]:
         """Returns the objects at their start, and the goals.
 
         Args:

@@ -74,10 +74,10 @@ class Sensing:
         # Every pair of parts has one sensor, which measures the force of the first on the second.
         self._read: dict[tuple[str, str], Array] = {}
         self._sign: dict[tuple[str, str], float] = {}
-        for i, thing in enumerate(scene.spec.objects):
+        for i, obj in enumerate(scene.spec.objects):
             for other in (TABLE, *hands, *(o.name for o in scene.spec.objects[i + 1 :])):
-                adr = int(model.sensor(touching_sensor(thing.name, other)).adr[0])
-                first, second = (thing.name, other), (other, thing.name)
+                adr = int(model.sensor(touching_sensor(obj.name, other)).adr[0])
+                first, second = (obj.name, other), (other, obj.name)
                 self._read[first] = self._read[second] = data.sensordata[adr : adr + 4]
                 self._sign[first], self._sign[second] = -1.0, 1.0
         self._weights = {
@@ -85,19 +85,19 @@ class Sensing:
             for name, body in scene.object_bodies.items()
         }
         self._velocity = {
-            thing.name: int(model.joint(thing.name).dofadr[0]) for thing in scene.spec.objects
+            obj.name: int(model.joint(obj.name).dofadr[0]) for obj in scene.spec.objects
         }
         # A free joint begins with the three speeds of the centre. An object on a bolt has one
         # speed, and its centre moves at the end of a lever.
         self._moves, self._levers = {}, {}
-        for thing in scene.spec.objects:
-            joint = model.joint(thing.name)
+        for obj in scene.spec.objects:
+            joint = model.joint(obj.name)
             hinged = joint.type[0] == mujoco.mjtJoint.mjJNT_HINGE
             # An object in a plane slides along two or three axes.
-            types = model.jnt_type[model.jnt_bodyid == scene.object_bodies[thing.name]]
+            types = model.jnt_type[model.jnt_bodyid == scene.object_bodies[obj.name]]
             slides = int(np.sum(types == mujoco.mjtJoint.mjJNT_SLIDE))
-            self._moves[thing.name] = slides or (1 if hinged else 3)
-            self._levers[thing.name] = float(np.linalg.norm(joint.pos)) if hinged else 1.0
+            self._moves[obj.name] = slides or (1 if hinged else 3)
+            self._levers[obj.name] = float(np.linalg.norm(joint.pos)) if hinged else 1.0
         self._speeds = {
             name: data.qvel[v : v + self._moves[name]] for name, v in self._velocity.items()
         }

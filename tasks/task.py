@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar, Protocol
 
-from models.objects import Thing
+from models.objects import SceneObject
 from models.surface import Surface
 from tasks.goals import Goal
 from tasks.sensing import Sensing
@@ -76,7 +76,7 @@ class Task(TaskDefaults, Protocol):
     def seed(self) -> int: ...
 
     @property
-    def objects(self) -> tuple[Thing, ...]: ...
+    def objects(self) -> tuple[SceneObject, ...]: ...
 
     @property
     def goals(self) -> tuple[Goal, ...]: ...

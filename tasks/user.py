@@ -12,7 +12,7 @@ from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.frames import TouchFrame
 from models.lazy_fields import LazyFields
-from models.objects import Thing
+from models.objects import SceneObject
 from models.surface import Surface
 from tasks.goals import Goal
 
@@ -83,7 +83,7 @@ class UserConfiguration:
 class SeenObject:
     """An object on the screen: its shape, position (3,) m and rotation (3, 3)."""
 
-    shape: Thing
+    shape: SceneObject
     position: Array
     rotation: Array
 

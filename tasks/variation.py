@@ -15,7 +15,7 @@ import numpy as np
 
 from models.arithmetic.arrays import Array
 from models.errors import InputError
-from models.objects import Box, Thing
+from models.objects import Box, SceneObject
 from models.surface import Surface
 from tasks.task import Goal, Task
 
@@ -112,48 +112,46 @@ def vary(task: Task, variation: Variation, surface: Surface) -> Task:
         return task
     if not is_dataclass(task):
         raise InputError("only tasks that are dataclasses can be varied", where=task.name)
-    things = tuple(_changed(thing, variation, task.name) for thing in task.objects)
-    steps = {t.name: _step(u, t) for t, u in zip(things, task.objects, strict=True)}
+    objects = tuple(_changed(obj, variation, task.name) for obj in task.objects)
+    steps = {t.name: _step(u, t) for t, u in zip(objects, task.objects, strict=True)}
     if variation.start:
-        things = _moved(things, variation.start, task, surface)
+        objects = _moved(objects, variation.start, task, surface)
     goals = tuple(_goal(goal, variation.size, steps[goal.object]) for goal in task.goals)
-    changed: Task = replace(task, objects=things, goals=goals)
+    changed: Task = replace(task, objects=objects, goals=goals)
     return changed
 
 
-def _changed(thing: Thing, variation: Variation, where: str) -> Thing:
+def _changed(obj: SceneObject, variation: Variation, where: str) -> SceneObject:
     """An object with another size and mass in the same place."""
     if variation.size != 1.0:
-        thing = _sized(thing, variation.size, where)
+        obj = _sized(obj, variation.size, where)
     if variation.mass != 1.0:
-        if not is_dataclass(thing):
-            raise InputError(
-                "the mass of this object cannot be varied", where=where, got=thing.name
-            )
-        heavier: Thing = replace(thing, mass=thing.mass * variation.mass)
+        if not is_dataclass(obj):
+            raise InputError("the mass of this object cannot be varied", where=where, got=obj.name)
+        heavier: SceneObject = replace(obj, mass=obj.mass * variation.mass)
         return heavier
-    return thing
+    return obj
 
 
-def _sized(thing: Thing, size: float, where: str) -> Thing:
-    x, y, z = thing.position
-    if isinstance(thing, Box):
-        a, b, c = (size * half for half in thing.half_size)
+def _sized(obj: SceneObject, size: float, where: str) -> SceneObject:
+    x, y, z = obj.position
+    if isinstance(obj, Box):
+        a, b, c = (size * half for half in obj.half_size)
         # The point on which it stands stays where it is.
-        return replace(thing, half_size=(a, b, c), position=(x, y, z + c - thing.half_size[2]))
-    scaled = getattr(thing, "scaled", None)
+        return replace(obj, half_size=(a, b, c), position=(x, y, z + c - obj.half_size[2]))
+    scaled = getattr(obj, "scaled", None)
     if scaled is None:
         raise InputError(
             "this object has one size only",
             where=where,
-            got=thing.name,
+            got=obj.name,
             remedy="Vary something else, or give its class `scaled(size)`",
         )
-    resized: Thing = scaled(size)
+    resized: SceneObject = scaled(size)
     return resized
 
 
-def _step(old: Thing, new: Thing) -> tuple[float, float, float]:
+def _step(old: SceneObject, new: SceneObject) -> tuple[float, float, float]:
     """Shift (3,) m of an object's middle caused by another size, along the object's own axes."""
     x, y, z = (b - a for a, b in zip(old.position, new.position, strict=True))
     c, s = np.cos(old.yaw), np.sin(old.yaw)
@@ -172,11 +170,11 @@ def _goal(goal: Goal, size: float, step: tuple[float, float, float]) -> Goal:
 
 
 def _moved(
-    things: tuple[Thing, ...], way: float, task: Task, surface: Surface
-) -> tuple[Thing, ...]:
+    objects: tuple[SceneObject, ...], way: float, task: Task, surface: Surface
+) -> tuple[SceneObject, ...]:
     """Objects with shifted starts, none nearer to another than before, all within the surface."""
-    bolted = [t.name for t in things if getattr(t, "bolt", None) is not None]
-    fixed = bolted or [t.name for t in things if not is_dataclass(t)]
+    bolted = [t.name for t in objects if getattr(t, "bolt", None) is not None]
+    fixed = bolted or [t.name for t in objects if not is_dataclass(t)]
     if fixed:
         raise InputError(
             "the start of this object cannot be varied",
@@ -185,15 +183,15 @@ def _moved(
             remedy="Vary something else",
         )
     rng = np.random.default_rng([task.seed, _STREAM])
-    places = np.array([t.position for t in things])
+    places = np.array([t.position for t in objects])
     apart = list(_distances(places))
     for _ in range(_TRIES):
-        angles = rng.uniform(-np.pi, np.pi, len(things))
+        angles = rng.uniform(-np.pi, np.pi, len(objects))
         if task.plane == "front":
             # To the left or the right only: higher up nothing would support them.
             steps = np.sign(angles)[:, None] * [1.0, 0.0, 0.0]
         else:
-            steps = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(len(things))])
+            steps = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(len(objects))])
         new = places + way * steps
         on = surface.to_surface(new)
         inside = np.all((on[:, 0] >= 0.0) & (on[:, 0] <= surface.size[0]))
@@ -202,7 +200,7 @@ def _moved(
         if inside and all(d >= e for d, e in zip(_distances(new), apart, strict=True)):
             return tuple(
                 replace(t, position=(float(p[0]), float(p[1]), float(p[2])))  # type: ignore[type-var]
-                for t, p in zip(things, new, strict=True)
+                for t, p in zip(objects, new, strict=True)
             )
     raise InputError(
         "the surface has no room for starts so far away",

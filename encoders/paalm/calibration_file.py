@@ -43,7 +43,7 @@ class _HandRecord(Struct):
             raise ValueError("directions must be unit vectors")
 
 
-class _Head(Struct):
+class _CalibrationHead(Struct):
     """The fields that tell a calibration from other files, whatever they hold."""
 
     schema: Any = None
@@ -105,7 +105,7 @@ def read_calibration(path: Path) -> dict[str, HandCalibration]:
     """
     where, what = str(path), "the calibration cannot be read"
     data = read_bytes(path, EncoderError, what=what, largest=_LARGEST)
-    head = decoded(data, _Head, EncoderError, what=what, where=where)
+    head = decoded(data, _CalibrationHead, EncoderError, what=what, where=where)
     if not head.paalm_calibration or head.schema != SCHEMA:
         raise EncoderError(
             "not a PAALM calibration",

@@ -78,3 +78,9 @@ def palm_of(hand: TrackedHand, side: str) -> Palm:
 def stacked(a: TrackedHand, b: TrackedHand) -> bool:
     """True if one hand is above the other, so that the device cannot tell their fingers apart."""
     return hypot(a.palm[0] - b.palm[0], a.palm[1] - b.palm[1]) < STACKED
+
+
+def vector_of(v: Array) -> Vector:
+    """Converts an array (3,) to three plain floats."""
+    x, y, z = v.tolist()
+    return x, y, z

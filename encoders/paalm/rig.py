@@ -10,7 +10,7 @@ from encoders.paalm.angles import FRAMES
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.chain import FINGER_LIMITS, THUMB_LIMITS, Bend, FingerChain
 from encoders.paalm.options import PaalmOptions
-from models.arithmetic.arrays import Array
+from encoders.paalm.palm import vector_of
 from models.frames import FINGERS, Vector
 from models.skeleton import ADULT, Skeleton
 
@@ -77,7 +77,7 @@ def rig(calibration: HandCalibration, options: PaalmOptions) -> list[Rigged]:
             first, second, third = calibration.bones[finger].tolist()
             chain = FingerChain((first, second, third), options.coupling, limits)
             out.append(
-                Rigged(finger, chain, standard, _triple(calibration.bases[finger]), False, 1.0)
+                Rigged(finger, chain, standard, vector_of(calibration.bases[finger]), False, 1.0)
             )
             continue
         hidden = options.hidden if finger else options.thumb_hidden
@@ -88,14 +88,9 @@ def rig(calibration: HandCalibration, options: PaalmOptions) -> list[Rigged]:
             options.direction == "thumb" and finger == 0
         )
         base, along = calibration.bases[finger], calibration.directions[finger]
-        knuckle = _triple(base - along * (hidden * chain.lengths[0] / scale))
+        knuckle = vector_of(base - along * (hidden * chain.lengths[0] / scale))
         if by_knuckle:
             chain = FingerChain(rest[finger], options.coupling, limits)
             open_length = chain.chord(options.open_bend)
         out.append(Rigged(finger, chain, open_length, knuckle, by_knuckle, scale))
     return out
-
-
-def _triple(v: Array) -> Vector:
-    x, y, z = v.tolist()
-    return x, y, z

@@ -81,7 +81,7 @@ def step_costs(translation: float, rotation: float, reading: str) -> Array:
         raise EncoderError("compliances must be finite, 0 or more", got=pair.tolist())
     if reading == "softness":
         if not pair.all():
-            raise EncoderError("compliances must be above 0 where they mean softness", got=pair.tolist())
+            raise EncoderError("compliances must be above 0 for softness", got=pair.tolist())
         pair = 1.0 / pair
     cost = np.full(POSE_SIZE, pair[1] * _SQUARE_CM)
     # Both sides are in centimetres, so the factors cancel.

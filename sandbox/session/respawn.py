@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from encoders.correction import PAD_HEIGHT
 from models.arithmetic.arrays import Array
-from models.objects import Thing
+from models.objects import SceneObject
 from models.scene import CONTROL_PERIOD, Scene
 from models.surface import METRES_PER_INCH, Surface
 
@@ -138,7 +138,7 @@ class Respawn:
 class _Place:
     """An object's addresses in MuJoCo's arrays, and its start."""
 
-    def __init__(self, scene: Scene, thing: Thing) -> None:
+    def __init__(self, scene: Scene, thing: SceneObject) -> None:
         model = scene.model
         self.thing, self.name = thing, thing.name
         self.body = body = scene.object_bodies[thing.name]

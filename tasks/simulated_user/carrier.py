@@ -14,7 +14,7 @@ from models.arithmetic.arrays import Array
 from models.frames import TouchFrame
 from models.objects import Box, Tray
 from models.surface import Surface
-from tasks.simulated_user.grasp import Grasp
+from tasks.simulated_user.grasp import Grasp, wrapped
 from tasks.simulated_user.handling import BoxHandling
 from tasks.simulated_user.lift import Slider
 from tasks.simulated_user.user import SkilledUser
@@ -57,7 +57,7 @@ class HandleHandling(BoxHandling):
         assert isinstance(seen.shape, Box)
         length, width, _ = seen.shape.half_size
         sides = [seen.yaw + side for side in (np.pi / 2, -np.pi / 2)]
-        axis = min(sides, key=lambda a: abs(_wrapped(a - c.natural_axis)))
+        axis = min(sides, key=lambda a: abs(wrapped(a - c.natural_axis)))
         return Grasp(axis, 2 * width, 2 * length)
 
 
@@ -114,7 +114,7 @@ class Carrier(SkilledUser):
     def _missing(self, sight: Sight, box: SeenObject) -> tuple[Array, float]:
         """Missing shift (2,) m and turn rad of the user's handle."""
         goal = sight.goals[0]
-        return np.asarray(goal.position[:2]) - box.position[:2], _wrapped(goal.yaw - box.yaw)
+        return np.asarray(goal.position[:2]) - box.position[:2], wrapped(goal.yaw - box.yaw)
 
     def _reach(self, sight: Sight, box: SeenObject, now: float) -> None:
         """Moves the slider to its end, then puts the fingers down around the handle."""
@@ -192,7 +192,3 @@ def _half(end: SeenObject) -> float:
 def _height(end: SeenObject) -> float:
     """Height in m of a handle above its place on the table."""
     return float(end.position[2]) - _half(end)
-
-
-def _wrapped(angle: float) -> float:
-    return float((angle + np.pi) % (2 * np.pi) - np.pi)

@@ -88,7 +88,7 @@ def choose_grasp(box: SeenObject, turn: float, c: UserConfiguration) -> Grasp:
     for quarter in range(4):
         axis = box.yaw + quarter * np.pi / 2
         start, end = axis - c.natural_axis, axis + turn - c.natural_axis
-        worst = max(abs(_wrapped(start)), abs(_wrapped(end)))
+        worst = max(abs(wrapped(start)), abs(wrapped(end)))
         width, face = (half[0], half[1]) if quarter % 2 == 0 else (half[1], half[0])
         options.append((worst, quarter, Grasp(axis, 2 * width, 2 * face)))
     return min(options, key=lambda o: o[:2])[2]
@@ -114,9 +114,9 @@ def choose_handle_grasp(
     options = []
     for number, side in enumerate((np.pi / 2, -np.pi / 2)):
         axis = seen.yaw + side
-        start = abs(_wrapped(axis - c.natural_axis))
+        start = abs(wrapped(axis - c.natural_axis))
         made = within_comfort(axis, turn, c)
-        end = abs(_wrapped(axis + made - c.natural_axis))
+        end = abs(wrapped(axis + made - c.natural_axis))
         # The rest of the turn needs another grasp, which is worth some discomfort.
         cost = max(start, end) + 2.0 * (abs(turn) - abs(made))
         if start > _FARTHEST:
@@ -126,7 +126,7 @@ def choose_handle_grasp(
         # With one finger against the thumb, the handle begins to turn in the intended direction.
         skew = float(np.copysign(_COUPLE, turn)) if c.fingers == 2 else 0.0
         if c.fingers > 2 and start > _OBLIQUE:
-            skew = -float(np.copysign(_SIDESTEP, _wrapped(axis - c.natural_axis)))
+            skew = -float(np.copysign(_SIDESTEP, wrapped(axis - c.natural_axis)))
         # All fingers stay on the handle; on a short one the thumb comes nearer to the fingers.
         others = min((c.fingers - 2) * c.pitch, room)
         skew = float(np.clip(skew, others - room, room - others))
@@ -142,10 +142,11 @@ def within_comfort(axis: float, turn: float, c: UserConfiguration) -> float:
 
     A hand that is already rotated too far may always turn back.
     """
-    now = _wrapped(axis - c.natural_axis)
+    now = wrapped(axis - c.natural_axis)
     low, high = min(-_COMFORT, now), max(_COMFORT, now)
     return float(np.clip(now + turn, low, high) - now)
 
 
-def _wrapped(angle: float) -> float:
+def wrapped(angle: float) -> float:
+    """Wraps an angle, rad, to -pi to pi."""
     return float((angle + np.pi) % (2 * np.pi) - np.pi)

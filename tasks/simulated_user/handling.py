@@ -11,8 +11,8 @@ import numpy as np
 
 from models.arithmetic.arrays import Array
 from models.errors import InputError
-from models.mjcf_thing import MjcfThing
-from models.objects import JAW, Box, Thing, Wrench
+from models.mjcf_object import MjcfObject
+from models.objects import JAW, Box, SceneObject, Wrench
 from tasks.simulated_user.grasp import Grasp, choose_grasp, choose_handle_grasp, within_comfort
 from tasks.simulated_user.own_handling import OwnHandling
 from tasks.task import Goal
@@ -128,17 +128,17 @@ class WrenchHandling:
         return within_comfort(grasp.axis_on(seen.yaw), turn, c)
 
 
-def handling_of(shape: Thing) -> Handling:
+def handling_of(shape: SceneObject) -> Handling:
     """Creates the handling of an object of this shape."""
     if isinstance(shape, Wrench):
         return WrenchHandling(shape)
-    if isinstance(shape, MjcfThing):
+    if isinstance(shape, MjcfObject):
         return OwnHandling(shape)
     if not isinstance(shape, Box):
         raise InputError(
             "the simulated user cannot handle this object",
             got=type(shape).__name__,
-            expected="Box, Wrench or MjcfThing",
+            expected="Box, Wrench or MjcfObject",
             remedy="Give the task a user of its own: docs/write-a-task.md",
         )
     return BoxHandling()

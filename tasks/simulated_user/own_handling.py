@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from models.arithmetic.arrays import Array
-from models.mjcf_thing import MjcfThing
+from models.mjcf_object import MjcfObject
 from models.objects import Box
 from tasks.simulated_user.grasp import Grasp, choose_grasp, within_comfort
 from tasks.task import Goal
@@ -33,19 +33,19 @@ class OwnHandling:
     """Handling of an object of any shape, grasped like its bounding box.
 
     Args:
-        thing: The object, with its outline and rotational symmetry.
+        obj: The object, with its outline and rotational symmetry.
     """
 
     good = (0.003, float(np.deg2rad(2.5)))
     enough = (0.006, float(np.deg2rad(6.0)))
     patience = 14
 
-    def __init__(self, thing: MjcfThing) -> None:
-        low, high = thing.bounds
+    def __init__(self, obj: MjcfObject) -> None:
+        low, high = obj.bounds
         half = 0.5 * (high - low)
-        self._looks_alike = thing.looks_alike
+        self._looks_alike = obj.looks_alike
         self._middle = 0.5 * (low + high)
-        self._box = Box(thing.name, (half[0], half[1], half[2]), thing.mass, thing.position)
+        self._box = Box(obj.name, (half[0], half[1], half[2]), obj.mass, obj.position)
 
     def missing(self, seen: SeenObject, goal: Goal) -> tuple[Array, float]:
         """Missing movement to the nearest equivalent pose; a round object needs no turn."""

@@ -10,7 +10,7 @@ import numpy as np
 from models.arithmetic.arrays import Array
 from models.objects import Box
 from models.surface import Surface
-from tasks.simulated_user.grasp import Grasp
+from tasks.simulated_user.grasp import Grasp, wrapped
 from tasks.user import SeenObject, UserConfiguration
 
 _ROOM = 0.014
@@ -66,9 +66,9 @@ def roomiest_grasp(
         start, end = axis - c.natural_axis, axis + turn - c.natural_axis
         width, face = (half[0], half[1]) if quarter % 2 == 0 else (half[1], half[0])
         grasp = Grasp(axis, 2 * width, 2 * face)
-        cost = max(abs(_wrapped(start)), abs(_wrapped(end)))
+        cost = max(abs(wrapped(start)), abs(wrapped(end)))
         cost += _CROWDED * _short_of_room(grasp, turn, box, c, around)
-        if failed and abs(_wrapped(axis - failed.axis)) < np.pi / 4:
+        if failed and abs(wrapped(axis - failed.axis)) < np.pi / 4:
             cost += _AGAIN
         options.append((cost, quarter, grasp))
     return min(options, key=lambda o: o[:2])[2]
@@ -100,7 +100,3 @@ def _beyond(places: Array, surface: Surface) -> float:
     """Distance in m by which fingers would have to touch beyond the border."""
     xy = surface.to_surface(np.column_stack([places, np.zeros(len(places))]))
     return float(max(_EDGE - min(xy.min(), (surface.size - xy).min()), 0.0))
-
-
-def _wrapped(angle: float) -> float:
-    return float((angle + np.pi) % (2 * np.pi) - np.pi)

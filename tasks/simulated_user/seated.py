@@ -12,7 +12,7 @@ import numpy as np
 
 from models.arithmetic.arrays import Array
 from models.frames import TouchFrame
-from models.mjcf_thing import MjcfThing
+from models.mjcf_object import MjcfObject
 from models.objects import Wrench
 from models.person import Person, PersonFrame
 from models.surface import Surface
@@ -69,7 +69,7 @@ class Seat:
 
     def sight(self, sight: Sight) -> Sight:
         """Transforms everything on the screen to the user's world."""
-        long = {n: isinstance(o.shape, Wrench | MjcfThing) for n, o in sight.objects.items()}
+        long = {n: isinstance(o.shape, Wrench | MjcfObject) for n, o in sight.objects.items()}
         objects = {
             name: replace(
                 o, position=self.point(o.position), rotation=self.rotation(o.rotation, long[name])

@@ -28,7 +28,7 @@ _MOST_STEP = 0.1
 
 
 @dataclass(frozen=True)
-class Step:
+class GuideStep:
     """The current instruction, and the share of it that is done, 0 to 1."""
 
     text: str
@@ -58,18 +58,18 @@ class Guide:
         self.done = False
 
     @property
-    def step(self) -> Step:
+    def step(self) -> GuideStep:
         """The current instruction."""
         if self._open < OPEN_FRAMES:
             text = f"Hold your {self._side} hand open over the surface, palm down, fingers spread"
-            return Step(text, self._open / OPEN_FRAMES)
+            return GuideStep(text, self._open / OPEN_FRAMES)
         if self._taps < TAPS:
-            return Step("Tap with all five fingers, three times, unevenly", self._taps / TAPS)
+            return GuideStep("Tap with all five fingers, three times, unevenly", self._taps / TAPS)
         if self.done:
-            return Step("Done", 1.0)
+            return GuideStep("Done", 1.0)
         names = " + ".join(FINGERS[f] for f in self._sets[self._set])
         number = f"{self._set + 1} of {len(self._sets)}"
-        return Step(f"{names}: {DOING} ({number})", min(1.0, self._played / self._each))
+        return GuideStep(f"{names}: {DOING} ({number})", min(1.0, self._played / self._each))
 
     @property
     def share(self) -> float:

@@ -19,7 +19,7 @@ SETS = np.array(
 
 
 @dataclass(frozen=True)
-class Take:
+class TakeSettings:
     """Settings of one take: touching fingers (n, 5), rate in Hz, gestures, and whether it is free
     play."""
 
@@ -34,7 +34,7 @@ class Take:
         return np.arange(len(self.down)) / self.rate
 
 
-def script(c: SecondConfiguration) -> list[Take]:
+def script(c: SecondConfiguration) -> list[TakeSettings]:
     """Script of day 0: every finger set with every gesture, so that every set is known later."""
     takes = []
     for size, frames in enumerate(c.training_frames, start=2):
@@ -44,7 +44,7 @@ def script(c: SecondConfiguration) -> list[Take]:
         share, rest = divmod(frames, len(clips))
         for i, (fingers, gesture) in enumerate(clips):
             down = np.repeat(fingers[None], share + (i < rest), axis=0)
-            takes.append(Take(down, c.training_rate, (gesture,), False))
+            takes.append(TakeSettings(down, c.training_rate, (gesture,), False))
     return takes
 
 
@@ -61,7 +61,7 @@ def tastes(rng: np.random.Generator, scale: float) -> Array:
     return np.exp(liking + rng.laplace(0, scale, len(SETS)))
 
 
-def free_play(rng: np.random.Generator, taste: Array, c: SecondConfiguration) -> list[Take]:
+def free_play(rng: np.random.Generator, taste: Array, c: SecondConfiguration) -> list[TakeSettings]:
     """Free play of a later day: stretches with one set each, joined where one or two fingers
     change."""
     stretches = _stretches(rng, taste, c)
@@ -78,7 +78,7 @@ def free_play(rng: np.random.Generator, taste: Array, c: SecondConfiguration) ->
         down = np.concatenate([np.repeat(SETS[s][None], n, axis=0) for s, n in chain])
         count = 1 if rng.random() < 0.4 else 2
         gestures = tuple(str(g) for g in rng.choice(GESTURES, count, replace=False))
-        takes.append(Take(down, c.test_rate, gestures, True))
+        takes.append(TakeSettings(down, c.test_rate, gestures, True))
     return takes
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from encoders.captures.second_subject.configuration import SecondConfiguration
-from encoders.captures.second_subject.hand import FIRST, LAST, ROLL, SECOND, SWING, Hand
+from encoders.captures.second_subject.hand import FIRST, LAST, ROLL, SECOND, SWING, SecondHand
 from models.arithmetic.arrays import Array
 
 GESTURES = ("move", "grasp", "pinch", "rotate")
@@ -127,6 +127,6 @@ def with_manner(angles: Array, manner: Array) -> Array:
     return out
 
 
-def clamped(angles: Array, hand: Hand) -> Array:
+def clamped(angles: Array, hand: SecondHand) -> Array:
     """Angles limited to the hand's ranges."""
     return np.clip(angles, *hand.reach_limits)

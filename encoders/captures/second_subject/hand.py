@@ -44,7 +44,7 @@ def _radians(*rows: tuple[float, ...]) -> Array:
 
 
 @dataclass(frozen=True)
-class Hand:
+class SecondHand:
     """A right hand. Arrays have one row per finger, the thumb first; lengths are m, angles rad.
 
     Attributes:
@@ -219,11 +219,11 @@ def _thumb_saddle() -> Array:
     return np.stack([np.cross(along, dorsal), along, dorsal], axis=1)
 
 
-def _slender() -> Hand:
+def _slender() -> SecondHand:
     zero = _radians((0, 20, 0), *[(30, 45, 30)] * 4)
     splay = np.deg2rad([5.0, 0.5, -4.5, -11.0])
     saddle = np.concatenate([_thumb_saddle()[None], _about_z(splay) @ _about_x(-zero[1:, 0])])
-    return Hand(
+    return SecondHand(
         name="slender",
         knuckle=1e-3
         * np.array(

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.captures.second_subject.configuration import SecondConfiguration
-from encoders.captures.second_subject.hand import Hand
+from encoders.captures.second_subject.hand import SecondHand
 from models.arithmetic.arrays import Array
 from models.pose import BALL_JOINTS, JOINTS, ROOT_POSITION, ROOT_ROTATION
 from models.surface import Surface
@@ -63,7 +63,7 @@ class Markers:
         c: Sizes of errors.
     """
 
-    def __init__(self, rng: np.random.Generator, hand: Hand, c: SecondConfiguration) -> None:
+    def __init__(self, rng: np.random.Generator, hand: SecondHand, c: SecondConfiguration) -> None:
         self._hand, self._c = hand, c
         # Errors of joints and fingertips, in the frames of their bones; uniform in a box with the
         # variance of c.marker.
@@ -129,7 +129,7 @@ def _onto(rotations: Array, lines: Array) -> Array:
     return np.swapaxes(columns + once + share[..., None, None] * twice, -1, -2)
 
 
-def _between(before: Array, after: Array, hand: Hand) -> Array:
+def _between(before: Array, after: Array, hand: SecondHand) -> Array:
     """Joint rotations (n, 14, 3, 3) from the parent bones (n, 14, 3, 3) to their children."""
     rest = hand.rests()
     return np.swapaxes(before @ rest, -1, -2) @ after

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.captures.second_subject.configuration import SecondConfiguration
-from encoders.captures.second_subject.hand import FIRST, SECOND, SWING, Hand, attitude
+from encoders.captures.second_subject.hand import FIRST, SECOND, SWING, SecondHand, attitude
 from encoders.captures.second_subject.reach import reach
 from models.arithmetic.arrays import Array
 from models.frames import FINGERS
@@ -82,7 +82,7 @@ class Wish:
 
 
 def place(
-    wish: Wish, hand: Hand, surface: Surface, c: SecondConfiguration
+    wish: Wish, hand: SecondHand, surface: Surface, c: SecondConfiguration
 ) -> tuple[Array, Array, Array]:
     """Positions (n, 3) m and rotations (n, 3, 3) of the wrist, and angles (n, 5, 5) of the
     fingers."""
@@ -144,7 +144,7 @@ def _touching(
     root: Array,
     turn: Array,
     wish: Wish,
-    hand: Hand,
+    hand: SecondHand,
     surface: Surface,
     c: SecondConfiguration,
 ) -> tuple[Array, Array]:
@@ -188,7 +188,7 @@ def _apart(spots: Array, turn: Array, width: float) -> Array:
 
 
 def _lifted(
-    touching: Array, root: Array, turn: Array, wish: Wish, hand: Hand, c: SecondConfiguration
+    touching: Array, root: Array, turn: Array, wish: Wish, hand: SecondHand, c: SecondConfiguration
 ) -> Array:
     """Angles (n, 5, 5) of fingers while they are lifted.
 
@@ -219,6 +219,6 @@ def _lifted(
     return np.clip(out + further[..., None] * up, low, high)
 
 
-def _height(angles: Array, root: Array, turn: Array, hand: Hand) -> Array:
+def _height(angles: Array, root: Array, turn: Array, hand: SecondHand) -> Array:
     """Heights (n, 5) m of the fingertips above the screen."""
     return np.asarray(np.einsum("nj,nfj->nf", turn[:, 2], hand.tips_in_palm(angles)) + root[:, 2:])

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from encoders.captures.second_subject.hand import FIRST, LAST, SECOND, SWING, TENDON, Hand
+from encoders.captures.second_subject.hand import FIRST, LAST, SECOND, SWING, TENDON, SecondHand
 from models.arithmetic.arrays import Array
 
 _HALVINGS = 16
@@ -22,7 +22,7 @@ _AHEAD = 0.01
 """m in front of the knuckle, least distance of a target: a finger does not bend backwards."""
 
 
-def reach(hand: Hand, targets: Array, start: Array) -> Array:
+def reach(hand: SecondHand, targets: Array, start: Array) -> Array:
     """`ANGLES` (n, 5, 5) with which the fingertips come as near to targets as the joints allow.
 
     Args:
@@ -54,7 +54,7 @@ def reach(hand: Hand, targets: Array, start: Array) -> Array:
     return out
 
 
-def _chord(hand: Hand, second: Array, last: Array) -> tuple[Array, Array]:
+def _chord(hand: SecondHand, second: Array, last: Array) -> tuple[Array, Array]:
     """Position of the fingertip along and across the first bone, m, from the middle joint's
     flexion."""
     third = second + TENDON * second + last

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from encoders.capture import Capture
 from encoders.captures.second_subject.configuration import SecondConfiguration
 from encoders.captures.second_subject.contacts import (
-    Take,
+    TakeSettings,
     closeness,
     contact_ids,
     free_play,
@@ -42,7 +42,7 @@ _PAUSE = 3.0
 
 
 @dataclass(frozen=True)
-class _Person:
+class _SubjectDay:
     """Constants of one day: the subject's habits, and its seat on that day."""
 
     taste: Array
@@ -126,7 +126,7 @@ def simulate(
     return Capture(np.concatenate(times), numbers, np.concatenate(ids), xy, measured, meta)
 
 
-def _person(seed: int, day: int, c: SecondConfiguration, surface: Surface) -> _Person:
+def _person(seed: int, day: int, c: SecondConfiguration, surface: Surface) -> _SubjectDay:
     always = np.random.default_rng([_PERSON, seed])
     taste = tastes(always, c.taste)
     coupling = always.uniform(*c.coupling, len(FINGERS))
@@ -138,7 +138,7 @@ def _person(seed: int, day: int, c: SecondConfiguration, surface: Surface) -> _P
         today = np.random.default_rng([_DAY, seed, day])
         lean = c.day_manner * today.uniform(-1, 1, len(MANNERS))
         elbow = elbow + c.day_elbow * today.uniform(-1.7, 1.7, 2)
-    return _Person(taste, coupling, lift, curl, lean, elbow)
+    return _SubjectDay(taste, coupling, lift, curl, lean, elbow)
 
 
 def _drift(rng: np.random.Generator, count: int, c: SecondConfiguration) -> Array:
@@ -150,9 +150,9 @@ def _drift(rng: np.random.Generator, count: int, c: SecondConfiguration) -> Arra
 
 def _wish(
     rng: np.random.Generator,
-    take: Take,
+    take: TakeSettings,
     habit: Array,
-    person: _Person,
+    person: _SubjectDay,
     surface: Surface,
     c: SecondConfiguration,
 ) -> Wish:
@@ -194,7 +194,7 @@ def _wish(
 def _way(
     rng: np.random.Generator,
     times: Array,
-    take: Take,
+    take: TakeSettings,
     calm: float,
     surface: Surface,
     c: SecondConfiguration,
@@ -210,7 +210,7 @@ def _way(
 
 
 def _yaw(
-    rng: np.random.Generator, times: Array, take: Take, calm: float, c: SecondConfiguration
+    rng: np.random.Generator, times: Array, take: TakeSettings, calm: float, c: SecondConfiguration
 ) -> Array:
     """Yaw (n,) rad: to and fro in a take with turning, otherwise nearly constant."""
     moments = knots(rng, float(times[-1]), c.pace)

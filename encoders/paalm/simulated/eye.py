@@ -9,10 +9,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from encoders.paalm.palm import vector_of
 from encoders.paalm.simulated.forward import FROZEN_LEAP, LeapConfiguration
 from models.arithmetic.arrays import Array
 from models.errors import EncoderError
-from models.frames import FINGERS, HandFrame, TrackedFinger, TrackedHand, Vector
+from models.frames import FINGERS, HandFrame, TrackedFinger, TrackedHand
 from models.rotations import exp
 
 DIALECTS = ("v3", "v1")
@@ -72,9 +73,9 @@ class LeapEye:
             fingers = self._without(world, axes, step)
         hand = TrackedHand(
             self._hand,
-            _triple(palm),
-            _triple(-axes[:, 2]),
-            _triple(axes[:, 1]),
+            vector_of(palm),
+            vector_of(-axes[:, 2]),
+            vector_of(axes[:, 1]),
             fingers,
             self._side if self._dialect == "v3" else None,
         )
@@ -91,10 +92,10 @@ class LeapEye:
         length = np.linalg.norm(np.diff(world, axis=1), axis=2).sum(axis=1)
         rows = []
         for f in self._rng.permutation(len(FINGERS)).tolist():
-            mcp, pip, dip, tip = (_triple(j) for j in world[f])
+            mcp, pip, dip, tip = (vector_of(j) for j in world[f])
             rows.append(
                 TrackedFinger(
-                    10 + f, tip, _triple(along[f]), float(length[f]), f, (mcp, pip, dip, tip)
+                    10 + f, tip, vector_of(along[f]), float(length[f]), f, (mcp, pip, dip, tip)
                 )
             )
         return tuple(rows)
@@ -124,7 +125,9 @@ class LeapEye:
         visible &= ~((apart < c.merged) & (clean[:, None] < clean[None])).any(axis=1)
         self._look(visible, step)
         return tuple(
-            TrackedFinger(int(self._ids[f]), _triple(tip[f]), _triple(along[f]), float(length[f]))
+            TrackedFinger(
+                int(self._ids[f]), vector_of(tip[f]), vector_of(along[f]), float(length[f])
+            )
             for f in rng.permutation(five).tolist()
             if self._ids[f]
         )
@@ -144,8 +147,3 @@ class LeapEye:
                 self._ids[f] = 0
             elif not self._ids[f]:
                 self._ids[f], self._fresh = self._fresh, self._fresh + 1
-
-
-def _triple(v: Array) -> Vector:
-    x, y, z = v.tolist()
-    return x, y, z

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from encoders.paalm.palm import vector_of
 from encoders.paalm.simulated.air import AirTake
 from models.arithmetic.arrays import Array
 from models.frames import HandFrame, TrackedFinger, TrackedHand, Vector
@@ -117,8 +118,8 @@ def seen(
         said = tuple(
             TrackedFinger(
                 int(ids[t, f]),
-                _triple(tip[t, f]),
-                _triple(along[t, f]),
+                vector_of(tip[t, f]),
+                vector_of(along[t, f]),
                 float(
                     length[t, f]
                     if length is not None
@@ -131,9 +132,9 @@ def seen(
         )
         hand = TrackedHand(
             1,
-            _triple(origin[t]),
-            _triple(-axes[t, :, 2]),
-            _triple(axes[t, :, 1]),
+            vector_of(origin[t]),
+            vector_of(-axes[t, :, 2]),
+            vector_of(axes[t, :, 1]),
             said,
             take.side if dialect == "v3" else None,
         )
@@ -214,11 +215,6 @@ def _ids(
     return ids
 
 
-def _triple(v: Array) -> Vector:
-    x, y, z = v.tolist()
-    return x, y, z
-
-
 def _joints(rows: Array) -> tuple[Vector, Vector, Vector, Vector]:
-    a, b, c, d = (_triple(r) for r in rows)
+    a, b, c, d = (vector_of(r) for r in rows)
     return a, b, c, d

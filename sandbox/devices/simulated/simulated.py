@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from models.errors import InputError
 from models.frames import TouchFrame
-from models.objects import Thing, Tray
+from models.objects import SceneObject, Tray
 from models.person import Person
 from models.surface import Surface
 from sandbox.devices.wrappers.drop_outs import DropOuts
@@ -166,7 +166,7 @@ class SimulatedDevice(Device):
 
 
 def _sight(
-    snapshot: Snapshot, hand: int, shapes: Mapping[str, Thing], own_id: Callable[[int], int]
+    snapshot: Snapshot, hand: int, shapes: Mapping[str, SceneObject], own_id: Callable[[int], int]
 ) -> Sight:
     """What is seen of a snapshot by who has one of its hands."""
     mine = snapshot.hands[hand]

@@ -8,7 +8,7 @@ import numpy as np
 
 from models.arithmetic.arrays import Array
 from models.errors import InputError
-from models.objects import Box, Thing, Tray, Wrench
+from models.objects import Box, SceneObject, Tray, Wrench
 from tasks.goals import flat_yaw
 from tasks.task import Goal
 from tasks.user import SeenObject
@@ -47,7 +47,7 @@ class Hold:
         return float(self.position[2]) - low
 
 
-def check(thing: Thing) -> None:
+def check(thing: SceneObject) -> None:
     """Refuses what nobody in the air knows to hold.
 
     Raises:
@@ -107,7 +107,7 @@ def carried(seen: SeenObject, goal: Goal, pinch: Array) -> tuple[Array, float]:
     return off + np.array([[c, -s], [s, c]]) @ arm - arm, turn
 
 
-def stays_down(shape: Thing) -> bool:
+def stays_down(shape: SceneObject) -> bool:
     """Whether it is drawn or turned over the table rather than lifted."""
     return isinstance(shape, Wrench)
 

@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike
 from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.hand import CONTACT_OBJECT, CONTACT_TABLE
+from models.objects import mjcf_text
 
 _GEOM = mujoco.mjtGeom
 _TYPES = {
@@ -44,7 +45,7 @@ _WORLD_NAMES = ("table", "mat")
 
 
 @dataclass(frozen=True)
-class MjcfThing:
+class MjcfObject:
     """An object from MJCF: one rigid body, free to move.
 
     Taken from the description: its one body with all bodies welded to it, their geoms (sphere,
@@ -79,7 +80,7 @@ class MjcfThing:
 
     def __post_init__(self) -> None:
         if not self.name or self.name in _WORLD_NAMES:
-            raise InputError("an object cannot have this name", where="MjcfThing", got=self.name)
+            raise InputError("an object cannot have this name", where="MjcfObject", got=self.name)
         for what, value in (("mass", self.mass), ("size", self.size)):
             if not 0.0 < value < float("inf"):
                 raise InputError(
@@ -96,7 +97,7 @@ class MjcfThing:
         place: ArrayLike,
         yaw: float = 0.0,
         looks_alike: int = 1,
-    ) -> MjcfThing:
+    ) -> MjcfObject:
         """Creates the object standing on the table, upright as described.
 
         Args:
@@ -116,7 +117,8 @@ class MjcfThing:
         model = self._compiled
         quat = (np.cos(self.yaw / 2), 0.0, 0.0, np.sin(self.yaw / 2))
         body = Element(
-            "body", {"name": self.name, "pos": _text(self.position), "quat": _text(quat)}
+            "body",
+            {"name": self.name, "pos": mjcf_text(self.position), "quat": mjcf_text(quat)},
         )
         SubElement(body, "freejoint", {"name": self.name})
         share = self.size**2 * self.mass / model.body_mass[1]
@@ -124,10 +126,10 @@ class MjcfThing:
             body,
             "inertial",
             {
-                "pos": _text(self.size * model.body_ipos[1]),
-                "quat": _text(model.body_iquat[1]),
+                "pos": mjcf_text(self.size * model.body_ipos[1]),
+                "quat": mjcf_text(model.body_iquat[1]),
                 "mass": f"{self.mass:.9g}",
-                "diaginertia": _text(share * model.body_inertia[1]),
+                "diaginertia": mjcf_text(share * model.body_inertia[1]),
             },
         )
         for number, geom in enumerate(self._geoms):
@@ -147,7 +149,7 @@ class MjcfThing:
                     "mesh",
                     {
                         "name": f"{self.name}_mesh{mesh}",
-                        "vertex": _text(points.ravel()),
+                        "vertex": mjcf_text(points.ravel()),
                         "face": " ".join(map(str, faces.ravel().tolist())),
                     },
                 )
@@ -173,7 +175,7 @@ class MjcfThing:
                 distances[i] = min(distances[i], self._distance(geom, "probe") + _PROBE)
         return self.size * distances
 
-    def scaled(self, size: float) -> MjcfThing:
+    def scaled(self, size: float) -> MjcfObject:
         """The same object in another size, with the same mass and place."""
         x, y, z = self.position
         return replace(self, size=size * self.size, position=(x, y, z + (size - 1.0) * self.height))
@@ -282,13 +284,13 @@ class MjcfThing:
             {
                 "name": f"{self.name}_{number}",
                 "type": kind,
-                "rgba": _text(rgba),
-                "pos": _text(self.size * model.geom_pos[geom]),
-                "quat": _text(model.geom_quat[geom]),
+                "rgba": mjcf_text(rgba),
+                "pos": mjcf_text(self.size * model.geom_pos[geom]),
+                "quat": mjcf_text(model.geom_quat[geom]),
             },
         )
         if sizes:
-            element.set("size", _text(self.size * model.geom_size[geom, :sizes]))
+            element.set("size", mjcf_text(self.size * model.geom_size[geom, :sizes]))
         else:
             # The compiler shifted the points to their middle, and the geom with them; that is done
             # once.
@@ -298,7 +300,7 @@ class MjcfThing:
                 "contype": str(CONTACT_OBJECT | CONTACT_TABLE),
                 "conaffinity": "7",
                 "condim": "4",
-                "friction": _text(model.geom_friction[geom]),
+                "friction": mjcf_text(model.geom_friction[geom]),
                 "solref": ".004 1",
                 "solimp": ".95 .99 .001",
             }
@@ -318,13 +320,9 @@ def _read(mjcf: str | Path) -> Any:
     if not _is_file(mjcf):
         return mujoco.MjSpec.from_string(str(mjcf))
     if not Path(mjcf).is_file():
-        raise InputError("no such file", where="MjcfThing", got=str(mjcf))
+        raise InputError("no such file", where="MjcfObject", got=str(mjcf))
     return mujoco.MjSpec.from_file(str(mjcf))
 
 
 def _part(starts: Any, counts: Any, i: int) -> slice:
     return slice(int(starts[i]), int(starts[i]) + int(counts[i]))
-
-
-def _text(values: ArrayLike) -> str:
-    return " ".join(f"{float(v):.9g}" for v in np.asarray(values, float))

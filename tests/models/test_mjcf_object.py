@@ -13,7 +13,7 @@ from hypothesis.extra import numpy as hnp
 
 from models.errors import InputError
 from models.hand import Hand
-from models.mjcf_thing import MjcfThing
+from models.mjcf_object import MjcfObject
 from models.scene import Scene, SceneSpec
 
 SPHERE = '<geom type="sphere" size=".03"/>'
@@ -60,7 +60,7 @@ TURNS = hnp.arrays(float, 4, elements=st.floats(-1, 1)).filter(lambda q: np.lina
 @given(local=POINTS, turn=TURNS, size=st.sampled_from([1.0, 0.5, 2.0]))
 def test_clearance_is_the_distance_that_geometry_gives(shape, local, turn, size):
     text, distance = KNOWN[shape]
-    thing = MjcfThing("thing", text, 0.1, size=size)
+    thing = MjcfObject("thing", text, 0.1, size=size)
     flat = np.empty(9)
     mujoco.mju_quat2Mat(flat, turn / np.linalg.norm(turn))
     rotation, position = flat.reshape(3, 3), np.array([0.1, -0.2, 0.05])
@@ -80,7 +80,7 @@ def test_in_a_scene_it_is_the_body_that_was_described(size):
         '<geom type="cylinder" size=".02 .03" friction=".7"/><body pos=".04 0 .01" euler="0 90 10">'
         f'{BLOCK}<geom type="mesh" mesh="block" pos="0 .05 0" euler="20 30 40"/></body>'
     )
-    thing = MjcfThing("thing", mjcf(inside, BLOCK_ASSET), 0.2, (0.1, 0.0, 0.3), 0.7, size=size)
+    thing = MjcfObject("thing", mjcf(inside, BLOCK_ASSET), 0.2, (0.1, 0.0, 0.3), 0.7, size=size)
     model = Scene(SceneSpec((Hand(),), (thing,))).model
     text = mjcf("<freejoint/>" + inside, BLOCK_ASSET)
     alone = mujoco.MjModel.from_xml_string(text)
@@ -109,7 +109,7 @@ def test_in_a_scene_it_is_the_body_that_was_described(size):
 @pytest.mark.parametrize("shape", KNOWN)
 @pytest.mark.parametrize("size", [1.0, 1.7])
 def test_on_the_table_it_rests_where_it_was_put(shape, size):
-    thing = MjcfThing.on_table("thing", KNOWN[shape][0], 0.1, (0.03, 0.02), 0.4).scaled(size)
+    thing = MjcfObject.on_table("thing", KNOWN[shape][0], 0.1, (0.03, 0.02), 0.4).scaled(size)
     scene = Scene(SceneSpec((Hand(),), (thing,)))
     data = mujoco.MjData(scene.model)
     # The hand is out of the way.
@@ -124,7 +124,7 @@ def test_on_the_table_it_rests_where_it_was_put(shape, size):
 
 def test_what_is_only_seen_is_solid_to_nobody():
     ghost = '<geom type="sphere" size=".2" contype="0" conaffinity="0"/>'
-    thing = MjcfThing("thing", mjcf(SPHERE + ghost), 0.1)
+    thing = MjcfObject("thing", mjcf(SPHERE + ghost), 0.1)
     assert thing.clearance([[0.1, 0, 0]], np.zeros(3), np.eye(3)) == pytest.approx(0.07)
     assert thing.height == pytest.approx(0.03)
     model = Scene(SceneSpec((), (thing,))).model
@@ -141,7 +141,7 @@ def test_a_file_with_its_mesh_beside_it_is_the_same_from_any_folder(tmp_path, mo
     text = mjcf(MESH_BLOCK, '<mesh name="block" file="block.obj"/>')
     path.write_text(text.replace("<worldbody>", f"<worldbody>{floor}"))
     monkeypatch.chdir("/")
-    thing = MjcfThing("thing", path, 0.1)
+    thing = MjcfObject("thing", path, 0.1)
     point = [[0.05, 0.0, 0.0]]
     assert thing.clearance(point, np.zeros(3), np.eye(3)) == pytest.approx(0.03, abs=1e-6)
     assert b"file" not in b"".join(map(tostring, thing.assets()))
@@ -165,7 +165,7 @@ def test_a_file_with_its_mesh_beside_it_is_the_same_from_any_folder(tmp_path, mo
 )
 def test_what_is_no_rigid_body_is_refused_in_a_line(text, says):
     with pytest.raises(InputError, match=says) as error:
-        MjcfThing("thing", text, 0.1)
+        MjcfObject("thing", text, 0.1)
     assert "\n" not in str(error.value)
 
 
@@ -174,4 +174,4 @@ def test_what_is_no_rigid_body_is_refused_in_a_line(text, says):
 )
 def test_impossible_things_are_refused(wrong):
     with pytest.raises(InputError):
-        MjcfThing(**{"name": "thing", "mjcf": mjcf(SPHERE), "mass": 0.1, **wrong})
+        MjcfObject(**{"name": "thing", "mjcf": mjcf(SPHERE), "mass": 0.1, **wrong})
