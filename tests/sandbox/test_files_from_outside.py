@@ -23,8 +23,7 @@ from sandbox.devices.tuio.touch_capture import read_capture
 from sandbox.options.profiles import load_profile
 from sandbox.options.touch_devices import open_file
 from sandbox.regress.baseline import Baseline, Kept, KeptTask, load_baseline
-from sandbox.study.record.folder import participants_of
-from sandbox.study.record.folder import read_about as read_study
+from sandbox.study.record.folder import participants_of, read_study_json
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.state import SessionState
 from sandbox.study.share.privacy_records import PersonMasking, anonymous_line
@@ -164,7 +163,7 @@ READERS = {
     "mapping": Reader(read_mapping, json.dumps(MAPPING), InputError),
     "session": Reader(lambda path: read_about(folder_of(path)), json.dumps(ABOUT), RecordingError),
     "journal": Reader(played_journal, lines(JOURNAL), StudyError),
-    "study": Reader(read_study, json.dumps(STUDY), StudyError),
+    "study": Reader(read_study_json, json.dumps(STUDY), StudyError),
     "anonymous recording": Reader(anonymous, lines(RECORDING), StudyError),
     "measures": Reader(measures_of, json.dumps({"version": 1, "truth": "t"}), StudyError),
     "any calibration": Reader(is_calibration, "{}", EncoderError),

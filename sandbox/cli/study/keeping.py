@@ -134,7 +134,7 @@ def export(options: ExportOptions, console: Console) -> int:
     """`sandbox study export`."""
     from sandbox.study.record.folder import StudyFolder
     from sandbox.study.share.export_folder import refuse_existing
-    from sandbox.study.share.export_log import remember_copy
+    from sandbox.study.share.export_log import log_copy
     from sandbox.study.share.privacy import Masking, anonymise
 
     if not options.anonymise and not options.bids:
@@ -162,7 +162,7 @@ def export(options: ExportOptions, console: Console) -> int:
     else:
         _bids(study, options.out, console)
         console.print("[yellow]pseudonyms are those of the study; --anonymise gives others[/]")
-    remember_copy(study, "bids" if options.bids else "export", options.out, ppids)
+    log_copy(study, "bids" if options.bids else "export", options.out, ppids)
     return 0
 
 
@@ -214,7 +214,7 @@ def backup(options: BackupOptions, console: Console) -> int:
     """`sandbox study backup`."""
     from sandbox.study.record.folder import StudyFolder
     from sandbox.study.share.backup import back_up, check_backup
-    from sandbox.study.share.export_log import remember_copy
+    from sandbox.study.share.export_log import log_copy
 
     if options.check is not None:
         checked, path = check_backup(options.check), options.check
@@ -227,7 +227,7 @@ def backup(options: BackupOptions, console: Console) -> int:
     else:
         study = StudyFolder.at(options.folder)
         checked, path = back_up(study, options.out), options.out
-        remember_copy(study, "backup", options.out, checked.ppids)
+        log_copy(study, "backup", options.out, checked.ppids)
     size = f"{checked.bytes / 1e6:.1f} MB"
     console.print(
         f"{escape(str(path))}: {len(checked.ppids)} participants, {checked.trials} finished "
@@ -239,7 +239,7 @@ def backup(options: BackupOptions, console: Console) -> int:
 def merge(options: MergeOptions, console: Console) -> int:
     """`sandbox study merge`."""
     from sandbox.study.record.folder import StudyFolder
-    from sandbox.study.share.export_log import remember_copy
+    from sandbox.study.share.export_log import log_copy
     from sandbox.study.share.merge import merge as join
 
     sites = [StudyFolder.at(options.first), StudyFolder.at(options.second)]
@@ -248,9 +248,9 @@ def merge(options: MergeOptions, console: Console) -> int:
     merged = join(sites[0], sites[1], options.out, options.force_different)
     for study in sites:
         ppids = [p.ppid for p in study.participants()]
-        remember_copy(study, "merge", options.out, ppids)
+        log_copy(study, "merge", options.out, ppids)
         # Who withdraws from the merged study is still in the folders that it came from.
-        remember_copy(StudyFolder.at(options.out), "site", study.path, ppids)
+        log_copy(StudyFolder.at(options.out), "site", study.path, ppids)
     console.print(
         f"{escape(str(options.out))}: {merged.people} participants; sites.csv says who "
         "comes from where"

@@ -13,6 +13,7 @@ from sandbox.study.design.design import Design
 COMPUTES = ("models", "encoders", "tasks", "sandbox", "sandbox/devices", "sandbox/study")
 """Folders whose modules take part in a trial; views, servers and commands do not."""
 SHALLOW = ("sandbox", "sandbox/devices", "sandbox/study")
+"""Folders of which only the direct files count, without subfolders."""
 LIBRARIES = ("hand-sandbox", "mujoco", "numpy", "scipy", "python")
 
 
@@ -29,7 +30,7 @@ def code_digest() -> str:
 
 
 def build_of(design: Design) -> dict[str, Any]:
-    """Versions, the program's digest and those of all encoders in a design."""
+    """Versions of libraries, and digests of the program, of all encoders of a design, and of it."""
     from sandbox.recording.versions import versions
     from sandbox.trial.assembly import digests
 
@@ -47,7 +48,7 @@ def build_of(design: Design) -> dict[str, Any]:
 
 
 def changes(locked: dict[str, Any], here: dict[str, Any]) -> list[str]:
-    """Differences in words."""
+    """Names of the parts that differ between two builds, with their values."""
     differences = []
     for name in sorted(set(locked) | set(here)):
         if locked.get(name) != here.get(name):

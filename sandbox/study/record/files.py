@@ -1,12 +1,14 @@
-"""Files that are never half there: locks, atomic writes, and what else must not go wrong."""
+"""Atomic writes, durable writes and locks of files."""
 
 from __future__ import annotations
 
 import fcntl
+import json
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 from models.errors import StudyError
 
@@ -15,12 +17,12 @@ TEMPORARY = ".tmp-"
 
 
 def study_error(error: OSError, path: Path, what: str) -> StudyError:
-    """An error of the system as one of ours."""
+    """Converts an error of the operating system to a `StudyError`."""
     return StudyError(
         what,
         where=str(path),
         got=error.strerror,
-        remedy="Make room, or allow writing; everything written before is safe",
+        remedy="Free disk space or give write permission; everything written before is safe",
     )
 
 
@@ -36,7 +38,7 @@ def write_atomically(path: Path, data: bytes, durable: bool = True) -> bool:
         True if the content changed.
 
     Raises:
-        StudyError: It cannot be written; the older file is still there.
+        StudyError: The file cannot be written; its older version is still there.
     """
     temporary = path.with_name(f"{TEMPORARY}{os.getpid()}-{path.name}")
     try:
@@ -57,7 +59,7 @@ def write_atomically(path: Path, data: bytes, durable: bool = True) -> bool:
 
 
 def sync_folder(folder: Path) -> None:
-    """Makes new names in a folder survive a power cut."""
+    """Flushes new names in a folder to the disk, so that they survive a power cut."""
     fd = os.open(folder, os.O_RDONLY)
     try:
         os.fsync(fd)
@@ -66,7 +68,7 @@ def sync_folder(folder: Path) -> None:
 
 
 def sync_file(path: Path) -> None:
-    """Makes what was written to a file survive a power cut."""
+    """Flushes a file to the disk, so that its content survives a power cut."""
     fd = os.open(path, os.O_RDONLY)
     try:
         os.fsync(fd)
@@ -75,45 +77,45 @@ def sync_file(path: Path) -> None:
 
 
 def remove_unfinished(folder: Path) -> None:
-    """Removes what a killed program left unfinished; to be called under the folder's lock."""
+    """Removes unfinished files of a killed program; the caller must hold the folder's lock."""
     for path in folder.glob(f"{TEMPORARY}*"):
         _remove(path)
 
 
 def _remove(path: Path) -> None:
-    # One that stays is in nobody's way: the next write takes another name, or writes over it.
+    # A file that stays does no harm: the next write uses another name, or overwrites it.
     with suppress(OSError):
         path.unlink(missing_ok=True)
 
 
 def make_folder(path: Path) -> None:
-    """A folder, with those above it.
+    """Creates a folder and its parents; an existing folder is left as it is.
 
     Raises:
-        StudyError: It cannot be made.
+        StudyError: It cannot be created.
     """
     try:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise study_error(error, path, "the folder cannot be made") from None
+        raise study_error(error, path, "the folder cannot be created") from None
 
 
 @contextmanager
 def locked(path: Path, wait: bool, what: str = "") -> Iterator[None]:
-    """Holds a lock that ends with the program, however that ends.
+    """Holds a lock, which the system releases if the program ends in any way.
 
     Args:
-        path: Path of the lock's file.
+        path: Path of the lock file.
         wait: True waits until others release it; False raises an error.
         what: Name of the locked resource, for the message.
 
     Raises:
-        StudyError: Another program holds it, or the file cannot be made.
+        StudyError: Another program holds the lock, or the file cannot be created.
     """
     try:
         fd = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
     except OSError as error:
-        raise study_error(error, path, "the lock cannot be made") from None
+        raise study_error(error, path, "the lock file cannot be created") from None
     try:
         try:
             fcntl.flock(fd, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
@@ -123,16 +125,21 @@ def locked(path: Path, wait: bool, what: str = "") -> Iterator[None]:
                 f"{what} is in use by another program",
                 where=str(path.parent),
                 got=holder or None,
-                remedy="End that one first",
+                remedy="End that program first",
             ) from None
-        _sign(fd)
+        _write_holder(fd)
         yield
     finally:
         os.close(fd)
 
 
-def _sign(fd: int) -> None:
-    """Says who holds a lock, for the message that others get; a full disk does not matter here."""
+def json_bytes(value: Any) -> bytes:
+    """A JSON value as the content of a file."""
+    return json.dumps(value, indent=1, ensure_ascii=False).encode() + b"\n"
+
+
+def _write_holder(fd: int) -> None:
+    """Writes process and host into the lock file, for the message of others; errors are ignored."""
     with suppress(OSError):
         os.ftruncate(fd, 0)
         os.pwrite(fd, f"process {os.getpid()} on {os.uname().nodename}\n".encode(), 0)

@@ -1,16 +1,16 @@
-"""The folder of a study: who takes part, and what it is locked to.
+"""The folder of a study: its participants, and the program and design that it is locked to.
 
-OUT/EXPERIMENT/            real data; EXPERIMENT-pilot and EXPERIMENT-simulated are others
-  study.json               what the study is locked to
-  study.jsonl              journal: participants, upgrades
-  design.toml              as it is locked
-  participants.csv  trial_results.csv  questionnaires.csv  codebook.csv     (derived)
-  PPID/S001/               a session, laid out as UXF's users know it
+OUT/EXPERIMENT/            real data; pilot data are in EXPERIMENT-pilot, simulated data in
+                           EXPERIMENT-simulated
+  study.json               versions of program, encoders and design that the study is locked to
+  study.jsonl              journal of the study: participants, upgrades
+  design.toml              the locked design
+  participants.csv  trial_results.csv  questionnaires.csv  codebook.csv     (derived tables)
+  PPID/S001/               a session, with the layout of UXF (Unity Experiment Framework)
 """
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -25,6 +25,7 @@ from models.json_input import check_layout, checked, decoded_record
 from sandbox.study.design.design import Design
 from sandbox.study.record.build import build_of, changes
 from sandbox.study.record.files import (
+    json_bytes,
     locked,
     make_folder,
     remove_unfinished,
@@ -38,8 +39,8 @@ SCHEMA = 1
 """Version of the folder's layout."""
 
 REAL, PILOT, SIMULATED = "real", "pilot", "simulated"
-"""Kinds of data in a folder. Each kind has its own folder, is named in every row, and is never
-opened as another kind."""
+"""Kinds of data. Each kind has its own folder and is named in every row of the tables; a folder is
+never opened as another kind."""
 
 
 @dataclass(frozen=True)
@@ -48,8 +49,8 @@ class Participant:
 
     Attributes:
         ppid: Pseudonym.
-        number: 0, 1, ..., which determines orders.
-        hand, hand_size: The touching hand, and its length relative to the trained one.
+        number: 0, 1, ... in order of arrival; it determines the orders of levels.
+        hand, hand_size: The participant's hand, and its length relative to the trained hand.
         language: Language of the texts.
         user: The simulated user's configuration; None for a person.
     """
@@ -78,12 +79,12 @@ class StudyFolder:
         out: Folder of all studies.
         design: Design of this study.
         mode: `REAL`, `PILOT` or `SIMULATED`.
-        upgrade: Reason to continue with another program, encoder or design than at the beginning;
+        upgrade: Reason to continue with another program, encoder or design than the locked one;
             empty refuses such a change.
 
     Raises:
-        StudyError: It is locked to another program, encoder or design, has another mode, or cannot
-            be written.
+        StudyError: The folder is locked to another program, encoder or design, has another mode,
+            or cannot be written.
     """
 
     def __init__(self, out: Path, design: Design, mode: str, upgrade: str = "") -> None:
@@ -98,29 +99,30 @@ class StudyFolder:
 
     @classmethod
     def at(cls, path: Path) -> StudyFolder:
-        """Opens an existing study for reading, maintenance and tables, with any version of the
-        program.
+        """Opens an existing study to read it, maintain it or build its tables.
+
+        The version of the program does not matter.
 
         Raises:
-            StudyError: It is not a folder of a study, or its design cannot be read.
+            StudyError: The path is not a study folder, or the design cannot be read.
         """
         from sandbox.study.design.design_file import load_design
 
         if not (path / "study.json").is_file():
             raise StudyError(
-                "not a folder of a study",
+                "not a study folder",
                 where=str(path),
-                expected="a folder with study.json, such as studies/NAME",
+                expected="a folder that contains study.json, such as studies/NAME",
             )
         folder = cls.__new__(cls)
-        folder._about = read_about(path / "study.json")
+        folder._about = read_study_json(path / "study.json")
         folder.path, folder.mode = path, str(folder._about["mode"])
         folder.design = load_design(path / "design.toml", try_out=False)
         return folder
 
     @property
     def about(self) -> dict[str, Any]:
-        """`study.json`."""
+        """Content of `study.json`."""
         return dict(self._about)
 
     @property
@@ -130,25 +132,25 @@ class StudyFolder:
 
     @property
     def build(self) -> dict[str, Any]:
-        """Program, encoders and design to which the study is locked."""
+        """Program, encoders and design that the study is locked to."""
         return dict(self._about["build"])
 
     @contextmanager
     def lock(self) -> Iterator[None]:
-        """Nobody else changes the study's own files; others' sessions go on."""
+        """Locks the files of the study itself; sessions of other participants continue."""
         with locked(self.path / ".lock", wait=True, what="the study"):
             yield
 
     def participants(self) -> list[Participant]:
-        """Everybody so far, in order of arrival."""
+        """All participants so far, in order of arrival."""
         path = self.path / "study.jsonl"
         return participants_of(read_journal(path)) if path.exists() else []
 
     def find(self, ppid: str) -> Participant:
-        """A participant.
+        """Finds a participant by pseudonym.
 
         Raises:
-            StudyError: There is none of that name.
+            StudyError: The participant does not exist.
         """
         known = self.participants()
         participant = next((p for p in known if p.ppid == ppid), None)
@@ -158,15 +160,16 @@ class StudyFolder:
                 where=str(self.path),
                 got=ppid,
                 expected=", ".join(p.ppid for p in known[-8:]) or "new",
-                remedy="`--participant new` makes one",
+                remedy="`--participant new` adds a participant",
             )
         return participant
 
     def add(self, number: int | None = None, **about: Any) -> Participant:
-        """Adds a participant with the first free number, or with a given one.
+        """Adds a participant.
 
         Args:
-            number: The given number; if it is in use, its participant is returned.
+            number: Number of the participant; if it is in use, its participant is returned. None
+                uses the first free number.
             about: Further attributes of `Participant`.
         """
         with self.lock(), self._journal() as journal:
@@ -186,7 +189,7 @@ class StudyFolder:
             return person
 
     def release(self, ppid: str, reason: str) -> None:
-        """Gives a participant's number, and with it their orders, to the next newcomer."""
+        """Frees a participant's number, so that the next new participant gets it and its orders."""
         with self.lock(), self._journal() as journal:
             journal.append("released", durable=True, ppid=ppid, reason=reason)
 
@@ -209,25 +212,27 @@ class StudyFolder:
                 "created": now(),
                 "build": build,
             }
-            write_atomically(path, _json(self._about))
+            write_atomically(path, json_bytes(self._about))
             return
-        self._about = read_about(path)
+        self._about = read_study_json(path)
         if self._about["mode"] != self.mode:
             raise StudyError(
                 f"this folder holds {self._about['mode']} data",
                 where=str(self.path),
                 got=self.mode,
-                remedy="Give another folder with --out",
+                remedy="Choose another folder with --out",
             )
         different = changes(self._about["build"], build)
         if not different:
             return
         if not upgrade:
             raise StudyError(
-                "the study is locked to what it began with, and this is not that",
+                "the study is locked to the program, encoders and design that it began with, and "
+                "these differ now",
                 where=str(self.path),
                 got=", ".join(different),
-                remedy='Go back to that, or go on with --force-upgrade "REASON", which is logged',
+                remedy='Restore the locked ones, or continue with --force-upgrade "REASON", which '
+                "is logged",
             )
         with self._journal() as journal:
             journal.append(
@@ -239,11 +244,11 @@ class StudyFolder:
                 after=build,
             )
         self._about = {**self._about, "build": build}
-        write_atomically(path, _json(self._about))
+        write_atomically(path, json_bytes(self._about))
 
 
 def write_design(folder: Path, design: Design) -> None:
-    """Puts a design, and the questionnaires' files that belong to it, into a study's folder."""
+    """Writes a design and the files of its questionnaires into a study folder."""
     write_atomically(folder / "design.toml", design.text.encode())
     for form in design.questionnaires:
         if form.source:
@@ -252,7 +257,7 @@ def write_design(folder: Path, design: Design) -> None:
 
 
 def folder_of(out: Path, name: str, mode: str) -> Path:
-    """Folder of a study's data of one kind."""
+    """Path of the folder of a study's data of one kind."""
     return out / (name if mode == REAL else f"{name}-{mode}")
 
 
@@ -271,23 +276,19 @@ def participants_of(records: list[Record]) -> list[Participant]:
     ]
 
 
-def read_about(path: Path) -> dict[str, Any]:
-    """`study.json`.
+def read_study_json(path: Path) -> dict[str, Any]:
+    """Reads `study.json`.
 
     Raises:
-        StudyError: It cannot be read, or another version wrote it.
+        StudyError: The file cannot be read, or another version of the program wrote it.
     """
     try:
         data = path.read_bytes()
     except OSError as error:
         raise study_error(error, path, "the study cannot be read") from None
     what, where = "the study cannot be read", str(path)
-    remedy = "Take this file back from a backup"
+    remedy = "Restore this file from a backup"
     check_layout(data, None, SCHEMA, StudyError, what=what, where=where, remedy=remedy)
     about = decoded_record(data, StudyError, what=what, where=where, remedy=remedy)
     checked(about, _StudyFile, StudyError, what=what, where=where, remedy=remedy)
     return about
-
-
-def _json(value: Any) -> bytes:
-    return json.dumps(value, indent=1, ensure_ascii=False).encode() + b"\n"

@@ -1,7 +1,7 @@
-"""The journal: append-only JSON lines, one write per record, the only truth of a session.
+"""The journal of a session or study: append-only JSON lines, from which all else is derived.
 
-A written record is safe from the program's end at once, and from a power cut within `SYNC` seconds,
-or at once if it reports that something is finished.
+Each record is one write. A written record survives the end of the program at once. It survives a
+power cut after at most `SYNC` seconds; a durable record does so at once.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import os
 import stat
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -22,7 +22,7 @@ from sandbox.study.record.files import study_error, sync_folder
 from sandbox.study.record.record_forms import FORMS, RecordHead
 
 SYNC = 0.5
-"""s between two moments at which everything written so far is put on the disk."""
+"""s between two flushes of written data to the disk."""
 
 SCHEMA = 1
 """Version of the records."""
@@ -31,23 +31,23 @@ Record = dict[str, Any]
 
 
 def now() -> str:
-    """The time of day, UTC, in the format of records."""
+    """The current time, UTC, in the format of records."""
     return datetime.now(UTC).isoformat(timespec="milliseconds")
 
 
 class Journal:
-    """Appends records to a file; the owner must hold the session's lock.
+    """Appends records to a file; the caller must hold the lock of the session.
 
-    A half written line of a killed program is cut off on opening, and the cut is recorded.
+    Opening the journal cuts off a half-written last line of a killed program, and records the cut.
 
     Args:
-        path: Path of the file, which is created if needed.
+        path: Path of the file, which is created if it does not exist.
 
     Attributes:
         records: All records, in order.
 
     Raises:
-        StudyError: It cannot be opened, or is not a journal.
+        StudyError: The file cannot be opened, or is not a journal.
     """
 
     def __init__(self, path: Path) -> None:
@@ -78,11 +78,11 @@ class Journal:
         Args:
             kind: Kind of the record.
             durable: True ensures that it is on the disk when this returns.
-            values: JSON values.
+            values: Fields of the record, as JSON values.
 
         Raises:
-            StudyError: It cannot be written, and the journal is unchanged; or, for a durable
-                record, it was written but may not be on the disk.
+            StudyError: The record cannot be written, and the journal is unchanged; or a durable
+                record was written but may not be on the disk.
         """
         record = {
             "n": len(self.records),
@@ -91,9 +91,8 @@ class Journal:
             "kind": kind,
             **values,
         }
-        data = json.dumps(record, separators=(",", ":"), ensure_ascii=False).encode() + b"\n"
         try:
-            self._write(data)
+            self._write(journal_bytes([record]))
             self.records.append(record)
             if durable:
                 os.fsync(self._fd)
@@ -102,7 +101,7 @@ class Journal:
         return record
 
     def sync(self) -> None:
-        """Puts everything on the disk."""
+        """Flushes the file to the disk."""
         os.fdatasync(self._fd)
 
     def close(self) -> None:
@@ -112,7 +111,7 @@ class Journal:
             self._fd = -1
 
     def _write(self, data: bytes) -> None:
-        """One write; a full disk takes a part of it, and the next one says why."""
+        """Writes all bytes; if a full disk takes only a part of them, that part is removed."""
         written = 0
         try:
             while written < len(data):
@@ -123,8 +122,8 @@ class Journal:
             raise
 
     def _take_back(self, written: int) -> None:
-        """Removes a half-written line; where that fails, nothing more is written, and the next
-        opening removes it."""
+        """Removes a half-written line. If that fails, the journal is closed, and the next opening
+        removes the line."""
         try:
             os.ftruncate(self._fd, os.fstat(self._fd).st_size - written)
         except OSError:
@@ -133,10 +132,13 @@ class Journal:
 
 
 def parse_records(data: bytes, path: Path) -> tuple[list[Record], int]:
-    """Records of a journal, and how many bytes of it are sound: the rest is a torn last line.
+    """Parses a journal.
+
+    Returns:
+        The records, and the number of valid bytes; the rest is a half-written last line.
 
     Raises:
-        StudyError: Something before the last line is damaged: no crash does that.
+        StudyError: A line before the last one is damaged, which no crash of the program causes.
     """
     records: list[Record] = []
     sound = 0
@@ -155,12 +157,12 @@ def parse_records(data: bytes, path: Path) -> tuple[list[Record], int]:
 
 
 def _record(line: bytes, n: int, where: str) -> Record:
-    """A record of which `n` come before it.
+    """Parses and checks the record number `n`, counted from 0.
 
     Raises:
-        StudyError: It is damaged, or another one should stand here.
+        StudyError: The record is damaged, or has another number.
     """
-    what, remedy = "the journal is damaged", "Take it back from a backup; nothing was changed"
+    what, remedy = "the journal is damaged", "Restore it from a backup; nothing was changed"
     record = decoded_record(line, StudyError, what=what, where=where, remedy=remedy)
     head = checked(record, RecordHead, StudyError, what=what, where=where, remedy=remedy)
     if head.n != n:
@@ -177,10 +179,10 @@ def _record(line: bytes, n: int, where: str) -> Record:
 
 
 def read_journal(path: Path) -> list[Record]:
-    """Reads the records of a journal that another program may be writing; skips a torn last line.
+    """Reads a journal, which another program may be writing; ignores a half-written last line.
 
     Raises:
-        StudyError: It cannot be read, or is damaged.
+        StudyError: The journal cannot be read, or is damaged.
     """
     try:
         data = path.read_bytes()
@@ -191,12 +193,22 @@ def read_journal(path: Path) -> list[Record]:
     return parse_records(data, path)[0]
 
 
+def journal_bytes(records: Iterable[Record]) -> bytes:
+    """Lines of a journal."""
+    return b"".join(
+        json.dumps(record, separators=(",", ":"), ensure_ascii=False).encode() + b"\n"
+        for record in records
+    )
+
+
 class SyncThread:
-    """Puts files on the disk every half second, from a thread of its own.
+    """A thread that flushes files to the disk every `SYNC` seconds.
+
+    The system reports lost data only once, and later flushes succeed. The first error is therefore
+    kept, and raised by `check`.
 
     Args:
-        sync: Puts them there. Its errors must be reported at once: the system reports lost pages
-            only once, and later calls succeed.
+        sync: Flushes the files.
     """
 
     def __init__(self, sync: Callable[[], None]) -> None:
@@ -207,10 +219,10 @@ class SyncThread:
         self._thread.start()
 
     def check(self) -> None:
-        """Says what could not be put on the disk.
+        """Raises the error of an earlier flush, if there was one.
 
         Raises:
-            OSError: At some moment since the beginning, something could not.
+            OSError: A flush has failed since the thread was started.
         """
         if self._error is not None:
             raise self._error

@@ -1,4 +1,4 @@
-"""Compresses the recordings of finished trials without loss, even on failures."""
+"""Compresses recordings of finished trials; a failure or kill loses no data."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from sandbox.study.record.files import study_error, sync_folder, write_atomicall
 
 
 def pack(recording: Path) -> Path:
-    """Puts a compressed file in the place of a finished trial's recording.
+    """Replaces the recording of a finished trial by a compressed file.
 
-    The compressed file is on the disk, and was read back, before the other one goes. A kill in
-    between leaves both, which are the same; packing again removes one.
+    The compressed file is on the disk and has been read back before the other file is deleted. A
+    kill in between leaves both, with the same content; another call deletes the first one.
 
     Args:
-        recording: By its own name, without `.gz`; where only the compressed one is left, there is
-            nothing to do.
+        recording: Path of the recording without `.gz`. Nothing is done if only the compressed file
+            exists.
 
     Returns:
         The compressed file.
 
     Raises:
-        StudyError: It cannot be written; the recording is as it was.
+        StudyError: The compressed file cannot be written; the recording is unchanged.
     """
     target = recording.with_name(recording.name + SUFFIX)
     try:
@@ -38,9 +38,9 @@ def pack(recording: Path) -> Path:
         if stored.data != data or not stored.whole:
             target.unlink()
             raise StudyError(
-                "what is read is not what was written",
+                "the file that was read back differs from what was written",
                 where=str(target),
-                remedy="Do not trust this disk; nothing is lost yet",
+                remedy="Stop using this disk; the uncompressed recording is still there",
             )
         recording.unlink()
         sync_folder(recording.parent)

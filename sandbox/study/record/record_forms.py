@@ -1,6 +1,6 @@
-"""Fields that the records of journals must have, by kind.
+"""Required fields of the records of journals, by kind.
 
-A record may have more fields, and kinds that are not listed here are read as they are.
+A record may have more fields. Kinds that are not listed here are read without a check.
 """
 
 from __future__ import annotations
@@ -43,14 +43,14 @@ class _Repeat(_Skip):
 
 
 class _Exclude(Struct):
-    """A trial, or without one the participant, is left out."""
+    """A trial is excluded; without a trial number, the participant."""
 
     reason: str | None
     trial: int | None = None
 
 
 class _Draft(_Step):
-    """An item of a form that is not finished."""
+    """An answer in a form that is not finished."""
 
     item: str
     answer: Any

@@ -1,4 +1,4 @@
-"""The folder of one session: its journal, its recordings, and what is derived from them."""
+"""The folder of one session: its journal, its recordings and its tables."""
 
 from __future__ import annotations
 
@@ -31,15 +31,15 @@ from sandbox.study.record.state import Attempt, SessionState
 from sandbox.study.record.stored_sessions import JOURNAL, session_path, sessions_of
 from sandbox.trial.result import KeptIn, TrialResult
 
-TOLD = ("n", "step", "trial", "attempt", "practice", "form", "block", "levels")
-"""Fields of a record that are sent to other instruments."""
+SENT = ("n", "step", "trial", "attempt", "practice", "form", "block", "levels")
+"""Fields of a record that are sent over LSL to other instruments."""
 
 
 class SessionFolder(Closeable):
-    """A participant's session, opened exclusively for writing.
+    """A session of a participant, opened for writing by this program only.
 
-    Opening repairs the effects of a kill or a power cut: a torn last line is cut off, a trial with
-    a complete recording is added, an interrupted one is marked as such.
+    Opening it repairs the effects of a kill or a power cut: a half-written last line is cut off, a
+    trial with a complete recording is added, and an interrupted trial is marked.
 
     Args:
         study: The study.
@@ -48,12 +48,13 @@ class SessionFolder(Closeable):
 
     Attributes:
         path: Path of the folder.
-        steps: The whole plan.
-        state: State that follows from the journal.
+        steps: All steps of the plan.
+        state: State of the session according to the journal.
+        resumed: True if the session had begun before.
 
     Raises:
-        StudyError: Another program has it open, it belongs to another study, or an earlier session
-            is not complete.
+        StudyError: Another program has the session open, it belongs to another study, or an
+            earlier session is not complete.
     """
 
     def __init__(self, study: StudyFolder, person: Participant, number: int = 1) -> None:
@@ -108,32 +109,32 @@ class SessionFolder(Closeable):
         self._closing.callback(self._syncing.close)
 
     def write(self, kind: str, durable: bool = False, **values: Any) -> Record:
-        """Writes a record and takes it in.
+        """Writes a record and updates the state.
 
         Raises:
-            StudyError: It cannot be written, and is not taken in either.
+            StudyError: The record cannot be written; the state is unchanged.
         """
         if durable and self._syncing is not None:
             try:
                 self._syncing.check()
             except OSError as error:
                 raise study_error(
-                    error, self.path, "the disk did not take what was written before"
+                    error, self.path, "earlier data could not be written to the disk"
                 ) from None
         record = self.journal.append(kind, durable, **values)
         self.state.take(record)
-        # Other instruments hear what happens, and nothing that anybody has said.
-        tell(f"journal_{kind}", {name: record[name] for name in TOLD if name in record})
+        # Other instruments get the events, but no answers and no texts of the experimenter.
+        tell(f"journal_{kind}", {name: record[name] for name in SENT if name in record})
         return record
 
     def begin(self, trial: TrialStep) -> Path:
-        """Writes that an attempt begins.
+        """Records the start of an attempt.
 
         Returns:
-            Where its recording goes: a file that does not exist.
+            Path of its recording, which does not exist yet.
         """
         attempt = len(self.state.attempts.get(trial.number, [])) + 1
-        file = self._free(trial.number, attempt)
+        file = self._new_file(trial.number, attempt)
         self.write(
             "trial_start",
             step=trial.id,
@@ -152,16 +153,16 @@ class SessionFolder(Closeable):
         return self._recording
 
     def finish(self, trial: TrialStep, result: TrialResult) -> None:
-        """Commits an attempt: its recording is on the disk before the journal says so.
+        """Records the end of an attempt, after its recording has been flushed to the disk.
 
         Raises:
-            StudyError: It cannot be written.
+            StudyError: The record cannot be written.
         """
         attempt = self.state.attempts[trial.number][-1]
         self._commit(attempt, result, adopted=False)
 
     def break_off(self, trial: TrialStep, why: str) -> None:
-        """Writes that an attempt was broken off."""
+        """Records that an attempt was broken off."""
         start = self.state.attempts[trial.number][-1].start
         self._recording = None
         self.write(
@@ -174,13 +175,13 @@ class SessionFolder(Closeable):
         )
 
     def close(self) -> None:
-        """Lets others open it."""
+        """Closes the session, so that other programs can open it."""
         self._closing.close()
 
-    def _free(self, trial: int, attempt: int) -> str:
-        """A recording's name that nothing has yet.
+    def _new_file(self, trial: int, attempt: int) -> str:
+        """Name of a recording that does not exist yet.
 
-        A power cut may have taken the record of an attempt, and left its recording.
+        A recording may exist without a record of its attempt, which a power cut has lost.
         """
         name = (
             f"trials/T{trial:03d}.jsonl"
@@ -199,7 +200,7 @@ class SessionFolder(Closeable):
             sync_file(path)
             sync_folder(path.parent)
         except OSError as error:
-            raise study_error(error, path, "the recording cannot be kept") from None
+            raise study_error(error, path, "the recording cannot be flushed to the disk") from None
         self._recording = None
         more = {"adopted": True} if adopted else {}
         self.write(
@@ -214,15 +215,15 @@ class SessionFolder(Closeable):
         )
 
     def _check_turn(self) -> None:
-        """Refuses a session that the design does not know, or whose forerunner is not finished."""
+        """Raises an error if the design lacks this session, or an earlier session is unfinished."""
         planned = self.study.design.sessions
         if not 1 <= self.number <= planned:
-            times = "once" if planned == 1 else f"{planned} times"
             raise StudyError(
-                f"by the design everybody comes {times}",
+                "the design has no session of this number",
                 where="--session",
                 got=self.number,
-                remedy="`sessions` in the design says how often",
+                expected="1" if planned == 1 else f"1 to {planned}",
+                remedy="`sessions` in the design sets their number",
             )
         if self.number == 1:
             return
@@ -233,12 +234,12 @@ class SessionFolder(Closeable):
                 f"session {missing} comes first, and is not finished",
                 where=f"participant {self.person.ppid}",
                 got=f"session {self.number}",
-                remedy=f"Go on with --session {missing}; there the key s skips what "
-                "will not be done",
+                remedy=f"Continue with --session {missing}; the key s skips steps that will not be "
+                "done",
             )
 
     def _check(self) -> None:
-        """Refuses a folder that is another study's, such as one copied in from a pilot."""
+        """Raises an error for a folder of another study, such as one copied from a pilot."""
         start = self.state.start
         mine = {
             "study": self.study.id,
@@ -249,31 +250,31 @@ class SessionFolder(Closeable):
         wrong = [name for name, value in mine.items() if start.get(name) != value]
         if wrong:
             raise StudyError(
-                "this session belongs to another study, participant or time",
+                "this folder belongs to another study, participant or session",
                 where=str(self.path),
                 got=", ".join(f"{n} {start.get(n)}" for n in wrong),
                 expected=", ".join(f"{n} {mine[n]}" for n in wrong),
-                remedy="Put it back where it came from",
+                remedy="Move it back to its own study",
             )
 
     def _check_plan(self) -> None:
-        """Raises an error if the plan differs from that of the existing trials.
+        """Raises an error if existing trials were run by another plan.
 
-        A design that was changed by force gives every participant another plan.
+        This happens if the design was changed with --force-upgrade.
         """
         planned = {t.number: t for t in trials_of(self.steps)}
         for trial, attempts in self.state.attempts.items():
             start, plan = attempts[-1].start, planned.get(trial)
             if plan is None or (plan.seed, plan.levels) != (start["seed"], start["levels"]):
                 raise StudyError(
-                    "this session was begun by another plan, since the design changed",
+                    "this session began with another plan, since the design has changed",
                     where=f"{self.path}, trial {trial}",
-                    remedy="Finish it with the design that it began with, or leave "
-                    "it as it is and take a new participant",
+                    remedy="Finish it with its original design, or leave it as it is and add a new "
+                    "participant",
                 )
 
     def _recover(self) -> None:
-        """Adds, or marks as interrupted, the attempt that was running when the program ended."""
+        """Adds the attempt that ran when the program was killed, or marks it as interrupted."""
         attempt = self.state.open_attempt()
         broken = {
             (r["trial"], r["attempt"]) for r in self.journal.records if r["kind"] == "trial_broken"
@@ -296,7 +297,7 @@ class SessionFolder(Closeable):
 
     def _sync(self) -> None:
         self.journal.sync()
-        # One read: the session's thread may end the trial meanwhile, and compress its recording.
+        # Read once: the session's thread may end the trial and compress its recording meanwhile.
         recording = self._recording
         if recording is not None:
             with suppress(FileNotFoundError):
@@ -304,14 +305,14 @@ class SessionFolder(Closeable):
 
 
 def finished_result(path: Path) -> TrialResult | None:
-    """The result at the end of a recording; None if it is incomplete or marked as not counting."""
+    """Result at the end of a recording; None if it is incomplete or was broken off."""
     file = stored(path)
-    if not file.exists() or (file == path and not _ends(path)):
+    if not file.exists() or (file == path and not _may_be_complete(path)):
         return None
     try:
         recording = load_recording(path)
     except RecordingError:
-        # Killed before its first line was whole.
+        # The program was killed before the first line was complete.
         return None
     if recording.damage or recording.end is None or recording.end["result"].get("broken_off"):
         return None
@@ -324,8 +325,8 @@ class _LastLine(Struct):
     kind: str = ""
 
 
-def _ends(path: Path) -> bool:
-    """True if the last line is complete and an end line; reads only the last bytes."""
+def _may_be_complete(path: Path) -> bool:
+    """Returns False if the last line is half written or not an end line; reads 64 KiB at most."""
     with path.open("rb") as file:
         file.seek(max(0, os.fstat(file.fileno()).st_size - 65_536))
         tail = file.read()
@@ -340,6 +341,6 @@ def _ends(path: Path) -> bool:
             where=str(path),
         )
     except RecordingError:
-        # It may be longer than what was looked at.
+        # The last line may be longer than the part that was read.
         return True
     return line.kind == "end"

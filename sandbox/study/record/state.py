@@ -1,4 +1,4 @@
-"""State of a session from its journal: finished steps, counted attempts, exclusions."""
+"""State of a session according to its journal: finished steps, counted attempts, exclusions."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ class Attempt:
 
     Attributes:
         start: Its `trial_start` record.
-        end: Its `trial_end` record; None where it was broken off.
-        set_aside: Why it does not count although it was finished; empty if it may.
+        end: Its `trial_end` record; None if it was broken off.
+        set_aside: Reason why the finished attempt does not count; empty if it may count.
     """
 
     start: Record
@@ -29,10 +29,10 @@ class Attempt:
 
     @property
     def result(self) -> TrialResult:
-        """The part of the trial's result that the journal keeps; only of a finished attempt.
+        """The result of a finished attempt, as far as the journal stores it.
 
         Raises:
-            RecordingError: The journal holds something else.
+            RecordingError: The stored result is damaged.
         """
         assert self.end is not None
         where = f"trial_end of trial {self.end['trial']}, attempt {self.end['attempt']}"
@@ -44,17 +44,17 @@ class SessionState:
     """State of a session according to its journal.
 
     Attributes:
-        start: The `session_start` record; empty before there is one.
+        start: The `session_start` record; empty before the session has begun.
         finished: Ids of finished or skipped steps.
         attempts: Attempts by trial number, in order.
-        skipped: Reasons by step.
-        excluded: Reasons by trial number.
-        excluded_participant: Reason; empty while the participant counts.
-        answers: Records of forms, in order; the last one of a step counts.
-        drafts: Unfinished answers to a form, by step.
-        consent: True if the participant agreed; None before the question.
-        calibration: Calibration of a hand over a Leap, as `sandbox paalm calibrate` writes it; None
-            for an average one.
+        skipped: Reasons for skipping, by step.
+        excluded: Reasons for exclusion, by trial number.
+        excluded_participant: Reason for excluding the participant; empty if not excluded.
+        answers: Records of completed forms by step, in order; the last one of a step counts.
+        drafts: Answers in unfinished forms, by step.
+        consent: True if the participant consented; None before the question.
+        calibration: Calibration of the hand over a Leap, in the format of `sandbox paalm
+            calibrate`; None uses an average hand.
         complete: True if the session reached its planned end.
     """
 
@@ -72,14 +72,14 @@ class SessionState:
 
     @classmethod
     def of(cls, records: Iterable[Record]) -> SessionState:
-        """The state after some records."""
+        """Computes the state after some records."""
         state = cls()
         for record in records:
             state.take(record)
         return state
 
     def take(self, record: Record) -> None:
-        """Takes in one more record; kinds that a later version added are passed over."""
+        """Updates the state by one record; kinds of later versions are ignored."""
         match record["kind"]:
             case "session_start":
                 self.start = record
@@ -107,21 +107,21 @@ class SessionState:
                 if self.consent:
                     self.finished.add(record["step"])
             case "calibration":
-                # An anonymous copy says only that there was one.
+                # In an anonymous copy, the record has no calibration.
                 self.calibration = record.get("calibration")
                 self.finished.add(record["step"])
             case "session_end":
                 self.complete = bool(record["complete"])
 
     def counted(self, trial: int) -> Attempt | None:
-        """The attempt of a trial that counts: the last finished one that was not set aside."""
+        """The counted attempt of a trial: the last finished one that was not set aside."""
         finished = [
             a for a in self.attempts.get(trial, []) if a.end is not None and not a.set_aside
         ]
         return finished[-1] if finished else None
 
     def open_attempt(self) -> Attempt | None:
-        """The last attempt, if it was neither finished nor broken off on purpose."""
+        """The last attempt, if it has no end."""
         started = [a for some in self.attempts.values() for a in some]
         last = max(started, key=lambda a: a.start["n"], default=None)
         return last if last and last.end is None else None
@@ -139,11 +139,11 @@ class SessionState:
         attempts = self.attempts.get(record["trial"], [])
         if not 1 <= record["attempt"] <= len(attempts):
             raise StudyError(
-                "the journal ends an attempt that it does not begin",
+                "the journal has the end of an attempt without its start",
                 where=f"record {record['n']}",
                 got=f"trial {record['trial']}, attempt {record['attempt']}",
                 expected=f"one of {len(attempts)} attempts",
-                remedy="Take the journal back from a backup",
+                remedy="Restore the journal from a backup",
             )
         return attempts[record["attempt"] - 1]
 

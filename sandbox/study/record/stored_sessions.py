@@ -13,19 +13,19 @@ from sandbox.study.record.state import SessionState
 
 JOURNAL = "journal.jsonl"
 SESSIONS = "S[0-9][0-9][0-9]"
-"""Pattern of the names of sessions' folders."""
+"""Pattern of the names of session folders."""
 
 
 @dataclass(frozen=True)
 class StoredSession:
-    """A session that was begun.
+    """A session that has begun.
 
     Attributes:
         person: The participant.
         number: Session number, from 1.
-        path: Its folder.
+        path: Folder of the session.
         records: Records of its journal.
-        state: State that follows from them.
+        state: State of the session according to the journal.
     """
 
     person: Participant
@@ -41,7 +41,7 @@ def session_path(study: Path, ppid: str, session: int = 1) -> Path:
 
 
 def session_folders(person: Path) -> list[Path]:
-    """Folders of all sessions of a participant, in order; none has to have begun."""
+    """Folders of all sessions of a participant, in order, also of sessions that have not begun."""
     return sorted(person.glob(SESSIONS))
 
 
@@ -62,7 +62,7 @@ def sessions_of(study: StudyFolder, person: Participant) -> list[StoredSession]:
 
 
 def all_sessions(study: StudyFolder) -> Iterator[tuple[Participant, list[StoredSession]]]:
-    """Everybody who has begun, in order of arrival, with their sessions.
+    """All participants who have begun, in order of arrival, with their sessions.
 
     Raises:
         StudyError: A journal is damaged.

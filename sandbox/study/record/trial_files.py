@@ -1,4 +1,4 @@
-"""Finds the recordings of a study's trials by what people call them: NAME/3B5G5T/S001/T007."""
+"""Finds recordings of a study by short names of trials, such as NAME/3B5G5T/S001/T007."""
 
 from __future__ import annotations
 
@@ -19,9 +19,10 @@ def find_recordings(name: str, out: Path) -> list[Path]:
     """Finds the recordings that a name refers to, in order.
 
     Args:
-        name: A file; or a trial of a study, such as `NAME/3B5G5T/S001/T007`, without the session
-            that of each session; or a study, a participant or a session: then all of its trials.
-        out: Folder of studies, for names that are not found from the current folder.
+        name: A file; or a trial such as `NAME/3B5G5T/S001/T007`, where a name without the session
+            means that trial of every session; or a study, participant or session, which means all
+            of its trials.
+        out: Folder of studies, for names that do not exist in the current folder.
 
     Raises:
         RecordingError: No recording has that name.
@@ -33,7 +34,7 @@ def find_recordings(name: str, out: Path) -> list[Path]:
         paths = _of_folder(base / path)
         if paths:
             return paths
-    # As much of the name as there is; no other folder than that of studies is anybody's business.
+    # The longest existing part of the name inside the folder of studies helps to find the mistake.
     near = next((p for p in (out / path).parents if p.is_relative_to(out) and p.is_dir()), None)
     kept = [p.name for p in near.iterdir() if p.is_dir() and p.name[0] != "."] if near else []
     raise RecordingError(
@@ -41,19 +42,19 @@ def find_recordings(name: str, out: Path) -> list[Path]:
         where=name,
         expected="a file, or a trial such as NAME/3B5G5T/S001/T007"
         + (f"; in {near} there are {', '.join(sorted(kept)[:6])}" if kept else ""),
-        remedy="Studies that are elsewhere are found with --out",
+        remedy="For studies in another folder, add --out",
     )
 
 
 def _of_folder(path: Path) -> list[Path]:
-    """The recordings of a trial or a folder of a study; none where it is neither."""
+    """Recordings of a trial, or of a folder of a study; empty if the path is neither."""
     if TRIAL.fullmatch(path.name):
         return [file for session in _sessions(path.parent) for file in _trial(session, path.name)]
     return [file for session in _sessions(path) for file in _all(session / TRIALS)]
 
 
 def _sessions(path: Path) -> list[Path]:
-    """Session folders: the one itself, those of a participant, or those of a study."""
+    """Session folders at a path, which may be a session, a participant or a study."""
     if path.name == TRIALS:
         path = path.parent
     if (path / TRIALS).is_dir():
@@ -62,7 +63,7 @@ def _sessions(path: Path) -> list[Path]:
 
 
 def _trial(session: Path, name: str) -> list[Path]:
-    """The attempt of a name; of several attempts of a trial, the one that counts."""
+    """Recording of a named attempt; for a name without attempt, the counted one."""
     exact = session / TRIALS / f"{name}.jsonl"
     journal = session / JOURNAL
     if "." not in name and journal.exists():

@@ -1,1 +1,1 @@
-"""Copies of a study: anonymous, as Motion-BIDS, backed up, merged; and withdrawal."""
+"""Copies of a study (anonymous, Motion-BIDS, backup, merged), and withdrawal of participants."""

@@ -1,7 +1,8 @@
-"""Backup of a study: one archive, read back and compared before it gets its name.
+"""Backup of a study: one archive, which is read back and compared before it gets its name.
 
-A backup may be made while sessions run. Journals are copied first: a trial that they call finished
-had its recording on the disk before, so the archive contains every trial of its journals.
+A backup may be made while sessions run. Journals are copied first. The recording of a trial is on
+the disk before the journal calls it finished, so the archive contains the recording of every
+finished trial of its journals.
 """
 
 from __future__ import annotations
@@ -24,14 +25,14 @@ from sandbox.study.record.journal import parse_records
 from sandbox.study.share.export_folder import refuse_existing
 
 SUMS = "SHA256SUMS"
-"""Name of the list of digests in an archive; `sha256sum --check` reads it, too."""
+"""Name of the list of digests in an archive, in the format of `sha256sum --check`."""
 
 Say = Callable[[str], object]
 
 
 @dataclass(frozen=True)
 class BackupContents:
-    """Content of a backup: numbers of participants, files, bytes and finished trials."""
+    """Content of a backup: pseudonyms, and numbers of files, bytes and finished trials."""
 
     ppids: tuple[str, ...]
     files: int
@@ -43,17 +44,17 @@ def back_up(study: StudyFolder, out: Path) -> BackupContents:
     """Writes a study into an archive, and reads it back.
 
     Args:
-        study: Whose.
-        out: The archive, .tar.gz; nothing may be there.
+        study: The study.
+        out: Path of the archive, .tar.gz, which must not exist.
 
     Raises:
-        StudyError: Something is there, it cannot be written, or what was read back is not what was
-            written; then no archive of that name is left.
+        StudyError: The path exists, the archive cannot be written, or its content differs when it
+            is read back. No archive is left then.
     """
     refuse_existing(out)
     if study.path.resolve() in out.resolve().parents:
         raise StudyError(
-            "a backup inside of what it is a backup of",
+            "the backup would be inside the study folder",
             where=str(out),
             remedy="Put it on another disk",
         )
@@ -74,10 +75,10 @@ def back_up(study: StudyFolder, out: Path) -> BackupContents:
 
 
 def check_backup(path: Path) -> BackupContents:
-    """Reads an archive whole: every file against its digest, every finished trial's recording.
+    """Reads a whole archive and checks all digests, and the recordings of all finished trials.
 
     Raises:
-        StudyError: It is damaged or incomplete, or no backup.
+        StudyError: The file is damaged, incomplete, or not a backup of a study.
     """
     sums, digests = "", {}
     journals: dict[str, bytes] = {}
@@ -95,7 +96,7 @@ def check_backup(path: Path) -> BackupContents:
                 size += len(data)
                 if inside.endswith("journal.jsonl"):
                     journals[inside] = data
-            # What comes after the last file is only read to be compared with gzip's own sum.
+            # Reading to the end makes gzip compare its own checksum.
             while archive.fileobj and archive.fileobj.read(1 << 20):
                 pass
     except (OSError, EOFError, tarfile.TarError, ValueError, zlib.error) as error:
@@ -103,7 +104,7 @@ def check_backup(path: Path) -> BackupContents:
             "the backup is damaged",
             where=str(path),
             got=str(error)[:120],
-            remedy="Make another one; the study itself is untouched",
+            remedy="Make another backup; the study itself is unchanged",
         ) from None
     listed = {line[66:]: line[:64] for line in sums.splitlines()}
     wrong = sorted(n for n in {*listed, *digests} if listed.get(n) != digests.get(n))
@@ -112,19 +113,19 @@ def check_backup(path: Path) -> BackupContents:
             "the backup is damaged" if listed else "not a backup of a study",
             where=str(path),
             got=", ".join(wrong[:5]) or None,
-            expected="every file as it is listed in " + SUMS,
+            expected=f"every file as listed in {SUMS}",
         )
     trials = sum(_finished(name, data, digests, path) for name, data in journals.items())
     ppids = tuple(sorted({PurePosixPath(name).parts[0] for name in journals}))
     return BackupContents(ppids, len(digests), size, trials)
 
 
-def _finished(name: str, data: bytes, found: dict[str, str], path: Path) -> int:
-    """Number of trials that a journal calls finished, after a check that their recordings exist."""
+def _finished(name: str, data: bytes, digests: dict[str, str], path: Path) -> int:
+    """Counts the finished trials of a journal, and checks that their recordings exist."""
     records, _ = parse_records(data, Path(name))
     ended = [r["file"] for r in records if r["kind"] == "trial_end"]
     here = PurePosixPath(name).parent
-    lost = [f for f in ended if not {str(here / f), str(here / (f + SUFFIX))} & found.keys()]
+    lost = [f for f in ended if not {str(here / f), str(here / (f + SUFFIX))} & digests.keys()]
     if lost:
         raise StudyError(
             "recordings of finished trials are missing", where=str(path), got=", ".join(lost[:5])
@@ -134,7 +135,7 @@ def _finished(name: str, data: bytes, found: dict[str, str], path: Path) -> int:
 
 def _write(folder: Path, work: Path) -> None:
     sums = []
-    # No time of day in the gzip header and plain owners: equal studies make equal archives.
+    # The archive has no times and no owners, so that equal studies give equal archives.
     with (
         work.open("wb") as file,
         gzip.GzipFile("", "wb", 6, file, mtime=0) as packed,
@@ -148,8 +149,8 @@ def _write(folder: Path, work: Path) -> None:
 
 def _contents(folder: Path) -> Iterator[tuple[str, bytes]]:
     """Names and contents of all files, journals first."""
-    # All journals are read before the first look at what else there is: a trial that ends meanwhile
-    # is in no journal here, and its recording does no harm.
+    # All journals are read before the folders are listed. A trial that ends meanwhile is missing
+    # from these journals, and its recording does no harm.
     journals = {
         path: path.read_bytes()
         for path in sorted((*folder.glob("*.jsonl"), *folder.glob("*/S*/journal.jsonl")))
@@ -157,21 +158,21 @@ def _contents(folder: Path) -> Iterator[tuple[str, bytes]]:
     for path, data in journals.items():
         yield path.relative_to(folder).as_posix(), data
     listed = sorted(path for path in folder.rglob("*") if not path.is_dir())
-    told = set(journals)
+    yielded = set(journals)
     for listing in listed:
         # A recording may have been compressed since it was listed.
         path = stored(listing)
         temporary = path.name == ".lock" or path.name.startswith(TEMPORARY)
-        if path in told or temporary or path.is_symlink() or not path.is_file():
+        if path in yielded or temporary or path.is_symlink() or not path.is_file():
             continue
-        told.add(path)
+        yielded.add(path)
         try:
             data = path.read_bytes()
         except FileNotFoundError:
             path = path.with_name(path.name + SUFFIX)
-            if path in told or not path.is_file():
+            if path in yielded or not path.is_file():
                 continue
-            told.add(path)
+            yielded.add(path)
             data = path.read_bytes()
         yield path.relative_to(folder).as_posix(), data
 

@@ -1,8 +1,8 @@
-"""A study as Motion-BIDS (Jeung et al., Scientific Data 2024; BIDS 1.9 and later).
+"""Export of a study as Motion-BIDS (Jeung et al., Scientific Data 2024; BIDS 1.9 and later).
 
-One run for every counted trial except practice: the commanded pose of the hand and the poses of all
-objects at 62.5 Hz, as in the study's 60 Hz tables, and an event for the trial and for every touch.
-Rotations are quaternions, those of joints relative to the previous bone.
+Each counted trial except practice is one run. It has the commanded pose of the hand and the poses
+of all objects at 62.5 Hz, as in the study's 60 Hz tables, and an event for the trial and for every
+touch. Rotations are quaternions; those of joints are relative to the previous bone.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ Say = Callable[[str], object]
 
 @dataclass(frozen=True)
 class Channel:
-    """A column of a motion file; see the BIDS specification for the words."""
+    """A column of a motion file; the BIDS specification defines the attributes."""
 
     name: str
     component: str
@@ -62,7 +62,7 @@ def export_bids(study: StudyFolder, out: Path, say: Say) -> int:
         Number of runs written.
 
     Raises:
-        StudyError: A table is missing or there is nothing to write, or it cannot be written.
+        StudyError: A table is missing, there are no trials, or a file cannot be written.
     """
     people: list[Row] = []
     runs = 0
@@ -88,19 +88,19 @@ def export_bids(study: StudyFolder, out: Path, say: Say) -> int:
             )
             say(f"sub-{person.ppid}: {written} runs")
         if not runs:
-            raise StudyError("the study has no trial that counts", where=str(study.path))
+            raise StudyError("the study has no counted trials", where=str(study.path))
         _about(study, work, people)
     return runs
 
 
 def task_label(task: str) -> str:
-    """A task's name in letters and digits: `box-to-goal` is `boxToGoal`."""
+    """Name of a task in letters and digits only: `box-to-goal` becomes `boxToGoal`."""
     words = re.findall(r"[A-Za-z0-9]+", task)
     return words[0] + "".join(word[:1].upper() + word[1:] for word in words[1:])
 
 
 def _session(study: StudyFolder, session: StoredSession, work: Path, rows: Sequence[Row]) -> int:
-    """Writes the runs of a session; BIDS names it only where there are several."""
+    """Writes the runs of a session; its number is in the names only if there are several."""
     entities = [f"sub-{session.person.ppid}"]
     if study.design.sessions > 1:
         entities.append(f"ses-{session.number:02d}")
@@ -139,12 +139,15 @@ def _run(session: Path, folder: Path, stem: str, row: Row) -> None:
     _json(folder / f"{stem}_channels.json", channel_frames())
     _json(
         folder / f"{stem}_events.json",
-        {**event_columns(), **{f: {"Description": "level of this factor"} for f in factors}},
+        {
+            **event_columns(),
+            **{f: {"Description": "level of this factor"} for f in factors},
+        },
     )
 
 
 def motion(frames: Columns) -> tuple[list[Channel], Array]:
-    """Channels of a trial, and their (frames, channels) values: m, and 1 for quaternions."""
+    """Channels of a trial, and their values (frames, channels): positions in m, and quaternions."""
     channels: list[Channel] = []
     parts: list[Array] = []
     for hand in frames.hands:
@@ -164,12 +167,12 @@ def motion(frames: Columns) -> tuple[list[Channel], Array]:
 
 
 def touch_events(touches: Columns, start: float) -> list[Row]:
-    """One event for every contact, from its first to its last moment; its last name counts."""
+    """One event for every contact, from first to last moment, with its last finger label."""
     times = touches.numbers("time_s")[:, 0]
     events: dict[str, Row] = {}
     contacts = touches.words("contact")
     if "hand" in touches:
-        # Devices of two hands count their contacts each for itself.
+        # The devices of two hands may use the same ids of contacts.
         hands = touches.words("hand")
         contacts = [c if h == "1" else SECOND + c for c, h in zip(contacts, hands, strict=True)]
     for i, (contact, finger) in enumerate(zip(contacts, touches.words("finger"), strict=True)):
@@ -184,8 +187,8 @@ def touch_events(touches: Columns, start: float) -> list[Row]:
 
 def _trial_event(row: Row, start: float) -> Row:
     factors = {name: value for name, value in row.items() if name.startswith("factor_")}
-    told = {"success": int(row["success"]), "excluded": int(row["excluded"])}
-    return {"onset": -start, "duration": row["time_s"], "trial_type": "trial", **told, **factors}
+    flags = {"success": int(row["success"]), "excluded": int(row["excluded"])}
+    return {"onset": -start, "duration": row["time_s"], "trial_type": "trial", **flags, **factors}
 
 
 def _orientation(point: str, frame: str) -> list[Channel]:
@@ -199,7 +202,7 @@ def _table(path: Path) -> Columns:
         raise StudyError(
             "a trial's table is missing",
             where=str(path),
-            remedy="Opening the session makes it again: `sandbox study run`, or "
+            remedy="Opening the session builds it again: `sandbox study run`, or "
             "`simulate --resume`",
         ) from None
 
@@ -239,12 +242,12 @@ def _json(path: Path, value: Any) -> None:
 
 
 VERSION = "1.10.0"
-"""Of the specification."""
+"""Version of the BIDS specification."""
 NO_CHANNELS = ("ACCEL", "ANGACCEL", "GYRO", "JNTANG", "LATENCY", "MAGN", "MISC", "VEL")
 
 
 def dataset_description(study: StudyFolder) -> dict[str, Any]:
-    """`dataset_description.json`."""
+    """Content of `dataset_description.json`."""
     title = study.design.title or study.design.name
     kind = " (simulated participants)" if study.mode == SIMULATED else ""
     return {
@@ -262,18 +265,19 @@ def dataset_description(study: StudyFolder) -> dict[str, Any]:
 
 
 def readme(study: StudyFolder) -> str:
-    """`README`."""
+    """Content of `README`."""
     whose = {
-        SIMULATED: "Nobody took part: all of it was made by simulated participants.",
-        "pilot": "These are data of a pilot.",
+        SIMULATED: "No person took part: all data are from simulated participants.",
+        "pilot": "These are data of a pilot study.",
     }.get(study.mode, "")
     return f"""{study.design.title or study.design.name}
 
 People touched a surface with the fingers of one hand, and a simulated hand of 48 degrees of freedom
-followed. Motion files hold the commanded pose of that hand and the places of all things, 62.5 times
+followed. Motion files hold the commanded pose of that hand and the poses of all objects, 62.5 times
 a second of simulated time. The world is right-handed: x to the right, y away from the person, z up.
-Rotations are unit quaternions, w x y z: of the hand and of things in the world, of joints against
-the bone before. events.tsv holds the trial, with its conditions, and every touch.
+Rotations are unit quaternions, w x y z. Those of the hand and of objects are in the world frame;
+those of joints are relative to the previous bone. events.tsv holds the trial, with its conditions,
+and every touch.
 {whose}
 """
 
@@ -281,7 +285,7 @@ the bone before. events.tsv holds the trial, with its conditions, and every touc
 def motion_about(
     row: Mapping[str, Any], channels: Sequence[Channel], frames: int, rate: float, tracksys: str
 ) -> dict[str, Any]:
-    """`_motion.json` of a trial."""
+    """Content of `_motion.json` of a trial."""
     kinds = [channel.type for channel in channels]
     return {
         "TaskName": str(row["task"]),
@@ -305,10 +309,10 @@ def motion_about(
 
 
 def channel_frames() -> dict[str, Any]:
-    """`_channels.json`: the frames in which channels are."""
+    """Content of `_channels.json`: the reference frames of channels."""
     return {
         "reference_frame": {
-            "Description": "frame in which position and rotation are told",
+            "Description": "frame of position and rotation",
             "Levels": {
                 "world": {
                     "SpatialAxes": "RAS",
@@ -320,7 +324,7 @@ def channel_frames() -> dict[str, Any]:
                     "SpatialAxes": "n/a",
                     "RotationOrder": "n/a",
                     "RotationRule": "right-hand",
-                    "Description": "the bone before, in the open flat hand",
+                    "Description": "previous bone, in the open flat hand",
                 },
             },
         }
@@ -328,28 +332,28 @@ def channel_frames() -> dict[str, Any]:
 
 
 def event_columns() -> dict[str, Any]:
-    """Columns of `_events.tsv`, described."""
+    """Content of `_events.json`: descriptions of the columns of `_events.tsv`."""
     meanings = {column.name: column.meaning for column in (*SESSION, *RESULT)}
     return {
-        "onset": {"Description": "since the first frame of the motion file", "Units": "s"},
+        "onset": {"Description": "time since the first frame of the motion file", "Units": "s"},
         "duration": {
-            "Description": "of the trial until it was decided, or of the touch",
+            "Description": "duration of the trial until its result, or of the touch",
             "Units": "s",
         },
         "trial_type": {
-            "Description": "what it is",
+            "Description": "kind of event",
             "Levels": {"trial": "the whole trial", "touch": "a finger on the surface"},
         },
         **{
             name: {"Description": meanings[name], "Levels": {"0": "no", "1": "yes"}}
             for name in ("success", "excluded")
         },
-        "contact": {"Description": "id of the touch"},
-        "finger": {"Description": "which finger it was taken for, at last"},
+        "contact": {"Description": "id of the contact"},
+        "finger": {"Description": "last finger label of the contact"},
     }
 
 
 def participants_json(design: Design, used: Sequence[str]) -> dict[str, Any]:
-    """`participants.json`."""
+    """Content of `participants.json`."""
     meanings = {column.name: column.meaning for column in participant_columns(design)}
     return {name: {"Description": meanings[name]} for name in used}

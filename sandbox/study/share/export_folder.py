@@ -1,4 +1,4 @@
-"""A new folder that is there whole or not at all, and never in the place of another."""
+"""Creates folders that appear only when they are complete, and never replace existing ones."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from sandbox.study.record.files import TEMPORARY, make_folder, study_error, sync
 
 @contextmanager
 def new_folder(out: Path) -> Iterator[Path]:
-    """Creates a folder to be filled, which gets its name when it is complete.
+    """Creates a folder under a temporary name, and renames it when it has been filled.
 
     Args:
         out: Its final path, which must not exist.
@@ -39,14 +39,14 @@ def new_folder(out: Path) -> Iterator[Path]:
 
 
 def refuse_existing(out: Path) -> None:
-    """Nothing is ever written over.
+    """Refuses to overwrite an existing file or folder.
 
     Raises:
-        StudyError: Something is there.
+        StudyError: The path exists.
     """
     if out.exists() or out.is_symlink():
         raise StudyError(
-            "it exists already, and nothing is written over",
+            "the path exists already, and nothing is overwritten",
             where=str(out),
             remedy="Choose another name with --out",
         )

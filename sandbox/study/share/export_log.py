@@ -1,4 +1,4 @@
-"""Log of a study's copies, from which a participant who withdraws must be removed, too."""
+"""Log of the copies of a study, from which a withdrawn participant must be removed as well."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ class Copy:
     """A copy of a study's data.
 
     Attributes:
-        what: `backup`, `export`, `bids`, `merge`, or `site`: a folder that was merged into this.
+        what: `backup`, `export`, `bids`, `merge`, or `site` (a folder that was merged into this).
         path: Path of the copy.
         time: Time of writing.
         ppids: Pseudonyms of the participants in it.
-        there: True if it still exists at its path.
+        there: True if it still exists at this path.
     """
 
     what: str
@@ -31,11 +31,11 @@ class Copy:
     there: bool
 
 
-def remember_copy(study: StudyFolder, what: str, path: Path, ppids: Sequence[str]) -> None:
-    """Writes down that a copy was made.
+def log_copy(study: StudyFolder, what: str, path: Path, ppids: Sequence[str]) -> None:
+    """Records that a copy was made; see `Copy`.
 
     Raises:
-        StudyError: It cannot be written.
+        StudyError: The log cannot be written.
     """
     with study.lock():
         journal = Journal(study.path / COPIES)
@@ -46,10 +46,10 @@ def remember_copy(study: StudyFolder, what: str, path: Path, ppids: Sequence[str
 
 
 def copies(study: StudyFolder, ppid: str | None = None) -> list[Copy]:
-    """Copies that were made here: all, or those with a participant in them.
+    """Returns the recorded copies: all, or those that contain a participant.
 
     Raises:
-        StudyError: The list is damaged.
+        StudyError: The log is damaged.
     """
     path = study.path / COPIES
     if not path.exists():

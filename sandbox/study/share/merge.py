@@ -1,9 +1,9 @@
-"""Merges two sites' folders of one study to a new one, without changing either.
+"""Merges the folders of one study from two sites into a new folder; both stay unchanged.
 
-Sites may have given one pseudonym to two people: the second one gets another. A participant in both
-folders, as in an older copy, is included once, with the longer journal. Participant numbers are
-kept, since orders follow from them, so two sites may have equal ones; `sites.csv` lists every
-participant's site.
+If the sites gave one pseudonym to two people, the second person gets another one. A participant in
+both folders, as in an older copy, is included once, with the longer journal. Participant numbers
+are kept, since orders depend on them, so that participants of two sites may have the same number;
+`sites.csv` lists the site of every participant.
 """
 
 from __future__ import annotations
@@ -23,12 +23,11 @@ from sandbox.recording.recording_file import SUFFIX, packed, read_stored
 from sandbox.study.record.build import changes
 from sandbox.study.record.files import TEMPORARY, locked, write_atomically
 from sandbox.study.record.folder import SCHEMA, StudyFolder, write_design
-from sandbox.study.record.journal import Record, now, read_journal
+from sandbox.study.record.journal import Record, journal_bytes, now, read_journal
 from sandbox.study.record.pseudonym import new_pseudonym
 from sandbox.study.record.stored_sessions import JOURNAL, session_folders, sessions_of
 from sandbox.study.record.trial_files import TRIALS
 from sandbox.study.share.export_folder import new_folder
-from sandbox.study.share.privacy import lines
 from sandbox.study.share.privacy_records import RecordingEnd
 from sandbox.study.share.withdraw import SITES, WITHDRAWN, withdrawn
 from sandbox.study.tables.column import csv_bytes
@@ -43,8 +42,8 @@ class Merged:
 
     Attributes:
         people: Number of participants after the merge.
-        renamed: New pseudonyms of participants whose old one was in use, by site and old one.
-        both: Pseudonyms of participants in both folders.
+        renamed: New pseudonyms of participants whose old one was in use, by site and old pseudonym.
+        both: Pseudonyms of participants who were in both folders.
         left_out: Pseudonyms of participants who have withdrawn at one of the sites.
     """
 
@@ -55,7 +54,7 @@ class Merged:
 
 
 def merge(first: StudyFolder, second: StudyFolder, out: Path, force: str = "") -> Merged:
-    """Writes the study of two sites.
+    """Writes the merged study of two sites.
 
     Args:
         first, second: The sites' folders.
@@ -63,8 +62,8 @@ def merge(first: StudyFolder, second: StudyFolder, out: Path, force: str = "") -
         force: Reason for merging although program or encoders differ; it is logged.
 
     Raises:
-        StudyError: They belong to different studies, a session is open, a participant continued at
-            both sites, or the folder cannot be written.
+        StudyError: The folders belong to different studies, a session is open, a participant
+            continued at both sites, or the new folder cannot be written.
     """
     different = _check(first, second, force)
     sites = {"A": first, "B": second}
@@ -94,20 +93,20 @@ def merge(first: StudyFolder, second: StudyFolder, out: Path, force: str = "") -
 
 
 def _check(first: StudyFolder, second: StudyFolder, force: str) -> list[str]:
-    """Refuses what is not one study; what else is different."""
+    """Checks that the folders belong to one study; returns the differences of their programs."""
     if first.path.resolve() == second.path.resolve():
-        raise StudyError("both folders are the same one", where=str(first.path))
+        raise StudyError("both folders are the same folder", where=str(first.path))
     for what, mine, other in (
-        ("data of one kind", first.mode, second.mode),
-        ("one design", first.design.digest, second.design.digest),
+        ("kinds of data", first.mode, second.mode),
+        ("designs", first.design.digest, second.design.digest),
     ):
         if mine != other:
             raise StudyError(
-                f"these are not {what}",
+                f"the folders have different {what}",
                 where=str(second.path),
                 got=other,
                 expected=mine,
-                remedy="Only folders of one and the same study are merged",
+                remedy="Only folders of the same study can be merged",
             )
     different = changes(first.build, second.build)
     if different and not force:
@@ -115,13 +114,13 @@ def _check(first: StudyFolder, second: StudyFolder, force: str) -> list[str]:
             "the sites ran with different programs",
             where=str(second.path),
             got=", ".join(different),
-            remedy='Merge nevertheless with --force-different "REASON", which is logged',
+            remedy='Merge them anyway with --force-different "REASON", which is logged',
         )
     return different
 
 
-def _choose(sites: Mapping[str, StudyFolder], found: Merged) -> dict[tuple[str, str], str]:
-    """Chooses site and pseudonym of every participant."""
+def _choose(sites: Mapping[str, StudyFolder], merged: Merged) -> dict[tuple[str, str], str]:
+    """Chooses the pseudonym of every participant, by site and old pseudonym."""
     gone = set().union(*(withdrawn(study) for study in sites.values()))
     chosen: dict[tuple[str, str], str] = {}
     taken = gone | {p.ppid for study in sites.values() for p in study.participants()}
@@ -129,15 +128,15 @@ def _choose(sites: Mapping[str, StudyFolder], found: Merged) -> dict[tuple[str, 
         for person in study.participants():
             ppid = person.ppid
             if ppid in gone:
-                # A copy of a participant who has withdrawn since is not another person.
-                found.left_out.append(ppid)
+                # An old copy of a withdrawn participant must not come back under a new pseudonym.
+                merged.left_out.append(ppid)
             elif ("A", ppid) in chosen and site == "B":
                 longer = _same_person(sites["A"], study, ppid)
                 if longer is None:
                     chosen[site, ppid] = new = _fresh(taken)
-                    found.renamed[f"{site} {ppid}"] = new
+                    merged.renamed[f"{site} {ppid}"] = new
                     continue
-                found.both.append(ppid)
+                merged.both.append(ppid)
                 if longer is study:
                     del chosen["A", ppid]
                     chosen[site, ppid] = ppid
@@ -147,11 +146,11 @@ def _choose(sites: Mapping[str, StudyFolder], found: Merged) -> dict[tuple[str, 
 
 
 def _same_person(first: StudyFolder, second: StudyFolder, ppid: str) -> StudyFolder | None:
-    """Site with the longer journal of a participant in both folders; None for two different
-    people."""
+    """Site with the longer journal of a participant in both folders; None if the pseudonym belongs
+    to two different people."""
     journals = [_records(study, ppid) for study in (first, second)]
     if not all(journals):
-        # Somebody who has not begun has nothing but a pseudonym.
+        # A participant who has not begun has only a pseudonym.
         return first if journals[0] or not journals[1] else second
     one, other = ([_plain(r) for r in journal] for journal in journals)
     if one[0] != other[0]:
@@ -159,7 +158,7 @@ def _same_person(first: StudyFolder, second: StudyFolder, ppid: str) -> StudyFol
     shared = min(len(one), len(other))
     if one[:shared] != other[:shared]:
         raise StudyError(
-            "a participant went on at both sites",
+            "a participant continued at both sites",
             where=str(second.path),
             got=ppid,
             remedy="Decide which folder holds the right data, and remove the other",
@@ -194,7 +193,7 @@ def _write_journal(
     different: list[str],
     force: str,
 ) -> None:
-    """The study's journal: where everything comes from, then both sites' records."""
+    """Writes the journal of the merged study: a record of the sites, then the records of both."""
     of = {site: [new for (s, _), new in chosen.items() if s == site] for site in sites}
     records: list[Record] = [
         {
@@ -207,24 +206,26 @@ def _write_journal(
             **({"reason": force, "changed": different} if different else {}),
         }
     ]
-    tombs: set[str] = set()
+    tombstones: set[str] = set()
     for site, study in sites.items():
         path = study.path / "study.jsonl"
         for record in read_journal(path) if path.exists() else []:
             ppid = record.get("ppid")
             if record["kind"] == WITHDRAWN:
-                if ppid not in tombs:
+                if ppid not in tombstones:
                     records.append(record)
-                tombs.add(str(ppid))
+                tombstones.add(str(ppid))
             elif ppid is None:
                 records.append(record)
             elif (site, ppid) in chosen:
                 records.append({**record, "ppid": chosen[site, ppid]})
-    write_atomically(work / "study.jsonl", lines([{**r, "n": n} for n, r in enumerate(records)]))
+    write_atomically(
+        work / "study.jsonl", journal_bytes([{**r, "n": n} for n, r in enumerate(records)])
+    )
 
 
 def _copy(source: Path, old: str, work: Path, new: str, study: str) -> None:
-    """A participant's folder, under a new pseudonym and a new study's id where they have one."""
+    """Copies the folder of a participant, with the new id of the study and the new pseudonym."""
     if not (source / old).exists():
         return
     with ExitStack() as stack:
@@ -239,14 +240,14 @@ def _copy(source: Path, old: str, work: Path, new: str, study: str) -> None:
 
 
 def _rename(session: Path, new: str, study: str) -> None:
-    """Puts another study's id into a copied session, and a new pseudonym if there is one."""
+    """Replaces the id of the study in a copied session, and the pseudonym unless `new` is empty."""
     path = session / JOURNAL
     renamed = {"study": study} | ({"ppid": new} if new else {})
     records = [
         {k: renamed.get(k, v) if r["kind"].startswith("session_") else v for k, v in r.items()}
         for r in read_journal(path)
     ]
-    write_atomically(path, lines(records), durable=False)
+    write_atomically(path, journal_bytes(records), durable=False)
     for recording in (session / TRIALS).glob("*.jsonl*") if new else ():
         where = str(recording)
         kept = [_renamed(line, new, where) for line in read_stored(recording).data.split(b"\n")]
@@ -263,7 +264,7 @@ def _renamed(line: bytes, new: str, where: str) -> bytes:
     """
     if not line.startswith((b'{"kind":"header"', b'{"kind":"end"')):
         return line
-    what = "the recording is damaged, and its pseudonym cannot be changed"
+    what = "the recording is damaged, so its pseudonym cannot be changed"
     values = decoded_record(line, StudyError, what=what, where=where)
     about = values
     if values["kind"] == "end":

@@ -1,14 +1,13 @@
-"""An anonymous copy of a study: new pseudonyms, no dates, no words, no names of folders.
+"""Anonymous copy of a study: new pseudonyms, no dates, no free text, no names of folders.
 
-The result is an ordinary study folder, made from the journals and recordings alone, so that its
+The result is an ordinary study folder, built only from masked journals and recordings, so that its
 tables contain nothing else. It opens, replays and reports like the original. No list of old and new
-pseudonyms exists; but anyone with the original can match the two by seeds, hashes of states or the
-results themselves.
+pseudonyms is written, but anyone with the original can match the two by seeds, state hashes or
+results.
 """
 
 from __future__ import annotations
 
-import json
 import shutil
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -20,9 +19,9 @@ from models.errors import StudyError
 from sandbox.recording.recording_file import read_stored, stored
 from sandbox.study.design.design import Design
 from sandbox.study.design.plan import in_the_air
-from sandbox.study.record.files import make_folder, write_atomically
+from sandbox.study.record.files import json_bytes, make_folder, write_atomically
 from sandbox.study.record.folder import StudyFolder, write_design
-from sandbox.study.record.journal import Record
+from sandbox.study.record.journal import Record, journal_bytes
 from sandbox.study.record.pseudonym import new_pseudonym
 from sandbox.study.record.state import SessionState
 from sandbox.study.record.stored_sessions import JOURNAL, StoredSession, all_sessions, session_path
@@ -49,9 +48,9 @@ class Masking:
     """Settings of an anonymous copy.
 
     Attributes:
-        words: True keeps answers in words and texts typed by the experimenter.
-        drop: Demographic items that are left out.
-        bins: Bin width by demographic item: numbers are rounded down to its multiples.
+        words: True keeps free-text answers and texts typed by the experimenter.
+        drop: Names of demographic items that are left out.
+        bins: Bin width by demographic item; numbers are rounded down to a multiple of it.
         recordings: True includes recordings of trials.
         hands: True includes recordings of hands in the air, which contain the lengths of fingers.
     """
@@ -65,8 +64,14 @@ class Masking:
 
 @dataclass(frozen=True)
 class Anonymised:
-    """Result: number of people, number left out for lack of consent, the groups, and the number of
-    recordings of hands in the air that were left out."""
+    """Result of an anonymous copy.
+
+    Attributes:
+        people: Number of participants in the copy.
+        without_consent: Number of participants left out for lack of consent.
+        groups: Groups of participants with equal demographics.
+        hands: Number of recordings of hands in the air that were left out.
+    """
 
     people: int
     without_consent: int
@@ -80,7 +85,7 @@ def anonymise(study: StudyFolder, out: Path, masking: Masking, say: Say) -> Anon
     Args:
         study: The original study.
         out: The copy's folder, which must not exist.
-        masking: See `Masking`.
+        masking: Settings of the copy.
         say: Callback for progress messages.
 
     Raises:
@@ -99,7 +104,7 @@ def anonymise(study: StudyFolder, out: Path, masking: Masking, say: Say) -> Anon
     with new_folder(out) as work:
         about = {**study.about, "study": new_id, "created": EPOCH.isoformat()}
         about["build"] = without_folders(study.build)
-        write_atomically(work / "study.json", _json(about))
+        write_atomically(work / "study.json", json_bytes(about))
         write_design(work, study.design)
         _write_people(work, agreed, names)
         for old in sorted(agreed, key=names.__getitem__):
@@ -125,7 +130,7 @@ def _check(design: Design, masking: Masking) -> None:
     for name in (*masking.drop, *(masking.bins or {})):
         if name not in known:
             raise StudyError(
-                "nobody was asked this",
+                "no such demographic item",
                 where="--drop or --bins",
                 got=name,
                 expected=", ".join(known) or "no demographics",
@@ -144,14 +149,14 @@ def _new_names(sessions: Mapping[str, object]) -> dict[str, str]:
 
 
 def _answer(design: Design, masking: Masking) -> Callable[[str, str, Any], Any]:
-    """The kept part of an answer: no words, and demographics as selected."""
+    """Returns a function of form, item and answer that returns the kept part of the answer."""
     kinds = {
         (form.name, item.name): item.kind for form in design.questionnaires for item in form.items
     }
     kinds |= {(DEMOGRAPHICS, item.name): item.kind for item in design.demographics}
 
     def kept(form: str, item: str, value: Any) -> Any:
-        # What the design does not know is treated like words.
+        # Items that are not in the design are treated as free text.
         if kinds.get((form, item), "text") == "text" and not masking.words:
             return None
         if form == DEMOGRAPHICS and item in masking.drop:
@@ -166,7 +171,7 @@ def _answer(design: Design, masking: Masking) -> Callable[[str, str, Any], Any]:
 def _write_people(
     work: Path, sessions: Mapping[str, list[StoredSession]], names: Mapping[str, str]
 ) -> None:
-    """The study's journal with the participants, in the order of the new pseudonyms."""
+    """Writes the study's journal with the participants, in the order of the new pseudonyms."""
     records: list[Record] = []
     for old in sorted(sessions, key=names.__getitem__):
         start = sessions[old][0].state.start
@@ -181,7 +186,7 @@ def _write_people(
                 "user": without_folders(start["user"]),
             }
         )
-    write_atomically(work / "study.jsonl", lines(records))
+    write_atomically(work / "study.jsonl", journal_bytes(records))
 
 
 def _write_session(
@@ -191,7 +196,7 @@ def _write_session(
     path = session_path(work, person_masking.ppid, session.number)
     for folder in ("trials", "trackers", "session_info"):
         make_folder(path / folder)
-    write_atomically(path / JOURNAL, lines(records), durable=False)
+    write_atomically(path / JOURNAL, journal_bytes(records), durable=False)
     for attempt in (a for some in SessionState.of(records).attempts.values() for a in some):
         recording = source / attempt.start["file"]
         kept = masking.recordings and (masking.hands or not in_the_air(attempt.start["values"]))
@@ -201,7 +206,7 @@ def _write_session(
                 for line in _whole_lines(read_stored(recording).data).split(b"\n")
             )
             write_atomically(path / attempt.start["file"], copied, durable=False)
-        # What is derived from poses and touches: numbers, and names of fingers and things.
+        # Tables of poses and touches contain only numbers and names of fingers and objects.
         for stem in ("frames", "touches", "measures"):
             for table in (source / "trackers").glob(f"{stem}_{recording.stem}.*"):
                 if table.name.split(f"_{recording.stem}.", 1)[1] in TABLES:
@@ -209,12 +214,12 @@ def _write_session(
 
 
 def _whole_lines(data: bytes) -> bytes:
-    """A recording without a line that was half written."""
+    """A recording without a half-written last line."""
     return data[: data.rfind(b"\n") + 1]
 
 
 def _finish(work: Path, masking: Masking, without_consent: int) -> Anonymised:
-    """Creates all tables from the written files, and documents the anonymisation in the folder."""
+    """Builds all tables from the written files, and documents the anonymisation in the folder."""
     copy = StudyFolder.at(work)
     design = copy.design
     people: list[dict[str, Any]] = []
@@ -239,7 +244,7 @@ def _finish(work: Path, masking: Masking, without_consent: int) -> Anonymised:
     (work / ".lock").unlink(missing_ok=True)
     write_atomically(
         work / ABOUT,
-        _json(
+        json_bytes(
             {
                 "participants": len(people),
                 "left_out_without_consent": without_consent,
@@ -260,14 +265,3 @@ def _finish(work: Path, masking: Masking, without_consent: int) -> Anonymised:
         ),
     )
     return Anonymised(len(people), without_consent, group_sizes)
-
-
-def lines(records: list[Record]) -> bytes:
-    """Records as a journal holds them."""
-    return b"".join(
-        json.dumps(r, separators=(",", ":"), ensure_ascii=False).encode() + b"\n" for r in records
-    )
-
-
-def _json(value: Any) -> bytes:
-    return json.dumps(value, indent=1, ensure_ascii=False).encode() + b"\n"

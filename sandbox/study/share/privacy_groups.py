@@ -1,7 +1,7 @@
 """k-anonymity (Sweeney 2002): number of people who share the same demographic values.
 
-A person with a unique combination of age, handedness and the like in the table can be recognised by
-acquaintances in spite of the pseudonym.
+A person with a unique combination of age, handedness and other values can be recognised in spite of
+the pseudonym.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from math import floor
 from typing import Any
 
 SMALLEST = 5
-"""People who should share every combination; a usual choice, and no guarantee."""
+"""Number of people who should share every combination; a usual choice without a guarantee."""
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class Groups:
     Attributes:
         columns: The compared columns.
         smallest: k, the size of the smallest group; 0 without people.
-        few: Combinations that fewer than `SMALLEST` people share, with their number.
+        few: Combinations that fewer than `SMALLEST` people share, with the number of people.
     """
 
     columns: tuple[str, ...]
@@ -37,7 +37,7 @@ class Groups:
 
 
 def groups(people: Sequence[Mapping[str, Any]], columns: Sequence[str]) -> Groups:
-    """Groups of people who are equal in all of some columns."""
+    """Groups people who have equal values in all given columns."""
     if not columns:
         return Groups((), len(people), ())
     counted = Counter(tuple(person.get(name) for name in columns) for person in people)
@@ -46,7 +46,7 @@ def groups(people: Sequence[Mapping[str, Any]], columns: Sequence[str]) -> Group
 
 
 def binned(value: Any, width: float) -> Any:
-    """A number rounded down to a multiple of a width; anything else as it is."""
+    """A number rounded down to a multiple of a width; other values are returned unchanged."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return value
     low = floor(value / width) * width

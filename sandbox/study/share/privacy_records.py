@@ -1,7 +1,7 @@
-"""Removes identifying data from a journal's records and a recording's lines.
+"""Removes identifying data from the records of a journal and the lines of a recording.
 
-Kept fields are listed by kind of record, so that new kinds of later versions are removed until they
-are listed.
+Only the listed fields of each kind of record are kept, so that new kinds of later versions are
+removed until they are listed.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from sandbox.study.record.journal import Record
 EPOCH = datetime(2000, 1, 1, tzinfo=UTC)
 """Start time of every anonymous session: dates and times of day are removed, durations are kept."""
 WITHHELD = "(words are left out)"
-"""Stands where the experimenter has typed something."""
+"""Replaces texts typed by the experimenter."""
 
 _ATTEMPT = ("step", "trial", "attempt", "file")
 KEPT: dict[str, tuple[str, ...]] = {
@@ -78,11 +78,11 @@ WORDS = {
     "upgrade": "reason",
     "released": "reason",
 }
-"""By kind: where the experimenter's words are."""
+"""Field with text typed by the experimenter, by kind of record."""
 LEFT_OUT = "left_out"
-"""Kind that replaces records of other kinds: drafts of forms, and kinds that are not listed."""
+"""Kind of the records that replace drafts of forms and records of unlisted kinds."""
 NAMED = ("session_start", "session_resume", "participant", "released")
-"""Kinds that name the participant."""
+"""Kinds of records that contain the pseudonym."""
 
 
 @dataclass(frozen=True)
@@ -92,8 +92,8 @@ class PersonMasking:
     Attributes:
         ppid: The new pseudonym.
         study: The new id of the study.
-        answer: Function that returns the kept part of an answer, by form and item; None leaves it
-            out.
+        answer: Function of form, item and answer that returns the kept part of the answer, or
+            None to leave it out.
         words: True keeps texts typed by the experimenter.
     """
 
@@ -104,17 +104,17 @@ class PersonMasking:
 
 
 def anonymous_records(records: Iterable[Record], masking: PersonMasking) -> list[Record]:
-    """A session's journal, made anonymous: as many records, in the same order."""
+    """Masks the journal of a session; number and order of records are unchanged."""
     masked: list[Record] = []
     start: Record | None = None
     for record in records:
         start = start or record
-        masked.append(_one(record, start, masking))
+        masked.append(_masked_record(record, start, masking))
     return masked
 
 
 def without_folders(value: Any) -> Any:
-    """A JSON value in which paths are names of files: a folder's name may be a person's."""
+    """A JSON value without the folders of paths, whose names may be names of people."""
     if isinstance(value, Mapping):
         return {key: without_folders(inner) for key, inner in value.items()}
     if isinstance(value, list | tuple):
@@ -131,23 +131,23 @@ class RecordingEnd(Struct):
 
 
 def anonymous_line(line: bytes, masking: PersonMasking, where: str = "recording") -> bytes:
-    """Makes a line of a recording anonymous; replayed data are unchanged.
+    """Masks a line of a recording; the data needed for replay are unchanged.
 
     Args:
         line: The line as JSON.
         masking: Settings.
-        where: The file, for the error.
+        where: Name of the file, for the error.
 
     Raises:
         StudyError: The line is damaged.
     """
-    what = "the recording is damaged, and cannot be made anonymous"
+    what = "the recording is damaged, so it cannot be made anonymous"
     values = decoded_record(line, StudyError, what=what, where=where)
     if values.get("kind") == "header":
-        values = _told(values, masking)
+        values = _masked_header(values, masking)
     elif values.get("kind") == "end":
         checked(values, RecordingEnd, StudyError, what=what, where=where)
-        values["result"] = _told(values["result"], masking)
+        values["result"] = _masked_header(values["result"], masking)
     elif values.get("kind") == "event" and values.get("event") not in ("contact", "respawn"):
         values = {key: values[key] for key in ("kind", "step", "event") if key in values}
     else:
@@ -155,7 +155,7 @@ def anonymous_line(line: bytes, masking: PersonMasking, where: str = "recording"
     return json.dumps(values, separators=(",", ":"), ensure_ascii=False).encode()
 
 
-def _one(record: Record, start: Record, masking: PersonMasking) -> Record:
+def _masked_record(record: Record, start: Record, masking: PersonMasking) -> Record:
     kind = record["kind"] if record["kind"] in KEPT else LEFT_OUT
     masked: Record = {
         "n": record["n"],
@@ -179,8 +179,8 @@ def _one(record: Record, start: Record, masking: PersonMasking) -> Record:
     return masked
 
 
-def _told(header: dict[str, Any], masking: PersonMasking) -> dict[str, Any]:
-    """A recording's header, or its result, which repeats it."""
+def _masked_header(header: dict[str, Any], masking: PersonMasking) -> dict[str, Any]:
+    """Masks the header of a recording, or its result, which repeats fields of the header."""
     masked = without_folders(header)
     if isinstance(masked.get("study"), dict):
         masked["study"]["ppid"] = masking.ppid

@@ -1,7 +1,7 @@
-"""Withdrawal: all data of a participant are deleted and replaced by a tombstone record.
+"""Withdrawal: deletes all data of a participant, and leaves a tombstone record.
 
-The tombstone keeps only the pseudonym, so that data in a restored backup or another site's copy can
-be recognised as withdrawn.
+The tombstone contains the pseudonym and the reason, so that data in a restored backup or in a copy
+of another site can be recognised as withdrawn.
 """
 
 from __future__ import annotations
@@ -17,28 +17,26 @@ from typing import Any
 
 from sandbox.study.record.files import locked, study_error, sync_folder, write_atomically
 from sandbox.study.record.folder import StudyFolder
-from sandbox.study.record.journal import Record, now, read_journal
+from sandbox.study.record.journal import Record, journal_bytes, now, read_journal
 from sandbox.study.record.stored_sessions import session_folders
 from sandbox.study.share.export_log import COPIES, Copy, copies
-from sandbox.study.share.privacy import lines
 from sandbox.study.tables.tables import rebuild_study
 
 WITHDRAWN, REMOVED = "withdrawn", "removed"
-"""Kinds of records: the tombstone, and replacements of other records about a withdrawn
-participant."""
+"""Kinds of records: the tombstone, and the replacement of other records of the participant."""
 SITES = "sites.csv"
 
 
 @dataclass(frozen=True)
 class Withdrawal:
-    """Deleted and remaining data of a withdrawal.
+    """Result of a withdrawal.
 
     Attributes:
         files: Number of deleted files.
-        before: True if the data had been deleted before, and only remains were searched.
+        before: True if the participant had been withdrawn before.
         copies: Backups, exports and merged folders that contain the data.
-        still: Files in the study's folder that still contain the pseudonym, such as a report, or
-            may contain it because they are damaged.
+        still: Files in the study folder that still contain the pseudonym, such as a report, or
+            that may contain it because they are damaged.
     """
 
     files: int
@@ -48,11 +46,11 @@ class Withdrawal:
 
 
 def withdraw(study: StudyFolder, ppid: str, reason: str) -> Withdrawal:
-    """Deletes all data of a participant. It may be called again, and then ends what was begun.
+    """Deletes all data of a participant. Another call completes an interrupted withdrawal.
 
     Raises:
-        StudyError: The participant does not exist, their session is open, or something cannot be
-            deleted; the tombstone is there then, and another call goes on.
+        StudyError: The participant does not exist, a session is open, or a file cannot be deleted;
+            in the last case the tombstone has been written, and another call continues.
     """
     before = ppid in withdrawn(study)
     if not before and ppid not in {p.ppid for p in study.participants()}:
@@ -61,24 +59,24 @@ def withdraw(study: StudyFolder, ppid: str, reason: str) -> Withdrawal:
         for session in session_folders(study.path / ppid):
             stack.enter_context(locked(session / ".lock", wait=False, what=f"participant {ppid}"))
         with study.lock():
-            _bury(study.path / "study.jsonl", ppid, reason)
+            _write_tombstone(study.path / "study.jsonl", ppid, reason)
             files = _delete(study.path / ppid)
-            _forget_site(study.path / SITES, ppid)
+            _remove_from_sites(study.path / SITES, ppid)
     rebuild_study(study)
     return Withdrawal(files, before, tuple(copies(study, ppid)), tuple(_traces(study, ppid)))
 
 
 def withdrawn(study: StudyFolder) -> set[str]:
-    """Pseudonyms of those who have withdrawn."""
+    """Pseudonyms of withdrawn participants."""
     path = study.path / "study.jsonl"
     records = read_journal(path) if path.exists() else []
     return {r["ppid"] for r in records if r["kind"] == WITHDRAWN}
 
 
-def _bury(path: Path, ppid: str, reason: str) -> None:
-    """Puts the tombstone in the place of who took part, in one step."""
+def _write_tombstone(path: Path, ppid: str, reason: str) -> None:
+    """Replaces the records of a participant in the study's journal, atomically."""
     records = [_without(record, ppid, reason) for record in read_journal(path)]
-    write_atomically(path, lines(records))
+    write_atomically(path, journal_bytes(records))
 
 
 def _without(record: Record, ppid: str, reason: str) -> Record:
@@ -98,7 +96,7 @@ def _without(record: Record, ppid: str, reason: str) -> Record:
 
 
 def _scrubbed(value: Any, ppid: str) -> Any:
-    """A value without a pseudonym in its lists and tables."""
+    """A JSON value without a pseudonym in its lists and objects."""
     if isinstance(value, dict):
         return {k: _scrubbed(v, ppid) for k, v in value.items() if ppid not in (k, v)}
     if isinstance(value, list):
@@ -118,7 +116,7 @@ def _delete(folder: Path) -> int:
     return count
 
 
-def _forget_site(path: Path, ppid: str) -> None:
+def _remove_from_sites(path: Path, ppid: str) -> None:
     if path.exists():
         kept = [
             line
@@ -129,8 +127,8 @@ def _forget_site(path: Path, ppid: str) -> None:
 
 
 def _traces(study: StudyFolder, ppid: str) -> list[Path]:
-    """Files of the study that still hold the pseudonym, or may, since they cannot be read whole;
-    those of other participants cannot."""
+    """Files of the study that contain the pseudonym, or may contain it since they are damaged;
+    folders of other participants are not searched."""
     others = {person.ppid for person in study.participants()}
     own = {study.path / "study.jsonl", study.path / COPIES}
     paths = []

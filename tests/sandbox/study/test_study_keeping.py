@@ -19,7 +19,7 @@ from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.run.runner import SessionOutcome
 from sandbox.study.run.simulate import run_simulated, simulate
 from sandbox.study.share.backup import back_up, check_backup
-from sandbox.study.share.export_log import copies, remember_copy
+from sandbox.study.share.export_log import copies, log_copy
 from sandbox.study.share.merge import merge
 from sandbox.study.share.withdraw import withdraw, withdrawn
 from tests.support.study_files import DESIGN, TRIALS, check_session, design, rows_of
@@ -98,8 +98,8 @@ def test_a_withdrawal_tells_which_copies_and_files_still_hold_the_data(
 ) -> None:
     gone, other = (p.ppid for p in study.participants())
     archive = tmp_path / "b.tar.gz"
-    remember_copy(study, "backup", archive, back_up(study, archive).ppids)
-    remember_copy(study, "export", tmp_path / "elsewhere", [other])
+    log_copy(study, "backup", archive, back_up(study, archive).ppids)
+    log_copy(study, "export", tmp_path / "elsewhere", [other])
     (study.path / "report.html").write_text(f"<p>{gone}</p>")
     packed = gzip.compress(f"{gone}, {other}".encode())
     # Of what was cut short nobody can say what was in it.
@@ -152,7 +152,7 @@ def test_equal_studies_make_equal_archives_and_none_is_written_over(
     assert (tmp_path / "a.tar.gz").read_bytes() == (tmp_path / "b.tar.gz").read_bytes()
     with pytest.raises(StudyError, match="exists already"):
         back_up(study, tmp_path / "a.tar.gz")
-    with pytest.raises(StudyError, match="inside of what"):
+    with pytest.raises(StudyError, match="inside the study folder"):
         back_up(study, study.path / "backups/c.tar.gz")
 
 
@@ -246,7 +246,7 @@ def test_who_is_in_both_folders_is_taken_once_from_where_they_went_further(
         StudyFolder(tmp_path / "a", design(), SIMULATED), later.participants()[0]
     ) as session:
         session.write("note", text="and elsewhere, too", trial=None)
-    with pytest.raises(StudyError, match="went on at both sites"):
+    with pytest.raises(StudyError, match="continued at both sites"):
         merge(folders[0], folders[1], tmp_path / "d")
 
 

@@ -100,7 +100,7 @@ def test_two_folders_are_merged_by_a_command(
         (["export", "{}", "--anonymise", "--bin", "age", "--out", "x"], "not an item and width"),
         (["export", "{}", "--anonymise", "--drop", "wage", "--out", "x"], "nobody was asked"),
         (["export", "{}", "--bids", "--drop", "age", "--out", "x"], "are for --anonymise"),
-        (["export", "{}/..", "--bids", "--out", "x"], "not a folder of a study"),
+        (["export", "{}/..", "--bids", "--out", "x"], "not a study folder"),
         (["backup", "{}"], "a study and an archive are needed"),
         (["backup", "--check", "{}/design.toml"], "the backup is damaged"),
         (["backup", "--check", "{}/nowhere"], "the backup is damaged"),

@@ -200,7 +200,7 @@ def test_nobody_begins_with_the_second_session_or_comes_too_often(tmp_path: Path
     with pytest.raises(StudyError, match="session 1 comes first"):
         SessionFolder(study, person, 2)
     for number in (0, 3):
-        with pytest.raises(StudyError, match="everybody comes 2 times"):
+        with pytest.raises(StudyError, match="no session of this number"):
             SessionFolder(study, person, number)
     assert not session_path(study.path, person.ppid, 2).exists()
 
@@ -209,7 +209,7 @@ def test_a_first_session_in_the_place_of_a_second_is_refused(study: StudyFolder)
     person = study.participants()[0]
     shutil.rmtree(session_path(study.path, person.ppid, 2))
     shutil.copytree(session_path(study.path, person.ppid), session_path(study.path, person.ppid, 2))
-    with pytest.raises(StudyError, match="another study, participant or time"):
+    with pytest.raises(StudyError, match="another study, participant or session"):
         SessionFolder(study, person, 2)
 
 
@@ -338,6 +338,6 @@ def test_the_command_begins_the_next_session_and_refuses_what_is_not_its_turn(
         assert main([*run, "--participant", person, "--session", "2"]) == 0
         assert f"{person}, session 2 of 2: complete" in capsys.readouterr().out
     assert main([*run, "--participant", person, "--session", "3"]) == 2
-    assert "everybody comes 2 times" in capsys.readouterr().err
+    assert "no session of this number" in capsys.readouterr().err
     records = read_journal(session_path(study.path, person, 2) / "journal.jsonl")
     assert sum(r["kind"] == "trial_end" for r in records) == SECOND
