@@ -1,1 +1,1 @@
-"""The design of a study, and what follows from it: orders and plans."""
+"""The design of a study, its orders of levels, and the plans of sessions."""

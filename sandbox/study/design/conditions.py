@@ -1,4 +1,4 @@
-"""Converts a combination of levels to settings of `sandbox run`, by the same names."""
+"""Conversion of combinations of levels to the settings of `sandbox run`, which have equal names."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ if TYPE_CHECKING:
     from sandbox.trial.settings import RunSettings
 
 PARTNER = "simulated"
-"""Value of `second_device`: a simulated user moves the second hand, beside a person, too."""
+"""Value of `second_device`: a simulated user moves the second hand, also next to a person."""
 
 _SIMULATED = {"touch": "simulated", "leap": "leap-simulated", PARTNER: "simulated"}
-"""Devices that stand for those of a design while it is decided what its settings mean."""
+"""Simulated devices that replace those of a design while its settings are computed."""
 
 SETTINGS: dict[str, type | tuple[type, ...]] = {
     "task": str,
@@ -71,7 +71,7 @@ def run_settings(
     if "without" in given:
         some = given["without"]
         given["without"] = tuple([some] if isinstance(some, str) else some)
-    # Who plays is decided later; what matters here is that hands in the air have other settings.
+    # The real devices are opened later; here only hands in the air need other settings.
     given["device"] = _SIMULATED[given.get("device", "touch")]
     if "second_device" in given:
         given["second_device"] = _SIMULATED[given["second_device"]]
@@ -86,7 +86,7 @@ def _hand(hand: str) -> Any:
 
 
 def combinations(design: Design) -> Iterator[dict[str, Level]]:
-    """Every combination of levels that occurs."""
+    """Yields every combination of levels in a design."""
 
     def inner(chosen: dict[str, Level], depth: int) -> Iterator[dict[str, Level]]:
         if depth == len(design.factors):
@@ -100,7 +100,7 @@ def combinations(design: Design) -> Iterator[dict[str, Level]]:
 
 
 def values_of(design: Design, levels: Mapping[str, Level]) -> dict[str, Any]:
-    """Settings of a combination: those of all trials, then those of its levels."""
+    """Settings of a combination: those of all trials, overridden by those of its levels."""
     values = dict(design.settings)
     for level in levels.values():
         values |= level.settings
@@ -108,7 +108,7 @@ def values_of(design: Design, levels: Mapping[str, Level]) -> dict[str, Any]:
 
 
 def check_conditions(design: Design, reader: Reader) -> None:
-    """Tries every combination: its settings, its task on its surface, its encoder."""
+    """Checks every combination: its settings, its task on its surface, and its encoder."""
     kinds_wrong = _check_kinds(design, reader)
     if kinds_wrong:
         return
@@ -130,8 +130,8 @@ def check_conditions(design: Design, reader: Reader) -> None:
                 continue
             seen.add(str(error))
             names = ", ".join(f"{k} = {v.name}" for k, v in levels.items())
-            reader.wrong(
-                _place(design, levels, error),
+            reader.add_mistake(
+                _mistake_path(design, levels, error),
                 f"{names}: {error}",
                 "Change a level of this combination",
             )
@@ -154,15 +154,15 @@ def _check_kinds(design: Design, reader: Reader) -> bool:
                 continue
             wrong = True
             at = (*path, name) if path == ("settings",) else path
-            remedy = "As for `sandbox run --help`"
+            remedy = "See `sandbox run --help` for its values"
             if options:
                 remedy = "Write one of " + ", ".join(map(str, options))
-            reader.wrong(at, f"{name} cannot be {value!r}", remedy)
+            reader.add_mistake(at, f"{name} cannot be {value!r}", remedy)
     return wrong
 
 
-def _place(design: Design, levels: Mapping[str, Level], error: HandSandboxError) -> Any:
-    """The factor whose level the error talks of, or all of them."""
+def _mistake_path(design: Design, levels: Mapping[str, Level], error: HandSandboxError) -> Any:
+    """Path of the factor or setting that has the rejected value; of all factors if unknown."""
     for i, factor in enumerate(design.factors):
         level = levels[factor.name]
         texts = [str(v) for v in level.settings.values()]

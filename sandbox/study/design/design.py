@@ -1,4 +1,4 @@
-"""The design of a study: what is varied, in which order, and what else a session consists of."""
+"""The design of a study: factors, orders, trials, forms and texts of its sessions."""
 
 from __future__ import annotations
 
@@ -14,9 +14,10 @@ SCHEMA = 1
 """Version of the file's layout."""
 
 ORDERS = ("latin", "blocked", "random", "factorial", "between")
-"""Orders of a factor's levels. `latin`: a balanced Latin square (each level equally
-often at each place and after each other one); `blocked`: as listed, for everybody; `random`: by
-seed; `factorial`: every possible order equally often; `between`: everybody gets one level only."""
+"""Orders of the levels of a factor. `latin`: a balanced Latin square (each level equally often at
+each place and after each other level); `blocked`: as listed, for all participants; `random`: drawn
+from the seed; `factorial`: every possible order equally often; `between`: each participant gets one
+level only."""
 
 START, END = "start", "end"
 
@@ -25,7 +26,7 @@ ITEMS = ("choice", "scale", "number", "text")
 
 @dataclass(frozen=True)
 class Level:
-    """A level of a factor: its name in tables, and the settings it means."""
+    """A level of a factor: its name in tables, and its settings."""
 
     name: str
     settings: dict[str, Any]
@@ -36,12 +37,12 @@ class Factor:
     """A factor of the design.
 
     Attributes:
-        name: Column in tables.
+        name: Name of the column in tables.
         order: One of `ORDERS`.
-        levels: All levels; for a nested factor, those in all outer levels.
-        outer: Name of the factor in whose levels this one's are nested; empty for a crossed one.
-        nested: Levels by name of the outer factor's level; empty for a crossed one.
-        one_a_session: True if every session has one of its levels, in the factor's order.
+        levels: All levels; of a nested factor, the levels within all outer levels.
+        outer: Name of the outer factor of a nested factor; empty for a crossed factor.
+        nested: Levels by level of the outer factor; None for a crossed factor.
+        one_a_session: True if each session has one of the levels, in the factor's order.
     """
 
     name: str
@@ -52,7 +53,7 @@ class Factor:
     one_a_session: bool = False
 
     def within(self, chosen: dict[str, Level]) -> tuple[Level, ...]:
-        """The levels that occur where outer factors have the levels chosen."""
+        """The levels that occur with the chosen levels of outer factors."""
         if self.nested is None:
             return self.levels
         return self.nested[chosen[self.outer].name]
@@ -63,16 +64,16 @@ class Item:
     """One question.
 
     Attributes:
-        name: Column or row in tables.
+        name: Name of the column or row in tables.
         kind: One of `ITEMS`.
-        ask: The question.
-        choices: Values of a choice as stored.
-        low, high, step: Limits and step of a scale or a number.
-        ends: Meanings of both ends of a scale.
-        optional: True if it may be left out.
-        means: Texts of the choices, in their order; empty uses the stored values.
-        shuffle: True puts it, among its neighbours that are shuffled, too, and its choices in a
-            random order for each participant.
+        ask: Text of the question.
+        choices: Stored values of a choice.
+        low, high, step: Limits and step of a scale or number.
+        ends: Texts at both ends of a scale.
+        optional: True if the participant may leave it out.
+        means: Texts of the choices, in the same order; empty uses the stored values.
+        shuffle: True shuffles the choices and the place of the item among adjacent items with
+            `shuffle`, for each participant.
     """
 
     name: str
@@ -88,21 +89,21 @@ class Item:
     shuffle: bool = False
 
     def called(self, choice: str, language: str) -> str:
-        """Text of a choice in a language."""
+        """Text of a stored choice in a language."""
         return self.means[self.choices.index(choice)][language] if self.means else choice
 
 
 @dataclass(frozen=True)
 class Form:
-    """Questions that are asked together.
+    """A questionnaire: questions that are asked together.
 
     Attributes:
         name: Name of the instrument.
         title: Title for the participant.
         items: Items in order.
-        at: `start`, `end`, or a factor, after each of whose levels it is asked.
-        scales: Scales, which compute scores from answers.
-        source: Name and text of the file with its items; None if they are in the design.
+        at: `start`, `end`, or the name of a factor; the form is asked after each of its levels.
+        scales: Scales that compute scores from answers.
+        source: Name and text of the file with the items; None if they are in the design.
         sessions: Sessions in which it is asked; empty means all.
     """
 
@@ -117,8 +118,14 @@ class Form:
 
 @dataclass(frozen=True)
 class Instruction:
-    """A text, at `start`, at `end`, or before each new level of a factor (or one level of it); in
-    some sessions, or in all."""
+    """A text for the participant.
+
+    Attributes:
+        text: The text.
+        at: `start`, `end`, or the name of a factor; the text is shown before each of its levels.
+        level: The only level of the factor before which it is shown; empty for all levels.
+        sessions: Sessions in which it is shown; empty means all.
+    """
 
     text: Text
     at: str
@@ -128,13 +135,13 @@ class Instruction:
 
 @dataclass(frozen=True)
 class Exclusion:
-    """A rule by which trials, or participants, are left out; nothing is ever deleted.
+    """A rule that excludes trials or participants; their data are never deleted.
 
     Attributes:
-        name: In tables.
+        name: Name of the rule in tables.
         of: `trial` or `participant`.
-        measure: Column of the trial results; of a participant, its mean over counted trials.
-        below, above: It holds beyond these.
+        measure: Column of the trial results; for a participant, its mean over counted trials.
+        below, above: Values below or above these bounds are excluded.
     """
 
     name: str
@@ -166,14 +173,14 @@ class Design:
         repetitions: Repetitions of every combination.
         repeat_inside: Factor inside whose levels the repetitions are made; empty: innermost.
         practice: Number of practice trials before each new level of `practice_each`.
-        practice_each: A factor, or empty: once at the start.
+        practice_each: Name of a factor; empty for practice once at the start.
         practice_sessions: Sessions with practice; empty means all.
         seeds: `own` starts and goals for each participant, or `shared` ones.
-        time_limit: s, limit of a trial; a shorter limit of the task applies.
-        expected: s that a trial takes, for plans.
+        time_limit: Time limit of a trial, s; a shorter limit of the task has priority.
+        expected: Expected duration of a trial, s, for plans.
         break_every: Number of trials between breaks; 0 for no breaks.
-        break_time: s, shortest break.
-        page: Settings of trials on the page.
+        break_time: Shortest duration of a break, s.
+        page: Settings of trials on the participant's page.
         consent: Text of the consent form, and its version; empty asks for none.
         instructions, demographics, questionnaires, exclusions: See their types.
         digest: Digest of the file.

@@ -1,4 +1,4 @@
-"""Reads `design.toml` whole, and names every mistake in it."""
+"""Reads `design.toml` and reports all mistakes in it."""
 
 from __future__ import annotations
 
@@ -29,15 +29,15 @@ from sandbox.study.design.reading import DesignError, Mistake, Reader, TomlTable
 from sandbox.study.measures.registry import rule_measures
 
 MOST_SESSIONS = 99
-"""Of one person."""
+"""Largest number of sessions of one participant."""
 
 
 def load_design(path: Path, try_out: bool = True) -> Design:
     """Reads a design; see `parse_design`.
 
     Raises:
-        DesignError: It has mistakes; the error lists all of them, with line and remedy.
-        StudyError: It cannot be read.
+        DesignError: The file has mistakes; the error lists all of them, with line and remedy.
+        StudyError: The file cannot be read.
     """
     try:
         text = path.read_text(encoding="utf-8")
@@ -46,10 +46,10 @@ def load_design(path: Path, try_out: bool = True) -> Design:
             "the design cannot be read",
             where=str(path),
             got=error.strerror,
-            remedy="`sandbox study new FILE` makes one",
+            remedy="`sandbox study new FILE` creates a design",
         ) from None
     except UnicodeDecodeError as error:
-        raise StudyError("the design is no UTF-8 text", where=str(path), got=str(error)) from None
+        raise StudyError("the design is not UTF-8 text", where=str(path), got=str(error)) from None
     return parse_design(text, path, try_out)
 
 
@@ -59,10 +59,10 @@ def parse_design(text: str, path: Path, try_out: bool = True) -> Design:
     Args:
         text: The whole text.
         path: Path of the file.
-        try_out: True tries every combination of levels; False if a study is only read.
+        try_out: True also checks every combination of levels; False only parses the file.
 
     Raises:
-        DesignError: It has mistakes.
+        DesignError: The file has mistakes.
     """
     try:
         values = tomllib.loads(text)
@@ -76,24 +76,24 @@ def parse_design(text: str, path: Path, try_out: bool = True) -> Design:
                     line,
                     "",
                     str(error),
-                    "Is a quote, a bracket or a = missing? TOML is described at toml.io",
+                    "Check for a missing quote, bracket or =; toml.io describes the format",
                 )
             ],
         ) from None
     reader = Reader(text)
     design = _design(TomlTable(reader, values), text, path)
-    tried = not try_out or not reader.mistakes
-    if try_out and tried:
+    complete = not try_out or not reader.mistakes
+    if try_out and complete:
         check_conditions(design, reader)
     if reader.mistakes:
-        raise DesignError(path.name, reader.mistakes, tried)
+        raise DesignError(path.name, reader.mistakes, complete)
     return design
 
 
 def _design(top: TomlTable, text: str, path: Path) -> Design:
     schema = top.raw("schema", SCHEMA)
     if schema != SCHEMA:
-        top.wrong("schema", f"got {schema!r}", f"This version reads schema {SCHEMA}")
+        top.add_mistake("schema", f"got {schema!r}", f"This version reads schema {SCHEMA}")
     sessions = top.number("sessions", 1, 1, MOST_SESSIONS, whole=True)
     top.reader.sessions = sessions
     languages = top.strings("languages", ("en",)) or ("en",)
@@ -134,30 +134,32 @@ def _design(top: TomlTable, text: str, path: Path) -> Design:
     )
     for table in (trials, breaks, consent, top):
         table.done()
-    _no_twice(top, "demographics", [item.name for item in design.demographics])
-    _no_twice(top, "questionnaires", [form.name for form in design.questionnaires])
+    _check_unique(top, "demographics", [item.name for item in design.demographics])
+    _check_unique(top, "questionnaires", [form.name for form in design.questionnaires])
     return design
 
 
 def _digest(text: str, forms: tuple[Form, ...]) -> str:
-    """Digest of the design and of all files that belong to it."""
+    """Digest of the design and of its questionnaire files."""
     digest = blake2b(text.encode(), digest_size=16)
     for name, content in sorted({form.source for form in forms if form.source}):
         digest.update(b"\0" + name.encode() + b"\0" + content.encode())
     return digest.hexdigest()
 
 
-def _no_twice(top: TomlTable, key: str, names: list[str]) -> None:
+def _check_unique(top: TomlTable, key: str, names: list[str]) -> None:
     for i, name in enumerate(names):
         if name and name in names[:i]:
-            top.reader.wrong((key, i, "name"), f"{name!r} is there twice", "Rename one of them")
+            top.reader.add_mistake(
+                (key, i, "name"), f"{name!r} is used twice", "Rename one of them"
+            )
 
 
 def _factor(table: TomlTable, key: str, names: list[str]) -> str:
     given = table.has(key)
     name = table.string(key, "")
     if given and name not in names:
-        table.wrong(key, f"there is no factor {name!r}", f"Factors are: {', '.join(names)}")
+        table.add_mistake(key, f"unknown factor {name!r}", f"Write one of {', '.join(names)}")
         return ""
     return name
 
@@ -174,10 +176,10 @@ def _factors(top: TomlTable) -> tuple[Factor, ...]:
     for table in tables:
         factor = _one_factor(table, factors)
         if factor.name in [f.name for f in factors]:
-            table.wrong("name", f"{factor.name!r} is there twice", "Rename one of them")
+            table.add_mistake("name", f"{factor.name!r} is used twice", "Rename one of them")
         factors.append(factor)
     if not tables:
-        top.wrong("", "there is no factor", "Add [[factors]] with name, order and levels")
+        top.add_mistake("", "no factor is given", "Add [[factors]] with name, order and levels")
     return tuple(factors)
 
 
@@ -192,22 +194,22 @@ def _one_factor(table: TomlTable, outer_ones: list[Factor]) -> Factor:
         above = next((f for f in outer_ones if f.name == outer), None)
         wanted = [level.name for level in above.levels] if above else []
         if above is None:
-            table.wrong(
+            table.add_mistake(
                 "inside",
-                f"there is no factor {outer!r} above this one",
-                "Name a factor that stands above",
+                f"unknown factor {outer!r}",
+                "Write the name of a factor above this one",
             )
         elif not isinstance(raw, dict) or set(raw) != set(wanted):
-            table.wrong(
+            table.add_mistake(
                 "levels",
-                f"levels are needed for every level of {outer}",
+                f"every level of {outer} needs its own list of levels",
                 f"Write levels = {{{', '.join(f'{w} = [...]' for w in wanted)}}}",
             )
         else:
             nested = {k: _levels(table, v, setting) for k, v in raw.items()}
         if order == "between":
-            table.wrong(
-                "order", "a nested factor cannot be between participants", "Choose another order"
+            table.add_mistake(
+                "order", "a nested factor cannot vary between participants", "Choose another order"
             )
         lists = list(nested.values()) if nested else []
         levels = tuple({level.name: level for some in lists for level in some}.values())
@@ -218,9 +220,9 @@ def _one_factor(table: TomlTable, outer_ones: list[Factor]) -> Factor:
     if one_a_session:
         _check_one_a_session(table, bool(outer_ones), bool(outer), order, len(levels))
     if order == "factorial" and max(map(len, lists), default=0) > MOST_FACTORIAL:
-        table.wrong(
+        table.add_mistake(
             "order",
-            f"{len(levels)} levels have too many orders",
+            f"{len(levels)} levels are too many for order factorial",
             f"Use latin, or at most {MOST_FACTORIAL} levels",
         )
     table.done()
@@ -232,28 +234,30 @@ def _check_one_a_session(
 ) -> None:
     sessions = table.reader.sessions
     if inner or nested:
-        table.wrong(
+        table.add_mistake(
             "one_a_session",
             "only the outermost factor can have one level a session",
-            "Put it first",
+            "Move it to the top of the factors",
         )
     elif order == "between":
-        table.wrong(
+        table.add_mistake(
             "one_a_session",
-            "between participants everybody has the same level always",
-            "Choose another order, or leave it out",
+            "with order between, a participant has the same level in all sessions",
+            "Choose another order, or remove one_a_session",
         )
     elif count != sessions:
-        table.wrong(
+        table.add_mistake(
             "one_a_session",
-            f"{count} levels, and {sessions} sessions",
-            f"Write sessions = {count} at the top, or leave it out",
+            f"{count} levels do not match sessions = {sessions}",
+            f"Write sessions = {count} at the top, or remove one_a_session",
         )
 
 
 def _levels(table: TomlTable, raw: Any, setting: str) -> tuple[Level, ...]:
     if not isinstance(raw, list) or not raw:
-        table.wrong("levels", "levels are missing", 'Write a list such as levels = ["a", "b"]')
+        table.add_mistake(
+            "levels", "levels are missing", 'Write a list such as levels = ["a", "b"]'
+        )
         return ()
     levels = []
     for value in raw:
@@ -261,15 +265,17 @@ def _levels(table: TomlTable, raw: Any, setting: str) -> tuple[Level, ...]:
             settings = dict(value)
             name = settings.pop("name", "")
             if not isinstance(name, str) or not name or not settings:
-                table.wrong("levels", f"got {value!r}", 'Write {name = "soft", contact = "soft"}')
+                table.add_mistake(
+                    "levels", f"got {value!r}", 'Write {name = "soft", contact = "soft"}'
+                )
                 continue
         else:
             name, settings = str(value), {setting: value}
         unknown = sorted(set(settings) - set(SETTINGS))
         if unknown:
-            table.wrong(
+            table.add_mistake(
                 "levels" if isinstance(value, dict) else "setting",
-                f"there is no setting {unknown[0]!r}",
+                f"unknown setting {unknown[0]!r}",
                 "Settings are: " + ", ".join(SETTINGS),
             )
             if not isinstance(value, dict):
@@ -277,7 +283,9 @@ def _levels(table: TomlTable, raw: Any, setting: str) -> tuple[Level, ...]:
             continue
         levels.append(Level(name, settings))
     if len({level.name for level in levels}) < len(levels):
-        table.wrong("levels", "a level is there twice", "Leave it out, or name them differently")
+        table.add_mistake(
+            "levels", "a level is listed twice", "Remove one of them, or give them different names"
+        )
     return tuple(levels)
 
 
@@ -286,9 +294,9 @@ def _instruction(table: TomlTable, factors: tuple[Factor, ...]) -> Instruction:
     level = table.string("level", "")
     names = next(([x.name for x in f.levels] for f in factors if f.name == at), [])
     if level and level not in names:
-        table.wrong(
+        table.add_mistake(
             "level",
-            f"{at} has no level {level!r}",
+            f"unknown level {level!r} of {at}",
             f"Levels: {', '.join(names)}" if names else "Set `at` to a factor",
         )
     instruction = Instruction(table.text("text"), at, level, table.session_numbers("sessions"))
@@ -305,7 +313,7 @@ def _exclusion(table: TomlTable) -> Exclusion:
         _bound(table, "above"),
     )
     if exclusion.below is None and exclusion.above is None:
-        table.wrong("", "the rule has no bound", "Add below = NUMBER or above = NUMBER")
+        table.add_mistake("", "the rule needs a bound", "Add below = NUMBER or above = NUMBER")
     table.done()
     return exclusion
 

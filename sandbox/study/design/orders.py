@@ -1,4 +1,4 @@
-"""Orders of levels over participants: balanced Latin squares and every permutation."""
+"""Orders of levels for participants: balanced Latin squares, all permutations, random orders."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from itertools import permutations
 import numpy as np
 
 MOST_FACTORIAL = 5
-"""Levels of which every order is used: 120 orders."""
+"""Largest number of levels with order `factorial`: 5 levels have 120 orders."""
 
 Row = tuple[int, ...]
 
@@ -17,8 +17,8 @@ Row = tuple[int, ...]
 def balanced_latin_square(n: int) -> tuple[Row, ...]:
     """Rows of a balanced Latin square of n conditions: n rows if n is even, else 2 n.
 
-    Every condition is equally often at every place, and every ordered pair of different conditions
-    follows each other equally often: once for even n, twice for odd n (Williams 1949).
+    Every condition is equally often at every place. Every condition follows every other one equally
+    often: once for even n, twice for odd n (Williams 1949).
     """
     first = [0]
     low, high = 1, n - 1
@@ -36,17 +36,18 @@ def balanced_latin_square(n: int) -> tuple[Row, ...]:
 
 @cache
 def every_order(n: int) -> tuple[Row, ...]:
-    """All n! orders."""
+    """Returns all n! orders."""
     return tuple(permutations(range(n)))
 
 
 def order_of(rule: str, n: int, row: int, seed: tuple[int, ...]) -> Row:
-    """The order of n levels for one participant.
+    """Returns the order of n levels for one participant.
 
     Args:
         rule: One of `design.ORDERS`.
         n: Number of levels.
-        row: Row of the square, which counts participants and places in outer factors.
+        row: Row of the square, taken modulo its size; counts participants and places in outer
+            factors.
         seed: Seed of a random order.
     """
     if rule == "latin":
@@ -63,7 +64,7 @@ def order_of(rule: str, n: int, row: int, seed: tuple[int, ...]) -> Row:
 
 
 def cycle(rule: str, n: int) -> int:
-    """Participants after which an order rule has used every row once."""
+    """Number of participants after which an order rule has used every row once."""
     if rule == "latin":
         return len(balanced_latin_square(n))
     if rule == "factorial":

@@ -1,4 +1,4 @@
-"""Settings of a trial on the page: display, start of time, and loss of the tablet."""
+"""Settings of trials on the participant's page: display, start of time, and lost connection."""
 
 from __future__ import annotations
 
@@ -7,12 +7,13 @@ from dataclasses import dataclass, field
 from sandbox.study.design.reading import Text, TomlTable
 
 SHOWS = ("task", "goal", "time", "progress", "fingers", "sound")
-"""`fingers`: the rings under them tell names (in English), colours and forces, too."""
+"""`fingers`: the rings under the fingers also show names (in English), colours and forces."""
 STARTS = ("touch", "shown")
-"""`touch`: time begins with the first touch; `shown`: as soon as the scene is seen."""
+"""`touch`: time starts with the first touch; `shown`: as soon as the scene is visible."""
 WHEN_GONE = ("pause", "repeat", "mark")
-"""`pause`: time stands still until the page is back and touched; `repeat`: the attempt is broken
-off and the trial begins anew; `mark`: time goes on. The results say how long it was gone."""
+"""Behaviour while the page is unreachable. `pause`: time stops until the page is back and touched;
+`repeat`: the attempt is broken off and the trial starts again; `mark`: time continues. The results
+contain the time without the page."""
 
 
 @dataclass(frozen=True)
@@ -20,10 +21,10 @@ class PageOptions:
     """Settings of trials on the page.
 
     Attributes:
-        shows: Items of `SHOWS` that participants see or hear.
+        shows: Items of `SHOWS` that the participant sees or hears.
         starts: One of `STARTS`.
         when_gone: One of `WHEN_GONE`.
-        names, goals: Names of tasks and instructions, by task.
+        names, goals: Names and goals of tasks as shown to the participant, by task.
     """
 
     shows: tuple[str, ...] = ("task", "goal")
@@ -34,16 +35,16 @@ class PageOptions:
 
 
 def read_page_options(top: TomlTable, trials: TomlTable) -> PageOptions:
-    """Reads it.
+    """Reads the settings of the page.
 
     Args:
-        top: The design; `[[tasks]]` is taken out of it.
-        trials: Its `[trials]`.
+        top: The design, from which `[[tasks]]` is taken.
+        trials: Its table `[trials]`.
     """
     plain = PageOptions()
     shows = trials.strings("shows", plain.shows)
     for unknown in sorted(set(shows) - set(SHOWS)):
-        trials.wrong("shows", f"got {unknown!r}", f"Choose among {', '.join(SHOWS)}")
+        trials.add_mistake("shows", f"got {unknown!r}", f"Choose among {', '.join(SHOWS)}")
     names, goals = {}, {}
     for table in top.tables("tasks"):
         task = table.string("task")

@@ -1,7 +1,7 @@
-"""Plan of a participant's sessions, step by step, with durations.
+"""Plan of a participant's sessions: all steps, with expected durations.
 
-A plan follows from the design and the participant's number alone: it need not be stored, and an
-interrupted session continues with the same steps.
+A plan depends only on the design and the participant's number. It is not stored, and an interrupted
+session continues with the same steps.
 """
 
 from __future__ import annotations
@@ -18,27 +18,26 @@ from sandbox.study.design.orders import cycle, order_of
 from sandbox.study.design.questionnaires import arranged
 
 READING = 20.0
-"""s for a page of instructions."""
+"""Expected s to read an instruction."""
 CONSENT = 60.0
-"""s."""
+"""Expected s to read and answer the consent form."""
 ANSWERING = 7.0
-"""s for a question."""
+"""Expected s to answer a question."""
 CALIBRATING = 30.0
-"""s for measuring a hand that works over a Leap."""
+"""Expected s to measure a hand over a Leap."""
 CHANGING = 4.0
-"""s between two trials."""
-
+"""Expected s between two trials."""
 
 LEAP = "leap"
-"""Value of `device` and `second_device` of a hand in the air."""
+"""Value of `device` and `second_device` for a hand in the air."""
 
 
 @dataclass(frozen=True)
 class Step:
-    """Something that happens once, and is finished or not.
+    """A step of a session.
 
     Attributes:
-        id: Within the session; equal for equal design and participant.
+        id: Id within the session; the same design and participant always give the same ids.
     """
 
     id: str
@@ -46,24 +45,24 @@ class Step:
 
 @dataclass(frozen=True)
 class ConsentStep(Step):
-    """The participant agrees, or goes home."""
+    """The participant reads the consent form and agrees or declines."""
 
 
 @dataclass(frozen=True)
 class InstructionStep(Step):
-    """A text to be read."""
+    """The participant reads a text."""
 
     instruction: Instruction
 
 
 @dataclass(frozen=True)
 class CalibrationStep(Step):
-    """The participant's hand is measured, since some of their trials are over a Leap."""
+    """The participant's hand is measured over a Leap, if some trials use one."""
 
 
 @dataclass(frozen=True)
 class FormStep(Step):
-    """Questions to be answered; `block` is the one they are about, 0 for none."""
+    """The participant answers a form; `block` is the block that it is about, or 0."""
 
     form: Form
     block: int
@@ -72,7 +71,7 @@ class FormStep(Step):
 
 @dataclass(frozen=True)
 class BreakStep(Step):
-    """A rest of at least so many seconds."""
+    """A break of at least `least` seconds."""
 
     least: float
 
@@ -82,11 +81,11 @@ class TrialStep(Step):
     """A trial.
 
     Attributes:
-        number: 1, 2, ... over the session, practice included.
+        number: 1, 2, ... in the session, practice included.
         block: 1, 2, ...; a block ends where a level changes.
-        in_block: 1, 2, ...
-        repetition: 1, 2, ... of the combination; 0 in practice.
-        practice: True for a trial that does not count.
+        in_block: 1, 2, ... in the block.
+        repetition: 1, 2, ... of this combination of levels; 0 in practice.
+        practice: True for a practice trial.
         levels: Levels by factor.
         values: Settings by the names of `conditions.SETTINGS`.
         seed: Seed of the trial.
@@ -105,11 +104,11 @@ class TrialStep(Step):
 
 
 def session_plan(design: Design, participant: int, session: int = 1) -> list[Step]:
-    """All steps of one of a participant's sessions.
+    """Returns all steps of one session of a participant.
 
-    Consent and demographics belong to the first session. In a later one orders by rows are those of
-    the next participant in the session before, random ones are drawn again, and starts and goals
-    differ, unless all share them.
+    Consent and demographics are in the first session only. In each later session, orders `latin`
+    and `factorial` move on by one row, random orders are drawn again, and starts and goals are new
+    unless all participants share them.
 
     Args:
         design: Design of the study.
@@ -123,17 +122,17 @@ def session_plan(design: Design, participant: int, session: int = 1) -> list[Ste
 
 
 def in_the_air(values: Mapping[str, Any]) -> bool:
-    """True if a hand of a trial with these settings is over a Leap."""
+    """Returns True if a hand of a trial with these settings is over a Leap."""
     return LEAP in (values.get("device"), values.get("second_device"))
 
 
 def trials_of(steps: list[Step]) -> list[TrialStep]:
-    """The trials among steps."""
+    """Returns the trials among some steps."""
     return [step for step in steps if isinstance(step, TrialStep)]
 
 
 def duration(design: Design, steps: list[Step]) -> float:
-    """s that a session is expected to take."""
+    """Expected duration of a session, s."""
     total = 0.0
     for step in steps:
         match step:
@@ -153,7 +152,7 @@ def duration(design: Design, steps: list[Step]) -> float:
 
 
 def whole_cycle(design: Design) -> int:
-    """Participants after which every factor's orders have been used equally often."""
+    """Number of participants after which all orders of every factor were used equally often."""
     return lcm(
         *(
             cycle(f.order, len(levels))
@@ -164,14 +163,16 @@ def whole_cycle(design: Design) -> int:
 
 
 class _Plan:
+    """Generator of the steps of one session."""
+
     def __init__(self, design: Design, participant: int, session: int) -> None:
         self._design, self._participant, self._session = design, participant, session
-        # What chance in a later session follows from, too; of a first one, that was never told.
+        # Added to all seeds of later sessions; seeds of a first session do not depend on it.
         self._later: tuple[object, ...] = () if session == 1 else ("session", session)
         self._trial = self._block = self._in_block = self._count = 0
         self._levels: dict[str, Level] = {}
         inside = [f.name for f in design.factors]
-        # Repetitions go round inside of this many factors.
+        # Number of outer factors inside whose levels the repetitions are made.
         self._round = (
             inside.index(design.repeat_inside) + 1 if design.repeat_inside else len(inside)
         )
@@ -198,11 +199,11 @@ class _Plan:
         return not sessions or self._session in sessions
 
     def _first_place(self, depth: int) -> int:
-        """Place at which a factor's levels begin: another one in every session."""
+        """Place at which the levels of a factor begin, different in every session."""
         return 0 if self._design.factors[depth].one_a_session else self._session - 1
 
     def _factor(self, depth: int, place: int, repetition: int) -> Iterator[Step]:
-        """All that happens inside of the levels chosen so far; `place` counts their places."""
+        """Steps within the levels chosen so far; `place` is the sum of their places."""
         design = self._design
         if depth == self._round and not repetition:
             for again in range(1, design.repetitions + 1):
@@ -241,13 +242,14 @@ class _Plan:
         return [ordered[self._session - 1]] if factor.one_a_session else ordered
 
     def _shift(self, factor: Factor, count: int, depth: int) -> int:
-        """By how many rows a participant's inner orders are shifted against outer ones: from cycle
-        to cycle of both, so that within a cycle every row is used equally often."""
+        """Number of rows by which a participant's order of an inner factor is shifted. It grows by
+        one after each common cycle with the outer factor, so that every row is used equally often
+        within a cycle."""
         if not depth:
             return 0
         outer = self._design.factors[depth - 1]
-        around = cycle(outer.order, len(outer.levels))
-        return self._participant // lcm(around, cycle(factor.order, count)) if around > 1 else 0
+        period = cycle(outer.order, len(outer.levels))
+        return self._participant // lcm(period, cycle(factor.order, count)) if period > 1 else 0
 
     def _make_trial(self, repetition: int, practice: int = 0) -> TrialStep:
         design = self._design
@@ -256,7 +258,7 @@ class _Plan:
         levels = {name: level.name for name, level in self._levels.items()}
         values = values_of(design, self._levels)
         who = "everybody" if design.seeds == "shared" else self._participant
-        # Shared starts are the same in all conditions, too; only task and repetition tell.
+        # Shared starts are equal in all conditions as well: they depend on task and repetition.
         what = values.get("task", "") if design.seeds == "shared" else sorted(levels.items())
         later = () if design.seeds == "shared" else self._later
         seed = _seed(design.seed, "trial", who, what, repetition, practice, *later)
@@ -274,7 +276,7 @@ class _Plan:
         )
 
     def _practice(self) -> Iterator[Step]:
-        """Practice with the levels chosen so far, and the first of those that are not."""
+        """Practice trials with the chosen levels, and with levels of the other factors in turn."""
         design = self._design
         if not self._now(design.practice_sessions):
             return
@@ -304,7 +306,7 @@ class _Plan:
     def _forms(self, at: str) -> Iterator[Step]:
         levels = {name: level.name for name, level in self._levels.items()}
         if at in levels:
-            # A form is about the level that has just ended, and those around it.
+            # The form is about the level that has just ended, and the levels of outer factors.
             names = [f.name for f in self._design.factors]
             levels = {k: v for k, v in levels.items() if names.index(k) <= names.index(at)}
         for form in self._design.questionnaires:
@@ -316,6 +318,6 @@ class _Plan:
 
 
 def _seed(*parts: object) -> int:
-    """A number of 63 bits that follows from some values."""
+    """Derives a seed of 63 bits from some values."""
     text = "\0".join(map(str, parts))
     return int.from_bytes(blake2b(text.encode(), digest_size=8).digest()) >> 1

@@ -8,9 +8,8 @@ from math import expm1, sqrt
 import numpy as np
 
 SPREAD = 0.30
-"""Assumed standard deviation, over people, of the difference between two conditions in the natural
-logarithm of completion time; a guess until a pilot has measured it."""
-
+"""Assumed standard deviation over people of the difference between two conditions in the natural
+logarithm of completion time. It is a guess, to be replaced by the result of a pilot."""
 
 POINTS = 2000
 """Points of the integral over the estimated spread; its error is below 0.0005."""
@@ -21,9 +20,9 @@ class Detectable:
     """The smallest effect that is detected with a given probability.
 
     Attributes:
-        effect: Difference in standard deviations: of the differences over people if each person
-            does both, of people if each does one.
-        change: Change of completion time, as a share, for an assumed spread.
+        effect: Difference in units of a standard deviation: that of the differences over people if
+            each person does both conditions, or that of people if each does one.
+        change: Corresponding relative change of completion time, for the assumed spread.
     """
 
     effect: float
@@ -34,10 +33,10 @@ def power(effect: float, n: int, alpha: float = 0.05, between: bool = False) -> 
     """Probability of finding an effect with a two-sided t test.
 
     Args:
-        effect: In standard deviations.
-        n: People; between participants, half of them in each group.
-        alpha: Level of the test.
-        between: Two groups instead of pairs.
+        effect: Size of the effect, in standard deviations.
+        n: Number of people; between participants, half of them are in each group.
+        alpha: Significance level of the test.
+        between: True for two groups instead of pairs.
     """
     from scipy import stats
 
@@ -46,7 +45,7 @@ def power(effect: float, n: int, alpha: float = 0.05, between: bool = False) -> 
         return alpha
     shift = effect * sqrt(n / 4 if between else n)
     limit = stats.t.ppf(1 - alpha / 2, freedom)
-    # The mean over all estimates of the spread; scipy's own noncentral t fails in far tails.
+    # Mean over the distribution of the estimated spread; scipy's noncentral t fails in far tails.
     shares = (np.arange(POINTS) + 0.5) / POINTS
     spread = np.sqrt(stats.chi2.ppf(shares, freedom) / freedom)
     probability = stats.norm.cdf(shift - limit * spread) + stats.norm.cdf(-shift - limit * spread)
@@ -64,9 +63,9 @@ def detectable(
 
     Args:
         n: Number of people.
-        comparisons: Number of compared pairs of levels, among which alpha 0.05 is divided.
+        comparisons: Number of compared pairs of levels; alpha is 0.05 divided by it.
         between: True for two groups instead of pairs.
-        wanted: The power.
+        wanted: Required power.
         spread: Standard deviation of the difference in log time over people.
     """
     from scipy.optimize import brentq

@@ -1,6 +1,7 @@
-"""Scores of questionnaires: pure functions of the answers, by rules that stand in a file.
+"""Scores of questionnaires, computed from answers by the rules of their scales.
 
-A missing answer leaves the score empty, with the number of missing answers: they are not guessed.
+If an answer is missing, the score is empty and the number of missing answers is given; missing
+answers are not imputed.
 """
 
 from __future__ import annotations
@@ -10,13 +11,13 @@ from dataclasses import dataclass
 from typing import Any
 
 RULES = ("sum", "mean", "weighted")
-"""`sum` and `mean` of items. `weighted`: the mean of items, each weighted by how often it was
+"""`sum` and `mean` of the items. `weighted`: mean of the items, each weighted by how often it was
 chosen in the scale's pairwise comparisons (NASA-TLX: Hart and Staveland 1988)."""
 
 
 @dataclass(frozen=True)
 class Scale:
-    """A scale, which computes one number from answers.
+    """A scale: the rule that computes one number from answers.
 
     Attributes:
         name: Name in tables.
@@ -24,9 +25,9 @@ class Scale:
         items: Items that are numbers.
         bounds: Lowest and highest answer of each item.
         reverse: Items that are reversed: high + low - answer.
-        from_zero: True uses the difference of an answer from its item's lowest.
-        factor: Factor on the result.
-        pairs: For `weighted`: items whose answers are names of `items`.
+        from_zero: True subtracts the lowest possible answer of an item from each answer.
+        factor: Factor that multiplies the result.
+        pairs: For `weighted`: the comparisons, items whose answers are names of `items`.
     """
 
     name: str
@@ -40,7 +41,7 @@ class Scale:
 
     @property
     def range(self) -> tuple[float, float]:
-        """The lowest and the highest score there can be."""
+        """Lowest and highest possible score."""
         lows = [0.0 if self.from_zero else low for low, _ in self.bounds]
         highs = [high - (low if self.from_zero else 0.0) for low, high in self.bounds]
         if self.rule == "sum":
@@ -63,7 +64,7 @@ class ScaleScore:
 
 
 def score(scale: Scale, answers: Mapping[str, Any]) -> ScaleScore:
-    """Scores answers by item; an answer that is not there, or None, is missing."""
+    """Computes the score from answers by item; an absent answer or None is missing."""
     used = (*scale.items, *scale.pairs)
     missing = sum(answers.get(name) is None for name in used)
     if missing:
@@ -80,7 +81,7 @@ def score(scale: Scale, answers: Mapping[str, Any]) -> ScaleScore:
 
 
 def scores(scales: Sequence[Scale], answers: Mapping[str, Any]) -> list[ScaleScore]:
-    """All scores of a form."""
+    """Computes the scores of all scales of a form."""
     return [score(scale, answers) for scale in scales]
 
 

@@ -1,4 +1,4 @@
-"""Finds the lines of keys in a TOML file, which the standard reader does not report."""
+"""Finds the line numbers of keys in a TOML file, which the standard parser does not report."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ _TRIPLE = re.compile(r'"""|' + "'''")
 
 
 class TomlLines:
-    """Lines of tables and keys of a TOML text.
+    """Line numbers of the tables and keys of a TOML text.
 
     Args:
-        text: Text of the file, known to be TOML.
+        text: Text of the file, which must be valid TOML.
     """
 
     def __init__(self, text: str) -> None:
@@ -39,14 +39,14 @@ class TomlLines:
                 fence = "" if mark == fence else fence or mark
 
     def of(self, path: Path) -> int:
-        """Line of a value, or of the nearest enclosing table or key."""
+        """Line number of a value, or of the nearest enclosing table or key."""
         while path not in self._lines:
             path = path[:-1]
         return self._lines[path]
 
     @staticmethod
     def _inner(names: tuple[str, ...], counts: dict[Path, int]) -> Path:
-        """`[a.b]` after `[[a]]` belongs to the last of a."""
+        """Path of a table; `[a.b]` after `[[a]]` belongs to the last item of `a`."""
         path: Path = ()
         for name in names:
             path = (*path, name)

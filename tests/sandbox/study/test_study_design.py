@@ -254,7 +254,7 @@ def test_what_is_no_design_is_refused(text: str) -> None:
 def test_a_missing_language_is_told(tmp_path: Path) -> None:
     text = CROSSED.replace("seed = 5", 'seed = 5\nlanguages = ["en", "de"]')
     text += '[consent]\ntext = {en = "Do you agree?"}\n'
-    with pytest.raises(DesignError, match="no text in de"):
+    with pytest.raises(DesignError, match="the text is missing in de"):
         design(text)
     assert design(text.replace('?"}', '?", de = "Einverstanden?"}')).consent["de"]
 
@@ -332,7 +332,7 @@ def test_a_slip_in_a_pseudonym_is_seen(place: int, sign: str) -> None:
         (
             "seed = 5",
             'seed = 5\nlanguages = ["en", "de"]\n[consent]\ntext = "?"',
-            "one text, and the",
+            "only one text for 2 languages",
         ),
         (
             "[[factors]]",
@@ -353,5 +353,5 @@ def test_what_a_study_cannot_be_is_said_before_anybody_comes(
 
 def test_that_levels_were_not_tried_is_said_where_something_else_is_wrong() -> None:
     text = CROSSED.replace("repetitions = 2", "repetitions = 0").replace("linear", "papr")
-    with pytest.raises(DesignError, match="Levels are tried once this is put right"):
+    with pytest.raises(DesignError, match="levels are checked afterwards"):
         design(text)

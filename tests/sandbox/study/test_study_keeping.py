@@ -278,10 +278,10 @@ def test_who_withdrew_at_one_site_does_not_come_back_from_the_other(
 def test_other_studies_and_other_kinds_of_data_are_not_merged(
     study: StudyFolder, tmp_path: Path
 ) -> None:
-    with pytest.raises(StudyError, match="not one design"):
+    with pytest.raises(StudyError, match="different designs"):
         merge(study, site(tmp_path / "b", [], "seed = 4"), tmp_path / "c")
     pilot = StudyFolder(tmp_path / "b", design(), PILOT)
-    with pytest.raises(StudyError, match="not data of one kind"):
+    with pytest.raises(StudyError, match="different kinds of data"):
         merge(study, StudyFolder.at(pilot.path), tmp_path / "c")
     with pytest.raises(StudyError, match="same one"):
         merge(study, StudyFolder.at(study.path), tmp_path / "c")

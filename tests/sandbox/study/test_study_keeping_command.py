@@ -98,14 +98,17 @@ def test_two_folders_are_merged_by_a_command(
         (["export", "{}", "--out", "x"], "what kind of copy is missing"),
         (["export", "{}", "--anonymise", "--out", "{}/inside"], "inside of what it is a copy of"),
         (["export", "{}", "--anonymise", "--bin", "age", "--out", "x"], "not an item and width"),
-        (["export", "{}", "--anonymise", "--drop", "wage", "--out", "x"], "nobody was asked"),
+        (
+            ["export", "{}", "--anonymise", "--drop", "wage", "--out", "x"],
+            "no such demographic item",
+        ),
         (["export", "{}", "--bids", "--drop", "age", "--out", "x"], "are for --anonymise"),
         (["export", "{}/..", "--bids", "--out", "x"], "not a study folder"),
         (["backup", "{}"], "a study and an archive are needed"),
         (["backup", "--check", "{}/design.toml"], "the backup is damaged"),
         (["backup", "--check", "{}/nowhere"], "the backup is damaged"),
-        (["withdraw", "{}", "--participant", "ABCDEF"], "not a participant's id"),
-        (["merge", "{}", "{}", "--out", "x"], "the same one"),
+        (["withdraw", "{}", "--participant", "ABCDEF"], "not the id of a participant"),
+        (["merge", "{}", "{}", "--out", "x"], "the same folder"),
     ],
 )
 def test_a_mistake_costs_one_line_and_nothing_else(

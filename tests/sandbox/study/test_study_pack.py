@@ -46,7 +46,7 @@ def test_where_something_else_is_read_than_was_written_the_recording_stays_as_it
     monkeypatch.setattr(
         "sandbox.study.record.pack.packed", lambda found: packed(found.replace(b"a", b"b"))
     )
-    with pytest.raises(StudyError, match="not what was written"):
+    with pytest.raises(StudyError, match="differs from what was written"):
         pack(path)
     assert path.read_bytes() == data and [path] == list(tmp_path.iterdir())
 

@@ -228,13 +228,13 @@ def test_a_questionnaire_of_ones_own_is_scored_by_its_rules_in_any_script(tmp_pa
     [
         ('reverse = ["calm"]', 'reverse = ["claim"]', "'claim' is not among the items"),
         ('rule = "mean"', 'rule = "median"', "got 'median'"),
-        ('rule = "mean"', 'rule = "weighted"', "need each other"),
-        ('items = ["tired", "calm"]', 'items = ["tired", "sleep"]', "no scale or number"),
-        ('name = "calm"', 'name = "tired"', "there twice"),
+        ('rule = "mean"', 'rule = "weighted"', "require each other"),
+        ('items = ["tired", "calm"]', 'items = ["tired", "sleep"]', "not an item of kind scale"),
+        ('name = "calm"', 'name = "tired"', "used twice"),
         ("[[scales]]", "[[scale]]", "Did you mean scales"),
         ("low = 1\nhigh = 7", "low = 8\nhigh = 7", "not below"),
-        ("high = 7", "high = 7\nstep = 4", "do not end at 7"),
-        ("title.ja", "title.en", "no text in ja"),
+        ("high = 7", "high = 7\nstep = 4", "do not reach 7"),
+        ("title.ja", "title.en", "missing in ja"),
     ],
 )
 def test_a_mistake_in_a_questionnaires_file_is_told_with_file_and_line(
