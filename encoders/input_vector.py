@@ -45,7 +45,7 @@ def contact_vector(contacts: Mapping[int, tuple[float, float]]) -> Array:
         (15,) u.
 
     Raises:
-        EncoderError: There is no contact, a label is not a finger, or a position is not finite.
+        EncoderError: No contact is given, a label is not a finger, or a position is not finite.
     """
     if not contacts:
         raise EncoderError("a contact vector needs at least one contact", expected="1 to 5")

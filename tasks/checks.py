@@ -24,8 +24,8 @@ def check_names(task: Task, where: str) -> None:
         where: Task and seed, for messages.
 
     Raises:
-        InputError: There is no object, two objects share a name, a goal names an unknown object, or
-            a number is not finite.
+        InputError: The task has no objects, two objects share a name, a goal names an unknown
+            object, or a number is not finite.
     """
     names = [obj.name for obj in task.objects]
     if not names or len(set(names)) < len(names):

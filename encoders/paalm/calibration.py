@@ -117,7 +117,7 @@ def calibrated(
         times[-1] - times[0],
         {k: v for k, v in left_out.items() if v},
     )
-    _open(result, lengths)
+    _check_open(result)
     return result
 
 
@@ -169,7 +169,7 @@ def _inliers(lengths: Array) -> NDArray[np.bool_]:
     return np.asarray((deviation < 2 * _OUTLIER * scale).all(axis=1))
 
 
-def _open(c: HandCalibration, lengths: Array) -> None:
+def _check_open(c: HandCalibration) -> None:
     """Raises an error for a hand that was not held open and still."""
     remedy = "Hold the hand open, palm down, fingers spread and still, and calibrate again"
     for finger, name in enumerate(FINGERS):

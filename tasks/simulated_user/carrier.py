@@ -129,7 +129,7 @@ class Carrier(SkilledUser):
         assert self._grasp is not None
         slid = self._slider.height(now)
         height, top = _height(box), sight.goals[0].position[2] - _half(box)
-        held = self._grasp.middle(box) + self._drawn_offset(sight, now)
+        held = self._grasp.middle(box) + self._drawn_offset(sight)
         aside = float(np.linalg.norm(held - self._middle(now)))
         lags = slid - height > _FALLEN
         # An end that lies still while the other one rises has slipped; one whose hand does not rise

@@ -80,7 +80,7 @@ class FrontStacker(SkilledUser):
         """Moves the box up, across or down, depending on where it is seen."""
         assert self._grasp is not None
         off, turn = self._missing(sight, box)
-        held = self._grasp.middle(box) + self._drawn_offset(sight, now)
+        held = self._grasp.middle(box) + self._drawn_offset(sight)
         slipped = self._tries > 0 and np.linalg.norm(held - self._middle(now)) > _SLIPPED
         there = abs(off[0]) < _ASIDE and abs(off[1]) < _DOWN
         if there or slipped or self._tries >= _MOVES or not sight.solid:

@@ -121,7 +121,7 @@ class SkilledUser:
         c = self.configuration
         middle = self._grasp.middle(box)
         wanted = self._grasp.places(middle, c.opening, c)
-        wanted = wanted + self._drawn_offset(sight, now)
+        wanted = wanted + self._drawn_offset(sight)
         off = float(np.linalg.norm(wanted - self._fingers.places(now), axis=1).max())
         self._tries += 1
         if off > _IN_PLACE and self._tries <= 8:
@@ -135,12 +135,12 @@ class SkilledUser:
             # Still a ghost: perhaps a finger is inside the box; open a little wider and look.
             if self._tries > 4:
                 wider = self._grasp.places(middle, c.opening + 0.004, c)
-                self._watch(self._fingers.move(wider + self._drawn_offset(sight, now), now))
+                self._watch(self._fingers.move(wider + self._drawn_offset(sight), now))
             else:
                 self._wait(0.1, now)
             return
         closed = self._grasp.places(middle, -c.squeeze, c)
-        closed = closed + self._drawn_offset(sight, now)
+        closed = closed + self._drawn_offset(sight)
         self._failed = None
         self._doing = _Doing.CLOSING
         self._watch(self._fingers.move(closed, now))
@@ -153,7 +153,7 @@ class SkilledUser:
         """Drags the box towards the goal, in as many corrected movements as needed."""
         assert self._grasp is not None and self._handling is not None
         off, turn = self._missing(sight, box)
-        held = self._grasp.middle(box) + self._drawn_offset(sight, now)
+        held = self._grasp.middle(box) + self._drawn_offset(sight)
         lag = np.linalg.norm(held - self._middle(now))
         near, straight = self._handling.good
         now_turn = self._handling.reach(box, self._grasp, turn, self.configuration)
@@ -181,7 +181,7 @@ class SkilledUser:
         places = self._fingers.places(now)
         return 0.5 * (places[0] + places[1:].mean(axis=0))
 
-    def _drawn_offset(self, sight: Sight, now: float) -> Array:
+    def _drawn_offset(self, sight: Sight) -> Array:
         """Offset (2,) m to add to the fingers, so that the *drawn* hand is in the intended place.
 
         A person watches the drawn hand, not their own fingers, and so corrects any constant error

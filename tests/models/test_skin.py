@@ -32,7 +32,7 @@ from tools.skin.field import HandField
 from tools.skin.make_skin import STEP, extras, make
 from tools.skin.mesh import edges_of, volume
 from tools.skin.tone import tone_of
-from tools.skin.weights import folds, trial_poses, weights_of
+from tools.skin.weights import folds, random_poses, weights_of
 
 OTHERS = (ADULT.mirrored(), ADULT.scaled(0.7), ADULT.scaled(1.25).mirrored())
 seeds = st.integers(0, 2**32 - 1)
@@ -52,7 +52,7 @@ def flesh(skeleton: Skeleton = ADULT) -> tuple[Array, NDArray[np.int64], Array]:
 
 def pose(seed: int, skeleton: Skeleton = ADULT) -> Array:
     """A random legal pose somewhere in the world."""
-    q = trial_poses(skeleton, 1, seed)[0]
+    q = random_poses(skeleton, 1, seed)[0]
     q[:6] = np.random.default_rng(seed + 1).uniform(-1.0, 1.0, 6)
     return q
 
@@ -201,12 +201,12 @@ def test_normals_turn_with_the_bones_and_stay_near_those_of_the_posed_surface() 
 
 @pytest.mark.parametrize("count", [40, pytest.param(1000, marks=pytest.mark.full)])
 def test_no_triangle_folds_over_in_random_legal_poses(count: int) -> None:
-    assert not folds(ADULT, *flesh(), trial_poses(ADULT, count, 1)).any()
+    assert not folds(ADULT, *flesh(), random_poses(ADULT, count, 1)).any()
 
 
 @pytest.mark.parametrize("skeleton", OTHERS[1:], ids=lambda s: f"{s.name} {s.side}")
 def test_no_triangle_of_another_hand_folds_over(skeleton: Skeleton) -> None:
-    assert not folds(skeleton, *flesh(skeleton), trial_poses(skeleton, 15, 2)).any()
+    assert not folds(skeleton, *flesh(skeleton), random_poses(skeleton, 15, 2)).any()
 
 
 def test_a_fold_is_seen_where_there_is_one() -> None:
@@ -259,4 +259,4 @@ def test_longer_fingers_get_longer_skin_and_the_palm_keeps_its_own() -> None:
     tip = Kinematics(longer).tips(np.zeros(POSE_SIZE))[2]
     assert np.linalg.norm(rest - tip, axis=1).min() < 0.010
     flat = rest[part.vertices], triangles[part.triangles], shares[part.vertices]
-    assert not folds(longer, *flat, trial_poses(longer, 15, 3)).any()
+    assert not folds(longer, *flat, random_poses(longer, 15, 3)).any()

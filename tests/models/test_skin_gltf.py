@@ -16,7 +16,7 @@ from models.pose import POSE_SIZE
 from models.skeleton import ADULT
 from models.skin.gltf import glb, main, write_glb
 from models.skin.skin import Skin, frames
-from tools.skin.weights import trial_poses
+from tools.skin.weights import random_poses
 
 
 @pytest.fixture(params=[ADULT, ADULT.scaled(1.25).mirrored()], ids=["right", "large left"])
@@ -42,7 +42,7 @@ def _array(file: pygltflib.GLTF2, index: int) -> NDArray[np.generic]:
 def test_another_reader_of_gltf_bends_the_hand_alike(read: tuple[Skin, pygltflib.GLTF2]) -> None:
     skin, file = read
     (bound,) = file.skins
-    q = trial_poses(skin.skeleton, 1, 3)[0]
+    q = random_poses(skin.skeleton, 1, 3)[0]
     q[:6] = [0.1, -0.2, 0.3, 0.4, -0.5, 0.6]
     places, turns = frames(skin.skeleton, q)
     joints = np.tile(np.eye(4), (15, 1, 1))

@@ -58,7 +58,7 @@ def weights_of(
     return strongest(np.clip(shares, 0.0, None))
 
 
-def trial_poses(skeleton: Skeleton, count: int, seed: int) -> Array:
+def random_poses(skeleton: Skeleton, count: int, seed: int) -> Array:
     """Random legal poses (count, 48) at the origin, with uniformly distributed angles."""
     rng = np.random.default_rng(seed)
     q = np.zeros((count, POSE_SIZE))

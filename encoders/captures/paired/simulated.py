@@ -151,7 +151,7 @@ def simulate_paired(
         [t + truth.time[truth.trial == k] - truth.time[truth.trial == k][0] for k, t in starts]
     )
     truth = replace(truth, time=moved)
-    touches = _touched(rng, truth, starts, time, q, c)
+    touches = _touched(rng, truth, starts, time, c)
     if side == "left":
         touches = tuple(_mirrored(f, width) for f in touches)
     # The device is rotated and shifted. A left hand is mirrored.
@@ -322,7 +322,6 @@ def _touched(
     truth: Capture,
     starts: list[tuple[int, float]],
     time: Array,
-    q: Array,
     c: PairedConfiguration,
 ) -> tuple[TouchFrame, ...]:
     """Frames of the tablet: while fingers are down, and one when the last has left."""
