@@ -16,10 +16,10 @@ import numpy as np
 
 import sandbox.trial.hand_input as hand_input
 from benchmarks.in_air import Depth, play
-from encoders.evaluation.paalm_judge import judged
+from encoders.evaluation.paalm_judge import judge_recording
 from encoders.paalm import Paalm, PaalmOptions
 from encoders.paalm.simulated.air import simulate_air
-from encoders.paalm.simulated.forward import FROZEN_LEAP, seen
+from encoders.paalm.simulated.forward import FROZEN_LEAP, leap_take
 from sandbox.cli.evaluate.paalm_readings import FIRST_PERSON
 from sandbox.devices.simulated.leap_trouble import LeapTrouble
 
@@ -45,9 +45,9 @@ def main() -> None:
     print("SIMULATED persons and device; v1, mean over persons")
     for noise in options.noise:
         device = LeapTrouble(noise).applied(FROZEN_LEAP)
-        takes = [seen(hand, person, configuration=device) for person, hand in hands.items()]
+        takes = [leap_take(hand, person, configuration=device) for person, hand in hands.items()]
         for name, way in WAYS.items():
-            found = [judged(name, take, way, names=False).figures for take in takes]
+            found = [judge_recording(name, take, way, names=False).figures for take in takes]
             means = [f"{k} {np.mean([f[k] for f in found]):.2f}" for k in FIGURES]
             print(
                 f"noise x{noise:g}, {name:15}",

@@ -8,7 +8,7 @@ sandbox regress --tasks examples/push_the_mug.py --seeds 0:20
 import numpy as np
 
 from models import MjcfObject
-from tasks import Goal, OwnTask, judge, two_places
+from tasks import CustomTask, Goal, judge, two_places
 
 MUG = """<mujoco><worldbody><body>
   <geom type="cylinder" size=".021 .025" rgba=".25 .45 .60 1" friction="1"/>
@@ -18,7 +18,7 @@ MUG = """<mujoco><worldbody><body>
 </body></worldbody></mujoco>"""
 
 
-class PushTheMug(OwnTask):
+class PushTheMug(CustomTask):
     """A mug of 80 to 200 g, 4 to 8 cm from its goal and turned by up to 30 degrees; friction 0.3.
 
     Success: within 1 cm and 15 degrees, upright, at rest and let go of, for 0.5 s within 30 s.

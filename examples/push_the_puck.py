@@ -7,7 +7,7 @@ sandbox regress --tasks examples/push_the_puck.py --seeds 0:20
 import numpy as np
 
 from models import Contact, MjcfObject, TouchFrame
-from tasks import Goal, OwnTask, judge, two_places
+from tasks import CustomTask, Goal, judge, two_places
 
 PUCK = """<mujoco><worldbody><body>
   <geom type="cylinder" size=".025 .015" rgba=".85 .55 .20 1" friction="1"/>
@@ -43,7 +43,7 @@ class OneFinger:
         return TouchFrame(now, (Contact(self.id, x, y),))
 
 
-class PushThePuck(OwnTask):
+class PushThePuck(CustomTask):
     """A puck of 100 g, 4 to 8 cm from its goal. Success: within 1 cm, at rest, for 0.5 s in 30 s.
 
     History: version 1.

@@ -61,7 +61,7 @@ class MjcfObject:
         position: (3,) m, the body's origin at the start.
         yaw: rad about the vertical at the start; the place of the body in its description does not
             matter.
-        looks_alike: Rotational symmetry, the number of times it looks the same in one full turn
+        symmetry: Rotational symmetry, the number of times it looks the same in one full turn
             about its z axis: 1 for an object with a front, 4 for a square one, 0 for a round one.
             The simulated user turns the object accordingly.
         size: Factor on all lengths of the description.
@@ -75,7 +75,7 @@ class MjcfObject:
     mass: float
     position: tuple[float, float, float] = (0.0, 0.0, 0.0)
     yaw: float = 0.0
-    looks_alike: int = 1
+    symmetry: int = 1
     size: float = 1.0
 
     def __post_init__(self) -> None:
@@ -96,7 +96,7 @@ class MjcfObject:
         mass: float,
         place: ArrayLike,
         yaw: float = 0.0,
-        looks_alike: int = 1,
+        symmetry: int = 1,
     ) -> MjcfObject:
         """Creates the object standing on the table, upright as described.
 
@@ -106,11 +106,11 @@ class MjcfObject:
             mass: kg.
             place: (2,) or more, m, position of its origin in the world; the height is computed.
             yaw: rad about the vertical.
-            looks_alike: See the class.
+            symmetry: See the class.
         """
         x, y = np.asarray(place, float)[:2]
         height = cls(name, mjcf, mass).height
-        return cls(name, mjcf, mass, (float(x), float(y), height), yaw, looks_alike)
+        return cls(name, mjcf, mass, (float(x), float(y), height), yaw, symmetry)
 
     def body(self) -> Element:
         """MJCF of the body."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from models import lazy_names  # before NumPy: `models` pins the BLAS kernel
 
 if TYPE_CHECKING:
-    from tasks.own_task import OwnTask, judge, two_places
+    from tasks.custom_task import CustomTask, judge, two_places
     from tasks.registry import draw_task, find_task, task_names
     from tasks.score import Score, Status
     from tasks.sensing import Sensing
@@ -21,7 +21,7 @@ else:
         {
             "Goal": "tasks.task",
             "Measure": "tasks.task",
-            "OwnTask": "tasks.own_task",
+            "CustomTask": "tasks.custom_task",
             "Score": "tasks.score",
             "Sensing": "tasks.sensing",
             "Sight": "tasks.user",
@@ -31,16 +31,16 @@ else:
             "UserConfiguration": "tasks.user",
             "draw_task": "tasks.registry",
             "find_task": "tasks.registry",
-            "judge": "tasks.own_task",
+            "judge": "tasks.custom_task",
             "task_names": "tasks.registry",
-            "two_places": "tasks.own_task",
+            "two_places": "tasks.custom_task",
         },
     )
 
 __all__ = [
+    "CustomTask",
     "Goal",
     "Measure",
-    "OwnTask",
     "Score",
     "Sensing",
     "Sight",

@@ -99,7 +99,7 @@ def calibrated_on(take: LeapTake, options: PaalmOptions) -> Paalm:
     return paalm
 
 
-def judged(
+def judge_recording(
     name: str,
     take: LeapTake,
     options: PaalmOptions | None = None,

@@ -34,7 +34,7 @@ class PaalmOptions:
             because fingers mostly vanish by folding: it closes within `fold_seconds`.
         smoothing: s, time constant of lengths and directions; 0 switches it off.
         longest: s, upper limit of that constant, which grows with the device's noise, finger by
-            finger (`encoders.paalm.trembling`).
+            finger (`encoders.paalm.fingertip_noise`).
         fold_seconds: s in which a vanished finger folds.
     """
 

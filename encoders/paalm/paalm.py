@@ -24,12 +24,12 @@ from encoders.paalm.calibration import (
     measure,
     pointing,
 )
+from encoders.paalm.fingertip_noise import FingertipNoise
 from encoders.paalm.identity import TrackedIdentity, paper_order
 from encoders.paalm.options import Hands, PaalmOptions
 from encoders.paalm.palm import Palm, palm_of, stacked
-from encoders.paalm.rig import Rigged, rig
+from encoders.paalm.rig import RiggedFinger, rig
 from encoders.paalm.sides import HandSides
-from encoders.paalm.trembling import Trembling
 from models.arithmetic.arrays import Array
 from models.errors import EncoderError
 from models.frames import FINGERS, HandFrame, TrackedHand, Vector
@@ -179,7 +179,7 @@ class Paalm:
             refused = "one hand is above the other"
         if refused is not None:
             self.counts[refused] += 1
-            hands = {s: h.held_as_it_is() for s, h in self._hands.items()}
+            hands = {s: h.held_result() for s, h in self._hands.items()}
             return PaalmFrame(frame.time, {s: h for s, h in hands.items() if h}, refused)
         dt = 0.0 if self._time is None else frame.time - self._time
         self._time = frame.time
@@ -192,7 +192,7 @@ class Paalm:
             if seen is not None and len(seen.fingers) > len(FINGERS):
                 self.counts["hands with more than five fingers"] += 1
                 seen = None
-            now = hand.held_as_it_is() if seen is None else hand.step(seen, frame.time, dt)
+            now = hand.held_result() if seen is None else hand.step(seen, frame.time, dt)
             if now is not None:
                 results[side] = now
         return PaalmFrame(frame.time, results)
@@ -203,7 +203,7 @@ class _Hand:
 
     def __init__(self, calibration: HandCalibration, options: PaalmOptions) -> None:
         self._calibration, self._options = calibration, options
-        self._rig: list[Rigged] = rig(calibration, options)
+        self._rig: list[RiggedFinger] = rig(calibration, options)
         self._standard: list[float] = calibration.standard.tolist()
         self._identity = TrackedIdentity(calibration, np.array([r.knuckle for r in self._rig]))
         self.reset()
@@ -220,12 +220,12 @@ class _Hand:
         self._miss = [0.0] * len(FINGERS)
         self._ratios = [1.0] * len(FINGERS)
         self._unseen = [0.0] * len(FINGERS)
-        self._trembling = [Trembling() for _ in FINGERS]
+        self._noise = [FingertipNoise() for _ in FINGERS]
         self._palm: Palm | None = None
         for finger in range(len(FINGERS)):
             self._solve(finger)
 
-    def held_as_it_is(self) -> PaalmHand | None:
+    def held_result(self) -> PaalmHand | None:
         """The hand while the device does not see it; None if it was never seen."""
         if self._last is None or self._palm is None:
             return None
@@ -257,9 +257,9 @@ class _Hand:
             self._latest[name] = new
             keep = 0.0
             if smooth:
-                trembling = self._trembling[name]
-                trembling.see(new)
-                keep = exp(-dt / trembling.constant(dt, options.smoothing, options.longest))
+                noise = self._noise[name]
+                noise.add(new)
+                keep = exp(-dt / noise.constant(dt, options.smoothing, options.longest))
             old = self._targets[name]
             self._targets[name] = (
                 new[0] + keep * (old[0] - new[0]),
@@ -289,7 +289,7 @@ class _Hand:
             # Its last measured place, not the smoothed one.
             self._targets[name] = self._latest[name]
             self._solve(name)
-        self._trembling[name].interrupt()
+        self._noise[name].interrupt()
         self._unseen[name] += dt
         if self._options.hold == "device" and self._palm is not None:
             self._targets[name] = palm.turn(self._palm.back(self._targets[name]))

@@ -29,7 +29,7 @@ def bone_lengths(skeleton: Skeleton = ADULT) -> list[tuple[float, float, float]]
 
 
 @dataclass(frozen=True)
-class Rigged:
+class RiggedFinger:
     """One finger: converts its visible part to a target of its chain.
 
     Attributes:
@@ -66,7 +66,7 @@ class Rigged:
         return self.chain.with_first_joint((x, y, z), length)
 
 
-def rig(calibration: HandCalibration, options: PaalmOptions) -> list[Rigged]:
+def rig(calibration: HandCalibration, options: PaalmOptions) -> list[RiggedFinger]:
     """The five chains of a calibrated hand."""
     out = []
     rest = bone_lengths()
@@ -77,7 +77,9 @@ def rig(calibration: HandCalibration, options: PaalmOptions) -> list[Rigged]:
             first, second, third = calibration.bones[finger].tolist()
             chain = FingerChain((first, second, third), options.coupling, limits)
             out.append(
-                Rigged(finger, chain, standard, vector_of(calibration.bases[finger]), False, 1.0)
+                RiggedFinger(
+                    finger, chain, standard, vector_of(calibration.bases[finger]), False, 1.0
+                )
             )
             continue
         hidden = options.hidden if finger else options.thumb_hidden
@@ -92,5 +94,5 @@ def rig(calibration: HandCalibration, options: PaalmOptions) -> list[Rigged]:
         if by_knuckle:
             chain = FingerChain(rest[finger], options.coupling, limits)
             open_length = chain.chord(options.open_bend)
-        out.append(Rigged(finger, chain, open_length, knuckle, by_knuckle, scale))
+        out.append(RiggedFinger(finger, chain, open_length, knuckle, by_knuckle, scale))
     return out

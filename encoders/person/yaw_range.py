@@ -86,7 +86,7 @@ class YawRange:
 
 
 @dataclass(frozen=True)
-class YawWarning:
+class YawWarningSettings:
     """Settings of the yaw warning.
 
     Attributes:
@@ -102,7 +102,7 @@ class YawWarning:
     apart: float = 10.0
 
 
-class YawWatch:
+class YawMonitor:
     """Watches one hand's yaw.
 
     Args:
@@ -114,8 +114,8 @@ class YawWatch:
         warnings: Number of warnings so far.
     """
 
-    def __init__(self, range: YawRange, settings: YawWarning | None = None) -> None:
-        self.range, self.settings = range, settings or YawWarning()
+    def __init__(self, range: YawRange, settings: YawWarningSettings | None = None) -> None:
+        self.range, self.settings = range, settings or YawWarningSettings()
         self.reset()
 
     def reset(self) -> None:

@@ -9,10 +9,10 @@ from models.arithmetic.arrays import Array
 from models.frames import Frame, HandFrame, TouchFrame
 from models.surface import Surface
 
-Taken_contra = TypeVar("Taken_contra", TouchFrame, HandFrame, contravariant=True)
+Frame_contra = TypeVar("Frame_contra", TouchFrame, HandFrame, contravariant=True)
 
 
-class FrameReconstructor(Protocol[Taken_contra]):
+class FrameReconstructor(Protocol[Frame_contra]):
     """Reconstructs one hand from frames of one kind; keeps what it needs of earlier frames."""
 
     @property
@@ -44,7 +44,7 @@ class FrameReconstructor(Protocol[Taken_contra]):
         """Returns to the initial state, a hand that waits for its first frame."""
         ...
 
-    def step(self, frame: Taken_contra) -> Reconstruction:
+    def step(self, frame: Frame_contra) -> Reconstruction:
         """Processes a frame; called once per control step, even if nothing has changed."""
         ...
 

@@ -38,7 +38,7 @@ def angles_of(rotations: Array, order: str) -> Array:
     return np.stack([first, middle, last], axis=-1)
 
 
-class Continuous:
+class ContinuousEuler:
     """Converts rotations of joints over time to angles, each nearest to the one before.
 
     Args:

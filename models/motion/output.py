@@ -20,7 +20,7 @@ NUMBER = "%.6f"
 fingertip."""
 
 
-class Output:
+class AtomicFile:
     """A file that is written under a temporary name and renamed when it is complete.
 
     Args:
@@ -99,11 +99,11 @@ class MotionWriter(ABC):
     """
 
     def __init__(self, *paths: Path) -> None:
-        self._outputs: list[Output] = []
+        self._outputs: list[AtomicFile] = []
         self.frames = 0
         try:
             for path in paths:
-                self._outputs.append(Output(path))
+                self._outputs.append(AtomicFile(path))
         except MotionError:
             self.abort()
             raise

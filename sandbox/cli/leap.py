@@ -15,7 +15,7 @@ from rich.table import Table
 from rich.text import Text
 
 from encoders.paalm.simulated.air import AirTake, simulate_air, takes_of_capture
-from encoders.paalm.simulated.forward import seen
+from encoders.paalm.simulated.forward import leap_take
 from encoders.store import load_capture
 from models.errors import InputError
 from sandbox.cli.common.parse import subcommand
@@ -112,7 +112,7 @@ def simulate(
     except OSError as error:
         raise InputError(f"it cannot be made: {error}", where=f"--out {out}") from error
     for i, motion in enumerate(motions):
-        take = seen(motion, seed + i, dialect, drop_outs)
+        take = leap_take(motion, seed + i, dialect, drop_outs)
         path = out / f"take-{seed + i:04d}.json" if many else out
         made_from = {"seed": seed + i, "capture": str(capture) if capture else None}
         write_take(take, path, made_from)

@@ -15,7 +15,7 @@ from typing import Any, Protocol
 import mujoco
 import numpy as np
 
-from encoders.person.yaw_range import YawWatch
+from encoders.person.yaw_range import YawMonitor
 from encoders.reconstruction.arrival import Phase
 from encoders.reconstruction.reconstructor import HandFrameReconstructor, Reconstructor
 from encoders.reconstruction.touch_reconstructor import Reconstruction
@@ -62,7 +62,7 @@ class Rig:
     device: AnyDevice
     reconstructor: Reconstructor | HandFrameReconstructor
     hand: SceneHand
-    yaw: YawWatch | None = None
+    yaw: YawMonitor | None = None
     rules: CollisionGatingRules | None = None
 
 

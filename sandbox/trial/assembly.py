@@ -11,7 +11,7 @@ from encoders.correction import CorrectionSettings
 from encoders.labels.belief import builtin_belief
 from encoders.labels.labelling import Labeller, PaperLabels
 from encoders.paalm.hand_reconstructor import HandReconstructor
-from encoders.person.yaw_range import YawRange, YawWatch
+from encoders.person.yaw_range import YawMonitor, YawRange
 from encoders.reconstruction.arrival import ArrivalSettings
 from encoders.reconstruction.contact_tracker import TrackerSettings
 from encoders.reconstruction.lift import LiftSettings
@@ -214,9 +214,9 @@ def _hands(settings: RunSettings, task_type: type[Task]) -> list[Hand]:
     ]
 
 
-def _yaw_watch(model: TrainedModel) -> YawWatch | None:
+def _yaw_watch(model: TrainedModel) -> YawMonitor | None:
     """Watch for hands turned further than in the training data; None if the model lacks a range."""
     try:
-        return YawWatch(YawRange.of(model.training_u))
+        return YawMonitor(YawRange.of(model.training_u))
     except CaptureError:
         return None

@@ -14,7 +14,7 @@ from models.errors import InputError
 from models.mjcf_object import MjcfObject
 from models.objects import JAW, Box, SceneObject, Wrench
 from tasks.simulated_user.grasp import Grasp, choose_grasp, choose_handle_grasp, within_comfort
-from tasks.simulated_user.own_handling import OwnHandling
+from tasks.simulated_user.outline_handling import OutlineHandling
 from tasks.task import Goal
 from tasks.user import SeenObject, UserConfiguration
 
@@ -133,7 +133,7 @@ def handling_of(shape: SceneObject) -> Handling:
     if isinstance(shape, Wrench):
         return WrenchHandling(shape)
     if isinstance(shape, MjcfObject):
-        return OwnHandling(shape)
+        return OutlineHandling(shape)
     if not isinstance(shape, Box):
         raise InputError(
             "the simulated user cannot handle this object",

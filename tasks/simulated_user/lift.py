@@ -6,7 +6,7 @@ import numpy as np
 
 from models.frames import TouchFrame
 from models.surface import Surface
-from tasks.simulated_user.control_arms import IdleUser, RandomUser
+from tasks.simulated_user.control_users import IdleUser, RandomUser
 from tasks.simulated_user.fingers import minimum_jerk
 from tasks.user import UserConfiguration
 

@@ -16,9 +16,9 @@ from models.objects import Box
 from models.surface import Surface
 from tasks.goals import flat_yaw
 from tasks.simulated_user.grasp import Grasp
+from tasks.simulated_user.grasp_clearance import Surroundings, roomiest_grasp
 from tasks.simulated_user.handling import BoxHandling
 from tasks.simulated_user.lift import Slider
-from tasks.simulated_user.room import Surroundings, roomiest_grasp
 from tasks.simulated_user.user import SkilledUser
 from tasks.task import Goal
 from tasks.user import SeenObject, Sight, UserConfiguration

@@ -25,7 +25,7 @@ from models.motion.armature import (
     chunks,
     zero_frame,
 )
-from models.motion.euler import Continuous, angles_of
+from models.motion.euler import ContinuousEuler, angles_of
 from models.motion.motion import Motion, rotations_of_angles
 from models.motion.points import HandPoints
 from models.motion.read.asf import read_amc, read_asf
@@ -133,7 +133,7 @@ def test_no_order_comes_near_its_pole_while_the_joints_stay_in_their_ranges(orde
 def test_angles_never_jump_in_any_order(order, seed):
     armature = Armature(ADULT)
     q = moving(ADULT, 600, seed)
-    euler = Continuous(order)
+    euler = ContinuousEuler(order)
     angles = np.concatenate(
         [
             euler.angles(armature.relative(k, armature.zero(order), Y_UP)[1])
@@ -170,7 +170,7 @@ def test_the_first_angle_of_a_finger_is_its_flexion_and_the_last_its_spread():
 )
 def test_euler_angles_mean_the_turn_they_were_made_of(vectors, order):
     turns = Rotation.from_rotvec(vectors).as_matrix()
-    angles = Continuous(order).angles(turns[:, None])[:, 0]
+    angles = ContinuousEuler(order).angles(turns[:, None])[:, 0]
     again = Rotation.from_euler(order, angles).as_matrix()
     np.testing.assert_allclose(again, turns, atol=1e-6)
     np.testing.assert_allclose(
@@ -183,7 +183,7 @@ def test_angles_that_pass_through_a_pole_are_those_they_were_made_of(order):
     t = np.linspace(0, 6, 3000)
     angles = np.stack([3 * t, 1.7 * np.sin(1.3 * t), 0.5 * t * t], axis=-1)[:, None]
     turns = rotations_of_angles(angles, order.lower(), fixed=False)
-    euler = Continuous(order)
+    euler = ContinuousEuler(order)
     found = np.concatenate([euler.angles(part) for part in np.array_split(turns, 7)])
     assert np.abs(angles[:, 0, 1]).max() > 1.65
     np.testing.assert_allclose(found, angles, atol=1e-9)
@@ -193,7 +193,7 @@ def test_angles_that_pass_through_a_pole_are_those_they_were_made_of(order):
 @pytest.mark.parametrize("sign", (1, -1))
 def test_at_a_pole_itself_angles_stay_near_and_mean_the_same(order, sign):
     turn = rotations_of_angles(np.array([[0.3, sign * np.pi / 2, 0.7]]), order.lower(), fixed=False)
-    euler = Continuous(order)
+    euler = ContinuousEuler(order)
     before = rotations_of_angles(np.array([[0.1, sign * 1.5, 0.6]]), order.lower(), fixed=False)
     angles = euler.angles(np.stack([before, turn]))[1]
     np.testing.assert_allclose(

@@ -30,7 +30,7 @@ from tasks.carry_together import BORDER, SEAM, SLOPE_TOLERANCE, CarryTogether
 from tasks.registry import draw_task
 from tasks.sensing import Sensing
 from tasks.simulated_user.carrier import Carrier
-from tasks.simulated_user.control_arms import IdleUser
+from tasks.simulated_user.control_users import IdleUser
 from tasks.user import UserConfiguration
 
 TASK = "carry-together"

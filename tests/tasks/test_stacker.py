@@ -12,8 +12,8 @@ from models.surface import Surface
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.trial.headless import run_trial
 from sandbox.trial.result import TrialResult
+from tasks.simulated_user.grasp_clearance import Surroundings, roomiest_grasp
 from tasks.simulated_user.lift import IdleLiftUser, RandomLiftUser, Slider
-from tasks.simulated_user.room import Surroundings, roomiest_grasp
 from tasks.stack import Stack
 from tasks.user import SeenObject, UserConfiguration
 

@@ -13,7 +13,7 @@ from encoders.captures.conversion.hand_points import touches_from_tips
 from encoders.captures.conversion.joint_track import JointTrack
 from encoders.captures.conversion.report import ConversionReport, ConversionRules
 from encoders.captures.conversion.synchronise import ClockOffset, offset_by_taps, refined_by_motion
-from encoders.captures.conversion.touch_log import TouchLog, sound_contacts
+from encoders.captures.conversion.touch_log import TouchLog, valid_contacts
 from models.errors import CaptureError
 
 Sync = Literal["clock", "tap"]
@@ -42,7 +42,7 @@ def capture_from_touches(
     Raises:
         CaptureError: Touches and poses do not match, or the taps are ambiguous.
     """
-    tracks = sound_contacts(log, rules, report)
+    tracks = valid_contacts(log, rules, report)
     if sync == "tap":
         clock_offset = offset_by_taps(tracks, joints)
         trial = (

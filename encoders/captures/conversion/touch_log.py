@@ -95,7 +95,7 @@ class ContactTrack:
         return self.xy[before] + share * (self.xy[after] - self.xy[before])
 
 
-def sound_contacts(
+def valid_contacts(
     log: TouchLog, rules: ConversionRules, report: ConversionReport
 ) -> list[ContactTrack]:
     """Extracts the contacts of a log without its glitches, by time; counts dropped ones."""

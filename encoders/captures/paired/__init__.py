@@ -5,7 +5,7 @@ paper of 2015 used a studio with ten cameras; here a Leap gives both, through PA
 
     capture_from_hands    conversion of two streams to a capture
     clocks                common clock of two devices, from the arrival times of their frames
-    seen_track            poses and named fingertips of hand frames
+    hand_track            poses and named fingertips of hand frames
     registration          pose of the device in the surface frame
     simulated             one simulated person over both devices, with the truth
 """

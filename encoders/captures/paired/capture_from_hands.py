@@ -24,10 +24,10 @@ from encoders.captures.conversion.fingers import LabelledTrack, sample_times
 from encoders.captures.conversion.report import ConversionReport, ConversionRules
 from encoders.captures.conversion.surface_frame import frame_from_fingertips
 from encoders.captures.conversion.synchronise import ClockOffset, offset_by_taps, refined_by_motion
-from encoders.captures.conversion.touch_log import ContactTrack, TouchLog, sound_contacts
-from encoders.captures.paired.labels import named_by_sight
-from encoders.captures.paired.registration import Placed, first_guess, registered
-from encoders.captures.paired.seen_track import SeenTrack, seen_track
+from encoders.captures.conversion.touch_log import ContactTrack, TouchLog, valid_contacts
+from encoders.captures.paired.hand_track import HandTrack, hand_track
+from encoders.captures.paired.labels import label_by_fingertips
+from encoders.captures.paired.registration import DevicePose, first_guess, registered
 from encoders.correction import FingertipCorrection
 from encoders.paalm import Paalm
 from encoders.paalm.calibration import HandCalibration
@@ -98,8 +98,8 @@ def capture_from_hands(
     Raises:
         CaptureError: The recordings do not match; the error gives the reason.
     """
-    track, share = seen_track(frames, time, calibration)
-    tracks = sound_contacts(log, rules, report)
+    track, share = hand_track(frames, time, calibration)
+    tracks = valid_contacts(log, rules, report)
     _overlap(tracks, track, ONE_CLOCK if one_clock else None, offset)
     plane = _plane(track)
     clock = ClockOffset(offset or 0.0, 0.0, 0, 0)
@@ -109,14 +109,14 @@ def capture_from_hands(
     labelled: list[LabelledTrack] = []
     for _ in range(_ROUNDS):
         here = track.placed(place)
-        labelled = named_by_sight(tracks, here, clock.offset, rules, ConversionReport())
+        labelled = label_by_fingertips(tracks, here, clock.offset, rules, ConversionReport())
         if not labelled:
             break
         if offset is None:
             clock = refined_by_motion(clock, labelled, here, rules)
         place = registered(*_pairs(labelled, track, clock.offset, rules))
     here = track.placed(place)
-    labelled = named_by_sight(tracks, here, clock.offset, rules, report)
+    labelled = label_by_fingertips(tracks, here, clock.offset, rules, report)
     if not labelled:
         raise CaptureError(
             "no touch is where a fingertip is",
@@ -132,7 +132,7 @@ def capture_from_hands(
 
 
 def _overlap(
-    tracks: list[ContactTrack], track: SeenTrack, slack: float | None, offset: float | None
+    tracks: list[ContactTrack], track: HandTrack, slack: float | None, offset: float | None
 ) -> None:
     if not tracks:
         raise CaptureError("no touch is left to go by", where="touches")
@@ -149,7 +149,7 @@ def _overlap(
         )
 
 
-def _plane(track: SeenTrack) -> Placed:
+def _plane(track: HandTrack) -> DevicePose:
     """A frame whose z is the height above the plane on which fingertips rest."""
     shown = np.isfinite(track.seen[..., 0]).any(axis=1)
     try:
@@ -160,16 +160,16 @@ def _plane(track: SeenTrack) -> Placed:
             got=error.got,
             remedy="Keep the hand in the device's view while it touches",
         ) from None
-    return Placed(frame.rotation.T, -frame.rotation.T @ frame.origin, 0.0, 0)
+    return DevicePose(frame.rotation.T, -frame.rotation.T @ frame.origin, 0.0, 0)
 
 
 def _first(
     tracks: list[ContactTrack],
-    track: SeenTrack,
-    plane: Placed,
+    track: HandTrack,
+    plane: DevicePose,
     offset: float,
     rules: ConversionRules,
-) -> Placed:
+) -> DevicePose:
     """Estimates the device's pose roughly, without labels of touches."""
     times = [sample_times(t, rules.rate) for t in tracks]
     xy = np.concatenate([t.at(s, rules.gap) for t, s in zip(tracks, times, strict=True)])
@@ -178,7 +178,7 @@ def _first(
     tips, known = track.placed(plane).tips_at(moments[some], rules.gap)
     rows = np.flatnonzero(known)
     guess = first_guess(xy[some][rows] * [1.0, -1.0], rows, tips, _NEAR_PLANE)
-    return Placed(
+    return DevicePose(
         guess.rotation @ plane.rotation,
         guess.rotation @ plane.shift + guess.shift,
         guess.miss,
@@ -187,7 +187,7 @@ def _first(
 
 
 def _pairs(
-    labelled: list[LabelledTrack], track: SeenTrack, offset: float, rules: ConversionRules
+    labelled: list[LabelledTrack], track: HandTrack, offset: float, rules: ConversionRules
 ) -> tuple[Array, Array]:
     """Touches (R, 2), y up, and their fingertips (R, 3) in the device's frame."""
     touches, fingertips = [], []
@@ -225,7 +225,7 @@ def _whole(
 
 
 def _corrected(
-    capture: Capture, track: SeenTrack, offset: float, rules: ConversionRules, which: Correct
+    capture: Capture, track: HandTrack, offset: float, rules: ConversionRules, which: Correct
 ) -> Capture:
     """Corrects poses so that touching fingertips are at their touches.
 
@@ -249,7 +249,7 @@ def _corrected(
 
 
 def _note(
-    report: ConversionReport, clock: ClockOffset, place: Placed, share: float, taps: bool
+    report: ConversionReport, clock: ClockOffset, place: DevicePose, share: float, taps: bool
 ) -> None:
     report.notes["sync"] = "tap" if taps else "clock"
     report.notes["offset_s"] = round(clock.offset, 6)

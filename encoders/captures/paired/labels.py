@@ -12,7 +12,7 @@ import numpy as np
 from encoders.captures.conversion.fingers import RESTING, LabelledTrack, sample_times
 from encoders.captures.conversion.report import ConversionReport, ConversionRules
 from encoders.captures.conversion.touch_log import ContactTrack
-from encoders.captures.paired.seen_track import SeenTrack
+from encoders.captures.paired.hand_track import HandTrack
 from models.arithmetic.arrays import Array
 from models.frames import FINGERS
 
@@ -24,9 +24,9 @@ _VOTES = 3
 """Number of moments at which a fingertip must be seen beside a touch to label it."""
 
 
-def named_by_sight(
+def label_by_fingertips(
     tracks: list[ContactTrack],
-    track: SeenTrack,
+    track: HandTrack,
     offset: float,
     rules: ConversionRules,
     report: ConversionReport,
@@ -77,7 +77,7 @@ def named_by_sight(
 
 
 def _distances(
-    one: ContactTrack, track: SeenTrack, offset: float, rules: ConversionRules, held: bool
+    one: ContactTrack, track: HandTrack, offset: float, rules: ConversionRules, held: bool
 ) -> Array:
     """Distances (m, 5) m from a contact to fingertips; infinite where unknown or not seen."""
     times = sample_times(one, rules.rate)

@@ -31,7 +31,7 @@ _KEPT = 0.7
 
 
 @dataclass(frozen=True)
-class Placed:
+class DevicePose:
     """Pose of the device's frame in the 3-D surface frame.
 
     Attributes:
@@ -51,7 +51,7 @@ class Placed:
         return np.asarray(device @ self.rotation.T + self.shift)
 
 
-def first_guess(touches: Array, frame: NDArray[np.int64], tips: Array, near: float) -> Placed:
+def first_guess(touches: Array, frame: NDArray[np.int64], tips: Array, near: float) -> DevicePose:
     """Estimates rotation and translation in the plane, without labels of touches.
 
     Args:
@@ -63,7 +63,7 @@ def first_guess(touches: Array, frame: NDArray[np.int64], tips: Array, near: flo
     Raises:
         CaptureError: No rotation brings them together.
     """
-    best: Placed | None = None
+    best: DevicePose | None = None
     flat, low = tips[frame, :, :2], np.abs(tips[frame, :, 2]) < near
     usable = low.any(axis=1)
     if usable.sum() < 10:
@@ -86,7 +86,7 @@ def first_guess(touches: Array, frame: NDArray[np.int64], tips: Array, near: flo
         if best is None or score < best.miss:
             whole = np.eye(3)
             whole[:2, :2] = rotation
-            best = Placed(whole, np.array([*shift, PAD_HEIGHT]), score, int(keep.sum()))
+            best = DevicePose(whole, np.array([*shift, PAD_HEIGHT]), score, int(keep.sum()))
     assert best is not None
     if best.miss > MOST_MISS:
         raise CaptureError(
@@ -98,7 +98,7 @@ def first_guess(touches: Array, frame: NDArray[np.int64], tips: Array, near: flo
     return best
 
 
-def registered(touches: Array, tips: Array) -> Placed:
+def registered(touches: Array, tips: Array) -> DevicePose:
     """Estimates the rigid motion that brings fingertips to their touches, without outliers.
 
     Args:
@@ -122,7 +122,7 @@ def registered(touches: Array, tips: Array) -> Placed:
         rotation, shift = _rigid(here[keep], there[keep])
         miss = np.linalg.norm(here @ rotation.T + shift - there, axis=1)
         keep = miss <= max(3.0 * 1.4826 * float(np.median(miss)) / 1.5, 0.003)
-    return Placed(rotation, shift, float(np.median(miss)), int(keep.sum()))
+    return DevicePose(rotation, shift, float(np.median(miss)), int(keep.sum()))
 
 
 def _rigid(here: Array, there: Array) -> tuple[Array, Array]:

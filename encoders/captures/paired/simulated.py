@@ -22,7 +22,7 @@ from encoders.paalm.average import OPEN_SPREAD
 from encoders.paalm.hand_pose import PALM_CENTRE, hand_pose
 from encoders.paalm.palm import Palm
 from encoders.paalm.simulated.air import AirTake
-from encoders.paalm.simulated.forward import LeapTake, seen
+from encoders.paalm.simulated.forward import LeapTake, leap_take
 from encoders.regression.bone_fit import perturbed_skeleton
 from models.arithmetic.arrays import Array
 from models.frames import FINGERS, Contact, TouchFrame
@@ -161,7 +161,7 @@ def simulate_paired(
     leap_time = np.arange(0.0, time[-1], 1.0 / c.leap_rate)
     pose = _at(leap_time, time, q)
     take = _air(leap_time, pose, joints_of, centre, rotation, shift, c.open_seconds, side)
-    what = seen(take, seed + 1000 * day, dialect)
+    what = leap_take(take, seed + 1000 * day, dialect)
     drifted = 17.0 + leap_time * (1.0 - c.drift)
     frames = tuple(replace(f, time=t) for f, t in zip(what.frames, drifted.tolist(), strict=True))
     tablet = np.array([f.time for f in touches])

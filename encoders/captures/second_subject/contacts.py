@@ -48,7 +48,7 @@ def script(c: SecondConfiguration) -> list[TakeSettings]:
     return takes
 
 
-def tastes(rng: np.random.Generator, scale: float) -> Array:
+def preferences(rng: np.random.Generator, scale: float) -> Array:
     """Preference (26,) of a subject for each finger set.
 
     All subjects prefer the thumb, and fingers in a row from the index. Individual preferences, some

@@ -46,7 +46,7 @@ _NEIGHBOURS = np.array(
 
 
 @dataclass(frozen=True)
-class Wish:
+class MovementPlan:
     """The intended movement of the hand, before the screen is considered; one row per frame.
 
     Attributes:
@@ -76,33 +76,35 @@ class Wish:
     coupling: Array
 
     @staticmethod
-    def joined(parts: list[Wish]) -> Wish:
+    def joined(parts: list[MovementPlan]) -> MovementPlan:
         """Concatenates all takes of a day."""
-        return Wish(*(np.concatenate([getattr(p, f.name) for p in parts]) for f in fields(Wish)))
+        return MovementPlan(
+            *(np.concatenate([getattr(p, f.name) for p in parts]) for f in fields(MovementPlan))
+        )
 
 
 def place(
-    wish: Wish, hand: SecondHand, surface: Surface, c: SecondConfiguration
+    plan: MovementPlan, hand: SecondHand, surface: Surface, c: SecondConfiguration
 ) -> tuple[Array, Array, Array]:
     """Positions (n, 3) m and rotations (n, 3, 3) of the wrist, and angles (n, 5, 5) of the
     fingers."""
-    in_palm = hand.tips_in_palm(wish.angles)
-    down, up = _levelling(in_palm, wish.close)
-    pitch, roll = wish.pitch + c.level * up, wish.roll + c.level * down
+    in_palm = hand.tips_in_palm(plan.angles)
+    down, up = _levelling(in_palm, plan.close)
+    pitch, roll = plan.pitch + c.level * up, plan.roll + c.level * down
     root = np.empty((len(pitch), 3))
     for _ in range(_SETTLINGS):
-        turn = attitude(wish.yaw, pitch, roll)
+        turn = attitude(plan.yaw, pitch, roll)
         tips = (turn[:, None] @ in_palm[..., None])[..., 0]
-        root[:, 2] = c.tip_height + wish.height - _mean(tips, wish.close)[:, 2]
-        pitch = pitch - np.maximum(c.wrist - root[:, 2], 0.0) / _mean(in_palm, wish.close)[:, 1]
-    root[:, :2] = _middle(tips, wish, surface) - _mean(tips[..., :2], wish.used)
+        root[:, 2] = c.tip_height + plan.height - _mean(tips, plan.close)[:, 2]
+        pitch = pitch - np.maximum(c.wrist - root[:, 2], 0.0) / _mean(in_palm, plan.close)[:, 1]
+    root[:, :2] = _middle(tips, plan, surface) - _mean(tips[..., :2], plan.used)
     goals = tips + root[:, None]
     for _ in range(_SETTLINGS):
-        touching, off = _touching(goals, root, turn, wish, hand, surface, c)
-        root[:, 2] -= (off * wish.close).sum(axis=1) / wish.close.sum(axis=1)
-    touching, _ = _touching(goals, root, turn, wish, hand, surface, c)
-    lifted = _lifted(touching, root, turn, wish, hand, c)
-    share = wish.close[..., None]
+        touching, off = _touching(goals, root, turn, plan, hand, surface, c)
+        root[:, 2] -= (off * plan.close).sum(axis=1) / plan.close.sum(axis=1)
+    touching, _ = _touching(goals, root, turn, plan, hand, surface, c)
+    lifted = _lifted(touching, root, turn, plan, hand, c)
+    share = plan.close[..., None]
     return root, turn, share * touching + (1 - share) * lifted
 
 
@@ -127,30 +129,30 @@ def _mean(values: Array, weights: NDArray[np.generic]) -> Array:
     return np.asarray((values * w).sum(axis=1) / w.sum(axis=1))
 
 
-def _middle(tips: Array, wish: Wish, surface: Surface) -> Array:
+def _middle(tips: Array, plan: MovementPlan, surface: Surface) -> Array:
     """The target (n, 2) m of the middle, moved until the used fingertips are on the screen."""
-    flat = tips[..., :2] - _mean(tips[..., :2], wish.used)[:, None]
-    used = wish.used[..., None]
+    flat = tips[..., :2] - _mean(tips[..., :2], plan.used)[:, None]
+    used = plan.used[..., None]
     low = np.where(used, flat, np.inf).min(axis=1)
     high = np.where(used, flat, -np.inf).max(axis=1)
     least = np.array([0, -surface.size[1]]) + _MARGIN - low
     most = np.array([surface.size[0], 0]) - _MARGIN - high
     fits = least <= most
-    return np.where(fits, np.clip(wish.middle, least, np.maximum(least, most)), (least + most) / 2)
+    return np.where(fits, np.clip(plan.middle, least, np.maximum(least, most)), (least + most) / 2)
 
 
 def _touching(
     goals: Array,
     root: Array,
     turn: Array,
-    wish: Wish,
+    plan: MovementPlan,
     hand: SecondHand,
     surface: Surface,
     c: SecondConfiguration,
 ) -> tuple[Array, Array]:
     """Angles (n, 5, 5) with all fingertips on the screen, and their remaining distances (n, 5) m
     from it."""
-    spots, angles = goals.copy(), wish.angles
+    spots, angles = goals.copy(), plan.angles
     for _ in range(_ROUNDS):
         spots = _apart(spots, turn, c.tip_width)
         spots[..., 0] = np.clip(spots[..., 0], _MARGIN, surface.size[0] - _MARGIN)
@@ -188,7 +190,12 @@ def _apart(spots: Array, turn: Array, width: float) -> Array:
 
 
 def _lifted(
-    touching: Array, root: Array, turn: Array, wish: Wish, hand: SecondHand, c: SecondConfiguration
+    touching: Array,
+    root: Array,
+    turn: Array,
+    plan: MovementPlan,
+    hand: SecondHand,
+    c: SecondConfiguration,
 ) -> Array:
     """Angles (n, 5, 5) of fingers while they are lifted.
 
@@ -196,15 +203,15 @@ def _lifted(
     screen. It is raised at least until it clears the screen.
     """
     low, high = hand.reach_limits
-    ties = _NEIGHBOURS * wish.close[:, None, :]
+    ties = _NEIGHBOURS * plan.close[:, None, :]
     ties = ties / np.maximum(ties.sum(axis=2, keepdims=True), 1.0)
-    drawn = wish.coupling[..., None] * (ties @ (touching - wish.angles))
-    out = wish.angles.copy()
+    drawn = plan.coupling[..., None] * (ties @ (touching - plan.angles))
+    out = plan.angles.copy()
     out[..., SWING] += 0.5 * drawn[..., SWING]
     out[..., FIRST] += drawn[..., FIRST]
     out[..., SECOND] += drawn[..., SECOND]
-    out[..., FIRST] -= np.where(wish.curl, 0.3, 1.0) * wish.lift
-    out[..., SECOND] += np.where(wish.curl, 0.8, -0.4) * wish.lift
+    out[..., FIRST] -= np.where(plan.curl, 0.3, 1.0) * plan.lift
+    out[..., SECOND] += np.where(plan.curl, 0.8, -0.4) * plan.lift
     out = np.clip(out, low, high)
     up = np.zeros((5, 5))
     up[:, FIRST], up[1:, SECOND], up[0, SWING] = -1.0, -0.6, -0.6

@@ -15,8 +15,8 @@ from encoders.captures.second_subject.contacts import (
     closeness,
     contact_ids,
     free_play,
+    preferences,
     script,
-    tastes,
 )
 from encoders.captures.second_subject.grips import (
     MANNERS,
@@ -28,7 +28,7 @@ from encoders.captures.second_subject.grips import (
 )
 from encoders.captures.second_subject.hand import SLENDER
 from encoders.captures.second_subject.measurement import Markers, touches
-from encoders.captures.second_subject.placing import Wish, place
+from encoders.captures.second_subject.placing import MovementPlan, place
 from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.frames import FINGERS
@@ -87,11 +87,11 @@ def simulate(
     wishes = []
     for number, take in enumerate(takes):
         rng = np.random.default_rng([_TAKE, seed, day, number])
-        wishes.append(_wish(rng, take, habits[number], person, surface, c))
+        wishes.append(_plan(rng, take, habits[number], person, surface, c))
         if progress:
             progress(0.3 * (number + 1) / len(takes))
-    wish = Wish.joined(wishes)
-    root, turn, angles = place(wish, SLENDER, surface, c)
+    plan = MovementPlan.joined(wishes)
+    root, turn, angles = place(plan, SLENDER, surface, c)
     if progress:
         progress(0.8)
 
@@ -128,7 +128,7 @@ def simulate(
 
 def _person(seed: int, day: int, c: SecondConfiguration, surface: Surface) -> _SubjectDay:
     always = np.random.default_rng([_PERSON, seed])
-    taste = tastes(always, c.taste)
+    taste = preferences(always, c.taste)
     coupling = always.uniform(*c.coupling, len(FINGERS))
     lift = always.uniform(*c.raise_, len(FINGERS))
     curl = always.random(len(FINGERS)) < c.curl
@@ -148,14 +148,14 @@ def _drift(rng: np.random.Generator, count: int, c: SecondConfiguration) -> Arra
     return np.asarray(np.abs((walk + 1) % 4 - 2) - 1)
 
 
-def _wish(
+def _plan(
     rng: np.random.Generator,
     take: TakeSettings,
     habit: Array,
     person: _SubjectDay,
     surface: Surface,
     c: SecondConfiguration,
-) -> Wish:
+) -> MovementPlan:
     """The intended movement of a take, before the screen is considered."""
     times = take.times
     calm = c.calm if take.free else 1.0
@@ -176,7 +176,7 @@ def _wish(
     forearm = np.arctan2(-arm[:, 0], arm[:, 1])
     yaw = _yaw(rng, times, take, calm, c) + c.forearm * forearm
     down = take.down
-    return Wish(
+    return MovementPlan(
         angles=angles,
         yaw=yaw,
         pitch=tilt + manner[:, 10],

@@ -81,7 +81,7 @@ class LeapTake:
     dialect: str
 
 
-def seen(
+def leap_take(
     take: AirTake,
     seed: int,
     dialect: str = "v1",

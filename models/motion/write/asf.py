@@ -14,7 +14,7 @@ import numpy as np
 
 from models.arithmetic.arrays import Array
 from models.motion.armature import Y_UP, Armature, Keys
-from models.motion.euler import Continuous
+from models.motion.euler import ContinuousEuler
 from models.motion.output import NUMBER, MotionWriter, checked_rate, rows
 from models.motion.read.asf import RATE_REMARK
 
@@ -36,7 +36,7 @@ class AmcWriter(MotionWriter):
     def __init__(self, path: Path, armature: Armature, rate: float) -> None:
         checked_rate(rate)
         self._armature, self._zero = armature, armature.zero(ORDER)
-        self.euler = Continuous(ORDER)
+        self.euler = ContinuousEuler(ORDER)
         super().__init__(path.with_suffix(".asf"), path.with_suffix(".amc"))
         asf, self._amc = self._outputs
         asf.write(_skeleton(armature, self._zero).encode("ascii"))

@@ -12,7 +12,7 @@ import numpy as np
 
 from models.arithmetic.arrays import Array
 from models.motion.armature import Y_UP, Armature, Keys
-from models.motion.euler import Continuous
+from models.motion.euler import ContinuousEuler
 from models.motion.output import NUMBER, MotionWriter, checked_rate, rows
 
 CENTIMETRES = 100.0
@@ -35,7 +35,7 @@ class BvhWriter(MotionWriter):
     def __init__(self, path: Path, armature: Armature, rate: float, order: str = "ZXY") -> None:
         frame_time = 1.0 / checked_rate(rate)
         self._armature, self._zero = armature, armature.zero(order)
-        self.euler = Continuous(order)
+        self.euler = ContinuousEuler(order)
         super().__init__(path)
         out = self._outputs[0]
         out.write(_hierarchy(armature, self._zero, order).encode("ascii"))

@@ -13,12 +13,12 @@ from rich.progress import Progress
 from rich.table import Table
 from rich.text import Text
 
-from encoders.evaluation.paalm_judge import Judgement, judged, summary, test_seeds
+from encoders.evaluation.paalm_judge import Judgement, judge_recording, summary, test_seeds
 from encoders.evaluation.paalm_pair import two_hand_milliseconds
 from encoders.evaluation.paalm_recorded import as_first_software, independent, take_of_recording
 from encoders.paalm import EQUAL, PAPER, TWO_THIRDS, Coupling, PaalmOptions
 from encoders.paalm.simulated.air import simulate_air
-from encoders.paalm.simulated.forward import LeapTake, seen
+from encoders.paalm.simulated.forward import LeapTake, leap_take
 from models.errors import EncoderError, InputError, RecordingError
 from models.frames import SIDES
 from sandbox.cli.common.json_out import check_output, write_json
@@ -105,10 +105,10 @@ def _simulated(takes: int, shown: Callable[[float], None]) -> dict[str, Any]:
     for seed in seeds:
         hand = simulate_air(seed)
         for name, (dialect, drop_outs) in CONDITIONS.items():
-            take = seen(hand, seed, dialect, drop_outs)
-            results[name].append(judged(str(seed), take))
+            take = leap_take(hand, seed, dialect, drop_outs)
+            results[name].append(judge_recording(str(seed), take))
             if name == "v1":
-                printed.append(judged(str(seed), take, PAPER))
+                printed.append(judge_recording(str(seed), take, PAPER))
             if dialect == "v3":
                 _by_coupling(couplings, str(seed), take, SIMULATED_FIT)
             done += 1
@@ -119,7 +119,8 @@ def _simulated(takes: int, shown: Callable[[float], None]) -> dict[str, Any]:
         "seeds": seeds,
         **conditions["v1"],
         "ms_per_frame_two_hands": two_hand_milliseconds(
-            seen(simulate_air(seeds[0]), seeds[0]), seen(simulate_air(seeds[0] + 1, "left"), 1)
+            leap_take(simulate_air(seeds[0]), seeds[0]),
+            leap_take(simulate_air(seeds[0] + 1, "left"), 1),
         ),
         "without_drop_outs": conditions["v1_without_drop_outs"],
         "v3": conditions["v3"],
@@ -153,7 +154,7 @@ def _folder(folder: Path, shown: Callable[[float], None]) -> dict[str, Any]:
             if not independent(take):
                 left_out[f"{name} (angles)"] = "PIP and DIP are equal by construction (Leap v2)"
             else:
-                angles.append(judged(name, take))
+                angles.append(judge_recording(name, take))
                 if take.dialect == "v1":
                     names.append(angles[-1])
                 else:
@@ -179,7 +180,7 @@ def _folder(folder: Path, shown: Callable[[float], None]) -> dict[str, Any]:
 def _names(found: list[Judgement], left_out: dict[str, str], name: str, unnamed: LeapTake) -> None:
     """Names need an open hand, which angles of a device that knows joints do not."""
     try:
-        found.append(judged(name, unnamed, angles=False))
+        found.append(judge_recording(name, unnamed, angles=False))
     except EncoderError as error:
         left_out[f"{name} (names)"] = str(error)
 
@@ -219,7 +220,7 @@ def _by_coupling(
     known = {"two_thirds": TWO_THIRDS, "equal": EQUAL}
     for key, coupling in (known | ({"fitted": fitted} if fitted else {})).items():
         options = replace(PaalmOptions(), coupling=coupling)
-        table.setdefault(key, []).append(judged(name, take, options))
+        table.setdefault(key, []).append(judge_recording(name, take, options))
 
 
 def _short(judgements: list[Judgement]) -> dict[str, Any]:

@@ -10,10 +10,10 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from encoders.evaluation.paalm_judge import judged, summary
+from encoders.evaluation.paalm_judge import judge_recording, summary
 from encoders.paalm import EQUAL, PAPER, Coupling, PaalmOptions
 from encoders.paalm.simulated.air import simulate_air
-from encoders.paalm.simulated.forward import FROZEN_LEAP, LeapTake, seen
+from encoders.paalm.simulated.forward import FROZEN_LEAP, LeapTake, leap_take
 
 FIRST_PERSON = 100
 """Simulated persons to choose readings by; below 200, as all seeds of development are."""
@@ -56,17 +56,19 @@ def judge_readings(takes: int, shown: Callable[[float], None]) -> dict[str, Any]
     """Every reading with and without drop-outs, and the default on a worse device."""
     hands = [(s, simulate_air(s)) for s in range(FIRST_PERSON, FIRST_PERSON + takes)]
     conditions: dict[str, list[tuple[int, LeapTake]]] = {
-        "v1": [(s, seen(hand, s)) for s, hand in hands],
-        "without_drop_outs": [(s, seen(hand, s, drop_outs=False)) for s, hand in hands],
+        "v1": [(s, leap_take(hand, s)) for s, hand in hands],
+        "without_drop_outs": [(s, leap_take(hand, s, drop_outs=False)) for s, hand in hands],
     }
     readings: dict[str, Any] = {}
     for done, (name, options) in enumerate(READINGS.items()):
         readings[name] = {
-            condition: _figures([judged(str(s), t, options, names=False) for s, t in seen_takes])
+            condition: _figures(
+                [judge_recording(str(s), t, options, names=False) for s, t in seen_takes]
+            )
             for condition, seen_takes in conditions.items()
         }
         shown((done + 1) / (len(READINGS) + 1))
-    rough = [judged(str(s), seen(hand, s, configuration=ROUGH)) for s, hand in hands]
+    rough = [judge_recording(str(s), leap_take(hand, s, configuration=ROUGH)) for s, hand in hands]
     return {
         "source": "SIMULATED hands, simulated Leap: no person and no device",
         "seeds": [s for s, _ in hands],

@@ -19,7 +19,7 @@ from sandbox.session.device import Device
 from sandbox.session.messages import Snapshot
 from tasks.registry import hands_of
 from tasks.simulated_user.carrier import Carrier
-from tasks.simulated_user.control_arms import IdleUser, RandomUser
+from tasks.simulated_user.control_users import IdleUser, RandomUser
 from tasks.simulated_user.front_stacker import FrontStacker
 from tasks.simulated_user.front_view import FrontUser, FrontView
 from tasks.simulated_user.lift import IdleLiftUser, RandomLiftUser

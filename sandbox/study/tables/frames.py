@@ -202,7 +202,7 @@ class FrameTable:
         symmetries = {}
         for item in objects:
             half = getattr(item, "half_size", None)
-            symmetries[item.name] = int(getattr(item, "looks_alike", 1))
+            symmetries[item.name] = int(getattr(item, "symmetry", 1))
             if half is not None:
                 symmetries[item.name] = 4 if abs(half[0] - half[1]) < 1e-9 else 2
         return symmetries

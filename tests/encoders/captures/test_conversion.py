@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from encoders.captures.conversion import ConversionReport, JointTrack, TouchLog
-from encoders.captures.conversion.touch_log import sound_contacts
+from encoders.captures.conversion.touch_log import valid_contacts
 from encoders.store import load_capture, save_capture
 from models.errors import CaptureError
 from tests.support.hand_recording import (
@@ -206,11 +206,11 @@ def test_frames_that_arrive_in_bunches_cut_no_contact_and_hide_no_jump():
     frame, ids = np.arange(count), np.zeros(count, int)
     xy = np.stack([0.5 * even, np.zeros(count)], axis=1)  # m at half a metre a second
     report = ConversionReport()
-    (whole,) = sound_contacts(TouchLog(arrived, frame, ids, xy), RULES, report)
+    (whole,) = valid_contacts(TouchLog(arrived, frame, ids, xy), RULES, report)
     assert len(whole.time) == count and not report.parts and not report.contacts
     # Another finger, 10 cm away, in the middle of a bunch.
     jumped = np.where(frame[:, None] >= 102, xy + np.array([0.0, 0.1]), xy)
-    parts = sound_contacts(TouchLog(arrived, frame, ids, jumped), RULES, report)
+    parts = valid_contacts(TouchLog(arrived, frame, ids, jumped), RULES, report)
     assert [len(part.time) for part in parts] == [102, count - 102]
 
 

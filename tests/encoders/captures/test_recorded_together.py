@@ -14,8 +14,8 @@ from encoders.captures.conversion import ConversionReport, ConversionRules, Touc
 from encoders.captures.paired.capture_from_hands import capture_from_hands, open_hand
 from encoders.captures.paired.clocks import host_clock
 from encoders.captures.paired.guide import SETS, Guide
+from encoders.captures.paired.hand_track import _smooth, skeleton_of
 from encoders.captures.paired.registration import registered
-from encoders.captures.paired.seen_track import _smooth, skeleton_of
 from encoders.captures.paired.simulated import FROZEN_PAIRED, PairedSession, simulate_paired
 from encoders.regression.bone_fit import tip_targets
 from encoders.store import load_capture

@@ -18,7 +18,7 @@ from encoders.captures.second_subject.contacts import (
     closeness,
     contact_ids,
     free_play,
-    tastes,
+    preferences,
 )
 from encoders.captures.second_subject.grips import knots, path
 from encoders.captures.second_subject.hand import LAST, ROLL, attitude
@@ -318,7 +318,7 @@ def test_ids_are_new_at_every_landing_and_go_on_from_take_to_take():
 
 
 def test_subjects_have_tastes_of_their_own():
-    several = np.array([tastes(np.random.default_rng(s), FROZEN.taste) for s in range(200)])
+    several = np.array([preferences(np.random.default_rng(s), FROZEN.taste) for s in range(200)])
     assert (several > 0).all()
     thumb_and_index = np.flatnonzero((SETS == [1, 1, 0, 0, 0]).all(axis=1))[0]
     ring_and_little = np.flatnonzero((SETS == [0, 0, 0, 1, 1]).all(axis=1))[0]

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from encoders import Paalm
-from encoders.evaluation.paalm_judge import judged, test_seeds
+from encoders.evaluation.paalm_judge import judge_recording, test_seeds
 from encoders.evaluation.paalm_pair import moved, side_by_side
 from encoders.paalm import PAPER, PaalmOptions
 from encoders.paalm.average import average_calibration
 from encoders.paalm.calibration_file import read_calibration, write_calibration
 from encoders.paalm.palm import palm_of
 from encoders.paalm.simulated.air import simulate_air
-from encoders.paalm.simulated.forward import LeapTake, seen
+from encoders.paalm.simulated.forward import LeapTake, leap_take
 from models.errors import EncoderError
 from models.frames import FINGERS, HandFrame, TrackedHand
 from models.rotations import exp
@@ -106,20 +106,20 @@ def test_calibration_is_the_mean_length_of_every_finger():
 
 @pytest.mark.parametrize("seed", range(3))
 def test_fingers_keep_their_names_where_the_order_by_x_loses_them(seed):
-    figures = judged("", take(seed)).figures
+    figures = judge_recording("", take(seed)).figures
     assert figures["identity_tracked"] >= 99.5
     assert figures["identity_paper"] < 97.0
 
 
 def test_joints_that_a_device_separates_are_met_within_the_goals():
-    figures = [judged("", take(seed, "v3")).figures for seed in range(3)]
+    figures = [judge_recording("", take(seed, "v3")).figures for seed in range(3)]
     for name, most in (("pip_deg", 8.0), ("dip_deg", 12.0), ("pip_dip_deg", 5.0)):
         assert np.mean([f[name] for f in figures]) < most
 
 
 def test_the_default_reads_the_paper_no_worse_than_the_paper_reads_itself():
     one = take(1)
-    default, printed = judged("", one).figures, judged("", one, PAPER).figures
+    default, printed = judge_recording("", one).figures, judge_recording("", one, PAPER).figures
     for name in ("mcp_deg", "pip_deg", "dip_deg", "jitter_deg"):
         assert default[name] < printed[name]
 
@@ -139,7 +139,7 @@ def test_a_hand_of_another_size_has_the_same_angles():
     hand = simulate_air(3, configuration=SHORT)
     large = replace(hand, joints=1.2 * hand.joints)
     found = []
-    for one in (seen(hand, 3, drop_outs=False), seen(large, 3, drop_outs=False)):
+    for one in (leap_take(hand, 3, drop_outs=False), leap_take(large, 3, drop_outs=False)):
         found.append(tables(calibrated(one), list(one.frames)))
     # Noise has the same size for both, so it is relatively smaller for the larger hand.
     assert np.abs(found[0] - found[1])[:, 1:, [0, 2]].mean() < 1.5
@@ -356,7 +356,7 @@ def test_an_average_hand_is_rougher_than_the_measured_one_and_joints_need_no_mea
 def test_joints_of_a_hand_that_is_never_open_are_judged_by_its_own_bones():
     made = take(3, "v3")
     closed = replace(made, open=np.zeros_like(made.open))
-    figures = judged("", closed).figures
+    figures = judge_recording("", closed).figures
     assert figures["pip_deg"] < 8.0 and figures["dip_deg"] < 12.0
     with pytest.raises(EncoderError, match="hardly ever"):
-        judged("", replace(closed, dialect="v1"))
+        judge_recording("", replace(closed, dialect="v1"))

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from encoders.input_vector import contact_vector
-from encoders.person.yaw_range import YawRange, YawWarning, YawWatch
+from encoders.person.yaw_range import YawMonitor, YawRange, YawWarningSettings
 from encoders.regression.trained import builtin, builtin_capture
 from models.errors import CaptureError
 from models.frames import Contact, TouchFrame
@@ -88,7 +88,7 @@ def test_the_range_holds_the_turns_of_the_training_and_is_not_the_whole_circle()
     turns = trained_range().layout.turns
     beyond = np.array([trained_range().beyond(t) for t in turns])
     assert np.mean(beyond > 0) < 0.02
-    assert np.mean(beyond > YawWarning().outside) < 0.005
+    assert np.mean(beyond > YawWarningSettings().outside) < 0.005
 
 
 @given(turn=st.floats(-3.14, 3.14))
@@ -109,9 +109,9 @@ def test_a_capture_with_few_frames_of_five_fingers_says_nothing_about_turns():
     assert few.training_u.shape[0] > 0
 
 
-def watched(turns: list[float], watch: YawWatch | None = None, dt: float = 0.1) -> list[str]:
+def watched(turns: list[float], watch: YawMonitor | None = None, dt: float = 0.1) -> list[str]:
     """Notices while a hand takes these turns, one after another."""
-    watch = watch or YawWatch(trained_range())
+    watch = watch or YawMonitor(trained_range())
     return [watch.step(i * dt, u_of(t)) for i, t in enumerate(turns)]
 
 
@@ -131,10 +131,10 @@ def test_a_moment_is_no_warning():
 
 
 def test_a_turn_that_trembles_at_the_border_gives_one_warning():
-    s = YawWarning()
+    s = YawWarningSettings()
     border = trained_range().high + s.outside
     rng = np.random.default_rng(0)
-    watch = YawWatch(trained_range())
+    watch = YawMonitor(trained_range())
     turns = [0.0] * 5 + [far()] * 6 + list(border + rng.uniform(-0.05, 0.05, 600))
     notices = watched(turns, watch)
     assert watch.warnings == 1 and all(notices[12:])
@@ -146,15 +146,15 @@ def test_a_hand_that_turns_back_takes_its_notice_away():
 
 
 def test_warnings_keep_their_distance_in_time():
-    watch = YawWatch(trained_range())
+    watch = YawMonitor(trained_range())
     # In and out once a second for a minute.
     turns = ([far()] * 5 + [0.0] * 5) * 60
     watched(turns, watch)
-    assert 2 <= watch.warnings <= 60 / YawWarning().apart + 1
+    assert 2 <= watch.warnings <= 60 / YawWarningSettings().apart + 1
 
 
 def test_lifting_and_landing_again_is_no_new_warning():
-    watch = YawWatch(trained_range())
+    watch = YawMonitor(trained_range())
     for i in range(300):
         watch.step(0.1 * i, None if i % 10 > 7 else u_of(far()))
     assert watch.warnings == 1

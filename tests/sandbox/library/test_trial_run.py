@@ -20,10 +20,10 @@ from sandbox import (
     replay_recording,
     run_trial,
 )
-from tasks import Goal, OwnTask, judge, two_places
+from tasks import CustomTask, Goal, judge, two_places
 
 
-class Still(OwnTask):
+class Still(CustomTask):
     """A box that nobody has to move, for a fifth of a second."""
 
     name = "test-still"

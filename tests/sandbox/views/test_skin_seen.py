@@ -23,7 +23,7 @@ from sandbox.views.drawing import Drawing
 from sandbox.views.hand_look import skinned_model
 from sandbox.views.renderer import Renderer
 from tests.support.viewed import Viewed, viewed
-from tools.skin.weights import trial_poses
+from tools.skin.weights import random_poses
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +40,7 @@ def _hash_chain(scene: Scene, model: mujoco.MjModel, steps: int = 400) -> str:
     box = model.body("box").id
     for step in range(steps):
         if step % 50 == 0:
-            q = trial_poses(ADULT, 1, step)[0]
+            q = random_poses(ADULT, 1, step)[0]
             q[:3] = [0.0, -0.13, 0.10 - 0.0125 * (step // 50)]
             data.ctrl[:] = q
             if step == 0:

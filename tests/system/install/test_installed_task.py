@@ -13,9 +13,9 @@ import pytest
 from tests.support.processes import ROOT
 
 LAB = """
-from tests.tasks.test_own_task import Slide
-from tasks.simulated_user.control_arms import IdleUser
-from tasks.own_task import judge
+from tests.tasks.test_custom_task import Slide
+from tasks.simulated_user.control_users import IdleUser
+from tasks.custom_task import judge
 class Timed(Slide):
     name = "tiny-lab-timed"
     time_limit = 0.2

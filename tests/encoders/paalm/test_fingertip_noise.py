@@ -8,22 +8,22 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from encoders.evaluation.paalm_judge import judged
+from encoders.evaluation.paalm_judge import judge_recording
 from encoders.paalm import PaalmOptions
+from encoders.paalm.fingertip_noise import STEADY, FingertipNoise
 from encoders.paalm.simulated.air import simulate_air
-from encoders.paalm.simulated.forward import FROZEN_LEAP, seen
-from encoders.paalm.trembling import STEADY, Trembling
+from encoders.paalm.simulated.forward import FROZEN_LEAP, leap_take
 from tests.support.leap_hands import SHORT, calibrated, take
 
 DT = 1.0 / 60.0
 FIXED = PaalmOptions(longest=PaalmOptions().smoothing)
 
 
-def followed(places: np.ndarray) -> Trembling:
-    trembling = Trembling()
+def followed(places: np.ndarray) -> FingertipNoise:
+    noise = FingertipNoise()
     for place in places.tolist():
-        trembling.see(tuple(place))
-    return trembling
+        noise.add(tuple(place))
+    return noise
 
 
 def constants(places: np.ndarray) -> float:
@@ -57,7 +57,7 @@ def test_a_finger_that_is_lost_and_jumps_is_not_taken_for_one_that_trembles():
     found.interrupt()
     before = found.mean
     for _ in range(2):
-        found.see((0.3, 0.0, 0.0))
+        found.add((0.3, 0.0, 0.0))
     assert found.mean == before, "what is before and after a gap is not compared"
 
 
@@ -72,7 +72,9 @@ def test_a_device_as_quiet_as_it_should_be_is_followed_as_with_a_fixed_constant(
 
 def test_of_a_noisy_device_two_fifths_of_the_jitter_go_and_hardly_any_of_the_angles():
     noisy = replace(FROZEN_LEAP, direction=6.0, length_white=0.0016)
-    one = seen(simulate_air(7, "right", SHORT), 7, "v1", False, noisy)
-    free, fixed = (judged("", one, o, names=False).figures for o in (PaalmOptions(), FIXED))
+    one = leap_take(simulate_air(7, "right", SHORT), 7, "v1", False, noisy)
+    free, fixed = (
+        judge_recording("", one, o, names=False).figures for o in (PaalmOptions(), FIXED)
+    )
     assert free["jitter_deg"] < 0.6 * fixed["jitter_deg"]
     assert free["pip_deg"] < 1.05 * fixed["pip_deg"]

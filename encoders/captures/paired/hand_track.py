@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
 from encoders.captures.conversion.joint_track import JointTrack
-from encoders.captures.paired.registration import Placed
+from encoders.captures.paired.registration import DevicePose
 from encoders.paalm import Paalm, PaalmOptions
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.hand_pose import PALM_CENTRE, hand_pose
@@ -31,7 +31,7 @@ LONGEST_GAP = 0.1
 
 
 @dataclass(frozen=True)
-class SeenTrack(JointTrack):
+class HandTrack(JointTrack):
     """Poses by PAALM, and the fingertips that the device saw.
 
     Attributes:
@@ -52,7 +52,7 @@ class SeenTrack(JointTrack):
         a, b = self.seen[before], self.seen[before + 1]
         return a + share[:, None, None] * (b - a), known
 
-    def placed(self, at: Placed) -> SeenTrack:
+    def placed(self, at: DevicePose) -> HandTrack:
         """The track in another frame."""
         q = self.q.copy()
         q[:, ROOT_POSITION] = at.points(q[:, ROOT_POSITION])
@@ -60,9 +60,9 @@ class SeenTrack(JointTrack):
         return replace(self, q=q, seen=at.points(self.seen))
 
 
-def seen_track(
+def hand_track(
     frames: Sequence[HandFrame], time: Array, calibration: HandCalibration
-) -> tuple[SeenTrack, float]:
+) -> tuple[HandTrack, float]:
     """Tracks the calibrated hand of a recording, as a right hand in the device's frame.
 
     A left hand is mirrored: its x changes sign.
@@ -103,7 +103,7 @@ def seen_track(
     moments = time[rows]
     ahead = np.concatenate([[True], np.diff(moments) > 0])
     poses = _smooth(moments[ahead], np.array(q)[ahead])
-    track = SeenTrack(moments[ahead], poses, skeleton, np.array(seen)[ahead])
+    track = HandTrack(moments[ahead], poses, skeleton, np.array(seen)[ahead])
     return track, len(rows) / len(frames)
 
 

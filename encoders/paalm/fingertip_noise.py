@@ -23,7 +23,7 @@ _JUMP = 3.0
 jumps once."""
 
 
-class Trembling:
+class FingertipNoise:
     """Measures the noise of one fingertip.
 
     Attributes:
@@ -41,7 +41,7 @@ class Trembling:
         self._last: Vector | None = None
         self._before: Vector | None = None
 
-    def see(self, place: Vector) -> None:
+    def add(self, place: Vector) -> None:
         """Adds the next frame's position, m."""
         a, b = self._before, self._last
         self._before, self._last = b, place

@@ -22,7 +22,7 @@ from sandbox.recording.recording import load_recording
 from sandbox.trial.assembly import build
 from sandbox.trial.replay import settings_of
 from sandbox.trial.settings import RunSettings
-from tasks.own_task import OwnTask, judge, two_places
+from tasks.custom_task import CustomTask, judge, two_places
 from tasks.registry import TASKS, draw_task, find_task, origin
 from tasks.task import Goal
 from tests.support.processes import ROOT
@@ -38,7 +38,7 @@ PUCK_USER = (
 SURFACE = Surface().centred_at((0.0, 0.0, 0.015))
 
 
-class Slide(OwnTask):
+class Slide(CustomTask):
     name = "test-slide"
 
     @classmethod
@@ -99,7 +99,7 @@ BOX = Box("it", (0.02, 0.02, 0.02), 0.1, (0.0, 0.0, 0.02))
 @pytest.mark.parametrize(
     ("place", "says"),
     [
-        (fails, "ZeroDivisionError: a lab's own bug .*test_own_task.py:"),
+        (fails, "ZeroDivisionError: a lab's own bug .*test_custom_task.py:"),
         (lambda cls, rng, surface: ([], []), "different names"),
         (lambda cls, rng, surface: ([BOX, BOX], []), "different names"),
         (
@@ -183,7 +183,7 @@ def test_a_measure_that_gives_none_later_ends_the_trial_in_a_line(monkeypatch):
 
 
 def write(path: Path, body: str) -> Path:
-    path.write_text("from tests.tasks.test_own_task import Slide\n" + body)
+    path.write_text("from tests.tasks.test_custom_task import Slide\n" + body)
     return path
 
 
@@ -199,7 +199,10 @@ def write(path: Path, body: str) -> Path:
         ("class A(Slide): name = 'Too Nice'", "name is missing or invalid"),
         ("class A(Slide): name = 'a'; hold_time = 'long'", "hold_time is missing or invalid"),
         ("class A(Slide): name = 'a'; plane = 'ceiling'", "plane is missing or invalid"),
-        ("from tasks.own_task import OwnTask\nclass A(OwnTask): name = 'a'", "lacks .*measure"),
+        (
+            "from tasks.custom_task import CustomTask\nclass A(CustomTask): name = 'a'",
+            "lacks .*measure",
+        ),
     ],
 )
 def test_a_file_without_a_sound_task_is_refused_in_a_line(tmp_path, body, says):

@@ -1,6 +1,6 @@
 """Base class for custom tasks: place the objects, and test when the task is done.
 
-    class Push(OwnTask):
+    class Push(CustomTask):
         name = "my-lab-push"
 
         @classmethod
@@ -39,7 +39,7 @@ _TRIES = 4_000
 
 
 @dataclass(frozen=True)
-class OwnTask(TaskDefaults, ABC):
+class CustomTask(TaskDefaults, ABC):
     """One drawn trial of a task; its class attributes are those of `tasks.task.Task`.
 
     Attributes:

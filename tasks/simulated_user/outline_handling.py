@@ -29,7 +29,7 @@ class OutlineGrasp(Grasp):
         return np.asarray(seen.position[:2] + seen.rotation[:2, :2] @ self.offset)
 
 
-class OwnHandling:
+class OutlineHandling:
     """Handling of an object of any shape, grasped like its bounding box.
 
     Args:
@@ -43,16 +43,16 @@ class OwnHandling:
     def __init__(self, obj: MjcfObject) -> None:
         low, high = obj.bounds
         half = 0.5 * (high - low)
-        self._looks_alike = obj.looks_alike
+        self._symmetry = obj.symmetry
         self._middle = 0.5 * (low + high)
         self._box = Box(obj.name, (half[0], half[1], half[2]), obj.mass, obj.position)
 
     def missing(self, seen: SeenObject, goal: Goal) -> tuple[Array, float]:
         """Missing movement to the nearest equivalent pose; a round object needs no turn."""
         off = np.asarray(goal.position[:2]) - seen.position[:2]
-        if self._looks_alike == 0:
+        if self._symmetry == 0:
             return off, 0.0
-        part = 2 * np.pi / self._looks_alike
+        part = 2 * np.pi / self._symmetry
         return off, float((goal.yaw - seen.yaw + part / 2) % part - part / 2)
 
     def grasp(
