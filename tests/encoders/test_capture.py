@@ -139,12 +139,12 @@ def test_a_file_with_a_wrong_part_is_refused_and_named(path, changes):
         load_capture(path)
 
 
-def test_a_missing_file_is_said_to_be_missing(tmp_path):
+def test_a_missing_file_is_reported_as_missing(tmp_path):
     with pytest.raises(CaptureError, match="no such file"):
         load_capture(tmp_path / "none.npz")
 
 
-def test_a_folder_and_an_empty_file_are_no_captures(tmp_path):
+def test_a_folder_and_an_empty_file_are_refused_as_captures(tmp_path):
     (tmp_path / "empty").touch()
     for path in (tmp_path, tmp_path / "empty"):
         with pytest.raises(CaptureError, match="not a capture"):

@@ -59,7 +59,7 @@ def test_every_touching_fingertip_is_within_a_millimetre(rng, count):
     "count",
     range(1, 6),
 )
-def test_guesses_as_poor_as_they_are_expected_to_be_still_bring_every_fingertip_home(count):
+def test_guesses_of_the_expected_quality_still_bring_every_fingertip_to_its_touch(count):
     rng = np.random.default_rng(count)
     worst = 0.0
     for _ in range(60):
@@ -82,7 +82,7 @@ def test_a_guess_that_meets_its_touches_by_illegal_joints_is_not_taken_as_it_is(
 
 @given(rng=generators, count=counts, poor=st.floats(0.0, 6.0))
 @settings(max_examples=100)
-def test_no_guess_however_wild_makes_an_illegal_hand_or_a_false_error(rng, count, poor):
+def test_an_extreme_guess_never_gives_an_illegal_pose_or_a_wrong_error(rng, count, poor):
     case = Case(rng, count, poor)
     result = case.corrected()
     assert violations(result.q, ADULT) == 0

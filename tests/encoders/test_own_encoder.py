@@ -159,7 +159,9 @@ def test_the_digest_of_pca_ik_is_that_of_earlier_recordings():
         ),
     ],
 )
-def test_a_damaged_model_of_an_own_encoder_is_refused_in_a_line(capture, tmp_path, changes, says):
+def test_a_damaged_model_of_a_custom_encoder_is_refused_with_a_one_line_error(
+    capture, tmp_path, changes, says
+):
     path = tmp_path / "k.npz"
     save_model(train_encoder(capture, "k", find_encoder(NAME)), path)
     rewritten(path, **changes)
@@ -168,7 +170,7 @@ def test_a_damaged_model_of_an_own_encoder_is_refused_in_a_line(capture, tmp_pat
     assert "k.npz" in str(error.value) and "\n" not in str(error.value)
 
 
-def test_what_took_long_to_train_is_kept_and_used_again(capture, tmp_path, monkeypatch):
+def test_a_model_that_took_long_to_train_is_cached(capture, tmp_path, monkeypatch):
     from encoders.regression import model_registry
 
     monkeypatch.setattr(model_registry, "LONG", 0.0)
@@ -205,7 +207,7 @@ def write(path: Path, body: str) -> str:
         ("class A(Mean):\n def __init__(self, size): pass", "without arguments.*size"),
     ],
 )
-def test_a_file_without_a_sound_encoder_is_refused_in_a_line(tmp_path, body, says):
+def test_a_file_without_a_valid_encoder_is_refused_with_a_one_line_error(tmp_path, body, says):
     with pytest.raises(EncoderError, match=says) as error:
         find_encoder(write(tmp_path / "lab.py", body))
     assert "\n" not in str(error.value)
@@ -219,7 +221,7 @@ def test_a_file_without_a_sound_encoder_is_refused_in_a_line(tmp_path, body, say
         ("B = 5", "nothing of this name.*no encoder"),
     ],
 )
-def test_a_name_that_is_no_encoder_is_refused_in_a_line(tmp_path, body, says):
+def test_an_unknown_encoder_name_is_refused_with_a_one_line_error(tmp_path, body, says):
     with pytest.raises(EncoderError, match=says) as error:
         find_encoder(write(tmp_path / "lab.py", body) + ":A")
     assert "\n" not in str(error.value)
@@ -249,7 +251,9 @@ def test_a_name_that_is_no_encoder_is_refused_in_a_line(tmp_path, body, says):
         ("restore(self, arrays, U, Q): 1/0", "cannot be restored.*ZeroDivisionError"),
     ],
 )
-def test_an_encoder_that_breaks_the_contract_is_refused_in_a_line(capture, tmp_path, method, says):
+def test_an_encoder_that_breaks_the_contract_is_refused_with_a_one_line_error(
+    capture, tmp_path, method, says
+):
     kind = find_encoder(write(tmp_path / "lab.py", f"class A(Mean):\n def {method}"))
     with pytest.raises(EncoderError, match=says) as error:
         train_encoder(capture, "a", kind)
@@ -275,7 +279,7 @@ def test_poses_that_storing_changes_are_refused(capture, tmp_path):
     ],
     ids=lambda line: line[0],
 )
-def test_every_command_answers_a_wrong_name_with_one_line(line, tmp_path, capsys, monkeypatch):
+def test_every_command_reports_a_wrong_name_in_one_line(line, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     path = write(tmp_path / "lab.py", "class A(Mean): pass")
     assert main([word.format(path) for word in line]) == 2
@@ -284,7 +288,7 @@ def test_every_command_answers_a_wrong_name_with_one_line(line, tmp_path, capsys
 
 
 @pytest.mark.parametrize("option", (["--degree", "2"], ["--ridge", "1"], ["--builtin"]))
-def test_an_own_encoder_takes_no_options_of_ours(option, capsys):
+def test_a_custom_encoder_is_not_affected_by_options_of_built_in_encoders(option, capsys):
     assert main(["train", "--encoder", NAME, "--out", "m.npz", *option]) == 2
     assert "options" in capsys.readouterr().err
 
@@ -326,7 +330,7 @@ def test_a_class_within_a_function_cannot_be_stored(capture, tmp_path):
         save_model(model, tmp_path / "m.npz")
 
 
-def test_our_own_classes_are_known_and_their_heirs_are_not():
+def test_built_in_classes_are_recognised_and_subclasses_are_not():
     class Heir(MeanEncoder):
         pass
 
@@ -423,7 +427,7 @@ def test_an_installed_package_s_encoder_is_run_recorded_and_replayed(installed, 
         ("tiny-lab-nothing", "tiny-lab-five, tiny-lab-mean, tiny-lab-missing"),
     ],
 )
-def test_an_installed_encoder_that_cannot_be_used_is_refused_in_a_line(installed, name, says):
+def test_an_unusable_installed_encoder_is_refused_with_a_one_line_error(installed, name, says):
     refused = sandbox(installed, "run", QUICK, "--encoder", name)
     assert refused.returncode == 2
     assert says in refused.stderr and refused.stderr.count("\n") == 1

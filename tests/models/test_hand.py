@@ -331,7 +331,7 @@ def test_a_rest_rotation_survives_the_file_as_a_quaternion():
         {"impulse": float("inf")},
     ],
 )
-def test_a_hand_that_cannot_be_is_refused(wrong):
+def test_an_impossible_hand_is_refused(wrong):
     with pytest.raises(SceneError):
         Hand(**wrong)
 

@@ -58,7 +58,7 @@ def read(text: str | bytes) -> Sheet:
     )
 
 
-def test_what_fits_is_read() -> None:
+def test_values_that_fit_are_read() -> None:
     sheet = read(json.dumps(SOUND))
     assert sheet.marks[0] == Mark(1, (0.5, 2.0))
     assert sheet.rows["two"][5] == (True, 0.0)
@@ -107,7 +107,7 @@ def test_what_fits_is_read() -> None:
         ('{"more": ' + "[" * 100_000, "nested too deep"),
     ],
 )
-def test_what_does_not_fit_is_named_with_its_place(text: str, said: str) -> None:
+def test_values_that_do_not_fit_are_reported_with_their_place(text: str, said: str) -> None:
     with pytest.raises(EncoderError) as caught:
         read(text)
     assert said in str(caught.value)
@@ -149,7 +149,7 @@ def test_a_damaged_text_is_read_or_refused_with_one_clear_error(data: st.DataObj
 
 
 @given(VALUES, st.sampled_from(["one", "two", "three\n"]))
-def test_a_wrong_field_of_many_is_found_and_the_value_stays_as_it_was(
+def test_one_wrong_field_of_many_is_found_and_the_value_stays_unchanged(
     value: Any, name: str
 ) -> None:
     rows = {**SOUND["rows"], name: value}

@@ -122,7 +122,7 @@ def test_on_the_table_it_rests_where_it_was_put(shape, size):
     )
 
 
-def test_what_is_only_seen_is_solid_to_nobody():
+def test_a_visible_geom_without_collisions_is_not_solid():
     ghost = '<geom type="sphere" size=".2" contype="0" conaffinity="0"/>'
     thing = MjcfObject("thing", mjcf(SPHERE + ghost), 0.1)
     assert thing.clearance([[0.1, 0, 0]], np.zeros(3), np.eye(3)) == pytest.approx(0.07)
@@ -163,7 +163,7 @@ def test_a_file_with_its_mesh_beside_it_is_the_same_from_any_folder(tmp_path, mo
         ("/no/such/file.xml", "no such file"),
     ],
 )
-def test_what_is_no_rigid_body_is_refused_in_a_line(text, says):
+def test_a_description_without_one_rigid_body_is_refused_with_a_one_line_error(text, says):
     with pytest.raises(InputError, match=says) as error:
         MjcfObject("thing", text, 0.1)
     assert "\n" not in str(error.value)
@@ -172,6 +172,6 @@ def test_what_is_no_rigid_body_is_refused_in_a_line(text, says):
 @pytest.mark.parametrize(
     "wrong", [{"mass": 0.0}, {"mass": np.nan}, {"size": -1.0}, {"name": ""}, {"name": "table"}]
 )
-def test_impossible_things_are_refused(wrong):
+def test_impossible_objects_are_refused(wrong):
     with pytest.raises(InputError):
         MjcfObject(**{"name": "thing", "mjcf": mjcf(SPHERE), "mass": 0.1, **wrong})

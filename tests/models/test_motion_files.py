@@ -285,7 +285,7 @@ def test_a_file_with_a_wrong_part_is_refused_and_named(tmp_path, kind, old, new)
 @pytest.mark.parametrize(
     "content", (b"", b"\n \n", b"\0\1\2\3", b"\xff\xfe\xfd", b"\x1f\x8b\x08 no gzip", b"a\tb\nc")
 )
-def test_what_is_no_such_file_at_all_is_refused(tmp_path, kind, content):
+def test_a_file_of_another_kind_is_refused(tmp_path, kind, content):
     path = tmp_path / f"file.{kind}"
     path.write_bytes(content)
     with pytest.raises(MotionError, match=rf"file\.{kind}"):

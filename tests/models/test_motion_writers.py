@@ -283,7 +283,7 @@ def room_for(size: int) -> Iterator[None]:
 
 
 @pytest.mark.parametrize("kind", WRITERS)
-def test_where_there_is_no_room_that_is_said_and_nothing_is_left(tmp_path, kind):
+def test_a_full_disk_is_reported_and_no_file_is_left(tmp_path, kind):
     q = moving(ADULT, 300, 3)
     whole = [p.stat().st_size for p in written(lambda a: WRITERS[kind](tmp_path, a), ADULT, q)]
     for share in (0.02, 0.5, 0.98):

@@ -129,7 +129,7 @@ def boxes_while_a_ghost(passes: bool, warm_start: bool) -> np.ndarray:
     return np.array(states)
 
 
-def test_a_ghost_passes_through_a_box_and_moves_it_not_by_one_bit():
+def test_a_ghost_passes_through_a_box_without_changing_a_bit_of_its_state():
     # MuJoCo decides for all bodies at once whether its solver starts from the last step's answer,
     # so that a hand anywhere reaches the last digits of a box; without that, nothing is left.
     np.testing.assert_array_equal(

@@ -85,7 +85,7 @@ def test_shipped_nails_cuff_and_sleeve_are_those_of_the_recipe() -> None:
 
 
 @pytest.mark.full
-def test_made_anew_it_is_the_shipped_skin() -> None:
+def test_the_regenerated_skin_is_the_shipped_one() -> None:
     rest, triangles, _ = flesh()
     _, vertices, faces, *_ = make(HandField())[0]
     # Other releases of the meshing libraries may order or place vertices otherwise.

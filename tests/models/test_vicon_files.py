@@ -217,7 +217,7 @@ def test_a_damaged_motion_gives_finite_numbers_or_our_error_and_never_another(tm
 
 
 @pytest.mark.parametrize("content", (b"", b"V#", b"RIFF....", b"V#\2\0" + bytes(64), bytes(99)))
-def test_what_is_no_v_file_is_refused(tmp_path, content):
+def test_a_file_that_is_not_a_v_file_is_refused(tmp_path, content):
     path = tmp_path / "file.v"
     path.write_bytes(content)
     with pytest.raises(MotionError, match=r"file\.v"):

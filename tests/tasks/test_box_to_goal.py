@@ -137,7 +137,7 @@ def test_a_box_that_stands_on_its_goal_has_arrived(seed):
 
 
 @pytest.mark.parametrize("degrees", [90.0, 180.0, -90.0, 270.0])
-def test_a_quarter_turn_of_a_cube_is_no_turn(trial, degrees):
+def test_a_quarter_turn_of_a_cube_counts_as_no_turn(trial, degrees):
     trial.place(turn=degrees)
     run(trial.scene, trial.data, 0.1)
     assert trial.task.measure(trial.sensing).reached
@@ -186,7 +186,7 @@ def test_a_tilted_box_has_not_arrived(trial, axis, sign):
     assert measure.reason == "the box is tilted by 6 degrees"
 
 
-def test_a_box_on_another_face_is_no_upright_one(trial):
+def test_a_box_on_another_face_does_not_count_as_upright(trial):
     # It looks the same; the task asks for the face that was below, and says so.
     measure = resting(trial, rotation=turned(90.0, 0))
     assert not measure.reached

@@ -104,7 +104,7 @@ def test_one_skilled_hand_alone_only_tips_the_tray():
     assert not session.scorer.score.instant
 
 
-def test_in_a_mirror_the_same_trial_is_drawn_for_the_hands_sides():
+def test_the_mirrored_scene_has_the_same_trial_with_the_sides_swapped():
     settings = RunSettings(task=TASK, hands=RIGHT_AND_LEFT)
     swapped = replace(settings, hands=RIGHT_AND_LEFT[::-1])
 
@@ -226,7 +226,7 @@ def test_varied_trials_run(vary):
     assert not session.diverged and len(snapshot.hands) == 2
 
 
-def test_the_rectangle_around_one_surface_is_that_surface():
+def test_the_rectangle_that_encloses_one_surface_is_that_surface():
     assert enclosing([BOTH]) is BOTH and enclosing([BOTH, BOTH]) is BOTH
     apart = [BOTH.centred_at((x, 0.1, 0.0)) for x in (0.3, -0.1)]
     around = enclosing(apart)
@@ -234,7 +234,7 @@ def test_the_rectangle_around_one_surface_is_that_surface():
     np.testing.assert_allclose(around.to_world(around.size / 2), (0.1, 0.1, 0.0), atol=1e-12)
 
 
-def test_what_is_said_twice_is_for_the_second_hand():
+def test_an_option_given_twice_applies_to_the_second_hand():
     words = ["box-to-goal", "--device", "a", "--hand=left", "--device=b", "--hand", "right"]
     assert named(words) == [
         "box-to-goal",
@@ -249,7 +249,7 @@ def test_what_is_said_twice_is_for_the_second_hand():
         named(["--device", "a", "--device", "b", "--device", "c"])
 
 
-def test_what_makes_no_second_hand_is_refused():
+def test_invalid_options_for_a_second_hand_are_refused():
     for options, what in (
         ({"second_hand": "left"}, "one hand only"),
         ({"task": TASK, "one_surface": True}, "too small"),

@@ -68,7 +68,7 @@ def test_a_seed_and_a_version_are_one_trial():
 
 
 @given(seed=st.integers(0, 10_000))
-def test_two_places_are_apart_and_off_the_border(seed):
+def test_two_places_keep_their_distance_from_each_other_and_from_the_border(seed):
     a, b = two_places(np.random.default_rng(seed), SURFACE, (0.05, 0.06), 0.03)
     assert 0.05 <= np.linalg.norm(a - b) <= 0.06
     assert a[2] == b[2] == 0.0
@@ -77,7 +77,7 @@ def test_two_places_are_apart_and_off_the_border(seed):
         assert np.all(xy >= 0.03 - 1e-9) and np.all(xy <= SURFACE.size - 0.03 + 1e-9)
 
 
-def test_the_first_lack_is_told_and_only_success_is_all():
+def test_the_first_missing_condition_is_reported_and_only_success_has_progress_one():
     assert judge(2.0, (False, "a"), (True, "b"), (True, "c")).reason == "b"
     assert judge(2.0, (True, "b")).progress < 1.0
     assert judge(-1.0, (True, "b")).progress == 0.0
@@ -131,13 +131,13 @@ BOX = Box("it", (0.02, 0.02, 0.02), 0.1, (0.0, 0.0, 0.02))
         (lambda cls, rng, surface: two_places(rng, surface, (9.0, 9.5)), "too small"),
     ],
 )
-def test_a_trial_that_cannot_be_drawn_is_refused_in_a_line(place, says):
+def test_a_trial_that_cannot_be_drawn_is_refused_with_a_one_line_error(place, says):
     with pytest.raises(InputError, match=says) as error:
         draw_task(broken(place=classmethod(place)), 0, SURFACE)
     assert "\n" not in str(error.value)
 
 
-def test_objects_that_just_touch_are_no_overlap():
+def test_objects_that_just_touch_do_not_overlap():
     def place(cls, rng, surface):
         return [BOX, replace(BOX, name="other", position=(0.0, 0.0, 0.06))], []
 
@@ -155,7 +155,9 @@ def test_objects_that_just_touch_are_no_overlap():
         (lambda self, sensing: sensing.touching("it", "mug"), "got 'mug', expected it, .*table"),
     ],
 )
-def test_a_measure_that_gives_none_is_refused_before_the_trial_begins(measure, says, monkeypatch):
+def test_a_task_whose_measure_returns_nothing_is_refused_before_the_trial(
+    measure, says, monkeypatch
+):
     monkeypatch.setitem(TASKS, "test-broken", broken(measure=measure))
     closed = []
 
@@ -168,7 +170,7 @@ def test_a_measure_that_gives_none_is_refused_before_the_trial_begins(measure, s
     assert "\n" not in str(error.value) and len(closed) == 1
 
 
-def test_a_measure_that_gives_none_later_ends_the_trial_in_a_line(monkeypatch):
+def test_a_measure_that_later_returns_nothing_ends_the_trial_with_a_one_line_error(monkeypatch):
     seen = []
 
     def measure(self, sensing):
@@ -205,13 +207,13 @@ def write(path: Path, body: str) -> Path:
         ),
     ],
 )
-def test_a_file_without_a_sound_task_is_refused_in_a_line(tmp_path, body, says):
+def test_a_file_without_a_valid_task_is_refused_with_a_one_line_error(tmp_path, body, says):
     with pytest.raises(InputError, match=says) as error:
         find_task(str(write(tmp_path / "lab.py", body)))
     assert "\n" not in str(error.value)
 
 
-def test_a_file_imports_modules_that_lie_beside_it(tmp_path):
+def test_a_file_can_import_modules_from_its_own_folder(tmp_path):
     for folder, size in (("one", 0.01), ("two", 0.02)):
         (tmp_path / folder / "parts").mkdir(parents=True)
         (tmp_path / folder / "shapes_of_a_lab.py").write_text(f"SIZE = {size}\n")
@@ -236,7 +238,7 @@ def test_an_error_in_a_file_beside_a_task_names_its_line(tmp_path):
         find_task(str(path))
 
 
-def test_places_are_found_by_class_too(tmp_path):
+def test_tasks_are_found_by_module_and_class_as_well(tmp_path):
     path = write(tmp_path / "lab.py", "class A(Slide): name = 'a'\nclass B(Slide): name = 'b'")
     assert find_task(f"{path}:B").name == "b"
     assert origin(f"{path}:B") == {"file": str(path), "member": "B", "task_version": 1}
@@ -248,7 +250,7 @@ def test_places_are_found_by_class_too(tmp_path):
         find_task(str(tmp_path / "other.py"))
 
 
-def test_a_task_without_our_base_class_gets_the_members_that_it_lacks(tmp_path):
+def test_a_task_without_our_base_class_gets_defaults_for_missing_members(tmp_path):
     body = """
 class Minimal:
     name, version, plane = "minimal", 1, "table"

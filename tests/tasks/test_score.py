@@ -62,7 +62,7 @@ def test_held_means_reached_for_the_hold_time_without_a_break(steps, dt):
 
 
 @given(pieces=st.lists(st.integers(1, HOLD_STEPS - 1), min_size=1, max_size=20))
-def test_any_number_of_moments_at_the_goal_with_breaks_between_them_is_no_hold(pieces):
+def test_moments_at_the_goal_with_breaks_between_them_do_not_count_as_a_hold(pieces):
     steps = [reached for n in pieces for reached in [True] * n + [False]]
     score = play(steps).score
     assert score.instant
@@ -70,7 +70,7 @@ def test_any_number_of_moments_at_the_goal_with_breaks_between_them_is_no_hold(p
     assert score.status is Status.RUNNING
 
 
-def test_one_step_short_is_short():
+def test_a_hold_that_is_one_step_too_short_does_not_count():
     # 0.5 s is 31.25 control steps: the 33rd moment at the goal is the first that long after it.
     assert not play([True] * (HOLD_STEPS)).score.held
     assert play([True] * (HOLD_STEPS + 1)).score.held
@@ -81,7 +81,7 @@ def test_the_time_of_a_success_is_when_it_was_held():
     assert scorer.score.time == pytest.approx((11 + HOLD_STEPS) * CONTROL_PERIOD)
 
 
-def test_the_trial_runs_one_second_more_and_tells_how_it_stood_then():
+def test_the_trial_runs_one_second_longer_and_reports_the_final_state():
     lasting = play([True] * (HOLD_STEPS + 1 + AFTERMATH_STEPS))
     held: Any = pytest.approx((1 + HOLD_STEPS) * CONTROL_PERIOD)
     assert lasting.score == Score(True, True, True, Status.HELD, 1.0, "", held)
@@ -124,14 +124,14 @@ def test_a_hold_in_the_last_second_still_gets_its_second_of_aftermath():
 LOST = Measure(False, 0.2, "it is spoiled", lost=True)
 
 
-def test_what_cannot_be_undone_ends_a_trial_at_once():
+def test_an_irreversible_failure_ends_a_trial_at_once():
     scorer = play([True] * 3)
     scorer.update(4 * CONTROL_PERIOD, LOST)
     assert (scorer.score.status, scorer.score.reason) == (Status.FAILED, LOST.reason)
     assert scorer.score.instant and not scorer.score.success
 
 
-def test_what_was_won_is_not_lost_any_more():
+def test_a_success_is_not_lost_afterwards():
     scorer = play([True] * (HOLD_STEPS + 1))
     scorer.update((HOLD_STEPS + 2) * CONTROL_PERIOD, LOST)
     assert scorer.score.success and not scorer.over
@@ -141,7 +141,7 @@ ended = st.sampled_from([Status.DIVERGED, Status.INPUT_ENDED])
 
 
 @given(steps=stretches(45), status=ended)
-def test_an_abort_keeps_what_was_won(steps, status):
+def test_an_abort_keeps_an_earlier_success(steps, status):
     scorer = play(steps)
     before = scorer.score
     after = scorer.abort(status, "the tablet was unplugged")
@@ -164,6 +164,6 @@ def test_nothing_changes_a_trial_that_is_over(steps, later, status):
     assert scorer.score == result
 
 
-def test_a_trial_that_has_not_begun_is_aborted_with_nothing_won():
+def test_a_trial_that_is_aborted_before_it_begins_has_no_success():
     score = Scorer(TASK).abort(Status.DIVERGED, "it diverged at once")
     assert score == replace(Score(), status=Status.DIVERGED, reason="it diverged at once")

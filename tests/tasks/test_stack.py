@@ -145,7 +145,7 @@ def test_the_offset_counts_in_edges_of_the_smaller_box(trial, direction):
     assert not measure.reached and "off the middle of the base box" in measure.reason
 
 
-def test_boxes_side_by_side_that_push_each_other_are_no_stack(trial):
+def test_boxes_side_by_side_that_push_each_other_are_not_stacked(trial):
     base = np.array(trial.task.objects[0].position)
     trial.put(0, base, np.eye(3))
     beside = (trial.edge(0) + trial.edge(1)) / 2
@@ -158,7 +158,7 @@ def test_boxes_side_by_side_that_push_each_other_are_no_stack(trial):
     assert not measure.reached
 
 
-def test_a_box_that_leans_on_the_other_and_on_the_table_is_no_stack():
+def test_a_box_that_leans_on_the_other_and_on_the_table_is_not_stacked():
     edges, masses = np.array([0.040, 0.060]), np.array([0.2, 0.1])
     trial = Trial(task=Stack.of(0, edges, masses, np.array([[-0.04, 0], [0.04, 0]]), np.zeros(2)))
     # One edge of the large box on the table, and the face beside it on the small one's upper edge.
@@ -218,7 +218,7 @@ def test_the_third_on_the_base_and_the_second_on_it_are_the_wrong_order(three):
     assert measure.reason == "the second box does not stand on the base box"
 
 
-def test_forces_between_boxes_are_opposite_and_bear_the_weights(three):
+def test_forces_between_boxes_are_opposite_and_support_the_weights(three):
     three.stack(1, 0)
     three.stack(2, 1)
     three.after(0.5)
@@ -249,7 +249,7 @@ def test_a_goal_on_a_box_goes_where_the_box_goes():
         assert placed.on is None
 
 
-def test_what_goes_on_a_box_that_is_not_yet_there_is_shown_where_that_will_be():
+def test_a_goal_on_a_box_that_is_not_placed_yet_is_shown_above_that_boxs_goal():
     goals = [Goal("b", (0, 0, 0.05), 0.0, "a"), Goal("c", (0, 0, 0.04), 0.0, "b")]
     base, flat = np.array([0.1, 0.0, 0.025]), np.eye(3)
     away = place(goals, {"a": Pose(base, flat), "b": Pose(np.array([-0.1, 0, 0.025]), flat)})

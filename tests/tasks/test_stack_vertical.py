@@ -109,7 +109,7 @@ def test_no_trial_begins_done():
 
 
 @pytest.mark.parametrize("turn", [(0, 0, 0), (0, 0, 40), (90, 0, 0), (0, 90, 20), (180, 0, 0)])
-def test_a_cube_on_the_base_is_stacked_whichever_face_is_below_and_wherever_it_looks(turn):
+def test_a_cube_on_the_base_is_stacked_on_any_face_and_at_any_yaw(turn):
     stack = Stack()
     stack.place(0.1, -0.1, turn)
     measure = stack.measure()
@@ -183,7 +183,7 @@ def test_the_simulated_user_stacks_with_one_hand_and_replay_shows_it_to_the_bit(
 
 
 @pytest.mark.parametrize("user", ["idle", "random"])
-def test_who_does_not_try_does_not_stack(user):
+def test_a_user_who_does_nothing_does_not_stack(user):
     planned = plan(SceneOptions(task="stack-vertical", seed=1, user=user))
     session = build(planned.settings, planned.makers)
     device = session.rigs[0].device

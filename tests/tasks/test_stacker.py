@@ -95,7 +95,7 @@ def test_fingers_are_put_where_there_is_room(direction):
 
 
 @pytest.mark.parametrize("yaw", np.linspace(-0.7, 0.7, 5))
-def test_what_has_failed_is_not_tried_again_at_once(yaw):
+def test_a_failed_grasp_is_not_tried_again_at_once(yaw):
     box = seen((0.0, 0.0), yaw=yaw)
     first = roomiest_grasp(box, 0.0, USER, Surroundings(TABLET))
     second = roomiest_grasp(box, 0.0, USER, Surroundings(TABLET), first)

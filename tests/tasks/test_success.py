@@ -30,7 +30,7 @@ def test_judged_seeds_follow_from_the_frozen_configuration_alone(drawn):
     assert not {*seeds} & {*drawn(20, "stack")}
 
 
-def test_nothing_is_judged_by_another_configuration_than_was_frozen(tmp_path):
+def test_only_the_frozen_configuration_is_judged(tmp_path):
     frozen = tmp_path / "frozen.json"
     freeze(frozen, configuration())
     seeds = frozen_seeds(5, "stack", frozen, configuration(), "judged")
@@ -53,7 +53,7 @@ def test_best_succeeds_in_95_of_100_judged_trials(fingers):
 
 @pytest.mark.full
 @pytest.mark.parametrize("row", ["user does nothing", "user touches at random"])
-def test_control_arms_succeed_in_under_5_of_100_judged_trials(row):
+def test_control_users_succeed_in_under_5_of_100_judged_trials(row):
     results = [trial(("box-to-goal", row, 3, seed)) for seed in judged_seeds(100)]
     assert sum(r["success"] for r in results) < 5
 

@@ -175,7 +175,7 @@ class OneSize(Wrench):
     scaled = None
 
 
-def test_what_has_one_size_only_is_refused():
+def test_an_object_with_a_fixed_size_is_refused():
     task = WrenchSlide.draw(0, FLAT)
     task = replace(task, objects=(OneSize(**vars(task.objects[0])),))
     with pytest.raises(InputError, match="one size only"):
@@ -285,7 +285,7 @@ def test_a_touch_that_came_back_is_cancelled_under_the_id_it_came_back_with():
     assert last != 3 and out[-1].cancelled == {last}
 
 
-def test_spoiling_follows_from_the_seed():
+def test_degraded_touches_follow_from_the_seed():
     bad = Variation(noise=1e-3, dropped=1.0, ghosts=3.0, latency=0.05)
     frames = frames_of(300, Contact(1, 0.05, 0.05), Contact(2, 0.08, 0.05))
     assert played(bad, frames, 4) == played(bad, frames, 4) != played(bad, frames, 5)
@@ -318,7 +318,7 @@ def test_settings_of_an_older_recording_are_not_varied():
 
 
 @given(st.text(max_size=30))
-def test_no_text_is_taken_for_a_variation_that_it_is_not(text):
+def test_invalid_texts_are_never_parsed_as_a_variation(text):
     try:
         variation, hand = parse_variation(text)
     except InputError:
@@ -343,12 +343,12 @@ def test_no_text_is_taken_for_a_variation_that_it_is_not(text):
         "=1",
     ],
 )
-def test_what_is_no_variation_is_one_clear_error(text):
+def test_an_invalid_variation_gives_one_clear_error(text):
     with pytest.raises(InputError, match="--vary"):
         parse_variation(text)
 
 
-def test_all_values_that_are_tried_by_themselves_can_be_had():
+def test_all_values_of_the_automatic_sweep_are_valid():
     for kind in KINDS.values():
         for value in (*kind.down, *kind.up):
             variation, hand = parse_variation(f"{kind.name}={value}")

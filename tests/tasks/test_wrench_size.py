@@ -40,7 +40,7 @@ def seen(yaw: float, size: float, bolt: float | None = None) -> SeenObject:
 
 
 @given(yaw=yaws, bolt=bolts, x=st.floats(-0.1, 0.1), k=sizes)
-def test_a_wrench_of_factor_1_is_the_very_same_and_factors_multiply(yaw, bolt, x, k):
+def test_scaling_by_1_changes_nothing_and_factors_multiply(yaw, bolt, x, k):
     wrench = Wrench("wrench", 0.1, (x, 0.03, 0.012), yaw, bolt)
     assert wrench.scaled(1.0) == wrench
     assert tostring(wrench.scaled(1.0).body()) == tostring(wrench.body())
@@ -103,7 +103,7 @@ def test_a_wrench_of_any_size_that_nobody_touches_stays_where_it_is(kind, size):
 
 
 @pytest.mark.parametrize("size", [0.5, 2.0])
-def test_from_above_a_larger_wrench_and_its_bolt_are_the_same_picture_so_many_times_larger(size):
+def test_from_above_a_larger_wrench_and_its_bolt_are_an_enlarged_picture(size):
     def parts(k):
         trial = Trial(WrenchTurn, size=k)
         mujoco.mj_forward(trial.scene.model, trial.data)
@@ -137,9 +137,7 @@ def test_fingers_come_down_beside_the_handle_that_is_there_and_close_on_it(yaw, 
 
 
 @given(yaw=yaws, turn=st.floats(-1.5, 1.5), n=st.integers(2, 5), bolt=bolts, k=sizes)
-def test_of_a_wrench_of_any_size_that_can_be_asked_for_fingers_know_where_to_go(
-    yaw, turn, n, bolt, k
-):
+def test_the_simulated_user_can_grasp_a_wrench_of_any_allowed_size(yaw, turn, n, bolt, k):
     wrench = seen(yaw, k, bolt)
     grasp = handling_of(wrench.shape).grasp(wrench, turn, UserConfiguration(fingers=n))
     shape: Any = wrench.shape

@@ -107,7 +107,7 @@ def test_two_fingers_close_so_that_the_handle_begins_to_turn_the_right_way(yaw, 
 
 
 @given(yaw=yaws, goal=yaws)
-def test_what_is_missing_brings_the_wrench_to_its_goal(yaw, goal):
+def test_the_missing_movement_brings_the_wrench_to_its_goal(yaw, goal):
     at = Goal("wrench", (0.05, 0.03, 0.012), goal)
     free = seen(yaw)
     off, turn = wrench_handling(free).missing(free, at)
@@ -178,5 +178,5 @@ def test_nearly_all_of_forty_trials_succeed(task, least, n):
         ("wrench-turn", "random"),
     ],
 )
-def test_control_arms_succeed_in_under_5_of_100_trials(task, user):
+def test_control_users_succeed_in_under_5_of_100_trials(task, user):
     assert sum(play(task, seed, user=user).success for seed in range(100)) < 5

@@ -145,7 +145,7 @@ def with_rows(log, frames, ids, xy):
     )
 
 
-def test_a_contact_that_only_flashes_is_dropped_and_counted(truth, joints):
+def test_a_very_short_contact_is_dropped_and_counted(truth, joints):
     log = touch_log(truth, AHEAD)
     clean, _ = converted(log, joints)
     flash = with_rows(log, [200, 500, 501], [900, 901, 901], [[0.1, 0.1]] * 3)

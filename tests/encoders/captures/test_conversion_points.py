@@ -110,7 +110,7 @@ def test_the_surface_is_found_from_fingertips_wherever_the_recorder_stands(truth
     assert np.abs(capture_span - true_span)[seen].mean() < 0.006
 
 
-def test_short_gaps_of_markers_are_bridged_and_long_ones_are_no_poses(truth):
+def test_short_gaps_of_markers_are_bridged_and_long_ones_give_no_poses(truth):
     points = {name: p[:300].copy() for name, p in markers(truth).items()}
     points["index_tip"][50:54] = np.nan
     points["index_middle"][50:54] = np.nan  # the finger is not seen for 67 ms
@@ -158,7 +158,7 @@ def test_a_wrong_unit_is_noticed(truth):
 # --- frames, names and arrays
 
 
-def test_a_surface_told_by_its_corners_is_the_frame_they_span():
+def test_a_surface_given_by_its_corners_has_the_frame_that_they_span():
     turn = exp(np.array([0.3, 0.8, -0.5]))
     corners = np.array([[0, 0, 0], [0.2, 0, 0], [0, -0.15, 0]]) @ turn.T + [1, 2, 3]
     frame = frame_from_corners(*corners)
@@ -182,7 +182,7 @@ def test_corners_that_span_no_plane_are_refused(corners):
 
 @settings(max_examples=15)
 @given(seed=st.integers(0, 1000))
-def test_fingertips_all_over_the_air_rest_on_no_plane(seed):
+def test_fingertips_scattered_in_the_air_do_not_rest_on_a_plane(seed):
     rng = np.random.default_rng(seed)
     tips = rng.uniform(-0.1, 0.1, (60, 5, 3))
     with pytest.raises(CaptureError, match="no plane"):
@@ -214,7 +214,7 @@ def test_names_of_glove_markers_are_recognised(names, expected):
     assert recognised(names, "right", ADULT) == expected
 
 
-def test_names_nobody_told_are_refused_and_listed():
+def test_unknown_names_are_refused_and_listed():
     with pytest.raises(CaptureError, match="m1, m2"):
         recognised(["m1", "m2"], "right", ADULT)
 

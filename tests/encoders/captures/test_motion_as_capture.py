@@ -107,7 +107,7 @@ def test_a_skeleton_alone_and_a_body_without_fingers_are_refused(folder, shared_
         assert why in capsys.readouterr().err
 
 
-def test_the_rate_of_a_foreign_amc_is_told_by_the_person(folder, truth, tmp_path):
+def test_the_rate_of_a_foreign_amc_file_comes_from_an_option(folder, truth, tmp_path):
     for name in ("shown.jsonl", "y.toml", "hand.asf"):
         shutil.copy(folder / name, tmp_path / name)
     text = (folder / "hand.amc").read_text()

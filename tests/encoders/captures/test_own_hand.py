@@ -54,7 +54,7 @@ def test_the_other_hand_is_measured_beside_the_first():
     assert set(read_calibration(own_path())) == {"right", "left"}
 
 
-def test_who_does_not_want_to_be_measured_is_not():
+def test_a_person_who_declines_is_not_measured():
     for options in (
         PlayOptions(device="leap", profile="none"),
         PlayOptions(device="leap-simulated"),
@@ -72,7 +72,7 @@ def test_a_service_that_is_not_there_ends_the_measuring(monkeypatch: pytest.Monk
 
 
 @pytest.mark.parametrize("content", ["", "{", "[]", '{"kind": "hand-sandbox profile"}', "\x00"])
-def test_other_files_are_no_calibrations(content: str, tmp_path: Path):
+def test_other_files_are_not_taken_for_calibrations(content: str, tmp_path: Path):
     path = tmp_path / "file.json"
     path.write_text(content)
     assert not is_calibration(path) and not is_calibration(tmp_path / "missing.json")

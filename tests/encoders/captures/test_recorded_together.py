@@ -126,7 +126,7 @@ def test_only_poses_change_when_fingertips_are_brought_to_touches():
     assert np.array_equal(capture.xy, plain.xy, equal_nan=True)
 
 
-def test_with_one_clock_taps_that_fit_seconds_later_are_none():
+def test_with_one_clock_taps_that_match_only_seconds_later_do_not_count():
     with pytest.raises(CaptureError, match=r"taps do not tell|no tap"):
         converted(session(), shift=2.0)
 
@@ -178,7 +178,7 @@ def test_a_recording_that_begins_with_a_playing_hand_is_not_calibrated():
         open_hand(frames, "right")
 
 
-def test_a_drifting_clock_is_told_through_jitter():
+def test_clock_drift_is_estimated_despite_jitter():
     rng = np.random.default_rng(0)
     device = np.arange(0.0, 300.0, 0.01)
     clock = host_clock(device, 5.0 + 1.0001 * device + rng.exponential(0.004, len(device)), "x")
@@ -216,7 +216,7 @@ def test_registration_finds_any_rigid_motion_through_outliers():
     assert np.allclose(found.shift, shift, atol=1e-6)
 
 
-def test_touches_on_one_line_tell_no_place():
+def test_touches_on_one_line_do_not_determine_the_device_pose():
     touches = np.column_stack([np.linspace(0, 0.1, 50), np.zeros(50)])
     with pytest.raises(CaptureError, match="where the device is"):
         registered(touches, np.column_stack([touches, np.zeros(50)]))
@@ -298,7 +298,9 @@ def test_a_folder_becomes_a_capture_that_says_it_is_simulated(folder, tmp_path, 
         (["--recorded", "{day}", "--joints", "x.bvh"], "one recording of the hand"),
     ],
 )
-def test_what_does_not_go_together_is_one_line(folder, tmp_path, capsys, options, expected):
+def test_recordings_that_do_not_match_give_a_one_line_error(
+    folder, tmp_path, capsys, options, expected
+):
     late = tmp_path / "late"
     late.mkdir()
     (late / "about.json").write_text((folder / "about.json").read_text())
@@ -312,7 +314,7 @@ def test_what_does_not_go_together_is_one_line(folder, tmp_path, capsys, options
     assert expected in err and err.count("\n") == 1 and "Traceback" not in err
 
 
-def test_a_full_disk_is_told_at_once_and_what_was_recorded_before_is_kept(tmp_path):
+def test_a_full_disk_is_reported_at_once_and_earlier_data_are_kept(tmp_path):
     device = Path("/dev/full")
     if not device.exists():
         pytest.skip("device node absent: /dev/full")

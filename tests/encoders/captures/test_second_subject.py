@@ -168,7 +168,7 @@ def test_takes_follow_each_other_in_time(capture):
     assert set(np.diff(capture.trial)) == {0, 1}
 
 
-def test_poses_are_no_polynomial_of_the_touches(training):
+def test_poses_are_not_a_polynomial_of_the_touches(training):
     """Even on the frames it learned from, a cubic with 816 terms cannot follow the wrist."""
     U, Q = training.u, training.relative
     left = CubicEncoder().fit(U, Q).predict(U) - Q
@@ -191,7 +191,7 @@ def test_equal_arguments_give_equal_captures_and_others_do_not(day):
 
 
 @pytest.mark.parametrize(("seed", "day"), ((-1, 0), (0, -1)))
-def test_there_are_no_negative_seeds_and_days(seed, day):
+def test_negative_seeds_and_days_are_refused(seed, day):
     with pytest.raises(InputError, match="0 or more"):
         simulate(FROZEN, seed, day)
 
@@ -216,7 +216,7 @@ def test_the_hand_has_other_proportions_than_the_first():
     assert ratio[4] < 0.95 and abs(ratio[5] - 1) > 0.01
 
 
-def test_a_zero_joint_means_what_it_means_in_the_first_hand():
+def test_a_zero_joint_has_the_same_meaning_as_in_the_first_hand():
     """Fingers point alike at zero but for a few degrees of splay; so angles can be compared."""
     zero = np.zeros((1, POSE_SIZE))
     ours, theirs = SLENDER.chain(zero)[1][0], Kinematics(ADULT).place(zero[0]).rotations
@@ -317,7 +317,7 @@ def test_ids_are_new_at_every_landing_and_go_on_from_take_to_take():
     assert free == 11
 
 
-def test_subjects_have_tastes_of_their_own():
+def test_subjects_have_individual_preferences():
     several = np.array([preferences(np.random.default_rng(s), FROZEN.taste) for s in range(200)])
     assert (several > 0).all()
     thumb_and_index = np.flatnonzero((SETS == [1, 1, 0, 0, 0]).all(axis=1))[0]

@@ -157,7 +157,7 @@ def test_markers_placed_anew_shift_joints_but_hardly_fingertips():
     assert np.median(moved) < 0.002
 
 
-def test_poses_are_no_polynomial_of_the_touches(training):
+def test_poses_are_not_a_polynomial_of_the_touches(training):
     """Even on the frames it learned from, a cubic with 816 terms cannot follow the wrist."""
     U, Q = training.u, training.relative
     left = CubicEncoder().fit(U, Q).predict(U) - Q
@@ -221,7 +221,7 @@ def test_noise_has_variance_one():
 
 
 @pytest.mark.parametrize(("seed", "day"), ((-1, 0), (0, -1)))
-def test_there_are_no_negative_seeds_and_days(seed, day):
+def test_negative_seeds_and_days_are_refused(seed, day):
     with pytest.raises(InputError, match="0 or more"):
         simulate(FROZEN, seed, day)
 

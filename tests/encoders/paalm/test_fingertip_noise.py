@@ -32,7 +32,7 @@ def constants(places: np.ndarray) -> float:
 
 @given(st.integers(0, 10_000), st.floats(0.2, 5.0))
 @settings(max_examples=40, deadline=None)
-def test_white_noise_asks_for_a_constant_as_its_square_says(seed: int, size: float):
+def test_the_time_constant_grows_with_the_square_of_white_noise(seed: int, size: float):
     noise = np.random.default_rng(seed).standard_normal((400, 3))
     # Of independent numbers, a second difference has six times the variance.
     scale = size * STEADY / (np.sqrt(6.0) * np.sqrt(8.0 / np.pi))
@@ -44,13 +44,13 @@ def test_white_noise_asks_for_a_constant_as_its_square_says(seed: int, size: flo
 
 @given(st.floats(0.15, 1.0), st.floats(0.01, 0.08), st.tuples(*[st.floats(-1, 1)] * 3))
 @settings(deadline=None)
-def test_movement_is_no_trembling_however_fast_a_person_moves(time: float, far: float, way: tuple):
+def test_fast_movement_is_not_measured_as_noise(time: float, far: float, way: tuple):
     s = np.clip((np.arange(120) * DT - 0.5) / time, 0.0, 1.0)
     places = (far * (10 * s**3 - 15 * s**4 + 6 * s**5))[:, None] * np.array(way)
     assert constants(places) == 0.03
 
 
-def test_a_finger_that_is_lost_and_jumps_is_not_taken_for_one_that_trembles():
+def test_a_jump_after_a_gap_is_not_measured_as_noise():
     jumps = np.cumsum(np.arange(200) % 40 == 0)[:, None] * np.array([0.05, 0.0, 0.0])
     assert constants(jumps) == 0.03
     found = followed(np.zeros((10, 3)))

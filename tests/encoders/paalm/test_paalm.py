@@ -117,7 +117,7 @@ def test_joints_that_a_device_separates_are_met_within_the_goals():
         assert np.mean([f[name] for f in figures]) < most
 
 
-def test_the_default_reads_the_paper_no_worse_than_the_paper_reads_itself():
+def test_the_default_options_are_no_worse_than_those_of_the_paper():
     one = take(1)
     default, printed = judge_recording("", one).figures, judge_recording("", one, PAPER).figures
     for name in ("mcp_deg", "pip_deg", "dip_deg", "jitter_deg"):
@@ -307,7 +307,7 @@ def test_fingers_held_together_are_not_measured():
         Paalm().calibrate(near, "right", 80)
 
 
-def test_whose_hand_it_is_must_be_said():
+def test_the_hand_to_calibrate_must_be_specified():
     with pytest.raises(EncoderError, match="hand to calibrate"):
         Paalm().calibrate(take(0).frames, "neither", 10)  # type: ignore[arg-type]
     with pytest.raises(EncoderError, match="no such choice"):
@@ -328,7 +328,7 @@ def test_a_calibration_written_and_read_reconstructs_the_same(dialect, tmp_path)
 @pytest.mark.parametrize(
     "content", ("", "[]", '{"schema": 1}', '{"schema": 1, "paalm_calibration": {"right": {}}}')
 )
-def test_a_file_that_is_no_calibration_is_refused(content, tmp_path):
+def test_a_file_without_a_calibration_is_refused(content, tmp_path):
     path = tmp_path / "c.json"
     path.write_text(content)
     with pytest.raises(EncoderError, match=r"c\.json"):

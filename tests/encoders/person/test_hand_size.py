@@ -186,7 +186,7 @@ def test_one_misunderstood_spread_does_not_decide_alone():
         (lambda spreads: [3 * xy for xy in spreads], "do not tell"),
     ],
 )
-def test_layouts_that_tell_no_size_are_refused_with_the_reason(
+def test_layouts_that_do_not_determine_the_size_are_refused_with_the_reason(
     layouts_of: Callable[[list[np.ndarray]], list[np.ndarray]], says: str
 ) -> None:
     layouts = layouts_of(someone())
@@ -194,7 +194,7 @@ def test_layouts_that_tell_no_size_are_refused_with_the_reason(
         builtin_sizes().estimate(layouts)
 
 
-def test_scattered_touches_are_no_hand():
+def test_scattered_touches_are_not_accepted_as_a_hand():
     rng = np.random.default_rng(4)
     refused = 0
     for _ in range(50):

@@ -92,7 +92,7 @@ def test_the_range_holds_the_turns_of_the_training_and_is_not_the_whole_circle()
 
 
 @given(turn=st.floats(-3.14, 3.14))
-def test_how_far_a_turn_is_beyond_the_range_is_the_way_to_its_nearer_end(turn):
+def test_the_excess_of_a_yaw_is_its_distance_to_the_nearer_end_of_the_range(turn):
     beyond = trained_range().beyond(turn)
     ends = np.array([trained_range().low, trained_range().high])
     ways = np.abs((ends - turn + np.pi) % (2 * np.pi) - np.pi)
@@ -126,11 +126,11 @@ def test_a_hand_turned_too_far_is_noticed_once_it_stays_so():
     assert len(set(notices[10:])) == 1 and "--turn" in notices[-1]
 
 
-def test_a_moment_is_no_warning():
+def test_a_short_excess_gives_no_warning():
     assert not any(watched(([0.0] * 5 + [far()] * 3) * 10))
 
 
-def test_a_turn_that_trembles_at_the_border_gives_one_warning():
+def test_a_yaw_that_jitters_at_the_border_gives_one_warning():
     s = YawWarningSettings()
     border = trained_range().high + s.outside
     rng = np.random.default_rng(0)
@@ -196,7 +196,7 @@ def about_turning(snapshot: Snapshot) -> str:
     return "; ".join(n for n in snapshot.notices if "--turn" in n)
 
 
-def test_a_person_at_the_far_side_of_the_screen_is_told_of_it_unless_the_seat_is_set():
+def test_a_person_at_the_far_side_of_the_screen_is_warned_unless_the_seat_is_set():
     far = notices_of(RunSettings(), np.pi)
     assert far[-1] and len(set(far) - {""}) == 1
     assert not any(notices_of(RunSettings(hands=(HandSettings(turn=180),)), np.pi))

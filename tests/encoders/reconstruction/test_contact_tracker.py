@@ -258,7 +258,7 @@ SIXTH = Contact(9, 0.06, 0.08)
     ("contact", "why"),
     [(PALM, "palm"), (FAR, "farther away than a hand reaches"), (SIXTH, "more than five")],
 )
-def test_what_is_no_finger_of_the_hand_is_ignored_and_counted_once(contact, why):
+def test_contacts_that_are_not_fingers_of_the_hand_are_ignored_and_counted_once(contact, why):
     hand = HAND if why == "more than five" else HAND[:2]
     down = frame(0.0, *hand).contacts
     tracker = after(*[TouchFrame(i * DT, (*down, contact)) for i in range(3)])
@@ -277,7 +277,7 @@ def test_what_is_no_finger_of_the_hand_is_ignored_and_counted_once(contact, why)
     assert tracker.ignored == ()
 
 
-def test_a_palm_is_no_finger_come_back():
+def test_a_palm_does_not_replace_a_lost_finger():
     palm = Contact(9, *INDEX, SETTINGS.blob + 0.001)
     thumb = frame(0.0, THUMB).contacts
     tracker = after(
@@ -286,7 +286,7 @@ def test_a_palm_is_no_finger_come_back():
     assert tracker.ignored == (palm,)
 
 
-def test_a_finger_of_usual_size_is_no_palm_and_a_hands_width_is_not_far():
+def test_contacts_of_usual_size_within_a_hands_width_are_accepted():
     edge = Contact(1, THUMB[0] + SETTINGS.span - 0.001, THUMB[1], SETTINGS.blob - 0.001)
     tracker = after(TouchFrame(0.0, (Contact(0, *THUMB), edge)))
     assert len(tracker.tracks) == 2
@@ -321,7 +321,7 @@ def test_smoothing_is_a_first_order_low_pass():
     assert share == pytest.approx(1.0 - np.exp(-1.0))
 
 
-def test_a_device_that_knows_its_fingers_is_quoted():
+def test_labels_of_a_device_that_knows_its_fingers_are_used():
     tracker = after(
         TouchFrame(0.0, (Contact(0, *THUMB, label=0), Contact(1, *INDEX))),
         TouchFrame(DT, (Contact(0, *THUMB), Contact(1, *INDEX, label=1))),

@@ -107,7 +107,7 @@ def test_arrays_of_other_kinds_give_the_same_pose(fast: bool) -> None:
 
 
 @FAST
-def test_contacts_whose_common_origin_lies_elsewhere_are_no_less_right(fast: bool) -> None:
+def test_the_common_origin_of_contacts_does_not_matter(fast: bool) -> None:
     encoder = encoder_of(3, 4)
     U = layouts(np.random.default_rng(3), 20)
     U[:, :10][np.repeat(U[:, 10:] == 1, 2, axis=1)] += 0.5
@@ -132,7 +132,7 @@ def test_contacts_whose_common_origin_lies_elsewhere_are_no_less_right(fast: boo
         1.0,
     ),
 )
-def test_what_is_no_contact_vector_is_refused(fast: bool, u: np.ndarray) -> None:
+def test_an_invalid_contact_vector_is_refused(fast: bool, u: np.ndarray) -> None:
     with pytest.raises(EncoderError, match="no contact vectors"):
         encoder_of(2, 3).for_contacts(fast)(u)
 

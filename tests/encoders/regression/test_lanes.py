@@ -34,7 +34,7 @@ def test_every_trial_sees_the_poses_that_it_sees_alone():
     assert together == dict(map(walk, jobs))
 
 
-def test_what_a_trial_raises_is_raised_and_the_encoder_is_left_as_it_was():
+def test_an_error_in_a_trial_is_passed_on_and_leaves_the_encoder_unchanged():
     encoder = pca_ik_model().encoder
     before = encoder.predict(touches()[0])
 

@@ -43,7 +43,7 @@ def with_lifted_at(U: np.ndarray, place: tuple[float, float]) -> np.ndarray:
     return U
 
 
-def test_terms_are_as_many_as_the_paper_counts():
+def test_the_numbers_of_terms_are_those_of_the_paper():
     assert [len(monomials(15, d)) for d in (1, 2, 3)] == [16, 136, 816]
 
 
@@ -57,7 +57,7 @@ def test_every_term_is_the_product_of_its_inputs(degree, width, seed):
 
 
 @pytest.mark.parametrize("degree", (1, 2, 3))
-def test_a_law_of_its_own_degree_is_recovered_exactly(degree):
+def test_a_polynomial_of_the_same_degree_is_recovered_exactly(degree):
     rng = np.random.default_rng(1)
     U = rng.normal(size=(400, 5))
     law = rng.normal(size=(comb(5 + degree, degree), 7))
@@ -137,7 +137,7 @@ def test_least_squares_leaves_nothing_that_its_terms_could_explain():
     np.testing.assert_allclose(encoder.terms(U).T @ left / len(U), 0, atol=1e-8)
 
 
-def test_a_greater_ridge_bends_less():
+def test_a_greater_ridge_gives_smaller_coefficients():
     rng = np.random.default_rng(6)
     U = layouts(10)
     Q = rng.normal(size=(len(U), 2))
@@ -147,7 +147,7 @@ def test_a_greater_ridge_bends_less():
     np.testing.assert_allclose(endless, np.broadcast_to(Q.mean(axis=0), Q.shape), atol=1e-6)
 
 
-def test_a_path_of_ridges_is_one_fit_after_another():
+def test_a_ridge_path_equals_separate_fits():
     U = layouts(10)
     Q = np.random.default_rng(7).normal(size=(len(U), 2))
     ridges = (1e-3, 1.0)
@@ -254,7 +254,7 @@ def test_data_that_cannot_be_learned_from_are_refused(U, Q):
 
 
 @pytest.mark.parametrize("ridge", (-1.0, np.nan, np.inf))
-def test_a_ridge_that_is_none_is_refused(ridge):
+def test_an_invalid_ridge_is_refused(ridge):
     with pytest.raises(EncoderError, match="ridge"):
         QuadraticEncoder(ridge).fit([[1.0]], [[1.0]])
 
@@ -265,7 +265,7 @@ def test_other_degrees_are_refused(degree):
         PolynomialEncoder(degree).fit([[1.0]], [[1.0]])
 
 
-def test_an_encoder_says_when_it_is_asked_for_what_it_never_learned():
+def test_an_encoder_reports_finger_sets_that_it_never_learned():
     with pytest.raises(EncoderError, match="learned nothing"):
         QuadraticEncoder().predict(np.zeros(15))
     with pytest.raises(EncoderError, match="inputs"):

@@ -62,7 +62,7 @@ def test_the_null_space_variant_ends_as_near_to_its_wish_as_fingertips_let_it():
     np.testing.assert_allclose(leaving_tips(encoder.mean_ - q, J, cost), 0.0, atol=1e-5)
 
 
-def test_the_likeliest_pose_is_one_from_which_every_way_leads_down():
+def test_the_most_likely_pose_is_a_local_maximum_of_the_posterior():
     encoder = MapIkEncoder(tip_sigma=0.002).fit(touches(), poses())
     contacts = row(0, 1, 2, 4)
     q = encoder.predict(contacts)

@@ -55,7 +55,7 @@ def test_where_a_lifted_finger_is_said_to_be_does_not_matter(name: str):
 
 
 @every_encoder
-def test_a_row_is_solved_in_company_as_it_is_alone(name: str):
+def test_a_row_gives_the_same_result_in_a_batch_and_alone(name: str):
     encoder = fitted(name)
     together = encoder.predict(new_touches())
     for i in range(0, len(new_touches()), 7):
@@ -83,7 +83,7 @@ def test_fingertips_come_closer_from_iteration_to_iteration(kind):
     assert mean[0] > mean[1] > mean[2]
 
 
-def test_a_settled_row_stops_and_nothing_is_lost_by_it():
+def test_a_settled_row_stops_without_loss_of_accuracy():
     stopped = MapIkEncoder().fit(touches(), poses()).solve(new_touches()[::2])
     all_steps = MapIkEncoder(settled=0.0).fit(touches(), poses()).solve(new_touches()[::2])
     assert stopped.iterations.min() < 100
@@ -152,7 +152,7 @@ def test_fingers_never_seen_by_themselves_start_from_a_frame_with_more_fingers()
     )
 
 
-def test_fingers_of_which_nothing_is_known_are_reported_by_name():
+def test_fingers_that_no_training_frame_has_are_reported_by_name():
     seen = (touches()[:, 10:] == [1, 1, 0, 0, 0]).all(axis=1)
     for encoder in (PcaIkEncoder(), NullSpaceIkEncoder(desired="neighbour")):
         encoder.fit(touches()[seen], poses()[seen]).predict(row(1))

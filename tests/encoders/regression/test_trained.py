@@ -97,7 +97,7 @@ def test_a_saved_model_comes_back_to_the_bit(model, path):
 
 
 @pytest.mark.parametrize("training", (True, False))
-def test_a_turned_encoder_and_its_correction_come_back_to_the_bit(
+def test_a_yaw_normalised_encoder_and_its_correction_come_back_to_the_bit(
     corrected, capture, training, tmp_path
 ):
     save_model(corrected, tmp_path / "t.npz", training)
@@ -309,7 +309,7 @@ def test_a_file_that_would_fill_the_memory_is_refused(path):
         load_model(path)
 
 
-def test_a_missing_file_is_said_to_be_missing(tmp_path):
+def test_a_missing_file_is_reported_as_missing(tmp_path):
     with pytest.raises(EncoderError, match="no such file"):
         load_model(tmp_path / "none.npz")
 

@@ -100,9 +100,7 @@ def test_touches_that_move_together_change_nothing_relative(shift):
 
 
 @given(seed=seeds, angle=angles, more=angles, shift=points)
-def test_in_the_turned_frame_neither_turn_nor_place_of_the_hand_can_be_seen(
-    seed, angle, more, shift
-):
+def test_the_normalised_frame_does_not_depend_on_the_hands_turn_and_place(seed, angle, more, shift):
     rng = np.random.default_rng(seed)
     xy = rng.uniform(0, 0.2, (6, 5, 2))
     xy[rng.uniform(size=(6, 5)) < 0.3] = np.nan
@@ -260,6 +258,6 @@ def test_coefficients_of_another_shape_are_refused(shape):
 
 
 @pytest.mark.parametrize("ridges", ((-1.0, 0.1), (0.1, np.nan), (np.inf, 0.1)))
-def test_a_ridge_that_is_none_is_refused(ridges):
+def test_an_invalid_ridge_is_refused(ridges):
     with pytest.raises(EncoderError, match="ridge"):
         YawNormalisedEncoder(*ridges).fit(learned().u, learned().relative)
