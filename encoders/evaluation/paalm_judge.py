@@ -193,9 +193,9 @@ def _identity(take: LeapTake, options: PaalmOptions) -> float:
         if held or take.side not in hands:
             continue
         for finger, name in enumerate(FINGERS):
-            said = hands[take.side].ids[name]
-            if said is not None:
-                right += names[said] == finger
+            device_id = hands[take.side].ids[name]
+            if device_id is not None:
+                right += names[device_id] == finger
                 total += 1
     return 100.0 * right / total if total else float("nan")
 

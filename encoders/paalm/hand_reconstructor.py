@@ -31,9 +31,9 @@ from models.surface import Surface
 
 _ALL = frozenset(range(len(FINGERS)))
 
-SAID = 1.0
+NOTICE_LASTS = 1.0
 """s that a notice to the person stays after its cause has ended."""
-MISSED = 1.0
+UNSEEN_NOTICE = 1.0
 """s that a hand is an unseen ghost before the person gets a notice."""
 
 
@@ -121,9 +121,9 @@ class HandReconstructor:
     @property
     def notice(self) -> str:
         """Notice to the person whose hand is not tracked; empty while all is well."""
-        if self._refused and (self._time or 0.0) - self._refused_at < SAID:
+        if self._refused and (self._time or 0.0) - self._refused_at < NOTICE_LASTS:
             return f"{self._refused}: hold them apart"
-        if self._unseen > self.settings.patience + MISSED:
+        if self._unseen > self.settings.patience + UNSEEN_NOTICE:
             return f"the {self.side} hand is not seen: hold it over the device"
         return ""
 

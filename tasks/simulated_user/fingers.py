@@ -135,10 +135,11 @@ class Fingers:
         ]
         if not touching:
             return ()
-        meant, size = self.places(now).ravel().tolist(), self._c.noise
-        felt = [a + b + size * c for a, b, c in zip(meant, self._tremor, drawn[many:], strict=True)]
+        intended, size = self.places(now).ravel().tolist(), self._c.noise
+        noise = zip(self._tremor, drawn[many:], strict=True)
+        actual = [a + b + size * c for a, (b, c) in zip(intended, noise, strict=True)]
         left, top, height = surface.origin
-        places = zip(felt[::2], felt[1::2], strict=True)
+        places = zip(actual[::2], actual[1::2], strict=True)
         if surface.aligned:
             # Same as `to_surface`, which handles any direction.
             xy = [[x - left, top - y] for x, y in places]

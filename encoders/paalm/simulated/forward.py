@@ -115,7 +115,7 @@ def leap_take(
     frames, fingers = [], []
     for t in range(count):
         shown = [f for f in rng.permutation(5).tolist() if ids[t, f] >= 0]
-        said = tuple(
+        visible = tuple(
             TrackedFinger(
                 int(ids[t, f]),
                 vector_of(tip[t, f]),
@@ -135,7 +135,7 @@ def leap_take(
             vector_of(origin[t]),
             vector_of(-axes[t, :, 2]),
             vector_of(axes[t, :, 1]),
-            said,
+            visible,
             take.side if dialect == "v3" else None,
         )
         frames.append(HandFrame(float(take.time[t]), (hand,), f"simulated {dialect}"))

@@ -208,14 +208,14 @@ def _sections(path: Path) -> dict[str, list[tuple[str, list[str]]]]:
 def _root(
     path: Path, lines: list[tuple[str, list[str]]], degrees: bool, unit: float
 ) -> tuple[_Bone, Array]:
-    said = {words[0].lower(): (where, words[1:]) for where, words in lines}
+    entries = {words[0].lower(): (where, words[1:]) for where, words in lines}
     for key in ("order", "axis", "position", "orientation"):
-        if key not in said:
+        if key not in entries:
             raise MotionError("the root is incomplete", where=str(path), expected=key)
-    angles = numbers(said["orientation"][1], 3, said["orientation"][0])
-    frame = _frame(angles, said["axis"][1], degrees, said["axis"][0])
-    origin = unit * np.array(numbers(said["position"][1], 3, said["position"][0]))
-    freedoms = _freedoms(said["order"][1], said["order"][0])
+    angles = numbers(entries["orientation"][1], 3, entries["orientation"][0])
+    frame = _frame(angles, entries["axis"][1], degrees, entries["axis"][0])
+    origin = unit * np.array(numbers(entries["position"][1], 3, entries["position"][0]))
+    freedoms = _freedoms(entries["order"][1], entries["order"][0])
     return _Bone("root", np.zeros(3), frame, freedoms), origin
 
 
@@ -223,38 +223,40 @@ def _bones(
     path: Path, lines: list[tuple[str, list[str]]], degrees: bool, unit: float
 ) -> list[_Bone]:
     bones = []
-    said: dict[str, tuple[str, list[str]]] | None = None
+    entries: dict[str, tuple[str, list[str]]] | None = None
     for where, words in lines:
         key = words[0].lower()
-        if key == "begin" and said is None:
-            said = {}
-        elif key == "end" and said is not None:
-            bones.append(_bone(said, degrees, unit, where))
-            said = None
-        elif said is None:
+        if key == "begin" and entries is None:
+            entries = {}
+        elif key == "end" and entries is not None:
+            bones.append(_bone(entries, degrees, unit, where))
+            entries = None
+        elif entries is None:
             raise MotionError(
                 "this line does not belong to a bone", where=where, got=" ".join(words)[:40]
             )
         else:
-            said.setdefault(key, (where, words[1:]))
-    if said is not None or not bones:
+            entries.setdefault(key, (where, words[1:]))
+    if entries is not None or not bones:
         raise MotionError("the bones are cut short", where=str(path), expected="begin .. end")
     return bones
 
 
-def _bone(said: dict[str, tuple[str, list[str]]], degrees: bool, unit: float, where: str) -> _Bone:
+def _bone(
+    entries: dict[str, tuple[str, list[str]]], degrees: bool, unit: float, where: str
+) -> _Bone:
     for key in ("name", "direction", "length", "axis"):
-        if key not in said or not said[key][1]:
+        if key not in entries or not entries[key][1]:
             raise MotionError("a bone is incomplete", where=where, expected=key)
-    direction = np.array(numbers(said["direction"][1], 3, said["direction"][0]))
+    direction = np.array(numbers(entries["direction"][1], 3, entries["direction"][0]))
     size = float(np.linalg.norm(direction))
     if size < 1e-6:
-        raise MotionError("a bone has no direction", where=said["direction"][0])
-    length = numbers(said["length"][1], 1, said["length"][0])[0]
-    place, words = said["axis"]
+        raise MotionError("a bone has no direction", where=entries["direction"][0])
+    length = numbers(entries["length"][1], 1, entries["length"][0])[0]
+    place, words = entries["axis"]
     frame = _frame(numbers(words[:3], 3, place), words[3:], degrees, place)
-    freedoms = _freedoms(said["dof"][1], said["dof"][0]) if "dof" in said else ()
-    return _Bone(said["name"][1][0], direction / size * length * unit, frame, freedoms)
+    freedoms = _freedoms(entries["dof"][1], entries["dof"][0]) if "dof" in entries else ()
+    return _Bone(entries["name"][1][0], direction / size * length * unit, frame, freedoms)
 
 
 def _frame(angles: list[float], order: list[str], degrees: bool, where: str) -> Array:

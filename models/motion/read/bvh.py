@@ -126,8 +126,8 @@ def _read_hierarchy(path: Path, lines: list[str]) -> tuple[_Hierarchy, int]:
 
 def _take_channels(joint: _Joint, words: list[str], hierarchy: _Hierarchy, where: str) -> None:
     channels = [word.lower() for word in words[1:]]
-    told = words[0] if words else ""
-    if told != str(len(channels)) or not set(channels) <= _CHANNELS or joint.channels is not None:
+    count = words[0] if words else ""
+    if count != str(len(channels)) or not set(channels) <= _CHANNELS or joint.channels is not None:
         raise MotionError(
             "invalid channels",
             where=where,

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from math import inf
 
-from encoders.paalm.hand_reconstructor import SAID
+from encoders.paalm.hand_reconstructor import NOTICE_LASTS
 from encoders.paalm.palm import stacked
 from encoders.paalm.sides import HandSides
 from models.frames import HandFrame
@@ -92,7 +92,7 @@ class LeapPart(HandDevice):
     @property
     def notice(self) -> str:
         """A word to the people whose hands are not told apart; empty while they are."""
-        if self._now - self._shared.hidden >= SAID:
+        if self._now - self._shared.hidden >= NOTICE_LASTS:
             return ""
         return "one hand is above the other: hold them apart"
 
