@@ -74,8 +74,8 @@ def test_settings_of_two_hands_are_read_back_as_they_were_and_damaged_ones_are_r
         ({"second": {"hand": "left"}}, "second missing or unknown"),
         ({"hands": [{"side": "left"}]}, "size, turn missing or unknown"),
         ({"hands": [{**values["hands"][0], "colour": "blue"}]}, "colour missing or unknown"),
-        ({"hands": [*values["hands"], values["hands"][0]]}, "one hand or two"),
-        ({"hands": []}, "one hand or two"),
+        ({"hands": [*values["hands"], values["hands"][0]]}, "one or two hands"),
+        ({"hands": []}, "one or two hands"),
         ({"hands": 2}, "Expected `array`"),
         ({"seed": "one"}, "Expected `int`"),
     ):
@@ -260,10 +260,10 @@ def test_invalid_options_for_a_second_hand_are_refused():
         with pytest.raises(InputError, match=what):
             chosen = plan(SceneOptions(**options))
             build(chosen.settings, chosen.makers)
-    with pytest.raises(InputError, match="for two hands"):
+    with pytest.raises(InputError, match="needs two hands"):
         build(RunSettings(task=TASK), plan(SceneOptions()).makers)
     two = RunSettings(hands=RIGHT_AND_LEFT)
-    with pytest.raises(InputError, match="device of its own"):
+    with pytest.raises(InputError, match="needs its own device"):
         build(two, plan(SceneOptions()).makers)
 
 

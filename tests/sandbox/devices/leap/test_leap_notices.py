@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from encoders.evaluation.paalm_pair import moved, side_by_side
-from encoders.paalm.hand_reconstructor import SAID
+from encoders.paalm.hand_reconstructor import NOTICE_LASTS
 from models.frames import HandFrame
 from sandbox.cli.run import main
 from sandbox.devices.leap.leap_truth import write_take
@@ -59,7 +59,7 @@ def test_hands_above_each_other_are_said_to_be_until_a_moment_after_they_are_not
     when = [t for t, words in told.items() if STACKED in words]
     assert when == [t for t in told if when[0] <= t <= when[-1]]
     assert when[0] == pytest.approx(0.5, abs=0.03)
-    assert when[-1] == pytest.approx(1.0 + SAID, abs=0.03)
+    assert when[-1] == pytest.approx(1.0 + NOTICE_LASTS, abs=0.03)
     assert all(words.count(STACKED) <= 1 for words in told.values())
 
 
