@@ -29,7 +29,7 @@ from sandbox.views.display import has_display
 if TYPE_CHECKING:
     from sandbox.study.record.session_folder import SessionFolder
     from sandbox.study.run.controls import Controls, Terminal
-    from sandbox.study.run.forms import Forms, Ready
+    from sandbox.study.run.forms import Forms, Poll
     from sandbox.study.run.players import TrialPlayer
     from sandbox.study.run.study_page import StudyPage
 
@@ -117,7 +117,7 @@ def _open_page(
     surface = session.study.design.settings.get("surface")
     if surface is not None and options.touches == "web":
         designed = parse_surface(surface)
-        page.wanted = designed.width_in, designed.height_in
+        page.needed_in = designed.width_in, designed.height_in
     invite(server, where, EventLog(None), console)
     beside = options.touches != "web" and options.view == "window"
     if beside and has_display() and not options.no_browser:
@@ -136,7 +136,7 @@ def _play(
     from sandbox.study.run.forms import TerminalForms
     from sandbox.study.run.hand_calibration import hand_measurer
     from sandbox.study.run.page_forms import PageForms
-    from sandbox.study.run.run_device import fitting, person_devices
+    from sandbox.study.run.run_device import person_devices, settings_fitter
     from sandbox.study.run.runner import SessionRunner
 
     person, name = session.person, options.touches
@@ -160,21 +160,21 @@ def _play(
         controls,
         say,
         name,
-        fitting(name, page, other),
+        settings_fitter(name, page, other),
         calibrate,
         second_device=other,
     )
     try:
         outcome = runner.run()
         if page is not None and outcome != "stopped":
-            page.lay("end", text=page.words["end"])
+            page.show_sheet("end", text=page.texts["end"])
             time.sleep(FAREWELL)
         return str(outcome)
     finally:
         player.close()
 
 
-def _average(ready: Ready) -> None:
+def _average(poll: Poll) -> None:
     """A hand that is not measured."""
 
 

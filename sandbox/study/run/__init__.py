@@ -1,1 +1,1 @@
-"""A session of a study while it runs: trials, forms and the participant's page."""
+"""Runs a session of a study: trials, forms and the participant's page."""

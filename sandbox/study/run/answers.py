@@ -1,4 +1,4 @@
-"""What an answer may be, and what has been filled in of a form that is still open."""
+"""Answers to the items of a form: allowed values, checks, and drafts of unfinished forms."""
 
 from __future__ import annotations
 
@@ -13,31 +13,31 @@ from sandbox.study.design.design import Item
 Answers = dict[str, Any]
 
 LONGEST = 2000
-"""Characters of an answer in words."""
+"""Largest number of characters of a free-text answer."""
 
 
 @dataclass
 class Draft:
-    """A form that is being filled in.
+    """The answers in a form that is being filled in.
 
     Attributes:
-        answers: So far, by item; also from before the program was ended.
-        write: Writes an answer down at once.
-        step: Id of the step: the same form may be asked more than once.
+        answers: Answers so far, by item, also from before an interruption.
+        write: Function that stores an answer of an item at once.
+        step: Id of the step, since the same form may be asked more than once.
     """
 
     answers: Answers = field(default_factory=dict)
     write: Callable[[str, Any], object] = lambda item, value: None
     step: str = ""
 
-    def keep(self, item: str, value: Any) -> None:
-        """An answer; None takes an earlier one back."""
+    def store(self, item: str, value: Any) -> None:
+        """Stores an answer; None removes an earlier one."""
         self.write(item, value)
         self.answers[item] = value
 
 
 def hint(item: Item, language: str = "") -> str:
-    """What may be answered."""
+    """Description of the allowed answers; empty for free text."""
     if item.kind == "choice":
         called = [item.called(c, language) if language else c for c in item.choices]
         return "(" + " / ".join(called) + ")"
@@ -47,12 +47,12 @@ def hint(item: Item, language: str = "") -> str:
 
 
 def read_answer(item: Item, text: str, language: str = "") -> Any:
-    """An answer that was typed, as it is kept.
+    """Converts a typed answer to the stored one.
 
-    A choice may be called by what it is called in a language, too.
+    A choice may be given by its stored value or by its text in the language.
 
     Raises:
-        StudyError: It is none that this item has.
+        StudyError: The item does not allow this answer.
     """
     text = text.strip()
     if not text:
@@ -63,15 +63,15 @@ def read_answer(item: Item, text: str, language: str = "") -> Any:
         )
     if item.kind == "choice":
         names = [(c, item.called(c, language) if language else c) for c in item.choices]
-        found = [c for c, called in names if text.lower() in (c.lower(), called.lower())]
-        if not found:
+        matches = [c for c, called in names if text.lower() in (c.lower(), called.lower())]
+        if not matches:
             raise StudyError(
-                "this is none of the choices",
+                "the answer is not one of the choices",
                 where=item.name,
                 got=text,
                 expected=", ".join(item.choices),
             )
-        return found[0]
+        return matches[0]
     if item.kind == "text":
         return text
     try:
@@ -82,12 +82,12 @@ def read_answer(item: Item, text: str, language: str = "") -> Any:
 
 
 def check_answer(item: Item, value: object) -> Any:
-    """An answer that a page has sent, as it is kept; nothing it says is believed.
+    """Checks an answer from the page, which may be any value, and returns the stored one.
 
-    None takes an answer back, which even a required item lets: the form cannot be left then.
+    None removes an answer. A required item allows it as well, but the form cannot be finished then.
 
     Raises:
-        StudyError: It is none that this item has.
+        StudyError: The item does not allow this answer.
     """
     match item.kind, value:
         case _, None:
@@ -95,33 +95,33 @@ def check_answer(item: Item, value: object) -> Any:
         case "choice", str() if value in item.choices:
             return value
         case "text", str() if len(value) <= LONGEST:
-            # Spaces round it are no part of an answer, and nothing is none.
+            # Spaces around an answer are removed; an empty text is no answer.
             return value.strip() or None
         case (("scale" | "number"), bool()):
             pass
-        # The bounds come first: Python cannot make a float of every whole number.
+        # The bounds are checked first, since a huge integer cannot be converted to a float.
         case (("scale" | "number"), float() | int()) if item.low <= value <= item.high:
             return _number(item, float(value), str(value))
     raise StudyError(
-        "this is no answer to the question",
+        "the question does not allow this answer",
         where=item.name,
         got=str(value)[:80],
-        expected=hint(item) or "words",
+        expected=hint(item) or "a text",
     )
 
 
-def _number(item: Item, value: float, told: str) -> Any:
+def _number(item: Item, value: float, given: str) -> Any:
     if not (item.low <= value <= item.high and (item.kind == "number" or _on_step(item, value))):
         raise StudyError(
-            "this is no such number",
+            "the number is not allowed here",
             where=item.name,
-            got=told,
-            expected=f"{item.low:g} to {item.high:g} by {item.step:g}",
+            got=given,
+            expected=f"{item.low:g} to {item.high:g} in steps of {item.step:g}",
         )
     return int(value) if value == int(value) else value
 
 
 def _on_step(item: Item, value: float) -> bool:
-    """Whether a scale has this place: in decimals, as its steps were written down."""
+    """True if a value is on a step of a scale; computed exactly from the decimal numbers."""
     exact = Fraction(repr(value)) - Fraction(repr(float(item.low)))
     return exact % Fraction(repr(float(item.step))) == 0

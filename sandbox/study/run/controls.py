@@ -1,4 +1,4 @@
-"""What the experimenter asks for while a session runs, and the terminal it is typed in."""
+"""Commands that the experimenter types in the terminal while a session runs."""
 
 from __future__ import annotations
 
@@ -11,48 +11,48 @@ from queue import Empty, SimpleQueue
 from typing import TextIO
 
 COMMANDS = {
-    "i": "where the session is",
-    "p": "pause, or go on",
-    "r": "repeat this trial, or the last one when none runs: r WHY",
-    "s": "skip this trial or step: s WHY",
-    "x": "exclude this trial or the last one from results: x WHY",
-    "X": "exclude the participant from results: X WHY",
-    "n": "note: n TEXT",
-    "q": "stop here; the session can be resumed",
-    "h": "these keys",
+    "i": "show the progress of the session",
+    "p": "pause or continue",
+    "r": "repeat this trial, or the last one if none is running: r REASON",
+    "s": "skip this trial or step: s REASON",
+    "x": "exclude this trial or the last one from the results: x REASON",
+    "X": "exclude the participant from the results: X REASON",
+    "n": "write a note: n TEXT",
+    "q": "stop; the session can be resumed later",
+    "h": "show these keys",
 }
-"""Key -> what it does; typed with Enter."""
+"""Description of each command by its key; commands are confirmed with Enter."""
 NEED_WORDS = "xXn"
-"""What is nothing without words."""
+"""Keys that need a text."""
 
 
 @dataclass(frozen=True)
 class Command:
-    """A key of `COMMANDS`, and words after it."""
+    """A command: a key of `COMMANDS` and the text after it."""
 
     key: str
     words: str = ""
 
 
 def parse_command(line: str) -> Command | str:
-    """A line as a command, or why it is none."""
+    """Parses a line; returns a message if it is not a command."""
     line = line.strip().removeprefix("/")
     key, words = line[:1], line[1:].strip()
     if key not in COMMANDS or (line[1:2] not in ("", " ")):
         return "keys: " + ", ".join(f"{k} {about}" for k, about in COMMANDS.items())
     if key in NEED_WORDS and not words:
-        return f"{key} needs words: {COMMANDS[key]}"
+        return f"{key} needs a text: {COMMANDS[key]}"
     return Command(key, words)
 
 
 class Controls:
-    """Commands that wait to be taken by the session's thread.
+    """Queue of commands for the session's thread.
 
     Args:
-        say: Answers the experimenter.
+        say: Prints a line for the experimenter.
 
     Attributes:
-        paused: Trials stand still.
+        paused: True while the session is paused.
     """
 
     def __init__(self, say: Callable[[str], object] = lambda text: None) -> None:
@@ -61,11 +61,11 @@ class Controls:
         self._lines: SimpleQueue[str] = SimpleQueue()
 
     def type(self, line: str) -> None:
-        """A line as it was typed; from any thread."""
+        """Adds a typed line; may be called from any thread."""
         self._lines.put(line)
 
     def take(self) -> Iterable[Command]:
-        """Commands since the last call; help and slips are answered here."""
+        """Yields the commands since the last call; answers requests for help and invalid lines."""
         while True:
             try:
                 line = self._lines.get_nowait()
@@ -73,21 +73,21 @@ class Controls:
                 return
             if not line.strip():
                 continue
-            found = parse_command(line)
-            if isinstance(found, str):
-                self.say(found)
-            elif found.key == "h":
+            command = parse_command(line)
+            if isinstance(command, str):
+                self.say(command)
+            elif command.key == "h":
                 self.say("\n".join(f"  {key}  {about}" for key, about in COMMANDS.items()))
             else:
-                yield found
+                yield command
 
 
 class Terminal:
-    """Lines of the terminal: answers while a form is open, else commands.
+    """Reads lines from the terminal: answers while a form is open, else commands.
 
     Args:
-        controls: Get the commands. While a form is open they begin with `/`.
-        source: What is read.
+        controls: Queue for the commands. While a form is open, commands begin with `/`.
+        source: Text stream to read; None reads standard input.
     """
 
     def __init__(self, controls: Controls, source: TextIO | None = None) -> None:
@@ -99,16 +99,16 @@ class Terminal:
         self._thread = threading.Thread(target=self._read, name="terminal", daemon=True)
         self._thread.start()
 
-    def ask(self, ready: Callable[[], None] = lambda: None, tick: float = 0.05) -> str | None:
-        """Waits for a line that is no command; None where no more can come.
+    def ask(self, poll: Callable[[], None] = lambda: None, tick: float = 0.05) -> str | None:
+        """Waits for an answer; returns None at the end of the input.
 
         Args:
-            ready: Called again and again meanwhile; may raise.
-            tick: s between two calls.
+            poll: Called repeatedly while waiting; may raise an exception.
+            tick: Time between two calls, s.
         """
         with self.form():
             while True:
-                ready()
+                poll()
                 try:
                     return self._answers.get(timeout=tick)
                 except Empty:
@@ -117,7 +117,7 @@ class Terminal:
 
     @contextmanager
     def form(self) -> Iterator[None]:
-        """Lines are answers as long as this lasts, those between two questions, too."""
+        """Context in which lines are answers, also between two questions."""
         was = self._asking.is_set()
         self._asking.set()
         try:
@@ -128,7 +128,7 @@ class Terminal:
 
     @property
     def asking(self) -> bool:
-        """Whether an answer is waited for."""
+        """True while an answer is awaited."""
         return self._asking.is_set() and self._answers.empty()
 
     def _read(self) -> None:

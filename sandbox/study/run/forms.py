@@ -1,7 +1,7 @@
-"""What a participant reads and answers: an interface, and two that are behind it.
+"""Interface for texts and questions to a participant, with two implementations.
 
-The page implements it, too (`sandbox.study.run.page_forms`); here are the terminal, and a simulated
-participant.
+Implemented here are forms in the terminal and a simulated participant; forms on the page are in
+`sandbox.study.run.page_forms`.
 """
 
 from __future__ import annotations
@@ -17,32 +17,35 @@ from sandbox.study.design.design import Form, Item
 from sandbox.study.run.answers import Answers, Draft, hint, read_answer
 from sandbox.study.run.controls import Terminal
 
-Ready = Callable[[], None]
-"""Called again and again while the participant thinks, so that the experimenter is heard; what it
-raises ends the form."""
+Poll = Callable[[], None]
+"""Called repeatedly while a form waits for the participant. It executes commands of the
+experimenter; an exception that it raises ends the form."""
 
 
 class Forms(Protocol):
     """Shows texts and asks questions, in the participant's language."""
 
-    def consent(self, text: str, ready: Ready) -> bool:
-        """Whether the participant agrees."""
+    def consent(self, text: str, poll: Poll) -> bool:
+        """Shows the consent form; returns True if the participant agrees."""
         ...
 
-    def instruct(self, text: str, ready: Ready) -> None:
-        """Shows a text until it is read."""
+    def instruct(self, text: str, poll: Poll) -> None:
+        """Shows a text until the participant has read it."""
         ...
 
-    def ask(self, form: Form, language: str, ready: Ready, draft: Draft) -> Answers:
-        """Answers by item; None where an optional one is left out.
+    def ask(self, form: Form, language: str, poll: Poll, draft: Draft) -> Answers:
+        """Asks the questions of a form; returns the answers by item, None for an omitted one.
 
-        What was filled in before, in a form that was left or broken off, is in the draft; what is
-        filled in now is to be kept in it at once.
+        Args:
+            form: The form.
+            language: Language of the participant.
+            poll: See `Poll`.
+            draft: Answers from before an interruption; new answers must be stored in it at once.
         """
         ...
 
-    def rest(self, least: float, ready: Ready) -> None:
-        """A break of at least so many seconds, until the participant goes on."""
+    def rest(self, least: float, poll: Poll) -> None:
+        """Makes a break of at least `least` seconds, until the participant continues."""
         ...
 
 
@@ -50,41 +53,41 @@ class TerminalForms:
     """Texts and questions in the terminal.
 
     Args:
-        terminal: Where answers are typed.
+        terminal: Terminal in which answers are typed.
         show: Prints a text.
     """
 
     def __init__(self, terminal: Terminal, show: Callable[[str], object]) -> None:
         self._terminal, self._show = terminal, show
 
-    def consent(self, text: str, ready: Ready) -> bool:
+    def consent(self, text: str, poll: Poll) -> bool:
         self._show(text)
-        return self._choose(("yes", "no"), ready) == "yes"
+        return self._choose(("yes", "no"), poll) == "yes"
 
-    def instruct(self, text: str, ready: Ready) -> None:
+    def instruct(self, text: str, poll: Poll) -> None:
         self._show(f"{text}\n[Enter]")
-        self._line(ready)
+        self._line(poll)
 
-    def ask(self, form: Form, language: str, ready: Ready, draft: Draft) -> Answers:
+    def ask(self, form: Form, language: str, poll: Poll, draft: Draft) -> Answers:
         with self._terminal.form():
             if form.title.get(language):
                 self._show(form.title[language])
             for item in form.items:
                 if item.name not in draft.answers:
-                    draft.keep(item.name, self._item(item, language, ready))
+                    draft.store(item.name, self._item(item, language, poll))
             return {item.name: draft.answers[item.name] for item in form.items}
 
-    def rest(self, least: float, ready: Ready) -> None:
+    def rest(self, least: float, poll: Poll) -> None:
         until = time.monotonic() + least
         self._show(f"a break of {least:g} s or longer\n[Enter]")
         while True:
-            self._line(ready)
+            self._line(poll)
             left = until - time.monotonic()
             if left <= 0:
                 return
             self._show(f"{left:.0f} s more, please")
 
-    def _item(self, item: Item, language: str, ready: Ready) -> Any:
+    def _item(self, item: Item, language: str, poll: Poll) -> Any:
         ends = (
             ""
             if item.ends is None
@@ -95,54 +98,54 @@ class TerminalForms:
         )
         self._show(f"{item.ask[language]} {ends or hint(item, language)}")
         while True:
-            text = self._line(ready)
+            text = self._line(poll)
             try:
                 return read_answer(item, text, language)
             except StudyError as error:
                 self._show(str(error))
 
-    def _choose(self, options: tuple[str, ...], ready: Ready) -> str:
+    def _choose(self, options: tuple[str, ...], poll: Poll) -> str:
         while True:
             self._show(" / ".join(options))
-            text = self._line(ready).strip().lower()
+            text = self._line(poll).strip().lower()
             if text in options:
                 return text
 
-    def _line(self, ready: Ready) -> str:
-        text = self._terminal.ask(ready)
+    def _line(self, poll: Poll) -> str:
+        text = self._terminal.ask(poll)
         if text is None:
             raise StudyError(
-                "nobody can answer",
+                "the input has ended, so that questions cannot be answered",
                 where="the terminal",
-                remedy="Use a terminal; the study resumes at this step",
+                remedy="Run the command in a terminal; the session resumes at this step",
             )
         return text
 
 
 class SimulatedForms:
-    """A participant without an opinion: answers by chance, at once.
+    """A simulated participant, who answers at once and at random.
 
     Args:
-        seed: Of the participant's chance.
+        seed: Seed of the answers.
     """
 
     def __init__(self, seed: int) -> None:
         self._seed = seed
 
-    def consent(self, text: str, ready: Ready) -> bool:
-        ready()
+    def consent(self, text: str, poll: Poll) -> bool:
+        poll()
         return True
 
-    def instruct(self, text: str, ready: Ready) -> None:
-        ready()
+    def instruct(self, text: str, poll: Poll) -> None:
+        poll()
 
-    def ask(self, form: Form, language: str, ready: Ready, draft: Draft) -> Answers:
-        ready()
-        # Equal after a kill: an answer follows from who is asked what at which step, not from when.
+    def ask(self, form: Form, language: str, poll: Poll, draft: Draft) -> Answers:
+        poll()
+        # An answer depends only on seed, step and item, and is the same after an interruption.
         return {item.name: self._answer(draft.step or form.name, item) for item in form.items}
 
-    def rest(self, least: float, ready: Ready) -> None:
-        ready()
+    def rest(self, least: float, poll: Poll) -> None:
+        poll()
 
     def _answer(self, step: str, item: Item) -> Any:
         rng = np.random.default_rng([self._seed, *f"{step}/{item.name}".encode()])

@@ -12,11 +12,11 @@ from encoders.paalm.calibration_file import calibration_to_json
 from models.errors import EncoderError
 from sandbox.options.leap_devices import open_leap
 from sandbox.study.record.folder import Participant
-from sandbox.study.run.forms import Forms, Ready
+from sandbox.study.run.forms import Forms, Poll
 
 TRIES = 2
-"""Frames that are looked at for every one that is wanted: half of them may show no open hand."""
-AGAIN = "Start it again; the study resumes at this step"
+"""Number of frames read for every wanted frame, since half of them may not show an open hand."""
+AGAIN = "Run the command again; the session resumes at this step"
 
 WORDS = {
     "en": "Hold your hand about 20 cm above the sensor, palm down, fingers spread, and keep it "
@@ -37,37 +37,39 @@ def hand_measurer(
     address: str,
     say: Callable[[str], object],
     wanted: int = PAPER_FRAMES,
-) -> Callable[[Ready], dict[str, Any]]:
-    """How the participant's hand is measured.
+) -> Callable[[Poll], dict[str, Any]]:
+    """Returns a function that measures the participant's hand.
+
+    The function repeats the measurement until the hand was held correctly. The experimenter may
+    skip it; an average hand is used then. It raises a DeviceError if the service sends no data.
 
     Args:
-        forms: Tells the participant what to do.
-        person: Whose hand.
-        address: Of the Leap service.
-        say: Tells the experimenter what came out.
-        wanted: Frames with five fingers; 1000 in the paper, about ten seconds.
-
-    Returns:
-        Asks until the hand was held as it has to be; the experimenter may leave it, and the hand is
-        then taken for an average one. Raises a DeviceError where the service says nothing.
+        forms: Shows the instruction to the participant.
+        person: The participant.
+        address: Address of the Leap service.
+        say: Prints the result for the experimenter.
+        wanted: Number of frames with five fingers; 1000 in the paper, about ten seconds.
     """
     text = WORDS.get(person.language, WORDS["en"])
     side = cast(Literal["right", "left"], person.hand)
 
-    def measure(ready: Ready) -> dict[str, Any]:
+    def measure(poll: Poll) -> dict[str, Any]:
         while True:
-            forms.instruct(text, ready)
+            forms.instruct(text, poll)
             device = open_leap(address)
             try:
-                frames = islice(device.follow(ready, AGAIN), TRIES * wanted)
-                found = Paalm().calibrate(frames, side, wanted)[side]
+                frames = islice(device.follow(poll, AGAIN), TRIES * wanted)
+                calibration = Paalm().calibrate(frames, side, wanted)[side]
             except EncoderError as error:
-                say(f"once more: {error}")
+                say(f"measuring again: {error}")
                 continue
             finally:
                 device.close()
-            lengths = ", ".join(f"{1000 * length:.0f}" for length in found.standard)
-            say(f"the {side} hand is measured: fingers of {lengths} mm in {found.frames} frames")
-            return calibration_to_json(found)
+            lengths = ", ".join(f"{1000 * length:.0f}" for length in calibration.standard)
+            say(
+                f"measured the {side} hand: fingers of {lengths} mm, from {calibration.frames} "
+                "frames"
+            )
+            return calibration_to_json(calibration)
 
     return measure

@@ -1,4 +1,4 @@
-"""Forms on the participant's page: a tablet or a browser, in their language."""
+"""Forms on the participant's page, on a tablet or in a browser."""
 
 from __future__ import annotations
 
@@ -9,126 +9,128 @@ from models.errors import StudyError
 from sandbox.server.protocol.protocol import Answer, Choice, ItemView, Leave
 from sandbox.study.design.design import Form, Item
 from sandbox.study.run.answers import Answers, Draft, check_answer
-from sandbox.study.run.forms import Ready
+from sandbox.study.run.forms import Poll
 from sandbox.study.run.study_page import TICK, StudyPage
 
 
 class PageForms:
-    """Implements `sandbox.study.run.forms.Forms`.
+    """Forms on the page; implements `sandbox.study.run.forms.Forms`.
 
     Args:
-        page: The participant's.
-        paused: Whether the experimenter wants everything to wait.
+        page: The participant's page.
+        paused: Returns True while the experimenter pauses the session.
     """
 
     def __init__(self, page: StudyPage, paused: Callable[[], bool] = lambda: False) -> None:
         self._page, self._paused = page, paused
 
-    def consent(self, text: str, ready: Ready) -> bool:
-        how = self._left(ready, ("yes", "no"), lambda: self._page.lay("consent", text=text))
+    def consent(self, text: str, poll: Poll) -> bool:
+        how = self._show_until_left(
+            poll, ("yes", "no"), lambda: self._page.show_sheet("consent", text=text)
+        )
         return how == "yes"
 
-    def instruct(self, text: str, ready: Ready) -> None:
-        self._left(ready, ("done",), lambda: self._page.lay("text", text=text))
+    def instruct(self, text: str, poll: Poll) -> None:
+        self._show_until_left(poll, ("done",), lambda: self._page.show_sheet("text", text=text))
 
-    def rest(self, least: float, ready: Ready) -> None:
+    def rest(self, least: float, poll: Poll) -> None:
         until = time.monotonic() + least
 
-        def lay() -> None:
-            words = self._page.words
-            self._page.lay(
+        def show() -> None:
+            words = self._page.texts
+            self._page.show_sheet(
                 "rest",
                 title=words["rest"],
                 text=words["rest_over"],
                 seconds=max(until - time.monotonic(), 0.0),
             )
 
-        self._left(ready, ("done",), lay, until)
+        self._show_until_left(poll, ("done",), show, until)
 
-    def ask(self, form: Form, language: str, ready: Ready, draft: Draft) -> Answers:
+    def ask(self, form: Form, language: str, poll: Poll, draft: Draft) -> Answers:
         items = {item.name: item for item in form.items}
         views = [item_view(item, language) for item in form.items]
 
-        def lay() -> None:
-            self._page.lay(
+        def show() -> None:
+            self._page.show_sheet(
                 "form", title=form.title.get(language, ""), items=views, answers=draft.answers
             )
 
-        self._page.await_somebody(ready)
-        lay()
+        self._page.wait_until_open(poll)
+        show()
         try:
             while True:
-                self._pause(ready, lay)
-                for up in self._page.done():
+                self._pause(poll, show)
+                for up in self._page.take_inputs():
                     if isinstance(up, Answer):
                         self._fill(items, up, draft)
-                    elif up.how == "done" and self._whole(form, draft):
+                    elif up.how == "done" and self._is_complete(form, draft):
                         return {name: draft.answers.get(name) for name in items}
                 time.sleep(TICK)
         finally:
             self._page.wait()
 
     def _fill(self, items: dict[str, Item], up: Answer, draft: Draft) -> None:
-        """Takes an answer in, if it is one: what a page says may be anything."""
+        """Stores an answer of the page after a check; the page may send any value."""
         item = items.get(up.item)
         if item is None:
             return
         try:
             value = check_answer(item, up.value)
         except StudyError as error:
-            self._page.refuse(item.name, self._why(item))
-            self._page.say(f"refused: {error}")
+            self._page.reject_answer(item.name, self._rejection(item))
+            self._page.say(f"rejected an answer: {error}")
             return
         if draft.answers.get(item.name) != value:
-            draft.keep(item.name, value)
-            self._page.keep(answers=draft.answers)
+            draft.store(item.name, value)
+            self._page.update_sheet(answers=draft.answers)
 
-    def _whole(self, form: Form, draft: Draft) -> bool:
-        """Whether everything that has to be answered is."""
+    def _is_complete(self, form: Form, draft: Draft) -> bool:
+        """Returns True if all required items are answered; else marks the first missing one."""
         missing = [i for i in form.items if not i.optional and draft.answers.get(i.name) is None]
         if missing:
-            self._page.refuse(missing[0].name, self._page.words["required"])
+            self._page.reject_answer(missing[0].name, self._page.texts["required"])
         return not missing
 
-    def _pause(self, ready: Ready, lay: Callable[[], None]) -> None:
-        """Hears the experimenter; takes the sheet away for as long as they pause."""
-        ready()
+    def _pause(self, poll: Poll, show: Callable[[], None]) -> None:
+        """Executes the experimenter's commands; hides the form while the session is paused."""
+        poll()
         if not self._paused():
             return
         self._page.wait("paused")
         while self._paused():
             time.sleep(TICK)
-            self._page.look()
-            ready()
-        lay()
+            self._page.check_connection()
+            poll()
+        show()
 
-    def _why(self, item: Item) -> str:
+    def _rejection(self, item: Item) -> str:
         if item.kind in ("scale", "number"):
-            return self._page.words["number"].format(low=f"{item.low:g}", high=f"{item.high:g}")
-        return self._page.words["required"]
+            return self._page.texts["number"].format(low=f"{item.low:g}", high=f"{item.high:g}")
+        return self._page.texts["required"]
 
-    def _left(
-        self, ready: Ready, ways: tuple[str, ...], lay: Callable[[], None], until: float = 0.0
+    def _show_until_left(
+        self, poll: Poll, ways: tuple[str, ...], show: Callable[[], None], until: float = 0.0
     ) -> str:
-        """Lays a sheet, and tells how it is left; not before a time."""
-        self._page.await_somebody(ready)
-        lay()
+        """Shows a sheet and returns how the participant leaves it, at the earliest at `until`."""
+        self._page.wait_until_open(poll)
+        show()
         try:
             while True:
-                self._pause(ready, lay)
+                self._pause(poll, show)
                 left = until - time.monotonic()
-                for up in self._page.done():
+                for up in self._page.take_inputs():
                     if isinstance(up, Leave) and up.how in ways and left <= 0.0:
                         return up.how
                 if left > 0.0:
-                    self._page.keep(seconds=left)
+                    self._page.update_sheet(seconds=left)
                 time.sleep(TICK)
         finally:
             self._page.wait()
 
 
 def item_view(item: Item, language: str) -> ItemView:
-    """A question as the page gets it."""
+    """Converts a question to the message for the page."""
     ends = [end.get(language, "") for end in item.ends] if item.ends else ["", ""]
     choices = [Choice(choice, item.called(choice, language)) for choice in item.choices]
     return ItemView(

@@ -17,24 +17,24 @@ from sandbox.server.web import WebDevice
 from sandbox.session.session import Session
 from sandbox.study.design.page_options import PageOptions
 from sandbox.study.run.players import PlayedAttempt, RunningAttempt, TrialRequest
-from sandbox.study.run.study_page import TICK, StudyPage, inches, lacks_room
+from sandbox.study.run.study_page import TICK, StudyPage, inches, is_too_small
 from sandbox.trial.driver import View
 from sandbox.trial.live import LiveTrial
 from sandbox.trial.settings import RunSettings
 
 AFTER = 1.2
-"""s for which the end of a trial is seen."""
+"""s for which the end of a trial stays visible."""
 SILENCE = 1.0
-"""s without a word that are written down; the page beats twice a second."""
+"""s without a message after which the page counts as away; it sends two messages a second."""
 
 
 class PagePlayer:
-    """Plays on the page, at real time; implements `sandbox.study.run.players.TrialPlayer`.
+    """Runs trials on the page in real time; implements `sandbox.study.run.players.TrialPlayer`.
 
     Args:
-        page: The participant's.
-        options: What is seen, and when time begins and stands still.
-        language: The participant's.
+        page: The participant's page.
+        options: Settings of trials on the page.
+        language: Language of the participant.
     """
 
     def __init__(self, page: StudyPage, options: PageOptions, language: str) -> None:
@@ -49,13 +49,13 @@ class PagePlayer:
                 session = trial.session
                 device = self._page.device
                 live = LiveTrial(trial, news=device.news if device else None)
-                watching = _PageClock(self._page, device, self._options)
+                clock = _PageClock(self._page, device, self._options)
                 live.pause(True)
                 self._show(session, request)
                 live.start()
                 try:
                     while not live.over and not attempt.broken:
-                        still = watching.still(attempt)
+                        still = clock.must_stop(attempt)
                         live.pause(still)
                         if still:
                             self._page.server.publish(session.snapshot(), True)
@@ -64,7 +64,7 @@ class PagePlayer:
                     live.stop()
                 if live.failure:
                     raise live.failure
-                played = attempt.end(trial, live.lost, watching.measures())
+                played = attempt.end(trial, live.lost, clock.measures())
             self._page.server.publish(session.snapshot(), False)
             if not played.broken:
                 time.sleep(AFTER)
@@ -73,29 +73,33 @@ class PagePlayer:
             self._page.wait()
 
     def close(self) -> None:
-        """The page stays open: forms are on it, too."""
+        """Does nothing: the page stays open for forms."""
 
     def _show(self, session: Session, request: TrialRequest) -> None:
         server, scene = self._page.server, session.scene
-        # The page is the first hand's, or that of both where they share its surface.
+        # The page has the surface of the first hand, or of both hands if they share it.
         surface = session.first_rig.reconstructor.surface
         side = request.settings.hands[0].side
-        told = describe_scene(server.next_scene(), scene, session.task, surface, side, "")
+        message = describe_scene(server.next_scene(), scene, session.task, surface, side, "")
         options, name = self._options, request.settings.task
-        goal = options.goals.get(name, {}).get(self._language, told.goal)
-        title = options.names.get(name, {}).get(self._language, _words(told.task))
-        told = msgspec.structs.replace(told, task=title, goal=goal)
+        goal = options.goals.get(name, {}).get(self._language, message.goal)
+        title = options.names.get(name, {}).get(self._language, _readable(message.task))
+        message = msgspec.structs.replace(message, task=title, goal=goal)
         apart = len(session.rigs) > 1 and not request.settings.one_surface
         skins = [pack_skin(hand) for hand in scene.spec.hands]
-        server.show_scene(told, scene, self._page.device, skins, 0 if apart else None)
-        self._page.reveal()
+        server.show_scene(message, scene, self._page.device, skins, 0 if apart else None)
+        self._page.hide_sheet()
 
     def _views(self, session: Session) -> list[View]:
         return [lambda snapshot: publish(self._page.server, session, snapshot)]
 
 
 class _PageClock:
-    """Whether time stands still because nobody has touched yet, or the page is gone."""
+    """Decides when simulated time stops, and measures how long the page was away.
+
+    Time stops before the first touch, during a pause, and while the page is gone, as the settings
+    of the page say.
+    """
 
     def __init__(self, page: StudyPage, device: WebDevice | None, options: PageOptions) -> None:
         self._page, self._device, self._options = page, device, options
@@ -104,63 +108,62 @@ class _PageClock:
         self._waited: float | None = None if self._waiting else 0.0
         self._away = 0.0
         self._last, self._times = self._shown, 0
-        self._silent = self._halted = False
+        self._silent = self._paused = False
 
-    def still(self, attempt: RunningAttempt) -> bool:
-        """Whether time is to stand still now; may break the trial off."""
-        self._page.look()
-        self._pause(attempt.halted())
+    def must_stop(self, attempt: RunningAttempt) -> bool:
+        """Returns True if simulated time must stop now; may break the attempt off."""
+        self._page.check_connection()
+        self._follow_pause(attempt.check_pause())
         now = time.monotonic()
-        self._count(now)
+        self._add_silence(now)
         if self._page.gone:
             if self._options.when_gone == "repeat" and self._waited is not None:
                 attempt.broken = attempt.broken or "the participant's page was gone"
             elif self._options.when_gone == "pause":
                 self._waiting = True
-        elif self._waiting and not self._halted and (not self._device or self._device.touched):
+        elif self._waiting and not self._paused and (not self._device or self._device.touched):
             self._waiting = False
             if self._waited is None:
                 self._waited = now - self._shown
-        return self._waiting or self._halted
+        return self._waiting or self._paused
 
-    def _count(self, now: float) -> None:
-        """Adds up how long the page said nothing."""
+    def _add_silence(self, now: float) -> None:
+        """Adds up the time and the gaps without a message from the page."""
         silent = self._page.server.silence
         was, self._silent = self._silent, silent > SILENCE
         if self._silent:
-            # The time that it took to notice counts as well.
+            # The first `SILENCE` seconds of a gap count as well.
             self._away += now - self._last if was else silent
             self._times += not was
         self._last = now
 
-    def _pause(self, halted: bool) -> None:
-        """Takes the scene out of sight while the experimenter pauses; then a touch goes on."""
-        if halted == self._halted:
+    def _follow_pause(self, paused: bool) -> None:
+        """Hides the scene during a pause; after it, time starts with the next touch."""
+        if paused == self._paused:
             return
-        self._halted = halted
-        if halted:
+        self._paused = paused
+        if paused:
             self._waiting = True
             self._page.wait("paused")
         else:
-            self._page.reveal()
+            self._page.hide_sheet()
 
     def measures(self) -> dict[str, float | int | None]:
-        """s from the scene being seen to the first touch, and how long and often nothing was
-        heard of the page meanwhile."""
+        """Measures `waited_s`, `away_s` and `away`; see docs/measures.md."""
         waited = None if self._waited is None else round(self._waited, 3)
         return {"waited_s": waited, "away_s": round(self._away, 3), "away": self._times}
 
 
 def page_settings(page: StudyPage, settings: RunSettings, designed: bool) -> RunSettings:
-    """A trial's settings on the screen that the participant has.
+    """Adapts the settings of a trial to the participant's screen.
 
     Args:
-        page: Open.
-        settings: Of the design.
-        designed: The design says how large the touch rectangle is; otherwise it is the screen.
+        page: The page, which must be open.
+        settings: Settings from the design.
+        designed: True if the design sets the size of the touch rectangle; else it is the screen.
 
     Raises:
-        StudyError: There is no room for it on the screen.
+        StudyError: The screen is too small for the touch rectangle.
     """
     screen = page.server.screen
     assert screen is not None, "the page is open"
@@ -168,23 +171,24 @@ def page_settings(page: StudyPage, settings: RunSettings, designed: bool) -> Run
         hands = len(settings.hands) if settings.one_surface else 1
         return replace(settings, **rectangle(screen, hands))
     wanted = settings.surface_in
-    if lacks_room(screen, wanted):
+    if is_too_small(screen, wanted):
         raise StudyError(
             "the screen is too small for the design's touch rectangle",
             where="surface" if screen.calibrated else "surface; the screen was not measured",
             got=f"{inches(screen)} of screen",
             expected=f"{wanted[0]:g} x {wanted[1]:g} in",
-            remedy="Turn it, use a larger one or a full screen, or leave `surface` out of the "
+            remedy="Rotate the screen, use a larger one or full screen, or remove `surface` from the "
             "design; the session resumes at this trial",
         )
     return replace(settings, surface_calibrated=screen.calibrated)
 
 
 def page_device(page: StudyPage, surface: Surface) -> WebDevice:
-    """The device of a trial on the page."""
-    return page.opened(WebDevice(surface, page.server.latency))
+    """Creates the device of a trial on the page."""
+    return page.use_device(WebDevice(surface, page.server.latency))
 
 
-def _words(task: str) -> str:
+def _readable(task: str) -> str:
+    """Name of a task as words: `box-to-goal` becomes `Box to goal`."""
     words = task.replace("-", " ").replace("_", " ")
     return words[:1].upper() + words[1:]

@@ -1,4 +1,4 @@
-"""The page's own words in a study: few, and in the participant's language."""
+"""Texts of the participant's page, in several languages."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ NAMES = (
     "ended",
     "end",
 )
-"""What there are words for, in the order of the lists below."""
+"""Names of the texts, in the order of the lists below."""
 
 _LISTS = {
     "en": (
@@ -142,10 +142,10 @@ _LISTS = {
     ),
 }
 
-WORDS = {language: dict(zip(NAMES, words, strict=True)) for language, words in _LISTS.items()}
-"""Words by language (ISO 639-1) and what they are for."""
+TEXTS = {language: dict(zip(NAMES, texts, strict=True)) for language, texts in _LISTS.items()}
+"""Texts by language (ISO 639-1) and name."""
 
 
 def texts_in(language: str) -> dict[str, str]:
-    """The words of a language; of one that there are none in, English."""
-    return WORDS.get(language.lower().split("-")[0], WORDS["en"])
+    """Texts in a language, by name; in English if the language is not supported."""
+    return TEXTS.get(language.lower().split("-")[0], TEXTS["en"])

@@ -1,4 +1,4 @@
-"""Who plays a trial: headless as fast as it goes or at real time, or a person before a window."""
+"""Players, which run single trials: headless, or with a person in a window."""
 
 from __future__ import annotations
 
@@ -21,24 +21,24 @@ from sandbox.trial.settings import RunSettings
 from tasks.score import Status
 
 TICK = 0.02
-"""s between two looks at what the experimenter wants while time stands still."""
+"""s between two checks of the experimenter's commands while simulated time stands still."""
 
 Watch = Callable[[], str]
-"""Lets the experimenter be heard: empty to go on, else why the attempt is broken off."""
+"""Executes the experimenter's commands; returns the reason to break the attempt off, or empty."""
 
 
 @dataclass(frozen=True)
 class TrialRequest:
-    """A trial to be played.
+    """A trial to be run.
 
     Attributes:
-        settings: How it goes.
-        makers: Open the devices, one for every hand.
-        record: Where its recording goes.
-        about: For the recording's header.
-        time_limit: s, of the study.
+        settings: Settings of the trial.
+        makers: Functions that open the devices, one for every hand.
+        record: Path of the recording.
+        about: Further fields of the recording's header.
+        time_limit: Time limit of the study, s.
         watch: See `Watch`.
-        paused: Whether time is to stand still.
+        paused: Returns True while simulated time must stand still.
     """
 
     settings: RunSettings
@@ -52,7 +52,7 @@ class TrialRequest:
 
 @dataclass
 class PlayedAttempt:
-    """How it went: the result, the tables, and why it was broken off (empty: it was not)."""
+    """A finished attempt: result, tables, and the reason if it was broken off (else empty)."""
 
     result: TrialResult
     table: FrameTable
@@ -60,27 +60,27 @@ class PlayedAttempt:
 
 
 class TrialPlayer(Protocol):
-    """Plays trials."""
+    """Interface of classes that run trials."""
 
     def play(self, request: TrialRequest) -> PlayedAttempt:
-        """Plays one to its end, and closes its recording.
+        """Runs a trial to its end, and closes its recording.
 
         Raises:
-            InputError: A device broke, or the recording cannot be written.
+            InputError: A device failed, or the recording cannot be written.
         """
         ...
 
     def close(self) -> None:
-        """Gives back what it holds between trials."""
+        """Releases resources that are kept between trials."""
         ...
 
 
 @dataclass
 class HeadlessPlayer:
-    """Plays without a window.
+    """Runs trials without a window.
 
     Attributes:
-        paced: At real time, as for a person; otherwise as fast as it goes.
+        paced: True runs in real time, as for a person; False runs as fast as possible.
     """
 
     paced: bool = False
@@ -89,20 +89,20 @@ class HeadlessPlayer:
         attempt = RunningAttempt(request)
         pace = Pace() if self.paced else None
         with attempt.open() as trial:
-            trial.run(pace, attempt.stands_still, lambda: bool(attempt.broken))
+            trial.run(pace, attempt.wait_if_paused, lambda: bool(attempt.broken))
             return attempt.end(trial, pace.lost if pace else 0.0)
 
     def close(self) -> None:
-        """Nothing to give back."""
+        """Does nothing."""
 
 
 @dataclass
 class WindowPlayer:
-    """Plays in a window, at real time. Keys that would start again or pause are not the
-    participant's: the experimenter has them.
+    """Runs trials in a window, in real time. Keys to restart or pause are disabled, since only the
+    experimenter may do so.
 
     Attributes:
-        caption: Shown where no person plays.
+        caption: Text that is shown if a simulated user plays.
     """
 
     caption: str = ""
@@ -127,7 +127,7 @@ class WindowPlayer:
             live.start()
             try:
                 while not live.over and not attempt.broken:
-                    live.pause(attempt.halted())
+                    live.pause(attempt.check_pause())
                     if not self._window.pump(live.newest):
                         attempt.broken = "the window was closed"
             finally:
@@ -144,11 +144,11 @@ class WindowPlayer:
 
 
 class RunningAttempt:
-    """One attempt at a trial of a study: its tables and measures, whoever plays it.
+    """A running attempt at a trial: creates its tables and measures for every kind of player.
 
     Attributes:
-        table: The 60 Hz table, made while the trial is played.
-        broken: Why the attempt was broken off; empty while it was not.
+        table: The 60 Hz table, filled while the trial runs.
+        broken: Reason why the attempt was broken off; empty otherwise.
     """
 
     def __init__(self, request: TrialRequest) -> None:
@@ -157,10 +157,10 @@ class RunningAttempt:
         self.broken = ""
 
     def open(self, *views: ViewMaker) -> AbstractContextManager[Trial]:
-        """The trial, ready for its first step.
+        """Opens the trial, ready for its first step.
 
         Args:
-            views: Make further views.
+            views: Functions that create further views.
         """
 
         def make_views(session: Session) -> list[View]:
@@ -172,17 +172,17 @@ class RunningAttempt:
             request.settings, request.makers, make_views, request.record, request.about
         )
 
-    def halted(self) -> bool:
-        """Hears the experimenter; True where time is to stand still."""
+    def check_pause(self) -> bool:
+        """Executes the experimenter's commands; returns True if time must stand still."""
         self.broken = self.broken or self._request.watch()
         return self._request.paused() and not self.broken
 
-    def stands_still(self) -> bool:
-        """As `halted`, and waits a little where time stands still."""
-        halted = self.halted()
-        if halted:
+    def wait_if_paused(self) -> bool:
+        """Same as `check_pause`, but also waits for `TICK` if time must stand still."""
+        paused = self.check_pause()
+        if paused:
             time.sleep(TICK)
-        return halted
+        return paused
 
     def _watch(self, session: Session, snapshot: Snapshot) -> None:
         self.table.watch(session)
@@ -194,8 +194,8 @@ class RunningAttempt:
         """Ends the recording.
 
         Args:
-            trial: Was played.
-            lost: s of real time given up.
+            trial: The trial that was run.
+            lost: Real time that the simulation fell behind, s.
             more: Further measures by name.
         """
         session = trial.session
@@ -208,9 +208,9 @@ class RunningAttempt:
         }
         latency = session.first_rig.device.latency
         if latency is not None:
-            told = latency.as_json()
-            fields["latency"] = told
-            waited = told.get("waited", {})
+            latencies = latency.as_json()
+            fields["latency"] = latencies
+            waited = latencies.get("waited", {})
             fields["measures"] |= {
                 f"latency_{p}_ms": waited.get(f"{p}_ms") for p in ("p50", "p95", "p99")
             }

@@ -1,4 +1,4 @@
-"""Devices of people in a study, and how large their surfaces are."""
+"""Devices of participants, and adaptation of trials to the size of their surfaces."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ from sandbox.session.device import Device
 from sandbox.study.design.conditions import PARTNER
 from sandbox.study.design.plan import TrialStep
 from sandbox.study.record.folder import Participant
-from sandbox.study.run.forms import Ready
+from sandbox.study.run.forms import Poll
 from sandbox.study.run.page_player import page_device, page_settings
-from sandbox.study.run.runner import Fit, OpenDevices
+from sandbox.study.run.runner import FitSettings, OpenDevices
 from sandbox.study.run.simulate import simulated_devices, simulated_hand
 from sandbox.study.run.study_page import StudyPage
 from sandbox.trial.device_makers import DeviceMaker, DeviceMakers, sharing
@@ -35,7 +35,7 @@ from tasks.task import Task
 from tasks.user import UserConfiguration
 
 SLACK = 0.02
-"""Share by which a design's surface may differ from the touch screen's own."""
+"""Relative difference that is allowed between the surfaces of the design and the device."""
 
 
 def person_devices(
@@ -45,14 +45,14 @@ def person_devices(
     leap: str = DEFAULT_ADDRESS,
     second: TouchOptions | None = None,
 ) -> OpenDevices:
-    """How the devices of every trial are opened.
+    """Returns a function that opens the devices of a trial.
 
     Args:
         options: Device `mouse`, `web`, `tuio`, `evdev`, `evdev:NODE` or `simulated`.
-        person: Who touches, or moves a hand over a Leap in trials whose design says so.
-        page: Of `web`.
+        person: The participant, who touches, or moves a hand over a Leap if the design says so.
+        page: Page of device `web`.
         leap: Address of the Leap service.
-        second: Device of a second hand, none of `web`; None where no trial needs one.
+        second: Device of a second hand, not `web`; None if no trial needs one.
     """
     if options.device == "simulated":
         return simulated_devices(person)
@@ -67,8 +67,8 @@ def person_devices(
         def make(task: Task, surface: Surface) -> Device:
             device: Device
             if settings.hands[hand].in_air is not None:
-                # What the design says counts: this trial is played over a Leap, and begins with the
-                # scene, not with a touch of the page.
+                # The design decides: this trial uses a Leap, and starts with the scene, not with a
+                # touch of the page.
                 if page is not None:
                     page.device = None
                 return cast(Device, open_leap(leap))
@@ -91,7 +91,7 @@ def person_devices(
 
     def of_trial(trial: TrialStep, settings: RunSettings) -> DeviceMakers:
         first = opens(options, trial, settings, 0)
-        # The keys of the window lift every hand whose device has no lift control.
+        # Keys of the window lift the hands whose devices have no lift control.
         keys = "mouse" in (options.device, second.device if second else "")
         if len(settings.hands) == 1:
             return with_lift((first,), keys)
@@ -105,9 +105,9 @@ def person_devices(
             asked = second or options
         else:
             raise StudyError(
-                "the trial is for two hands, and there is a device for one",
+                "the trial is for two hands, but only one device is given",
                 where=settings.task,
-                remedy="Use --second-device",
+                remedy="Add --second-device",
             )
         return with_lift((first, opens(asked, trial, settings, 1)), keys)
 
@@ -115,33 +115,33 @@ def person_devices(
 
 
 def needs_second_device(values: Mapping[str, Any], settings: RunSettings) -> bool:
-    """Whether a trial needs a touch device beside that of the first hand.
+    """Returns True if a trial needs a second touch device.
 
     Args:
-        values: Of the trial, by the names of settings in designs.
-        settings: What they mean.
+        values: Values of the trial, by the names of settings in designs.
+        settings: Settings of the trial.
     """
     if len(settings.hands) == 1 or settings.one_surface:
         return False
     return values.get("second_device") != PARTNER and settings.hands[1].in_air is None
 
 
-def fitting(name: str, page: StudyPage | None = None, second: str = "") -> Fit:
-    """How a trial's settings are fitted to what the participant touches.
+def settings_fitter(name: str, page: StudyPage | None = None, second: str = "") -> FitSettings:
+    """Returns a function that adapts the settings of a trial to the touch devices.
 
-    What is returned may wait for the page, and raises a StudyError where the design's surface is
-    not the device's, or the surfaces of two hands are not of one size.
+    The function may wait for the page. It raises a StudyError if the surface of the design differs
+    from that of the device, or if the surfaces of two hands differ in size.
 
     Args:
-        name: The first hand's touch device.
-        page: Of `web`.
-        second: The second hand's touch device; empty where there is none.
+        name: Touch device of the first hand.
+        page: Page of device `web`.
+        second: Touch device of the second hand; empty if there is none.
     """
 
-    def fit(trial: TrialStep, settings: RunSettings, ready: Ready) -> RunSettings:
-        fitted = fit_first(trial, settings, ready)
+    def fit(trial: TrialStep, settings: RunSettings, poll: Poll) -> RunSettings:
+        fitted = fit_first(trial, settings, poll)
         if needs_second_device(trial.values, settings):
-            check_size(second, fitted, "the second hand's surface is of another size")
+            check_size(second, fitted, "the surface of the second hand has another size")
         return fitted
 
     def check_size(device: str, settings: RunSettings, what: str) -> None:
@@ -154,24 +154,25 @@ def fitting(name: str, page: StudyPage | None = None, second: str = "") -> Fit:
                 where="surface",
                 got=f"{own[0]:.2f} x {own[1]:.2f} in",
                 expected="{:g} x {:g} in".format(*settings.surface_in),
-                remedy="Write the device's own size into the design, or leave it out",
+                remedy="Write the size of the device into the design, or remove `surface`",
             )
 
-    def fit_first(trial: TrialStep, settings: RunSettings, ready: Ready) -> RunSettings:
+    def fit_first(trial: TrialStep, settings: RunSettings, poll: Poll) -> RunSettings:
         designed = "surface" in trial.values
         if settings.hands[0].in_air is not None:
             return settings
         if page is not None and name == "web":
-            page.await_somebody(ready)
+            page.wait_until_open(poll)
             return page_settings(page, settings, designed)
         if is_evdev(name) and (native := native_surface(name)) is not None:
             if designed:
                 check_size(
-                    name, settings, "the touch device is not as large as the design's surface"
+                    name, settings, "the touch device has another size than the design's surface"
                 )
             return replace(settings, surface_in=(native.width_in, native.height_in))
         if guesses_size(name):
-            # Nobody tells sizes: without the design's, inches are a guess, and recordings say so.
+            # The device reports no size. Without one in the design it is a guess, which the
+            # recording notes.
             return settings if designed else replace(settings, surface_calibrated=False)
         return settings
 

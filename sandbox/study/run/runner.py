@@ -1,4 +1,4 @@
-"""Runs one session, step by step, whoever plays and whoever asks: simulated and real alike."""
+"""Runs the steps of a session, with a real or a simulated participant."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from sandbox.study.record.pack import pack
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.run.answers import Draft
 from sandbox.study.run.controls import Command, Controls
-from sandbox.study.run.forms import Forms, Ready
+from sandbox.study.run.forms import Forms, Poll
 from sandbox.study.run.players import TICK, PlayedAttempt, TrialPlayer, TrialRequest
 from sandbox.study.tables.frames import complete_tables
 from sandbox.study.tables.tables import StudyTables, rebuild_session
@@ -34,23 +34,23 @@ from sandbox.trial.settings import RunSettings
 from tasks.user import UserConfiguration
 
 OpenDevices = Callable[[TrialStep, RunSettings], DeviceMakers]
-"""How the devices of a trial are opened, one for every hand."""
-Fit = Callable[[TrialStep, RunSettings, Ready], RunSettings]
-"""How a trial's settings are fitted to what the participant touches; may wait for it."""
-Calibrate = Callable[[Ready], dict[str, Any] | None]
-"""Measures the participant's hand over a Leap; None: it is taken for an average one."""
+"""Returns functions that open the devices of a trial, one for every hand."""
+FitSettings = Callable[[TrialStep, RunSettings, Poll], RunSettings]
+"""Adapts the settings of a trial to the participant's device; may wait for the device."""
+Calibrate = Callable[[Poll], dict[str, Any] | None]
+"""Measures the participant's hand over a Leap; None uses an average hand."""
 
 
 class SessionOutcome(StrEnum):
-    """How a run of a session ended."""
+    """Result of running a session."""
 
     COMPLETE = "complete"
     STOPPED = "stopped"
     NO_CONSENT = "no consent"
 
 
-class _StepLeft(Exception):  # noqa: N818 - it is no error, but the way out of a form
-    """The experimenter wants to leave a form."""
+class _StepLeft(Exception):  # noqa: N818 - not an error, but a signal that ends a form
+    """Raised inside a form when the experimenter skips or stops it."""
 
 
 @dataclass
@@ -58,16 +58,16 @@ class SessionRunner:
     """Runs a session.
 
     Attributes:
-        session: Opened.
-        player: Plays the trials.
+        session: The open session.
+        player: Runs the trials.
         open_devices: See `OpenDevices`.
-        forms: Asks the participant.
-        controls: Of the experimenter.
-        say: Tells the experimenter something.
+        forms: Shows texts and questions to the participant.
+        controls: Commands of the experimenter.
+        say: Prints a line for the experimenter.
         device: Name of the device, for recordings.
-        fit: See `Fit`.
+        fit: See `FitSettings`.
         calibrate: See `Calibrate`.
-        tables: Tables of the study, where they have been read before; None reads all journals.
+        tables: Tables of the study that have been read before; None reads all journals.
         second_device: Name of the second hand's device, for recordings of trials with two hands.
     """
 
@@ -78,47 +78,47 @@ class SessionRunner:
     controls: Controls
     say: Callable[[str], object]
     device: str = "simulated"
-    fit: Fit = lambda trial, settings, ready: settings
-    calibrate: Calibrate = lambda ready: None
+    fit: FitSettings = lambda trial, settings, poll: settings
+    calibrate: Calibrate = lambda poll: None
     tables: StudyTables | None = None
     second_device: str = "simulated"
 
     def __post_init__(self) -> None:
-        self._left = self._why = ""
+        self._leave_key = self._leave_reason = ""
         self._step: Step | None = None
         self._last: TrialStep | None = None
         self._study_tables = self.tables or StudyTables(self.session.study, self.say)
 
     def run(self) -> SessionOutcome:
-        """From the first unfinished step to the end, or until somebody stops it.
+        """Runs the session from the first unfinished step until its end, or until it is stopped.
 
         Raises:
-            StudyError: The journal or a recording cannot be written; what is written is safe.
+            StudyError: The journal or a recording cannot be written; earlier data are safe.
         """
-        self._tables()
-        disk_takes_more = True
+        self._update_tables()
+        disk_is_writable = True
         try:
-            return self._steps()
+            return self._run_steps()
         except StudyError:
-            # Tables are made again when the session is opened.
-            disk_takes_more = False
+            # The tables are built again when the session is opened.
+            disk_is_writable = False
             raise
         finally:
-            if disk_takes_more:
-                self._tables()
+            if disk_is_writable:
+                self._update_tables()
 
-    def _steps(self) -> SessionOutcome:
-        """Does what is left of the plan."""
+    def _run_steps(self) -> SessionOutcome:
+        """Runs the remaining steps of the plan."""
         session = self.session
         while (step := session.state.next_step(session.steps)) is not None:
-            self._step, self._left = step, ""
-            self._hear()
+            self._step, self._leave_key = step, ""
+            self._take_commands()
             self._wait_while_paused()
-            if self._left == "s":
-                session.write("skip", step=step.id, reason=self._why)
-            elif not self._left:
-                self._do(step)
-            if self._left == "q":
+            if self._leave_key == "s":
+                session.write("skip", step=step.id, reason=self._leave_reason)
+            elif not self._leave_key:
+                self._run_step(step)
+            if self._leave_key == "q":
                 return SessionOutcome.STOPPED
             if session.state.consent is False:
                 session.write("session_end", durable=True, complete=False, why="no consent")
@@ -127,16 +127,16 @@ class SessionRunner:
             session.write("session_end", durable=True, complete=True)
         return SessionOutcome.COMPLETE
 
-    def _do(self, step: Step) -> None:
+    def _run_step(self, step: Step) -> None:
         if isinstance(step, TrialStep):
-            self._trial(step)
+            self._run_trial(step)
             return
         language, session = self.session.person.language, self.session
         design = session.study.design
         try:
             match step:
                 case ConsentStep():
-                    agreed = self.forms.consent(design.consent[language], self._ready)
+                    agreed = self.forms.consent(design.consent[language], self._poll_form)
                     read = blake2b(design.consent[language].encode(), digest_size=16)
                     session.write(
                         "consent",
@@ -148,16 +148,16 @@ class SessionRunner:
                         text=read.hexdigest(),
                     )
                 case InstructionStep():
-                    self.forms.instruct(step.instruction.text[language], self._ready)
+                    self.forms.instruct(step.instruction.text[language], self._poll_form)
                     session.write("step_done", step=step.id)
                 case CalibrationStep():
-                    found = self.calibrate(self._ready)
+                    calibration = self.calibrate(self._poll_form)
                     session.write(
                         "calibration",
                         durable=True,
                         step=step.id,
                         hand=session.person.hand,
-                        calibration=found,
+                        calibration=calibration,
                     )
                 case FormStep():
                     began = time.monotonic()
@@ -169,7 +169,7 @@ class SessionRunner:
                         ),
                         step.id,
                     )
-                    answers = self.forms.ask(step.form, language, self._ready, draft)
+                    answers = self.forms.ask(step.form, language, self._poll_form, draft)
                     session.write(
                         "answers",
                         durable=True,
@@ -181,19 +181,19 @@ class SessionRunner:
                         seconds=round(time.monotonic() - began, 3),
                     )
                 case BreakStep():
-                    self.forms.rest(step.least, self._ready)
+                    self.forms.rest(step.least, self._poll_form)
                     session.write("step_done", step=step.id)
         except _StepLeft:
-            self.say("it is left")
+            self.say("left this step")
 
-    def _trial(self, trial: TrialStep) -> None:
+    def _run_trial(self, trial: TrialStep) -> None:
         session, person = self.session, self.session.person
         settings = run_settings(trial.values, trial.seed, person.hand, person.hand_size)
         settings = _calibrated(settings, person.hand, session.state.calibration)
         try:
-            settings = self.fit(trial, settings, self._ready)
+            settings = self.fit(trial, settings, self._poll_form)
         except _StepLeft:
-            self.say("it is left")
+            self.say("left this step")
             return
         done, of = session.state.done(session.steps)
         levels = ", ".join(trial.levels.values())
@@ -224,20 +224,20 @@ class SessionRunner:
                     record,
                     about,
                     session.study.design.time_limit,
-                    self._watch,
+                    self._poll_trial,
                     lambda: self.controls.paused,
                 )
             )
         except InputError as error:
-            self._broken(trial, str(error))
+            self._break_off(trial, str(error))
             raise
         except KeyboardInterrupt:
-            self._broken(trial, "interrupted")
+            self._break_off(trial, "interrupted")
             raise
         self._commit(trial, played)
 
     def _second(self, trial: TrialStep) -> dict[str, Any]:
-        """The second hand's device and simulated user, for the recording."""
+        """Device and simulated user of the second hand, for the recording."""
         user = self.session.person.user
         if user is not None:
             return {"device": PARTNER, "user": user}
@@ -249,12 +249,12 @@ class SessionRunner:
         session = self.session
         if played.broken:
             session.break_off(trial, played.broken)
-            if self._left == "s":
+            if self._leave_key == "s":
                 session.write("skip", step=trial.id, trial=trial.number, reason=played.broken)
             return
         session.finish(trial, played.result)
         self._last = trial
-        self.say(f"  {_told(played.result)}")
+        self.say(f"  {_trial_summary(played.result)}")
         file = session.state.attempts[trial.number][-1].start["file"]
         stem = file.removeprefix("trials/").removesuffix(".jsonl")
         try:
@@ -263,18 +263,18 @@ class SessionRunner:
             pack(session.path / file)
             rebuild_session(session, say=self.say)
         except StudyError as error:
-            # The trial is safe in journal and recording; tables are made again from them.
+            # Journal and recording contain the trial; the tables are built from them later.
             self.say(str(error))
 
-    def _broken(self, trial: TrialStep, why: str) -> None:
-        """Marks a broken attempt, if the disk still takes it; else the next opening does."""
+    def _break_off(self, trial: TrialStep, why: str) -> None:
+        """Records that an attempt was broken off; if that fails, the next opening does it."""
         try:
             self.session.break_off(trial, why)
         except StudyError as error:
             self.say(str(error))
 
-    def _tables(self) -> None:
-        """Makes the tables of the session and of the study; those of trials where they lack."""
+    def _update_tables(self) -> None:
+        """Builds the tables of the session and the study, and missing tables of trials."""
         session = self.session
         trackers = session.path / "trackers"
         try:
@@ -291,29 +291,29 @@ class SessionRunner:
         except InputError as error:
             self.say(f"tables are not up to date: {error}")
 
-    def _watch(self) -> str:
-        """For players: hears the experimenter, and says why a trial is left."""
-        self._hear()
-        return self._why if self._left else ""
+    def _poll_trial(self) -> str:
+        """Implements `Watch` for players."""
+        self._take_commands()
+        return self._leave_reason if self._leave_key else ""
 
-    def _ready(self) -> None:
-        """For forms."""
-        self._hear()
-        if self._left:
-            if self._left == "s" and self._step is not None:
-                self.session.write("skip", step=self._step.id, reason=self._why)
+    def _poll_form(self) -> None:
+        """Implements `Poll` for forms."""
+        self._take_commands()
+        if self._leave_key:
+            if self._leave_key == "s" and self._step is not None:
+                self.session.write("skip", step=self._step.id, reason=self._leave_reason)
             raise _StepLeft
 
     def _wait_while_paused(self) -> None:
-        while self.controls.paused and not self._left:
+        while self.controls.paused and not self._leave_key:
             time.sleep(TICK)
-            self._hear()
+            self._take_commands()
 
-    def _hear(self) -> None:
+    def _take_commands(self) -> None:
         for command in self.controls.take():
-            self._obey(command)
+            self._execute(command)
 
-    def _obey(self, command: Command) -> None:
+    def _execute(self, command: Command) -> None:
         session, words = self.session, command.words
         running = self._step if isinstance(self._step, TrialStep) else None
         began = running is not None and running.number in session.state.attempts
@@ -322,9 +322,9 @@ class SessionRunner:
             case "p":
                 self.controls.paused = not self.controls.paused
                 session.write("pause" if self.controls.paused else "go_on")
-                self.say("paused; p goes on" if self.controls.paused else "going on")
+                self.say("paused; p continues" if self.controls.paused else "continuing")
             case "i":
-                self.say(self._where())
+                self.say(self._progress_text())
             case "n":
                 session.write("note", text=words, trial=trial.number if trial else None)
                 self.say("noted")
@@ -336,7 +336,7 @@ class SessionRunner:
                 session.write("exclude", durable=True, trial=trial.number, reason=words)
                 self.say(f"trial {trial.number} is excluded; nothing is deleted")
             case "r" if began and running is not None and self._under_way(running):
-                self._left, self._why = "r", words or "repeated"
+                self._leave_key, self._leave_reason = "r", words or "repeated"
             case "r" if self._last is not None:
                 session.write(
                     "repeat",
@@ -345,22 +345,25 @@ class SessionRunner:
                     trial=self._last.number,
                     reason=words,
                 )
-                self._left, self._why = "r", words or "repeated"
+                self._leave_key, self._leave_reason = "r", words or "repeated"
                 self.say(f"trial {self._last.number} is repeated")
             case "s" | "q":
-                self._left, self._why = command.key, words or "the experimenter's wish"
+                self._leave_key, self._leave_reason = (
+                    command.key,
+                    words or "the experimenter's wish",
+                )
             case _:
-                self.say("there was no trial yet")
+                self.say("no trial has been run yet")
 
-    def _where(self) -> str:
-        """Where the session is."""
+    def _progress_text(self) -> str:
+        """Progress of the session."""
         done, of = self.session.state.done(self.session.steps)
         left = [s for s in self.session.steps if s.id not in self.session.state.finished]
         now = self._step.id if self._step else "the beginning"
         pause = ", paused" if self.controls.paused else ""
         return (
             f"{self.session.person.ppid}: {done} of {of} trials, at {now}{pause}; {len(left)} "
-            "steps left, this one included"
+            "steps left, including this one"
         )
 
     def _under_way(self, trial: TrialStep) -> bool:
@@ -371,7 +374,7 @@ class SessionRunner:
 def _calibrated(
     settings: RunSettings, side: str, calibration: dict[str, Any] | None
 ) -> RunSettings:
-    """The settings with what was measured of the participant's hand, where it is in the air."""
+    """Adds the calibration of the participant's hand to settings of a trial in the air."""
     if calibration is None:
         return settings
     hands = tuple(
@@ -383,8 +386,8 @@ def _calibrated(
     return replace(settings, hands=hands)
 
 
-def _told(result: TrialResult) -> str:
-    """The end of a trial, for the experimenter."""
+def _trial_summary(result: TrialResult) -> str:
+    """Result of a trial as a line for the experimenter."""
     away = (result.measures or {}).get("away_s")
-    gone = f"; the page was gone for {away:.1f} s" if away else ""
+    gone = f"; no connection to the page for {away:.1f} s" if away else ""
     return f"{result.status}, {result.time_s:.1f} s{gone}"

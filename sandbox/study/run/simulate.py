@@ -1,4 +1,4 @@
-"""Simulated participants of different skill and hand size, who go through a whole study."""
+"""Runs whole studies with simulated participants of different skill and hand size."""
 
 from __future__ import annotations
 
@@ -31,24 +31,24 @@ from tasks.task import Task
 from tasks.user import UserConfiguration
 
 HAND_SPREAD = 0.07
-"""Standard deviation of hand lengths over people against their mean: about that of adults of both
-sexes together."""
+"""Standard deviation of hand lengths over people, relative to the mean; about that of adults of
+both sexes together."""
 LEFT = 0.1
-"""Share of people whose left hand is the better one."""
+"""Share of left-handed people."""
 
 _STREAM = 7_106
 DAYS = 16
-"""Bits of a seed below those that tell sessions apart."""
+"""Number of low bits of a seed; the bits above them differ between sessions."""
 
 
 def simulated_person(design: Design, number: int) -> dict[str, Any]:
-    """What a simulated participant is like: hand, its size, and a configuration of the user.
+    """Draws a simulated participant: hand, its size, language, and configuration of the user.
 
-    Skill goes from 0 to 1; at 0.5 somebody is the simulated user that regression runs use.
+    Skill is from 0 to 1; a user of skill 0.5 is the simulated user of regression runs.
 
     Args:
-        design: Its seed decides.
-        number: Of the participant.
+        design: Design of the study, whose seed is used.
+        number: Number of the participant.
     """
     rng = np.random.default_rng([design.seed, number, _STREAM])
     skill = float(rng.beta(3.0, 3.0))
@@ -65,23 +65,22 @@ def simulated_person(design: Design, number: int) -> dict[str, Any]:
         end_noise=round(plain.end_noise * slow, 4),
         aim_error=round(plain.aim_error * slow**0.5, 5),
     )
-    told = {**asdict(user), "reaction": list(user.reaction), "skill": round(skill, 4)}
+    configuration = {**asdict(user), "reaction": list(user.reaction), "skill": round(skill, 4)}
     return {
         "hand": "left" if rng.uniform() < LEFT else "right",
         "hand_size": round(size, 4),
         "language": design.languages[number % len(design.languages)],
-        "user": told,
+        "user": configuration,
     }
 
 
 def simulated_devices(person: Participant) -> OpenDevices:
-    """Opens the devices of a simulated participant, whose hands are of equal skill."""
+    """Returns a function that opens the devices of a simulated participant."""
     values = {k: v for k, v in (person.user or {}).items() if k != "skill"}
     user = UserConfiguration(**{**values, "reaction": tuple(values["reaction"])})
 
     def of_trial(trial: TrialStep, settings: RunSettings) -> DeviceMakers:
-        # Another stream than the task's own: equal starts are met with other luck.
-        # A later session is another day.
+        # The seed differs from the task's own, between participants, and between sessions.
         seed = trial.seed ^ (person.number + 1) ^ ((trial.session - 1) << DAYS)
         makers = tuple(
             simulated_hand(user, settings, hand, seed) for hand in range(len(settings.hands))
@@ -95,13 +94,13 @@ def simulated_devices(person: Participant) -> OpenDevices:
 def simulated_hand(
     user: UserConfiguration, settings: RunSettings, hand: int, seed: int
 ) -> DeviceMaker:
-    """Opens the device of one simulated hand.
+    """Returns a function that opens the device of one simulated hand.
 
     Args:
-        user: Moves it.
-        settings: Of the trial.
+        user: Configuration of the simulated user.
+        settings: Settings of the trial.
         hand: Index of the hand.
-        seed: Of the user's chance, the same for all hands of a trial.
+        seed: Seed of the user, the same for all hands of a trial.
     """
     whose = settings.hands[hand]
 
@@ -133,7 +132,7 @@ def run_simulated(
     controls: Controls | None = None,
     tables: StudyTables | None = None,
 ) -> SessionOutcome:
-    """All of a participant's sessions, or what is left of them, up to one that is not finished."""
+    """Runs the remaining sessions of a participant, until one is not completed."""
     person = study.add(number, **simulated_person(study.design, number))
     outcome = SessionOutcome.COMPLETE
     for n in range(1, study.design.sessions + 1):
@@ -156,19 +155,19 @@ def run_simulated(
 def simulate(
     study: StudyFolder, participants: int, resume: bool, say: Callable[[str], object]
 ) -> dict[str, int]:
-    """Lets so many simulated participants go through a study, one after another.
+    """Runs a study with a number of simulated participants, one after another.
 
     Returns:
         See `StudyTables.update`.
 
     Raises:
-        StudyError: There are some already, and nobody said to go on with them.
+        StudyError: The study has participants already, and `resume` is False.
     """
     if study.participants() and not resume:
         raise StudyError(
-            "there are simulated participants already",
+            "the study already has simulated participants",
             where=str(study.path),
-            remedy="--resume goes on with them; or use another --out",
+            remedy="Continue with them by --resume, or choose another folder with --out",
         )
     tables = StudyTables(study, say)
     for number in range(participants):

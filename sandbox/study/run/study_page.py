@@ -1,4 +1,4 @@
-"""A participant's page: what lies on it now, who is there, and what they did with it."""
+"""The participant's page during a session: current sheet, connection and inputs."""
 
 from __future__ import annotations
 
@@ -22,44 +22,45 @@ from sandbox.study.run.page_texts import texts_in
 from sandbox.study.run.players import PlayedAttempt, TrialPlayer, TrialRequest
 
 SLACK = 0.02
-"""Share by which a screen may be smaller than the touch rectangle: bank cards are held by hand."""
+"""Share by which a screen may be smaller than the touch rectangle, since people measure it by hand
+with a bank card."""
 TICK = 0.02
-"""s between two looks at what the participant and the experimenter want."""
+"""s between two checks of inputs of the participant and the experimenter."""
 GONE = 3.0
-"""s without a word from the page, which beats twice a second, after which it is gone."""
+"""s without a message after which the page counts as gone; it sends two messages a second."""
 
 Given = str | float | None
 
 
 class StudyPage:
-    """One page for a whole session, and the same for forms and for trials.
+    """The page of a participant, which shows forms and trials during a whole session.
 
     Args:
-        server: Of the page, opened for a study.
-        language: The participant's.
-        say: Tells the experimenter something.
+        server: Server of the page.
+        language: Language of the participant.
+        say: Prints a line for the experimenter.
 
     Attributes:
-        server: As given.
-        words: In the participant's language.
-        device: Of the trial that runs; see `opened`.
-        wanted: Inches of the touch rectangle that trials want of the page's screen; None: any.
+        server: Server of the page.
+        texts: Texts of the page in the participant's language, by name.
+        device: Device of the running trial; None if it does not use the page.
+        needed_in: Size of the touch rectangle that trials need, inches; None for any size.
     """
 
     def __init__(
         self, server: PageServer, language: str, say: Callable[[str], object] = lambda text: None
     ) -> None:
         self.server, self.say = server, say
-        self.words = texts_in(language)
+        self.texts = texts_in(language)
         self.device: WebDevice | None = None
-        self.wanted: tuple[float, float] | None = None
+        self.needed_in: tuple[float, float] | None = None
         self._screen: Screen | None = None
-        self._sheet = Sheet(0, "wait", "", self.words["wait"], [], {}, 0.0)
+        self._sheet = Sheet(0, "wait", "", self.texts["wait"], [], {}, 0.0)
         self._gone = False
         self._came = False
         self.wait()
 
-    def lay(
+    def show_sheet(
         self,
         kind: str,
         title: str = "",
@@ -68,7 +69,7 @@ class StudyPage:
         answers: dict[str, Given] | None = None,
         seconds: float = 0.0,
     ) -> None:
-        """Puts a sheet before the participant, in place of what was there."""
+        """Shows a sheet to the participant, which replaces the previous one."""
         self._sheet = Sheet(
             self._sheet.sheet + 1,
             kind,  # type: ignore[arg-type]
@@ -81,15 +82,17 @@ class StudyPage:
         self.server.lay(self._sheet)
 
     def wait(self, word: str = "wait") -> None:
-        """Nothing to do for the moment."""
-        self.lay("wait", text=self.words[word])
+        """Shows a text while the participant has to wait."""
+        self.show_sheet("wait", text=self.texts[word])
 
-    def reveal(self) -> None:
-        """The scene is seen."""
-        self.lay("none")
+    def hide_sheet(self) -> None:
+        """Hides the sheet, so that the scene is visible."""
+        self.show_sheet("none")
 
-    def keep(self, answers: dict[str, Given] | None = None, seconds: float | None = None) -> None:
-        """What a page that comes back is to show of the sheet; the present one knows it."""
+    def update_sheet(
+        self, answers: dict[str, Given] | None = None, seconds: float | None = None
+    ) -> None:
+        """Updates the sheet for a page that reconnects; the open page already shows it."""
         values: dict[str, object] = {}
         if answers is not None:
             values["answers"] = dict(answers)
@@ -98,30 +101,30 @@ class StudyPage:
         self._sheet = msgspec.structs.replace(self._sheet, **values)
         self.server.lay(self._sheet, tell=False)
 
-    def refuse(self, item: str, text: str) -> None:
-        """Says why an answer is none."""
+    def reject_answer(self, item: str, text: str) -> None:
+        """Shows why an answer is not accepted."""
         self.server.refuse(Refusal(self._sheet.sheet, item, text))
 
-    def done(self) -> list[Answer | Leave]:
-        """What the participant did with the sheet since the last call; not checked.
+    def take_inputs(self) -> list[Answer | Leave]:
+        """Returns the participant's unchecked inputs on this sheet since the last call.
 
-        What was meant for an earlier sheet is passed over.
+        Inputs on an earlier sheet are ignored.
         """
-        self.look()
+        self.check_connection()
         return [up for up in self.server.filled() if up.sheet == self._sheet.sheet]
 
-    def opened(self, device: WebDevice) -> WebDevice:
-        """Remembers the device of a trial."""
+    def use_device(self, device: WebDevice) -> WebDevice:
+        """Sets the device of the running trial, and returns it."""
         self.device = device
         return device
 
     @property
     def gone(self) -> bool:
-        """Whether nothing has been heard of the page for so long that nobody can be there."""
+        """True if the page has sent no message for `GONE` seconds."""
         return self._gone
 
-    def look(self) -> None:
-        """Sees whether the page is there, and tells the experimenter when that changes."""
+    def check_connection(self) -> None:
+        """Checks the connection to the page, and tells the experimenter about changes."""
         silent = self.server.silence
         if (silent > GONE) != self._gone:
             self._gone = silent > GONE
@@ -135,25 +138,25 @@ class StudyPage:
         self._look_at_screen()
 
     def _look_at_screen(self) -> None:
-        """Tells early that trials will be refused, while nobody has done any."""
-        screen, wanted = self.server.screen, self.wanted
+        """Warns before the first trial if the screen is too small for the trials."""
+        screen, wanted = self.server.screen, self.needed_in
         if wanted is None or screen is None or screen == self._screen:
             return
         self._screen = screen
-        if lacks_room(screen, wanted):
-            known = "" if screen.calibrated else ", by a guess, for it was not measured"
+        if is_too_small(screen, wanted):
+            known = "" if screen.calibrated else " (a guess, since it was not measured)"
             self.say(
                 f"this screen is too small for the trials: it has {inches(screen)}{known}, and the "
                 f"design's touch rectangle {wanted[0]:g} x {wanted[1]:g} in. "
-                "Turn it, or take a larger one"
+                "Rotate it, or use a larger one"
             )
 
-    def await_somebody(self, ready: Callable[[], None]) -> None:
-        """Waits until the page is open; `ready` is called meanwhile, and may raise."""
+    def wait_until_open(self, poll: Callable[[], None]) -> None:
+        """Waits until the page is open; `poll` is called meanwhile, and may raise an exception."""
         told = False
         while True:
-            ready()
-            self.look()
+            poll()
+            self.check_connection()
             if not self._gone:
                 return
             if not told:
@@ -162,24 +165,24 @@ class StudyPage:
             time.sleep(TICK)
 
 
-def lacks_room(screen: Screen, wanted: tuple[float, float]) -> bool:
-    """Whether a touch rectangle of so many inches does not go onto a screen."""
+def is_too_small(screen: Screen, wanted: tuple[float, float]) -> bool:
+    """Returns True if a screen is too small for a touch rectangle, inches."""
     room = screen.width_px / screen.px_per_in, screen.height_px / screen.px_per_in
     return any(r < w * (1.0 - SLACK) for r, w in zip(room, wanted, strict=True))
 
 
 def inches(screen: Screen) -> str:
-    """How large a screen is, for a person."""
+    """Size of a screen as text."""
     width, height = screen.width_px / screen.px_per_in, screen.height_px / screen.px_per_in
     return f"{width:.2f} x {height:.2f} in"
 
 
 class OffPagePlayer:
-    """A player whose trials are elsewhere: the page says so meanwhile.
+    """Runs trials outside of the page, which shows a note meanwhile.
 
     Args:
-        player: In a window, or seen by another program.
-        page: The participant's, for forms.
+        player: Player in a window or in another program.
+        page: The participant's page, which is used for forms.
     """
 
     def __init__(self, player: TrialPlayer, page: StudyPage) -> None:
@@ -199,5 +202,5 @@ class OffPagePlayer:
 
 
 def study_view(language: str, shows: Sequence[str]) -> StudyView:
-    """What a page has to know that it is a study's."""
+    """Message that sets up a page for a study."""
     return StudyView(language, texts_in(language), list(shows))

@@ -22,7 +22,7 @@ from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.run.controls import Controls
 from sandbox.study.run.page_forms import PageForms
 from sandbox.study.run.page_player import PagePlayer
-from sandbox.study.run.run_device import fitting, person_devices
+from sandbox.study.run.run_device import person_devices, settings_fitter
 from sandbox.study.run.runner import SessionOutcome, SessionRunner
 from sandbox.study.run.study_page import StudyPage, study_view
 from sandbox.trial.driver import View
@@ -175,9 +175,9 @@ class OnPage:
                     self.controls,
                     self.said.append,
                     "web",
-                    fitting("web", self.page),
+                    settings_fitter("web", self.page),
                 ).run()
-            self.page.lay("end", text=self.page.words["end"])
+            self.page.show_sheet("end", text=self.page.texts["end"])
         except BaseException as error:
             self.failure = error
 

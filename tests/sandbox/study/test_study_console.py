@@ -175,7 +175,7 @@ def test_a_session_in_the_terminal_asks_plays_and_hears_the_experimenter(
     monkeypatch.setattr("sys.stdin", Patient("maybe\n/n hello\nyes\n17\n33\n25\n101\n95\n"))
     assert main([*command, "--participant", "new"]) == 0
     told = capsys.readouterr().out
-    assert "Do you agree?" in told and "no such number" in told and "complete" in told
+    assert "Do you agree?" in told and "the number is not allowed" in told and "complete" in told
     folder = tmp_path / "quick-pilot"
     assert [r["answer"] for r in rows_of(folder / "questionnaires.csv")] == ["33", "25", "95"]
     assert {r["mode"] for r in rows_of(folder / "trial_results.csv")} == {"pilot"}
@@ -211,7 +211,7 @@ def test_check_plan_new_and_simulate_say_what_they_should(
 @given(st.text(max_size=12))
 def test_whatever_is_typed_is_a_command_or_is_answered(line: str) -> None:
     found = parse_command(line)
-    assert isinstance(found, Command) or "keys" in found or "needs words" in found
+    assert isinstance(found, Command) or "keys" in found or "needs a text" in found
 
 
 @given(value=st.integers(-50, 150))

@@ -20,7 +20,7 @@ from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.run.controls import Controls
 from sandbox.study.run.forms import SimulatedForms
 from sandbox.study.run.players import HeadlessPlayer
-from sandbox.study.run.run_device import fitting, person_devices
+from sandbox.study.run.run_device import person_devices, settings_fitter
 from sandbox.study.run.runner import SessionOutcome, SessionRunner
 from sandbox.trial.replay import replay
 from tests.support.study_files import DESIGN, design
@@ -76,7 +76,7 @@ def test_touches_over_tuio_are_played_and_inches_are_a_guess_unless_the_design_t
             Controls(),
             lambda text: None,
             "tuio",
-            fitting("tuio"),
+            settings_fitter("tuio"),
         )
         assert runner.run() is SessionOutcome.COMPLETE
     folder = session_path(study.path, person.ppid)

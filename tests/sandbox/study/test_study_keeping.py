@@ -283,7 +283,7 @@ def test_other_studies_and_other_kinds_of_data_are_not_merged(
     pilot = StudyFolder(tmp_path / "b", design(), PILOT)
     with pytest.raises(StudyError, match="different kinds of data"):
         merge(study, StudyFolder.at(pilot.path), tmp_path / "c")
-    with pytest.raises(StudyError, match="same one"):
+    with pytest.raises(StudyError, match="same folder"):
         merge(study, StudyFolder.at(study.path), tmp_path / "c")
     path = study.path / "study.json"
     other = site(tmp_path / "d", [])

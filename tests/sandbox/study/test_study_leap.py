@@ -22,9 +22,9 @@ from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.run.controls import Controls
 from sandbox.study.run.forms import SimulatedForms
 from sandbox.study.run.hand_calibration import WORDS, hand_measurer
-from sandbox.study.run.page_texts import WORDS as PAGE_WORDS
+from sandbox.study.run.page_texts import TEXTS
 from sandbox.study.run.players import HeadlessPlayer
-from sandbox.study.run.run_device import fitting, person_devices
+from sandbox.study.run.run_device import person_devices, settings_fitter
 from sandbox.study.run.runner import SessionOutcome, SessionRunner
 from sandbox.study.share.privacy import Masking, anonymise
 from sandbox.trial.replay import replay
@@ -57,7 +57,7 @@ def test_whoever_has_trials_over_a_leap_is_measured_before_them_and_nobody_else(
 
 
 def test_participants_are_told_how_to_hold_their_hand_in_every_language_of_the_page() -> None:
-    assert set(WORDS) == set(PAGE_WORDS)
+    assert set(WORDS) == set(TEXTS)
 
 
 @pytest.fixture(scope="module")
@@ -77,7 +77,7 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
                 Controls(),
                 lambda text: None,
                 "leap",
-                fitting("mouse"),
+                settings_fitter("mouse"),
                 hand_measurer(forms, person, server.address, lambda text: None, WANTED),
             )
             assert runner.run() is SessionOutcome.COMPLETE

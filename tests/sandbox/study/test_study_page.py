@@ -24,7 +24,7 @@ from sandbox.study.record.state import SessionState
 from sandbox.study.run.answers import check_answer
 from sandbox.study.run.controls import Controls
 from sandbox.study.run.page_forms import PageForms
-from sandbox.study.run.page_texts import NAMES, WORDS, texts_in
+from sandbox.study.run.page_texts import NAMES, TEXTS, texts_in
 from sandbox.study.run.players import HeadlessPlayer
 from sandbox.study.run.runner import SessionOutcome, SessionRunner
 from sandbox.study.run.simulate import simulated_devices, simulated_person
@@ -321,7 +321,7 @@ def test_a_screen_without_room_for_the_designs_rectangle_is_refused(
     study: StudyFolder, person: Participant
 ) -> None:
     with on_page(study, person) as running:
-        running.page.wanted = 9.0, 6.0  # as in the design
+        running.page.needed_in = 9.0, 6.0  # as in the design
         small = {**SCREEN, "width_px": 800.0}
         with Page(running.server.url, screen=small) as page:
             running.heard("too small for the trials: it has 8.00 x 7.00 in, and")
@@ -335,11 +335,11 @@ def test_a_screen_without_room_for_the_designs_rectangle_is_refused(
 
 
 def test_all_languages_have_all_words() -> None:
-    for words in WORDS.values():
+    for words in TEXTS.values():
         assert all(words.values())
         assert "{low}" in words["number"] and "{high}" in words["number"]
-    assert texts_in("de-AT") is WORDS["de"]
-    assert texts_in("xx") is WORDS["en"]
+    assert texts_in("de-AT") is TEXTS["de"]
+    assert texts_in("xx") is TEXTS["en"]
 
 
 ANYTHING = st.one_of(st.none(), st.booleans(), st.floats(), st.integers(), st.text(max_size=30))

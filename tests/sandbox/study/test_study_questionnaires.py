@@ -140,7 +140,7 @@ def test_every_text_of_the_package_is_there_in_english_and_in_german(use: str) -
     for item in form.items:
         for text in (item.ask, *(item.ends or ()), *item.means):
             assert text["en"] and text["de"]
-    with pytest.raises(DesignError, match="no text in ko"):
+    with pytest.raises(DesignError, match="missing in ko"):
         form_of(use, '["en", "de", "ko"]')
 
 

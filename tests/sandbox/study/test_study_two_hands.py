@@ -25,7 +25,7 @@ from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.run.controls import Controls
 from sandbox.study.run.forms import SimulatedForms
 from sandbox.study.run.players import HeadlessPlayer
-from sandbox.study.run.run_device import fitting, needs_second_device, person_devices
+from sandbox.study.run.run_device import needs_second_device, person_devices, settings_fitter
 from sandbox.study.run.runner import SessionOutcome, SessionRunner
 from sandbox.study.run.simulate import run_simulated
 from sandbox.study.share.bids import motion, touch_events
@@ -127,7 +127,7 @@ def test_a_pilot_is_run_with_a_device_for_each_hand(tmp_path: Path) -> None:
             Controls(),
             lambda text: None,
             "mouse",
-            fitting("mouse", second="simulated"),
+            settings_fitter("mouse", second="simulated"),
             second_device="simulated",
         ).run()
     assert outcome is SessionOutcome.COMPLETE
