@@ -27,7 +27,6 @@ from sandbox.study.report.models.censored import (
     Censored,
     censored_differences,
     fit_censored,
-    rows_of,
 )
 from sandbox.study.report.models.comparisons import Difference
 from sandbox.study.report.models.data import load_study
@@ -93,7 +92,7 @@ def _told(folder: Path, ratio: float, gain: float, mixed: bool) -> dict[str, Tol
     told[SHARES] = Told(s.estimate.low <= gain <= s.estimate.high, s.p < 0.05)
     if not mixed:
         return told
-    rows = rows_of(data)
+    rows = data.used[~data.used["censored"] & (data.used["time_s"] > 0.0)]
     fit = fit_mixed(data, rows, np.log(rows["time_s"].to_numpy()))
     assert isinstance(fit, Mixed), fit
     d = _pair(mixed_differences(data, rows, fit))

@@ -1,9 +1,9 @@
-"""The report on a study: what was found, from its tables alone; nothing in here takes part in one.
+"""The report on a study, made from its tables only.
 
-data      the tables, and what follows from their columns
-intervals, comparisons        numbers with their uncertainty
-mixed, censored, success      the models
-order, answers                checks of order and learning; questionnaires
-plots, page, script, make     what comes out: pictures, one HTML, an R script, CSVs
-planted   studies whose truth is known, to check all of the above
+models/data                       reads the tables
+models/intervals, comparisons     numbers with their uncertainty
+models/mixed, censored, success   statistical models
+models/order, answers             effects of order and learning; questionnaires
+page, out_tables, script          output: an HTML page with plots, CSV files, an R script
+make                              creates all files of the report
 """

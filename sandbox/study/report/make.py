@@ -1,4 +1,4 @@
-"""Makes the report of a study's folder: `report.html`, the CSVs and the R script beside it."""
+"""Creates the report of a study: `report.html`, the CSV files and the R script."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ def make_report(
     Args:
         folder: Folder of the study, or of a copy of its tables.
         out: Folder of the report, created if needed.
-        measures: Measures to be compared besides time and success.
+        measures: Names of measures to compare besides time and success.
         say: Callback for progress messages.
 
     Returns:
-        The page's path.
+        Path of the page.
 
     Raises:
-        StudyError: There are no tables, one is damaged, a measure is unknown, a library is missing,
-            or it cannot be written.
+        StudyError: A table is missing or damaged, a measure is unknown, a library is missing, or a
+            file cannot be written.
     """
     check_libraries()
     from sandbox.study.report.models.analysis import analyse
@@ -45,7 +45,7 @@ def make_report(
     say(f"models of {len(data.used)} trials of {len(data.ppids)} participants")
     analysis = analyse(data, measures)
     make_folder(out)
-    say("pictures and tables")
+    say("plots and tables")
     for name, content in tables(analysis).items():
         write_atomically(out / name, content, durable=False)
     write_atomically(out / SCRIPT, script(analysis).encode(), durable=False)
@@ -54,10 +54,10 @@ def make_report(
 
 
 def check_libraries() -> None:
-    """Says what is missing.
+    """Checks that the libraries of the report are installed.
 
     Raises:
-        StudyError: With the extra that brings it.
+        StudyError: A library is missing; the error names the extra to install.
     """
     from importlib.util import find_spec
 

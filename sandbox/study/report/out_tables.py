@@ -1,4 +1,4 @@
-"""The CSVs beside the page: all numbers that it shows, and the trials that they are from."""
+"""CSV files of the report: all numbers of the page, and the trials that they come from."""
 
 from __future__ import annotations
 
@@ -30,139 +30,153 @@ INTERVAL: tuple[Column, ...] = (
 FILES: dict[str, tuple[Column, ...]] = {
     "means.csv": (
         ("measure", "", "as in trial_results.csv"),
-        ("unit", "", "of mean and limits"),
-        ("by", "", "condition, or the factor whose levels these are"),
-        ("name", "", "of the condition or level"),
-        ("people", "", "participants it is from"),
-        ("trials", "", "trials it is from"),
-        ("mean", "see unit", "over people, each counting once; geometric for logarithmic measures"),
+        ("unit", "", "unit of the mean and of the intervals"),
+        ("by", "", "condition, or the name of a factor"),
+        ("name", "", "name of the condition, or of the level of the factor"),
+        ("people", "", "number of participants"),
+        ("trials", "", "number of trials"),
+        (
+            "mean",
+            "see unit",
+            "mean over people with equal weights; geometric for logarithmic measures",
+        ),
         *INTERVAL,
         (
             "within_low",
             "see unit",
-            "lower end of the interval for comparing, without differences between people",
+            "lower end of the 95 % interval for comparisons, without differences between people",
         ),
-        ("within_high", "see unit", "upper end of the same"),
+        ("within_high", "see unit", "upper end of this interval"),
     ),
     "comparisons.csv": (
         ("measure", "", "as in trial_results.csv"),
         ("model", "", f"{MIXED}; {CENSORED}; {SHARES}; {GEE}"),
-        ("factor", "", "whose levels are compared"),
-        ("first", "", "level against which the second is compared"),
-        ("second", "", "level"),
-        ("kind", "", "ratio, difference or odds ratio: of the second to the first"),
-        ("estimate", "see kind", "averaged over the levels of the other factors"),
+        ("factor", "", "factor whose levels are compared"),
+        ("first", "", "first level, the reference"),
+        ("second", "", "second level"),
+        ("kind", "", "ratio, difference or odds ratio, of the second level to the first"),
+        ("estimate", "see kind", "estimate, averaged over the levels of the other factors"),
         *INTERVAL,
-        ("error", "", "standard error; of ratios, of their logarithm"),
+        ("error", "", "standard error; for ratios, that of their logarithm"),
         ("freedom", "", "degrees of freedom"),
-        ("p", "", "for this pair alone"),
-        ("p_holm", "", "adjusted for all pairs of this factor"),
+        ("p", "", "p value of this pair alone"),
+        ("p_holm", "", "p value adjusted for all pairs of this factor (Holm)"),
     ),
     "models.csv": (
         ("measure", "", "as in trial_results.csv"),
         ("model", "", f"{MIXED}; {CENSORED}"),
         ("term", "", "mean of a condition, change with log2 of the trial, or standard deviation"),
-        ("estimate", "", "on the scale of the model: of logarithms, where the measure is one"),
+        (
+            "estimate",
+            "",
+            "estimate on the scale of the model, which is logarithmic for logarithmic measures",
+        ),
         ("error", "", "standard error"),
     ),
     "contrasts.csv": (
-        ("factor", "", "whose levels are compared"),
-        ("first", "", "level"),
-        ("second", "", "level"),
+        ("factor", "", "factor whose levels are compared"),
+        ("first", "", "first level, the reference"),
+        ("second", "", "second level"),
         ("condition", "", "as in trials.csv"),
-        ("weight", "", "of the condition's mean in the difference second - first"),
+        ("weight", "", "weight of the condition's mean in the difference second - first"),
     ),
     "people.csv": (
         ("ppid", "", "pseudonym"),
         ("measure", "", "as in trial_results.csv"),
         ("condition", "", "as in trials.csv"),
-        ("mean", "", "of this person's trials; geometric for logarithmic measures"),
+        ("mean", "", "mean over this person's trials; geometric for logarithmic measures"),
     ),
     "order.csv": (
-        ("factor", "", "that has the level"),
-        ("level", "", ""),
-        ("place", "", "1, 2, ...: place of the level in the order"),
-        ("times", "", "how often it was there"),
-        ("mean", "s", "completion time, other conditions' differences taken out"),
+        ("factor", "", "factor of the level"),
+        ("level", "", "level"),
+        ("place", "", "1, 2, ...: position of the level in the order"),
+        ("times", "", "number of times that the level was at this position"),
+        ("mean", "s", "completion time, without the differences between the other conditions"),
         *INTERVAL,
     ),
     "learning.csv": (
-        ("level", "", "of the first factor"),
-        ("first", "", "number of the trial with this level"),
-        ("last", "", "the same, where several are put together"),
-        ("people", "", "participants it is from"),
-        ("mean", "s", "completion time, other conditions' differences taken out"),
+        ("level", "", "level of the first factor"),
+        ("first", "", "first trial of the point, counted over the trials with this level"),
+        ("last", "", "last trial of the point, where several trials are averaged"),
+        ("people", "", "number of participants"),
+        ("mean", "s", "completion time, without the differences between the other conditions"),
         *INTERVAL,
     ),
     "scores.csv": (
-        ("questionnaire", "", "its name"),
-        ("scale", "", "its scale, or the single question"),
-        ("level", "", "that it was asked about"),
-        ("people", "", "who answered"),
-        ("mean", "", "over people"),
+        ("questionnaire", "", "name of the questionnaire"),
+        ("scale", "", "scale of the questionnaire, or a single question"),
+        ("level", "", "level that the questions were about"),
+        ("people", "", "number of participants who answered"),
+        ("mean", "", "mean over people"),
         *INTERVAL,
     ),
     "score_comparisons.csv": (
-        ("questionnaire", "", "its name"),
-        ("scale", "", "its scale, or the single question"),
-        ("first", "", "level"),
-        ("second", "", "level"),
+        ("questionnaire", "", "name of the questionnaire"),
+        ("scale", "", "scale of the questionnaire, or a single question"),
+        ("first", "", "first level, the reference"),
+        ("second", "", "second level"),
         ("estimate", "", "difference of the means, second - first"),
         *INTERVAL,
-        ("p", "", "of the t test for this pair alone"),
-        ("p_holm", "", "adjusted for all pairs of this scale"),
+        ("p", "", "p value of the t test for this pair alone"),
+        ("p_holm", "", "p value adjusted for all pairs of this scale (Holm)"),
     ),
     "exclusions.csv": (
-        ("step", "", "from everything to what is used"),
-        ("participants", "", "left, or taken away with their last trial"),
-        ("trials", "", "left, or taken away"),
-        ("remains", "0/1", "1: so many are left; 0: so many are taken away"),
+        ("step", "", "step from all data to the data used"),
+        (
+            "participants",
+            "",
+            "number of participants who remain, or who are removed with their last trial",
+        ),
+        ("trials", "", "number of trials that remain, or that are removed"),
+        ("remains", "0/1", "1: the numbers remain; 0: the numbers are removed"),
     ),
     "endings.csv": (
         ("condition", "", "as in trials.csv"),
-        ("ending", "", "success, or the status without one"),
-        ("trials", "", "how many"),
+        ("ending", "", "success, or the status at the end of the trial"),
+        ("trials", "", "number of trials"),
     ),
 }
-"""Every file's columns; the codebook is made of this."""
+"""Columns of every file; the codebook is made from it."""
 TRIALS: tuple[Column, ...] = (
     ("condition", "", "levels of all factors"),
-    ("position", "", "1, 2, ... of the participant's trials, practice not counted"),
-    ("log2_position", "", "its logarithm to base 2, less the mean over all rows"),
-    ("censored", "0/1", "1: no success; the time it would have taken is longer than time_s"),
+    ("position", "", "number of the trial of this participant, from 1, without practice"),
+    ("log2_position", "", "logarithm of position to base 2, minus its mean over all rows"),
+    ("censored", "0/1", "1: no success, so that the completion time is longer than time_s"),
 )
 
 
-def tables(found: Analysis) -> dict[str, bytes]:
-    """All files by name."""
+def tables(analysis: Analysis) -> dict[str, bytes]:
+    """Contents of all files by name."""
     rows = {
-        "means.csv": _means(found),
-        "comparisons.csv": _comparisons(found),
-        "models.csv": _models(found),
-        "contrasts.csv": _contrasts(found),
-        "people.csv": _people(found),
-        "order.csv": [{**vars(p), **_interval(p.mean)} for ps in found.places.values() for p in ps],
-        "learning.csv": [{**vars(p), **_interval(p.mean)} for p in found.learning],
-        "scores.csv": _scores(found),
-        "score_comparisons.csv": _score_comparisons(found),
-        "exclusions.csv": [{**vars(s), "step": s.what} for s in flow(found.data)],
+        "means.csv": _means(analysis),
+        "comparisons.csv": _comparisons(analysis),
+        "models.csv": _models(analysis),
+        "contrasts.csv": _contrasts(analysis),
+        "people.csv": _people(analysis),
+        "order.csv": [
+            {**vars(p), **_interval(p.mean)} for ps in analysis.places.values() for p in ps
+        ],
+        "learning.csv": [{**vars(p), **_interval(p.mean)} for p in analysis.learning],
+        "scores.csv": _scores(analysis),
+        "score_comparisons.csv": _score_comparisons(analysis),
+        "exclusions.csv": [{**vars(s), "step": s.what} for s in flow(analysis.data)],
         "endings.csv": [
             {"condition": c, "ending": e, "trials": n}
-            for c, kinds in endings(found.data).items()
+            for c, kinds in endings(analysis.data).items()
             for e, n in kinds.items()
         ],
     }
     files = {
         name: csv_bytes(rows[name], [c for c, _, _ in columns]) for name, columns in FILES.items()
     }
-    names, trials = _trials(found)
+    names, trials = _trials(analysis)
     files["trials.csv"] = csv_bytes(trials, names)
-    files["codebook.csv"] = _codebook(found, names)
+    files["codebook.csv"] = _codebook(analysis, names)
     return files
 
 
 def csv_bytes(rows: Sequence[Row], columns: Sequence[str]) -> bytes:
-    """A table with ten digits of every number, as R, pandas and spreadsheets read it."""
+    """A table as CSV, with ten digits of every number."""
     import pandas as pd
 
     cells = [
@@ -179,20 +193,20 @@ def _interval(e: Any) -> Row:
 
 
 def _known(value: float) -> float | None:
-    """Nothing instead of nan or infinity, which are words to a spreadsheet."""
+    """A finite number; None for nan and infinity, which spreadsheets read as text."""
     return float(value) if np.isfinite(value) else None
 
 
-def _described(found: Analysis) -> Iterable[MeasureSummary]:
-    yield from (m.described for m in _modelled(found))
-    yield from found.rest
+def _described(analysis: Analysis) -> Iterable[MeasureSummary]:
+    yield from (m.described for m in _modelled(analysis))
+    yield from analysis.rest
 
 
-def _modelled(found: Analysis) -> Iterable[MeasureModel]:
-    yield from (m for m in (found.time, found.success, *found.asked) if m is not None)
+def _modelled(analysis: Analysis) -> Iterable[MeasureModel]:
+    yield from (m for m in (analysis.time, analysis.success, *analysis.asked) if m is not None)
 
 
-def _means(found: Analysis) -> list[Row]:
+def _means(analysis: Analysis) -> list[Row]:
     return [
         {
             "measure": one.what.name,
@@ -205,22 +219,22 @@ def _means(found: Analysis) -> list[Row]:
             "within_low": _known(s.within.low),
             "within_high": _known(s.within.high),
         }
-        for one in _described(found)
+        for one in _described(analysis)
         for by, some in (("condition", one.conditions), *one.levels.items())
         for s in some
     ]
 
 
-def _comparisons(found: Analysis) -> list[Row]:
+def _comparisons(analysis: Analysis) -> list[Row]:
     rows: list[Row] = []
-    for one in _modelled(found):
+    for one in _modelled(analysis):
         what = one.described.what
         kind = "ratio" if what.scale == LOG else "difference"
         rows += _differences(what.name, MIXED, kind, one.differences)
         rows += _shares(what.name, one.shares)
-    rows += _differences("time_s", CENSORED, "ratio", found.unseen)
-    if not isinstance(found.odds, str):
-        rows += _differences("success", GEE, "odds ratio", found.odds)
+    rows += _differences("time_s", CENSORED, "ratio", analysis.unseen)
+    if not isinstance(analysis.odds, str):
+        rows += _differences("success", GEE, "odds ratio", analysis.odds)
     return rows
 
 
@@ -265,9 +279,9 @@ def _shares(measure: str, some: Sequence[ShareDifference]) -> list[Row]:
     ]
 
 
-def _models(found: Analysis) -> list[Row]:
+def _models(analysis: Analysis) -> list[Row]:
     rows: list[Row] = []
-    for one in _modelled(found):
+    for one in _modelled(analysis):
         if isinstance(one.model, Mixed):
             about = {"measure": one.described.what.name, "model": MIXED}
             errors = np.sqrt(np.diag(one.model.covariance))
@@ -278,24 +292,24 @@ def _models(found: Analysis) -> list[Row]:
             rows += [
                 {**about, "term": f"sd {k}", "estimate": v} for k, v in one.model.spreads.items()
             ]
-    if isinstance(found.censored, Censored):
+    if isinstance(analysis.censored, Censored):
         about = {"measure": "time_s", "model": CENSORED}
-        for i, name in enumerate(found.censored.names):
-            unit = np.eye(len(found.censored.names))[i]
+        for i, name in enumerate(analysis.censored.names):
+            unit = np.eye(len(analysis.censored.names))[i]
             rows.append(
                 {
                     **about,
                     "term": name,
-                    "estimate": float(found.censored.coefficients[i]),
-                    "error": _known(found.censored.error(unit)),
+                    "estimate": float(analysis.censored.coefficients[i]),
+                    "error": _known(analysis.censored.error(unit)),
                 }
             )
-        rows.append({**about, "term": "sd total", "estimate": found.censored.sigma})
+        rows.append({**about, "term": "sd total", "estimate": analysis.censored.sigma})
     return rows
 
 
-def _contrasts(found: Analysis) -> list[Row]:
-    data = found.data
+def _contrasts(analysis: Analysis) -> list[Row]:
+    data = analysis.data
     return [
         {
             "factor": pair.factor.name,
@@ -310,18 +324,18 @@ def _contrasts(found: Analysis) -> list[Row]:
     ]
 
 
-def _people(found: Analysis) -> list[Row]:
-    data = found.data
+def _people(analysis: Analysis) -> list[Row]:
+    data = analysis.data
     return [
         {"ppid": ppid, "measure": one.what.name, "condition": name, "mean": one.what.back(value)}
-        for one in _described(found)
+        for one in _described(analysis)
         for ppid, own in zip(data.ppids, person_means(data, one.what), strict=True)
         for name, value in zip(data.conditions, own, strict=True)
         if np.isfinite(value)
     ]
 
 
-def _scores(found: Analysis) -> list[Row]:
+def _scores(analysis: Analysis) -> list[Row]:
     return [
         {
             "questionnaire": s.questionnaire,
@@ -330,12 +344,12 @@ def _scores(found: Analysis) -> list[Row]:
             "people": int(np.isfinite(s.values[:, j]).sum()),
             **_interval(s.means[j]),
         }
-        for s in found.scales
+        for s in analysis.scales
         for j, level in enumerate(s.levels)
     ]
 
 
-def _score_comparisons(found: Analysis) -> list[Row]:
+def _score_comparisons(analysis: Analysis) -> list[Row]:
     return [
         {
             "questionnaire": s.questionnaire,
@@ -348,16 +362,16 @@ def _score_comparisons(found: Analysis) -> list[Row]:
             "p": _known(d.p),
             "p_holm": _known(p),
         }
-        for s in found.scales
+        for s in analysis.scales
         for d, p in zip(s.differences, adjusted_scales(s), strict=True)
     ]
 
 
-def _trials(found: Analysis) -> tuple[list[str], list[Row]]:
-    data = found.data
+def _trials(analysis: Analysis) -> tuple[list[str], list[Row]]:
+    data = analysis.data
     factors = [f.column for f in data.factors]
     first = [n for n in ("ppid", "session_num", "trial_num") if n in data.used.columns]
-    measures = [d.what.name for d in _described(found)]
+    measures = [d.what.name for d in _described(analysis)]
     names = list(
         dict.fromkeys(
             [
@@ -388,7 +402,7 @@ def _trials(found: Analysis) -> tuple[list[str], list[Row]]:
     return names, rows
 
 
-def _codebook(found: Analysis, trials: Sequence[str]) -> bytes:
+def _codebook(analysis: Analysis, trials: Sequence[str]) -> bytes:
     ours = {n: (u, m) for n, u, m in TRIALS}
     rows: list[Row] = [
         {
@@ -397,7 +411,7 @@ def _codebook(found: Analysis, trials: Sequence[str]) -> bytes:
             **dict(
                 zip(
                     ("unit", "meaning"),
-                    ours.get(n, found.data.codebook.get(n, ("", ""))),
+                    ours.get(n, analysis.data.codebook.get(n, ("", ""))),
                     strict=True,
                 )
             ),

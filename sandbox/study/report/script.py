@@ -1,4 +1,4 @@
-"""The same models as an R script that reads the CSVs beside it."""
+"""R script with the same models, which reads the CSV files of the report."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from sandbox.study.report.models.quantities import LOG
 
 HEAD = """\
 # The models of report.html, in R: Rscript analysis.R, in the folder of the CSVs.
-# Needs lme4; takes survival and geepack where they are installed. Writes comparisons_R.csv.
+# Needs lme4, and uses survival and geepack if they are installed. Writes comparisons_R.csv.
 
 options(width = 100)
 text <- read.csv("trials.csv", colClasses = "character", check.names = FALSE,
                  na.strings = character(0), encoding = "UTF-8")
 trials <- text
-# A pseudonym like 12E345 and a level like 1 are not numbers.
+# Pseudonyms such as 12E345 and levels such as 1 are not numbers.
 for (name in setdiff(names(text), {texts}))
   trials[[name]] <- suppressWarnings(as.numeric(text[[name]]))
 contrasts <- read.csv("contrasts.csv", colClasses = c(first = "character", second = "character"),
@@ -102,9 +102,9 @@ write.csv(found, "comparisons_R.csv", row.names = FALSE)
 """
 
 
-def script(found: Analysis) -> str:
-    """The R script."""
-    data = found.data
+def script(analysis: Analysis) -> str:
+    """Creates the R script."""
+    data = analysis.data
     texts = ["ppid", "condition", "status", *(f.column for f in data.factors)]
     parts = [
         HEAD.format(
@@ -113,18 +113,18 @@ def script(found: Analysis) -> str:
             within=_vector([f.name for f in data.factors if f.within]),
         )
     ]
-    for one in (found.time, *found.asked):
+    for one in (analysis.time, *analysis.asked):
         if one is not None and isinstance(one.model, Mixed):
             parts.append(_mixed(one, one.model))
     fixed = "0 + condition" if len(data.conditions) > 1 else "1"
-    practice = found.time is not None and (
-        not isinstance(found.time.model, Mixed) or PRACTICE in found.time.model.names
+    practice = analysis.time is not None and (
+        not isinstance(analysis.time.model, Mixed) or PRACTICE in analysis.time.model.names
     )
     both = fixed + (" + practice" if practice else "")
     if len(data.conditions) > 1:
-        if found.unseen:
+        if analysis.unseen:
             parts.append(CENSORED.format(fixed=both))
-        finite = "FALSE" if isinstance(found.odds, str) else "TRUE"
+        finite = "FALSE" if isinstance(analysis.odds, str) else "TRUE"
         parts.append(SUCCESS.format(fixed=both, finite=finite))
     return "".join(parts) + TAIL
 
@@ -146,7 +146,7 @@ def _mixed(one: MeasureModel, model: Mixed) -> str:
         more = f" & trials${what.name} > 0"
     if what.name == "time_s":
         more += " & trials$success == 1"
-    # A measure of several trials together stands in all of their rows.
+    # A measure over several trials is repeated in all of their rows.
     thin = (
         ""
         if model.trials == sum(s.trials for s in one.described.conditions)

@@ -177,7 +177,7 @@ def page_settings(page: StudyPage, settings: RunSettings, designed: bool) -> Run
             where="surface" if screen.calibrated else "surface; the screen was not measured",
             got=f"{inches(screen)} of screen",
             expected=f"{wanted[0]:g} x {wanted[1]:g} in",
-            remedy="Rotate the screen, use a larger one or full screen, or remove `surface` from the "
+            remedy="Rotate it, use a larger screen or full screen, or remove `surface` from the "
             "design; the session resumes at this trial",
         )
     return replace(settings, surface_calibrated=screen.calibrated)

@@ -1,1 +1,1 @@
-"""The numbers of a report: data, statistical models and summaries."""
+"""Numbers of a report: data, statistical models and summaries."""

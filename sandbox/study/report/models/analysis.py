@@ -1,4 +1,4 @@
-"""All numbers of the report, computed once and shown as a page and as tables."""
+"""Computes all numbers of the report once, for the page and for the tables."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ from sandbox.study.report.models.summaries import Summary, summaries
 
 @dataclass(frozen=True)
 class MeasureSummary:
-    """A measure by condition and by level.
+    """Summaries of a measure by condition and by level.
 
     Attributes:
         what: The measure.
-        conditions: By condition.
-        levels: By factor, then by level.
+        conditions: Summary of each condition.
+        levels: Summaries of the levels, by factor.
     """
 
     what: Quantity
@@ -41,13 +41,13 @@ class MeasureSummary:
 
 @dataclass(frozen=True)
 class MeasureModel:
-    """A measure with comparisons.
+    """Summaries and comparisons of a measure.
 
     Attributes:
         described: Summaries by condition and level.
-        model: The mixed model, or the reason why there is none; shares have none.
+        model: The mixed model, or the reason why there is none; empty for shares.
         differences: Differences by the mixed model.
-        shares: Shares of a measure of 0 and 1.
+        shares: Differences of shares, for a measure of 0 and 1.
     """
 
     described: MeasureSummary
@@ -70,8 +70,8 @@ class Analysis:
         asked: The requested measures.
         rest: All other measures, described only.
         scales: Scales of questionnaires.
-        places: The measure at every place in the order, by factor.
-        learning: The measure from trial to trial.
+        places: Completion time at every position in the order, by factor.
+        learning: Completion time from trial to trial.
         main: The factor shown in colours: the first one with several levels, except the session, if
             there is one.
     """
@@ -91,7 +91,7 @@ class Analysis:
 
     @property
     def leading(self) -> list[Difference]:
-        """Differences in log time to be read first: with unseen times, where there are any."""
+        """The main differences in log time: with censored times, if there are any."""
         if self.unseen and isinstance(self.censored, Censored) and self.censored.unseen:
             return self.unseen
         return self.time.differences if self.time else []
@@ -109,7 +109,7 @@ def analyse(data: StudyData, measures: Sequence[str] = ()) -> Analysis:
     """
     asked, rest = other_quantities(data, measures)
     several = [f for f in data.factors if len(f.levels) > 1]
-    # What was varied on purpose comes before when it was done.
+    # Factors of the design come before the session.
     main = min(several, key=lambda f: f.name == SESSION, default=None)
     if not len(data.used):
         nothing = "no trials are used"
@@ -154,12 +154,12 @@ def _model(data: StudyData, what: Quantity) -> MeasureModel:
     return MeasureModel(described, model, differences, [])
 
 
-def adjusted(found: Sequence[Difference | ShareDifference]) -> list[float]:
-    """P values, adjusted (Holm 1979) for how many pairs of levels the same factor has."""
-    out = [float("nan")] * len(found)
-    factors = [one.pair.factor.name for one in found]
+def adjusted(pairs: Sequence[Difference | ShareDifference]) -> list[float]:
+    """P values, adjusted (Holm 1979) for all pairs of levels of the same factor."""
+    out = [float("nan")] * len(pairs)
+    factors = [one.pair.factor.name for one in pairs]
     for name in dict.fromkeys(factors):
         mine = [i for i, factor in enumerate(factors) if factor == name]
-        for i, p in zip(mine, holm([found[i].p for i in mine]), strict=True):
+        for i, p in zip(mine, holm([pairs[i].p for i in mine]), strict=True):
             out[i] = p
     return out

@@ -1,4 +1,4 @@
-"""Questionnaires: scores and single scales, by level of the factor that they were asked about."""
+"""Questionnaires: scores and single questions by level of the factor that they are about."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 ALL = "all"
-"""Level of what was asked about the whole session."""
+"""Level of questions about the whole session."""
 
 
 @dataclass(frozen=True)
@@ -23,13 +23,13 @@ class ScaleAnswers:
     """A scale of a questionnaire, by level.
 
     Attributes:
-        questionnaire, scale: Names.
-        score: True if it was computed from several answers; else it is one answer.
-        factor: The levels' factor; None for a scale asked once.
+        questionnaire, scale: Names of the questionnaire and the scale.
+        score: True for a score of several answers, False for a single question.
+        factor: Factor of the levels; None for a question about the whole session.
         levels: Levels with answers.
         values: (people, levels); nan if missing.
         means, within: See `Summary`.
-        differences: Differences of all pairs of levels, within people or between.
+        differences: Differences of all pairs of levels, within or between people.
     """
 
     questionnaire: str
@@ -44,14 +44,14 @@ class ScaleAnswers:
 
     @property
     def title(self) -> str:
-        """For people."""
+        """Title for people."""
         if self.scale.lower() in (self.questionnaire.lower(), "score", "total", ""):
             return self.questionnaire
         return f"{self.questionnaire}: {self.scale}"
 
 
 def scales(data: StudyData) -> list[ScaleAnswers]:
-    """Scores first, then answers that are numbers."""
+    """All scales: first scores, then single questions with numerical answers."""
     return [*_scores(data), *_items(data)]
 
 
@@ -77,7 +77,7 @@ def _each(
     for (name, scale), rows in table.groupby([form, item], sort=False):
         numbers = to_numbers(rows[value])
         given = rows[value].astype(str).str.strip() != ""
-        # A text that looks like a number once is none; every answer has to be one.
+        # A question is numerical only if every answer is a number.
         if not given.any() or numbers[given].isna().any():
             continue
         scales.append(_scale(data, str(name), str(scale), score, rows, numbers.to_numpy(float)))
@@ -85,7 +85,7 @@ def _each(
 
 
 def _left_out(data: StudyData) -> list[str]:
-    """Participants of whom no trial is used although they have some that count."""
+    """Participants with counted trials of which none is used."""
     main = data.trials[(data.trials["counted"] == 1) & (data.trials["practice"] != 1)]
     return sorted(set(main["ppid"]) - set(data.used["ppid"]))
 
@@ -118,7 +118,7 @@ def _scale(
 
 
 def _level(data: StudyData, rows: DataFrame) -> tuple[ObservedFactor | None, np.ndarray]:
-    """The innermost factor that the questions were about, and its level in every row."""
+    """The innermost factor that the questions are about, and its level in every row."""
     for factor in reversed(data.factors):
         if factor.column in rows.columns and rows[factor.column].isin(factor.levels).all():
             return factor, rows[factor.column].to_numpy()
@@ -175,5 +175,5 @@ def _differences(
 
 
 def adjusted(scale: ScaleAnswers) -> list[float]:
-    """P values of a scale's pairs, adjusted for how many they are."""
+    """P values of all pairs of a scale, adjusted by the method of Holm."""
     return holm([d.p for d in scale.differences])

@@ -1,10 +1,11 @@
 """Model of censored completion times: a trial without success would have taken longer than it
 lasted.
 
-Leaving out such trials would make slow conditions look fast. Here log time is normal around a mean
-by condition and practice, and the time of an unsuccessful trial is longer than its `time_s` (a
-Tobit or lognormal accelerated failure time model). People are the independent units: errors are by
-the jackknife that leaves one person out, which allows for any dependence within a person. In R:
+Without such trials, slow conditions would look faster than they are. Here log time is normally
+distributed around a mean by condition and practice, and the time of an unsuccessful trial is longer
+than its `time_s` (a Tobit or lognormal accelerated failure time model). People are the independent
+units: standard errors are computed by the jackknife that leaves one person out, which allows for
+any dependence within a person. In R:
 `survreg(Surv(time_s, success) ~ 0 + condition + log2_position, dist = "lognormal")`.
 
 The likelihood is concave in the parameters of Olsen 1978, and so has one maximum.
@@ -22,7 +23,7 @@ from sandbox.study.report.models.data import StudyData
 from sandbox.study.report.models.mixed import FEWEST_PEOPLE, fixed_effects
 
 if TYPE_CHECKING:
-    from pandas import DataFrame
+    pass
 
 TOLERANCE = 1e-9
 """Largest last step of a parameter in units of the residual's standard deviation."""
@@ -37,7 +38,7 @@ class Censored:
         names: Names of all coefficients, as in `Mixed`.
         coefficients: Coefficients on the log scale.
         replicates: (people, coefficients) without each person; nan where they cannot be estimated.
-        sigma: Standard deviation of log time around its mean, between people and within.
+        sigma: Standard deviation of log time around its mean, between and within people.
         people, trials, unseen: Numbers of people, of trials, and of trials with a censored time.
     """
 
@@ -60,16 +61,16 @@ class Censored:
 def tobit(
     X: np.ndarray, y: np.ndarray, seen: np.ndarray, start: np.ndarray | None = None
 ) -> np.ndarray | None:
-    """Most likely parameters of a normal variable of which some values are only lower bounds.
+    """Maximum likelihood fit of a normal variable of which some values are only lower bounds.
 
     Args:
         X: (n, k) design matrix of full rank.
         y: (n,) values or bounds.
-        seen: (n,) whether it is a value.
-        start: (k + 1,) to begin with, as returned.
+        seen: (n,) True for a value, False for a bound.
+        start: (k + 1,) start of the iteration, in the form of the result.
 
     Returns:
-        (k + 1,) coefficients over the standard deviation, then one over that; None where there is
+        (k + 1,) coefficients divided by the standard deviation, then its inverse; None if there is
         no maximum.
     """
     from scipy.special import log_ndtr
@@ -98,7 +99,7 @@ def tobit(
     now = likelihood(theta)
     for _ in range(100):
         at = bounds @ theta
-        # The normal's hazard at -at; from logarithms, so that far tails do not vanish.
+        # Hazard of the normal distribution at -at, computed from logarithms for the far tails.
         hazard = np.exp(-0.5 * at * at - 0.5 * np.log(2 * np.pi) - log_ndtr(at))
         gradient = -values.T @ (values @ theta) + bounds.T @ hazard
         gradient[k] += count / theta[k]
@@ -121,11 +122,11 @@ def fit_censored(data: StudyData) -> Censored | str:
     """Fits the model to all used trials, or returns the reason why it cannot."""
     rows = data.used[data.used["time_s"] > 0.0]
     succeeded = set(rows.loc[~rows["censored"], "cell"])
-    # Where nobody succeeded, times have no upper end.
+    # Without any success, the times of a condition have no upper bound.
     rows = rows[rows["cell"].isin(succeeded)]
     people = rows["ppid"].nunique()
     if people < FEWEST_PEOPLE:
-        return f"at least {FEWEST_PEOPLE} participants are needed, and here are {people}"
+        return f"at least {FEWEST_PEOPLE} participants are needed, but there are {people}"
     X, names, present = fixed_effects(rows, data.conditions)
     y = np.log(rows["time_s"].to_numpy(float))
     seen = ~rows["censored"].to_numpy(bool)
@@ -151,19 +152,19 @@ def fit_censored(data: StudyData) -> Censored | str:
 def _without(
     X: np.ndarray, y: np.ndarray, seen: np.ndarray, keep: np.ndarray, start: np.ndarray
 ) -> np.ndarray:
-    """Coefficients from some of the trials; nan for conditions in which none of them succeeded."""
-    told = (X[keep & seen] != 0.0).any(axis=0)
-    # Trials of a condition without success have no finite mean, and go with it.
-    mine = keep & (X[:, ~told] == 0.0).all(axis=1)
+    """Coefficients from some of the trials; nan for conditions without a success among them."""
+    known = (X[keep & seen] != 0.0).any(axis=0)
+    # Trials of a condition without success are left out: their mean is not finite.
+    mine = keep & (X[:, ~known] == 0.0).all(axis=1)
     out = np.full(X.shape[1], np.nan)
-    part = tobit(X[mine][:, told], y[mine], seen[mine], start[np.append(told, True)])
+    part = tobit(X[mine][:, known], y[mine], seen[mine], start[np.append(known, True)])
     if part is not None:
-        out[told] = part[:-1] / part[-1]
+        out[known] = part[:-1] / part[-1]
     return out
 
 
 def censored_differences(data: StudyData, model: Censored) -> list[Difference]:
-    """All pairs of levels, by the model: of log times."""
+    """Differences in log time between all pairs of levels, by the model."""
     used = data.used
     differences = []
     for pair in pairs_of(data, model.present):
@@ -173,8 +174,3 @@ def censored_differences(data: StudyData, model: Censored) -> list[Difference]:
         value = float(weights @ model.coefficients)
         differences.append(t_difference(pair, value, model.error(weights), freedom))
     return differences
-
-
-def rows_of(data: StudyData) -> DataFrame:
-    """The used trials that the mixed model of completion times sees: those that succeeded."""
-    return data.used[~data.used["censored"] & (data.used["time_s"] > 0.0)]

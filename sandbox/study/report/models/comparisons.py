@@ -20,8 +20,8 @@ class Pair:
     Attributes:
         factor: The factor.
         first, second: The levels; the first is the earlier one in the design.
-        cells: For each combination of the other factors in which both occur: the numbers of the
-            conditions with the first and with the second level.
+        cells: Numbers of the conditions with the first and the second level, for each combination
+            of the other factors in which both occur.
     """
 
     factor: ObservedFactor
@@ -31,11 +31,11 @@ class Pair:
 
     @property
     def title(self) -> str:
-        """For tables."""
+        """Title for tables."""
         return f"{self.second} against {self.first}"
 
     def weights(self, conditions: int) -> np.ndarray:
-        """(conditions,) weights whose sum with their means is the difference."""
+        """Weights (conditions,): the weighted sum of the conditions' means is the difference."""
         w = np.zeros(conditions)
         for first, second in self.cells:
             w[first] -= 1.0 / len(self.cells)
@@ -99,7 +99,7 @@ def t_difference(pair: Pair, value: float, error: float, freedom: float) -> Diff
 
 
 def freedom_of(factor: ObservedFactor, people: Iterable[tuple[str, str]]) -> float:
-    """Degrees of freedom of a comparison: those of a paired t test over people, or of one between.
+    """Degrees of freedom of a comparison: those of a t test, paired or between people.
 
     Args:
         factor: The compared factor.

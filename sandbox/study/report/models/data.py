@@ -37,9 +37,9 @@ NUMBERS = (
 )
 FACTOR = "factor_"
 SESSION = "session"
-"""The factor that a study has where people do the same in several sessions."""
+"""Name of the factor that is added if participants repeat the same levels in several sessions."""
 BETWEEN_NAMES = " / "
-"""Between the levels in a condition's name; plain letters, as some spreadsheets know no others."""
+"""Separator of levels in the name of a condition; ASCII only, for spreadsheets."""
 TIMEOUT = "timeout"
 
 
@@ -59,7 +59,7 @@ class ObservedFactor:
 
     @property
     def column(self) -> str:
-        """In the tables."""
+        """Name of its column in tables."""
         return FACTOR + self.name
 
 
@@ -72,9 +72,9 @@ class StudyData:
         mode: real, pilot, simulated, or unknown.
         factors: Factors in the design's order.
         trials: Every finished attempt, as in the table, with numbers converted.
-        used: Attempts that count, neither practice nor excluded; with `condition`, `cell` (its
-            number), `position` (1, 2, ... of the participant's trials without practice) and
-            `censored` (no success: it would have taken longer than `time_s`).
+        used: Counted attempts, without practice and excluded trials. Added columns: `condition`,
+            `cell` (its number), `position` (number of the participant's trial, from 1, without
+            practice) and `censored` (no success, so that it would have taken longer).
         conditions: Names of all combinations of levels that were used, in the design's order.
         people: `participants.csv`, or participants derived from the trials.
         answers: `questionnaires.csv`; may be empty.
@@ -97,11 +97,11 @@ class StudyData:
 
     @property
     def ppids(self) -> list[str]:
-        """Participants of whom trials are used, in order of first appearance."""
+        """Participants with used trials, in order of first appearance."""
         return list(dict.fromkeys(self.used["ppid"]))
 
     def factor(self, name: str) -> ObservedFactor:
-        """A factor by its name."""
+        """Finds a factor by its name."""
         return next(f for f in self.factors if f.name == name)
 
 
@@ -120,7 +120,7 @@ def load_study(folder: Path) -> StudyData:
             "the folder has no trial_results.csv",
             where=str(folder),
             expected="the folder of a study",
-            remedy="It is OUT/NAME, OUT/NAME-pilot or OUT/NAME-simulated",
+            remedy="Give OUT/NAME, OUT/NAME-pilot or OUT/NAME-simulated",
         )
     trials = read_table(path)
     missing = [name for name in NEEDED if name not in trials.columns]
@@ -167,7 +167,7 @@ def read_table(path: Path) -> DataFrame:
     """Reads a table with all cells as text, since a pseudonym like 12E345 is not a number.
 
     Raises:
-        StudyError: It is not a table.
+        StudyError: The file is not a table.
     """
     import pandas as pd
 
@@ -178,17 +178,21 @@ def read_table(path: Path) -> DataFrame:
             "not a table",
             where=str(path),
             got=str(error).strip()[:120],
-            remedy="Opening the study again makes its tables anew: `sandbox study run`",
+            remedy="`sandbox study run` builds the tables again when it opens the study",
         ) from None
     except OSError as error:
         raise StudyError("the table cannot be read", where=str(path), got=error.strerror) from None
 
 
 def to_numbers(column: Series, path: Path | None = None) -> Series:
-    """A column's cells as numbers, empty ones as NaN.
+    """Converts a column to numbers; empty cells become NaN.
+
+    Args:
+        column: The cells.
+        path: File of the table; None converts invalid cells to NaN.
 
     Raises:
-        StudyError: Another cell is none; only with `path`, else it is NaN.
+        StudyError: A cell is not a number; only if `path` is given.
     """
     import pandas as pd
 
@@ -211,7 +215,7 @@ def _optional(path: Path) -> DataFrame:
 
 
 def _only(trials: DataFrame, column: str, path: Path) -> str:
-    """The one value of a column; empty where there is none."""
+    """The only value of a column; empty if there is none."""
     values = [x for x in dict.fromkeys(trials.get(column, ())) if x]
     if len(values) > 1:
         raise StudyError(
@@ -231,7 +235,7 @@ class _StudyInfo(Struct):
 
 
 def _about(folder: Path) -> _StudyInfo:
-    """The study's file; an empty one where there is none, or it is damaged."""
+    """Name and kind of the study from `study.json`; empty if the file is missing or damaged."""
     path, what = folder / "study.json", "the study cannot be read"
     try:
         data = read_bytes(path, StudyError, what=what)
@@ -249,8 +253,8 @@ def _codebook(folder: Path) -> dict[str, tuple[str, str]]:
 
 
 def _did_the_same_again(trials: DataFrame) -> bool:
-    """True if a participant had the same levels in two sessions, so that sessions can be compared.
-    Otherwise each session has its own levels, and the session is not a factor."""
+    """Returns True if a participant had the same levels in two sessions, so that sessions can be
+    compared. Otherwise each session has its own levels, and the session is not a factor."""
     factors = [name for name in trials.columns if name.startswith(FACTOR)]
     if "session_num" not in trials.columns or FACTOR + SESSION in factors:
         return False
@@ -259,7 +263,7 @@ def _did_the_same_again(trials: DataFrame) -> bool:
 
 
 def _name_sessions(table: DataFrame) -> None:
-    """Makes the session the outermost factor of a table."""
+    """Adds the session to a table as its outermost factor."""
     if "session_num" in table.columns:
         numbers = to_numbers(table["session_num"])
         table.insert(0, FACTOR + SESSION, [f"session {n:g}" for n in numbers])
@@ -272,9 +276,9 @@ def _factors(trials: DataFrame, meanings: dict[str, tuple[str, str]]) -> tuple[O
         if not column.startswith(FACTOR):
             continue
         seen = [x for x in dict.fromkeys(main[column]) if x]
-        told = meanings.get(column, ("", ""))[1].removeprefix("level: ").split(", ")
-        # The codebook's order is the design's; a level that it does not know comes last.
-        levels = [x for x in told if x in seen] + [x for x in seen if x not in told]
+        listed = meanings.get(column, ("", ""))[1].removeprefix("level: ").split(", ")
+        # The codebook has the order of the design; levels that it lacks come last.
+        levels = [x for x in listed if x in seen] + [x for x in seen if x not in listed]
         within = len(main) > 0 and bool((main.groupby("ppid")[column].nunique() > 1).any())
         factors.append(ObservedFactor(column.removeprefix(FACTOR), tuple(levels), within))
     return tuple(factors)
@@ -288,7 +292,7 @@ def _used(
     order = [name for name in ("session_num", "trial_num") if name in trials.columns]
     main = trials[(trials["counted"] == 1) & (trials["practice"] != 1)]
     main = main.sort_values(order, kind="stable").copy()
-    # Excluded trials were experience, too: they have a place in the row.
+    # Excluded trials were practice as well, so they are counted in the position.
     main["position"] = main.groupby("ppid", sort=False).cumcount() + 1
     used = main[(main["excluded"] != 1) & main["success"].isin([0, 1])].copy()
     used = used.sort_values("ppid", kind="stable").reset_index(drop=True)

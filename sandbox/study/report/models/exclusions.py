@@ -1,4 +1,4 @@
-"""Data left out of the report, with reasons, and the remaining data."""
+"""Data excluded from the report, with reasons, and the remaining data."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class FlowStep:
-    """A step from all data to the used data.
+    """A step in the flow from all data to the used data.
 
     Attributes:
         what: Description of the removed or remaining data.
-        participants, trials: Numbers; a participant is removed with the last trial.
+        participants, trials: Numbers; participants are removed with their last trial.
         remains: True for remaining data, False for removed data.
     """
 
@@ -28,7 +28,7 @@ class FlowStep:
 
 
 def flow(data: StudyData) -> list[FlowStep]:
-    """From all finished attempts to the trials used, step by step."""
+    """Steps from all finished attempts to the used trials."""
     trials = data.trials
     steps = [
         FlowStep("began", len(data.people), 0, True),
@@ -63,7 +63,7 @@ def _take(steps: list[FlowStep], rest: DataFrame, gone: DataFrame, what: str) ->
 
 
 def unfinished(data: StudyData) -> list[str]:
-    """Participants who have not come to the end of their session, as far as is known."""
+    """Participants who have not finished all sessions; empty if the table does not say."""
     if "complete" not in data.people.columns:
         return []
     done = to_numbers(data.people["complete"])

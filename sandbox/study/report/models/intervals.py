@@ -5,7 +5,7 @@ People are the independent units: all intervals allow for the dependence of one 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import inf, nan, sqrt
 
@@ -17,11 +17,15 @@ LEVEL = 0.95
 
 @dataclass(frozen=True)
 class Estimate:
-    """A number with its interval; nan where it cannot be computed."""
+    """A number with its interval; nan if it cannot be computed."""
 
     value: float
     low: float
     high: float
+
+    def mapped(self, function: Callable[[float], float]) -> Estimate:
+        """Applies a function to the number and to both ends."""
+        return Estimate(function(self.value), function(self.low), function(self.high))
 
 
 def t_quantile(freedom: float) -> float:
@@ -32,7 +36,7 @@ def t_quantile(freedom: float) -> float:
 
 
 def mean_interval(values: Sequence[float]) -> Estimate:
-    """A mean over people, with Student's interval; without one for a single person."""
+    """A mean over people with Student's interval; the interval of a single person is nan."""
     x = np.asarray(values, dtype=float)
     x = x[np.isfinite(x)]
     if not len(x):
@@ -96,7 +100,7 @@ def share(rates: Sequence[float], trials: Sequence[int], effect: float = 1.0) ->
         return Share(nan, nan, nan, 0.0)
     p = float(x.mean())
     if people < 2:
-        # One person's trials tell about that person.
+        # The interval of a single person is about that person only.
         low, high = _wilson(p, total, t_quantile(1e6))
         return Share(p, low, high, total)
     spread = float(x.var(ddof=1)) / people
@@ -108,7 +112,7 @@ def share(rates: Sequence[float], trials: Sequence[int], effect: float = 1.0) ->
 
 
 def design_effect(rates: Sequence[float], trials: Sequence[int]) -> float:
-    """Variance of a share over that of as many independent trials; at least 1."""
+    """Variance of a share, divided by that of as many independent trials; at least 1."""
     x, n = np.asarray(rates, dtype=float), np.asarray(trials, dtype=float)
     if len(x) < 2:
         return 1.0
@@ -147,7 +151,7 @@ def difference(a: Share, b: Share, correlation: float = 0.0) -> Estimate:
 
 
 def holm(ps: Sequence[float]) -> list[float]:
-    """P values adjusted for how many they are (Holm 1979); nan stays."""
+    """P values adjusted for their number (Holm 1979); nan stays nan."""
     known = sorted((p, i) for i, p in enumerate(ps) if np.isfinite(p))
     out = [nan] * len(ps)
     worst = 0.0

@@ -4,7 +4,7 @@
 
 It is fitted by restricted maximum likelihood with statsmodels; the same in R is
 `lmer(y ~ 0 + condition + log2_position + (1 | ppid) + (1 | ppid:factor) + ...)`. Degrees of freedom
-are those of a paired t test over people, which is a little cautious.
+are those of a paired t test over people, which is slightly conservative.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 FEWEST_PEOPLE = 3
-"""Least spread between people that can be estimated."""
+"""Smallest number of people for an estimate of the spread between people."""
 PRACTICE = "log2_position"
 
 
@@ -70,7 +70,7 @@ def fixed_effects(
     columns = [(rows["cell"] == cell).to_numpy(float) for cell in present]
     names = [conditions[cell] for cell in present]
     practice = np.log2(rows["position"].to_numpy(float))
-    # Centred, so that a condition's coefficient is its mean amid the session.
+    # Centred, so that the coefficient of a condition is its mean in the middle of the session.
     columns.append(practice - practice.mean())
     X = np.column_stack(columns)
     if np.linalg.matrix_rank(X) < X.shape[1] or len(X) <= X.shape[1]:
@@ -107,13 +107,13 @@ def fit_mixed(data: StudyData, rows: DataFrame, y: np.ndarray) -> Mixed | str:
     """
     people = rows["ppid"].nunique()
     if people < FEWEST_PEOPLE:
-        return f"a mixed model needs at least {FEWEST_PEOPLE} participants, and here are {people}"
+        return f"a mixed model needs at least {FEWEST_PEOPLE} participants, but there are {people}"
     X, names, present = fixed_effects(rows, data.conditions)
     if len(rows) <= X.shape[1] + people:
         return f"{len(rows)} trials are too few for {X.shape[1]} coefficients and {people} people"
     if not np.ptp(y) > 0.0:
         return "all values are equal"
-    left_out = [] if PRACTICE in names else ["practice: it cannot be told from conditions"]
+    left_out = [] if PRACTICE in names else ["practice: it cannot be separated from conditions"]
     factors, lacking = random_factors(rows, data.factors)
     left_out += lacking
     while True:
@@ -142,7 +142,7 @@ def fit_mixed(data: StudyData, rows: DataFrame, y: np.ndarray) -> Mixed | str:
 def _fit(
     rows: DataFrame, y: np.ndarray, X: np.ndarray, factors: Sequence[ObservedFactor]
 ) -> tuple[dict[str, float], bool] | None:
-    """Standard deviations of all random effects, and whether the optimiser was content."""
+    """Standard deviations of all random effects, and True if the optimiser converged."""
     import pandas as pd
     from statsmodels.regression.mixed_linear_model import MixedLM
 
@@ -153,7 +153,7 @@ def _fit(
     for i, factor in enumerate(factors):
         table[f"f{i}"] = rows[factor.column].to_numpy()
     with warnings.catch_warnings():
-        # A spread of zero is a result, and no reason for a warning.
+        # A spread of zero is a valid result that needs no warning.
         warnings.simplefilter("ignore")
         try:
             model = MixedLM.from_formula(
@@ -183,7 +183,7 @@ def _generalised(
     factors: Sequence[ObservedFactor],
     spreads: dict[str, float],
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Covariance and values of the fixed effects, given all spreads: generalised least squares."""
+    """Covariance and values of the fixed effects for given spreads (generalised least squares)."""
     information = np.zeros((X.shape[1], X.shape[1]))
     score = np.zeros(X.shape[1])
     who = rows["ppid"].to_numpy()
@@ -202,7 +202,7 @@ def _generalised(
 
 
 def mixed_differences(data: StudyData, rows: DataFrame, model: Mixed) -> list[Difference]:
-    """All pairs of levels, by the model."""
+    """Differences between all pairs of levels, by the model."""
     differences = []
     for pair in pairs_of(data, model.present):
         weights = np.zeros(len(model.names))
@@ -215,7 +215,7 @@ def mixed_differences(data: StudyData, rows: DataFrame, model: Mixed) -> list[Di
 
 
 def practice_effect(model: Mixed) -> tuple[float, float, float] | None:
-    """Change with every doubling of trials done, with its interval."""
+    """Change per doubling of the trials done, with its interval."""
     if PRACTICE not in model.names:
         return None
     i = model.names.index(PRACTICE)

@@ -1,4 +1,4 @@
-"""Effects of order: places of levels, and change of times with practice."""
+"""Effects of order: positions of levels, and change of times with practice."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ POINTS = 24
 
 @dataclass(frozen=True)
 class LevelPlace:
-    """A level at a place in the order.
+    """A level at one position in the order.
 
     Attributes:
-            factor, level: The factor and its level.
-            place: 1, 2, ..., place of the level in the order, within the outer factors.
-            times: Number of times that it was there.
+        factor, level: Names of the factor and its level.
+        place: Position of the level in the order, from 1, within the outer factors.
+        times: Number of times that the level was at this position.
         mean: Mean of the measure, without differences between other conditions.
     """
 
@@ -35,7 +35,7 @@ class LevelPlace:
 
 
 def places(data: StudyData, what: Quantity, factor: ObservedFactor) -> list[LevelPlace]:
-    """Every level of a factor at every place at which it was."""
+    """Means of every level of a factor at each of its positions."""
     rows, y = rows_with(data, what)
     outer = [f.column for f in data.factors[: data.factors.index(factor)]]
     place = _place(data, factor, outer)
@@ -57,7 +57,7 @@ def places(data: StudyData, what: Quantity, factor: ObservedFactor) -> list[Leve
                     name,
                     int(number),
                     often[name, number],
-                    _back(what, mean_interval(means)),
+                    mean_interval(means).mapped(what.back),
                 )
             )
     return result
@@ -71,15 +71,15 @@ def _place(data: StudyData, factor: ObservedFactor, outer: list[str]) -> np.ndar
     ).to_numpy(int)
 
 
-def balanced(found: list[LevelPlace], factor: ObservedFactor) -> bool:
-    """True if every level was equally often at every place."""
-    counts = {(p.level, p.place): p.times for p in found}
+def balanced(places: list[LevelPlace], factor: ObservedFactor) -> bool:
+    """Returns True if every level was equally often at every position."""
+    counts = {(p.level, p.place): p.times for p in places}
     number = len(factor.levels)
     return len(counts) == number * number and len(set(counts.values())) == 1
 
 
 def neighbours(data: StudyData, factor: ObservedFactor) -> dict[tuple[str, str], int]:
-    """Number of times that a level came right after another one."""
+    """Number of times that one level directly followed another, by pair of levels."""
     count: Counter[tuple[str, str]] = Counter()
     for _, levels in data.used.groupby("ppid", sort=False)[factor.column]:
         runs = [x for i, x in enumerate(levels) if i == 0 or x != levels.iloc[i - 1]]
@@ -106,13 +106,13 @@ class LearningPoint:
 
 
 def learning(data: StudyData, what: Quantity, factor: ObservedFactor | None) -> list[LearningPoint]:
-    """The measure from trial to trial, by level of a factor, or over all."""
+    """Means of a measure from trial to trial, by level of a factor or over all trials."""
     rows, y = rows_with(data, what)
     if not len(rows):
         return []
     used = data.used
     keys = ["ppid"] if factor is None else ["ppid", factor.column]
-    # Trials without success were practice, too.
+    # Trials without success were practice as well.
     number = (used.sort_values(["ppid", "position"]).groupby(keys).cumcount() + 1)[rows.index]
     level = np.full(len(rows), "all") if factor is None else rows[factor.column].to_numpy()
     corrected = _corrected(data, rows["cell"].to_numpy(int), y, level)
@@ -128,7 +128,7 @@ def learning(data: StudyData, what: Quantity, factor: ObservedFactor | None) -> 
                     name,
                     int(k) * size + 1,
                     (int(k) + 1) * size,
-                    _back(what, mean_interval(means)),
+                    mean_interval(means).mapped(what.back),
                     len(means),
                 )
             )
@@ -136,7 +136,7 @@ def learning(data: StudyData, what: Quantity, factor: ObservedFactor | None) -> 
 
 
 def _corrected(data: StudyData, cell: np.ndarray, y: np.ndarray, level: np.ndarray) -> np.ndarray:
-    """Values without what conditions differ in besides the level."""
+    """Values without the differences between conditions of the same level."""
     out = np.zeros_like(y)
     cells = {c: float(y[cell == c].mean()) for c in set(cell)}
     for name in set(level):
@@ -148,7 +148,3 @@ def _corrected(data: StudyData, cell: np.ndarray, y: np.ndarray, level: np.ndarr
 
 def _by_person(ppids: np.ndarray, values: np.ndarray) -> list[float]:
     return [float(values[ppids == ppid].mean()) for ppid in dict.fromkeys(ppids)]
-
-
-def _back(what: Quantity, e: Estimate) -> Estimate:
-    return Estimate(what.back(e.value), what.back(e.low), what.back(e.high))

@@ -18,21 +18,21 @@ if TYPE_CHECKING:
 SHARE, LOG, PLAIN = "share", "log", "plain"
 """Scales: shares of 0 and 1; logarithms, so that effects are factors; plain values."""
 RATIO_UNITS = ("s", "m", "mm", "m/s", "bit/s", "ms")
-"""Units of what cannot be negative and is thought of in per cent; their logarithms are modelled."""
+"""Units of positive measures that are compared by ratios, so that logarithms are modelled."""
 MAIN = ("time_s", "success")
-"""Measures with a part of the report of their own."""
+"""Measures that have their own sections in the report."""
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """A measure.
+    """A measure with its scale for models and plots.
 
     Attributes:
         name: Column of `trial_results.csv`.
         title: Title for people.
         unit: Unit of its values; empty for counts and indices.
-        means: Its definition in a line.
-        better: high, low, or empty.
+        means: Definition in one line.
+        better: high or low, the better direction; empty if neither is better.
         scale: `SHARE`, `LOG` or `PLAIN`.
     """
 
@@ -49,19 +49,19 @@ class Quantity:
         return f"{self.title} ({self.unit})" if self.unit and self.scale != SHARE else self.title
 
     def forward(self, values: np.ndarray) -> np.ndarray:
-        """Values on the scale on which they are put together."""
+        """Converts values to the scale on which they are averaged."""
         return np.log(values) if self.scale == LOG else values
 
     def back(self, value: float) -> float:
-        """A value as people read it."""
+        """Converts a value on that scale back to the unit."""
         return float(np.exp(value)) if self.scale == LOG else float(value)
 
 
 def quantity(data: StudyData, name: str) -> Quantity:
-    """A measure by the name of its column.
+    """Finds a measure by the name of its column.
 
     Raises:
-        StudyError: There is none, or it has no numbers.
+        StudyError: The column does not exist, or has no numbers.
     """
     known = registry.find_measure(name)
     if name not in data.used.columns or name in ("cell", "position", "condition", "censored"):
@@ -75,7 +75,7 @@ def quantity(data: StudyData, name: str) -> Quantity:
     values = to_numbers(data.used[name])
     values = values[np.isfinite(values)]
     if not len(values):
-        raise StudyError("it has no numbers", where="--measure", got=name)
+        raise StudyError("the measure has no numbers", where="--measure", got=name)
     unit, means = data.codebook.get(name, ("", ""))
     if known is not None:
         unit, means = known.unit, known.means
@@ -91,7 +91,7 @@ def quantity(data: StudyData, name: str) -> Quantity:
 
 
 def quantities(data: StudyData) -> list[Quantity]:
-    """All measures of which a study has numbers that differ."""
+    """All measures that have different numbers in a study."""
     names = [m.name for m in registry.measures() if m.in_report and m.name in data.used.columns]
     measures = []
     for name in names:
@@ -104,7 +104,7 @@ def quantities(data: StudyData) -> list[Quantity]:
 def rows_with(data: StudyData, what: Quantity) -> tuple[DataFrame, np.ndarray]:
     """The used trials that have the measure, and its values on the scale of its means.
 
-    A completion time is that of a trial that succeeded.
+    Completion times are those of successful trials only.
     """
     values = to_numbers(data.used[what.name])
     keep = np.isfinite(values)
@@ -116,9 +116,9 @@ def rows_with(data: StudyData, what: Quantity) -> tuple[DataFrame, np.ndarray]:
 
 
 def rows_for_model(data: StudyData, what: Quantity) -> tuple[DataFrame, np.ndarray]:
-    """The same; one row for each person and condition where all of theirs are equal.
+    """Same as `rows_with`, but a measure over several trials has one row by person and condition.
 
-    A measure of several trials together, as effective throughput, stands in all of their rows.
+    Such a measure, as effective throughput, is repeated in the rows of all of these trials.
     """
     rows, y = rows_with(data, what)
     if what.scale == SHARE or not len(rows):
@@ -134,10 +134,10 @@ def rows_for_model(data: StudyData, what: Quantity) -> tuple[DataFrame, np.ndarr
 def other_quantities(
     data: StudyData, asked: Sequence[str]
 ) -> tuple[list[Quantity], list[Quantity]]:
-    """Measures that were asked for by name, and all the rest, without the main ones.
+    """The requested measures, and all others; both without those of `MAIN`.
 
     Raises:
-        StudyError: One that was asked for is none.
+        StudyError: A requested measure does not exist.
     """
     wanted = [quantity(data, name) for name in dict.fromkeys(asked) if name not in MAIN]
     names = {q.name for q in wanted}

@@ -1,10 +1,10 @@
 """Success: shares of trials, their differences between levels, and odds.
 
-The differences are in shares of trials, which always exist. The shares of single people are the
-independent values; limits come from Wilson's intervals for clustered trials, and so have a width
-even if all trials succeeded. P values are of exact or drawn permutations: signs of people's own
-differences, or people's groups. Odds ratios are by generalised estimating equations, where no
-condition is all success or all failure.
+Differences are computed from the shares of single people, which are the independent values. Their
+limits come from Wilson's intervals for clustered trials, so that they have a width even if all
+trials succeeded. P values come from exact or random permutations of the signs of people's
+differences, or of people's groups. Odds ratios come from generalised estimating equations; they
+need successes and failures in every condition.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ from sandbox.study.report.models.intervals import Estimate, Share, design_effect
 from sandbox.study.report.models.mixed import FEWEST_PEOPLE, fixed_effects
 
 EXACT = 12
-"""People up to whom all signs are tried."""
+"""Largest number of people for which all combinations of signs are used."""
 DRAWS = 10_000
-"""Permutations otherwise."""
+"""Number of random permutations for more people."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class ShareDifference:
         first, second: Shares over the conditions in which both occur.
         estimate: Second minus first.
         p: P value of the permutation test; nan with fewer than two people.
-        people: Number of people who did both, or either.
+        people: Number of people who did both levels; between people, either level.
     """
 
     pair: Pair
@@ -76,7 +76,7 @@ def rates(data: StudyData, name: str = "success") -> tuple[list[str], np.ndarray
 
 
 def success_differences(data: StudyData, name: str = "success") -> list[ShareDifference]:
-    """All pairs of levels, in success or in another measure of 0 and 1."""
+    """Differences of all pairs of levels in success or another measure of 0 and 1."""
     if not len(data.used):
         return []
     _, own, done = rates(data, name)
@@ -113,7 +113,7 @@ def _compare(pair: Pair, own: np.ndarray, done: np.ndarray, usual: float) -> Sha
 
 
 def sign_test(differences: np.ndarray) -> float:
-    """P value that people's own differences are as often on either side, by changing signs."""
+    """P value of the hypothesis that differences are symmetric about 0, by permutation of signs."""
     d = differences[differences != 0.0]
     if len(differences) < 2:
         return nan
@@ -130,7 +130,7 @@ def sign_test(differences: np.ndarray) -> float:
 
 
 def group_test(a: np.ndarray, b: np.ndarray) -> float:
-    """P value that two groups are alike, by drawing groups anew."""
+    """P value of the hypothesis that two groups are equal, by permutation of groups."""
     if len(a) < 2 or len(b) < 2:
         return nan
     x = np.concatenate([a, b])
@@ -141,7 +141,7 @@ def group_test(a: np.ndarray, b: np.ndarray) -> float:
 
 
 def odds(data: StudyData) -> list[Difference] | str:
-    """Log odds ratios of all pairs by generalised estimating equations, or why there are none.
+    """Log odds ratios of all pairs by generalised estimating equations, or the reason against them.
 
     Trials of a person are exchangeable; errors are those of Mancl and DeRouen 2001 for few people.
     """
@@ -155,7 +155,7 @@ def odds(data: StudyData) -> list[Difference] | str:
     shares = used.groupby("condition")["success"].mean()
     flat = [name for name in data.conditions if shares[name] in (0.0, 1.0)]
     if flat:
-        return "there are no finite odds where all or no trials succeeded: " + "; ".join(flat[:6])
+        return "odds are not finite, since all or no trials succeeded in: " + "; ".join(flat[:6])
     X, names, present = fixed_effects(used, data.conditions)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")

@@ -1,7 +1,7 @@
-"""Means of a measure by condition and by level, over people, with two kinds of interval.
+"""Means of a measure over people, by condition and by level, with two kinds of interval.
 
-Every person counts once, however many trials there were: values are averaged within a person and
-condition, then over conditions, then over people.
+All people have equal weights, whatever their number of trials: values are averaged within a person
+and condition, then over conditions, then over people.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from sandbox.study.report.models.success import rates
 
 @dataclass(frozen=True)
 class Summary:
-    """A condition's, or a level's, mean.
+    """Means of one condition or level.
 
     Attributes:
         name: Name of the condition or level.
@@ -43,7 +43,7 @@ class Summary:
 
 
 def person_means(data: StudyData, what: Quantity) -> np.ndarray:
-    """(people, conditions) means on the scale of the measure; nan where there is none."""
+    """Means (people, conditions) on the scale of the measure; nan without values."""
     rows, y = rows_with(data, what)
     people = {ppid: i for i, ppid in enumerate(data.ppids)}
     total = np.zeros((len(people), len(data.conditions)))
@@ -55,13 +55,13 @@ def person_means(data: StudyData, what: Quantity) -> np.ndarray:
 
 
 def trials_of(data: StudyData, what: Quantity) -> np.ndarray:
-    """(conditions,) trials that have the measure."""
+    """Number of trials that have the measure, (conditions,)."""
     rows, _ = rows_with(data, what)
     return np.bincount(rows["cell"].to_numpy(int), minlength=len(data.conditions))
 
 
 def cells_of(data: StudyData, factor: ObservedFactor) -> list[tuple[str, list[int]]]:
-    """Each level of a factor with the numbers of its conditions."""
+    """Levels of a factor, each with the numbers of its conditions."""
     seen = data.used[["cell", factor.column]].drop_duplicates()
     return [
         (level, [int(c) for c in seen.loc[seen[factor.column] == level, "cell"]])
@@ -88,9 +88,9 @@ def summaries(
         else cells_of(data, factor)
     )
     own, trials = person_means(data, what), trials_of(data, what)
-    table = np.column_stack([_mean(own[:, cells]) for _, cells in groups])
+    table = np.column_stack([row_means(own[:, cells]) for _, cells in groups])
     people = np.isfinite(table).sum(axis=0)
-    within = [_back(what, e) for e in within_intervals(table)]
+    within = [e.mapped(what.back) for e in within_intervals(table)]
     if what.scale == SHARE:
         shares = _shares(data, what, groups, table)
         means = [Estimate(s.value, s.low, s.high) for s in shares]
@@ -99,23 +99,19 @@ def summaries(
             for m, w in zip(means, within, strict=True)
         ]
     else:
-        means = [_back(what, mean_interval(list(column))) for column in table.T]
+        means = [mean_interval(list(column)).mapped(what.back) for column in table.T]
     return [
         Summary(name, int(n), int(trials[cells].sum()), mean, inner)
         for (name, cells), n, mean, inner in zip(groups, people, means, within, strict=True)
     ]
 
 
-def _mean(values: np.ndarray) -> np.ndarray:
-    """(people,) means of what there is."""
+def row_means(values: np.ndarray) -> np.ndarray:
+    """Mean of the finite values in each row; nan if there is none."""
     known = np.isfinite(values)
     total = np.where(known, values, 0.0).sum(axis=1)
     count = known.sum(axis=1)
     return np.divide(total, count, out=np.full(len(values), nan), where=count > 0)
-
-
-def _back(what: Quantity, e: Estimate) -> Estimate:
-    return Estimate(what.back(e.value), what.back(e.low), what.back(e.high))
 
 
 def _shares(
@@ -123,7 +119,7 @@ def _shares(
 ) -> list[Share]:
     _, own, done = rates(data, what.name)
     who = done.any(axis=1)
-    usual = design_effect(list(_mean(own)[who]), [int(n) for n in done[who].sum(axis=1)])
+    usual = design_effect(list(row_means(own)[who]), [int(n) for n in done[who].sum(axis=1)])
     shares = []
     for (_, cells), column in zip(groups, table.T, strict=True):
         known = np.isfinite(column)
@@ -134,9 +130,9 @@ def _shares(
 
 
 def median_with_unseen(data: StudyData, cell: int) -> float:
-    """Median time of a condition's trials, those without success being longer than any other.
+    """Median time of the trials of a condition; trials without success count as infinitely long.
 
-    Infinite where half of the trials, or more, did not succeed.
+    The median is infinite if half of the trials or more had no success.
     """
     rows = data.used[data.used["cell"] == cell]
     if not len(rows):

@@ -1,1 +1,1 @@
-"""The report's page: sections, tables and plots."""
+"""The page of the report: sections, tables and plots."""

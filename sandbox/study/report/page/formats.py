@@ -1,4 +1,4 @@
-"""Numbers as people read them."""
+"""Formats numbers as text for people."""
 
 from __future__ import annotations
 
@@ -10,18 +10,17 @@ UNKNOWN = "–"
 
 
 def number(value: float, digits: int = 3) -> str:
-    """With so many digits that mean something."""
+    """A number with a given number of significant digits."""
     if not isfinite(value):
         return UNKNOWN
     text = f"{value:.{digits}g}"
     if "e" in text:
         return f"{value:.0f}" if 1.0 <= abs(value) < 1e6 else text
-    # 4.50 and 4.5 are equally exact here.
     return text.replace("-", "−")
 
 
 def percent(share: float) -> str:
-    """A share, in per cent; a tenth where it is small or nearly all."""
+    """A share in per cent, with one decimal near 0 and 100 %."""
     if not isfinite(share):
         return UNKNOWN
     value = 100.0 * share
@@ -37,19 +36,19 @@ def points(difference: float) -> str:
 
 
 def p_value(p: float) -> str:
-    """Text of a value in the format of journals."""
+    """A p value in the format of scientific journals."""
     if not isfinite(p):
         return UNKNOWN
     return "< 0.001" if p < 0.001 else f"{p:.3f}" if p < 0.1 else f"{p:.2f}"
 
 
 def interval(low: str, high: str) -> str:
-    """Both ends; one sign where neither is known."""
+    """Both ends of an interval; a dash if one of them is unknown."""
     return UNKNOWN if UNKNOWN in (low, high) else f"{low} to {high}"
 
 
 def change(log_ratio: float) -> str:
-    """A ratio as a change in per cent with a sign."""
+    """The logarithm of a ratio as a signed change in per cent."""
     if not isfinite(log_ratio):
         return UNKNOWN
     value = 100.0 * (exp(log_ratio) - 1.0)
@@ -57,11 +56,11 @@ def change(log_ratio: float) -> str:
 
 
 def less_or_more(e: Estimate, less: str, more: str) -> str:
-    """A change in per cent in words: `22 % less`, from logarithms of ratios."""
+    """The logarithm of a ratio as a change in words, such as `22 % less`."""
     value = 100.0 * (exp(e.value) - 1.0)
     return f"{abs(value):.0f} % {less if value < 0 else more}"
 
 
 def count(n: int, one: str, many: str = "") -> str:
-    """A number with its word."""
+    """A number with its noun, in singular or plural."""
     return f"{n:,} {one if n == 1 else many or one + 's'}".replace(",", " ")

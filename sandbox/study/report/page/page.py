@@ -1,4 +1,4 @@
-"""The report as one HTML file: no script, nothing fetched, light or dark as the reader wants."""
+"""The report as one HTML file without scripts or external resources, in light or dark colours."""
 
 from __future__ import annotations
 
@@ -31,20 +31,20 @@ TITLES = {
     "simulated": "{}, simulated",
 }
 WARNINGS = {
-    "simulated": "No person took part. Simulated users did these trials: they show that the study "
-    "runs, and nothing about people.",
-    "pilot": "A rehearsal. These data are no part of the study.",
+    "simulated": "No person took part. Simulated users did these trials, which show that the study "
+    "runs but nothing about people.",
+    "pilot": "Data of a pilot. They are not part of the study.",
 }
 UNKNOWN = (
-    "Of unknown kind",
+    "Unknown kind",
     "{}, data of unknown kind",
-    "These tables do not say whether people took part.",
+    "These tables do not show whether people took part.",
 )
 MOST_FINDINGS = 12
 
 
-def page(found: Analysis) -> str:
-    """The whole HTML."""
+def page(analysis: Analysis) -> str:
+    """Returns the HTML text of the report."""
     from jinja2 import Environment
 
     here = files("sandbox.study.report.page")
@@ -52,19 +52,19 @@ def page(found: Analysis) -> str:
         here.joinpath("page.html").read_text(encoding="utf-8")
     )
     css = here.joinpath("page.css").read_text(encoding="utf-8")
-    return template.render(css=_Safe(css), sections=_sections(found), **head(found))
+    return template.render(css=_Safe(css), sections=_sections(analysis), **head(analysis))
 
 
 class _Safe(str):
-    """Text of our own that is already HTML."""
+    """Text that is already HTML and is not escaped."""
 
     def __html__(self) -> str:
         return str(self)
 
 
-def head(found: Analysis) -> dict[str, Any]:
-    """Head of the page above the sections: title, warning, facts and findings."""
-    data = found.data
+def head(analysis: Analysis) -> dict[str, Any]:
+    """Values of the head of the page: title, warning, facts and findings."""
+    data = analysis.data
     mode = data.mode if data.mode in KINDS else "unknown"
     kind, title, warning = UNKNOWN
     if mode != "unknown":
@@ -74,27 +74,27 @@ def head(found: Analysis) -> dict[str, Any]:
         "kind": kind,
         "title": title.format(data.name),
         "warning": warning,
-        "facts": _facts(found),
-        "findings": _findings(found),
+        "facts": _facts(analysis),
+        "findings": _findings(analysis),
     }
 
 
-def _sections(found: Analysis) -> list[Section]:
+def _sections(analysis: Analysis) -> list[Section]:
     return [
-        time_section(found),
-        success_section(found),
-        *asked_sections(found),
-        people_section(found),
-        practice_section(found),
-        questionnaire_section(found),
-        exclusions_section(found),
-        others_section(found),
-        methods_section(found),
+        time_section(analysis),
+        success_section(analysis),
+        *asked_sections(analysis),
+        people_section(analysis),
+        practice_section(analysis),
+        questionnaire_section(analysis),
+        exclusions_section(analysis),
+        others_section(analysis),
+        methods_section(analysis),
     ]
 
 
-def _facts(found: Analysis) -> list[tuple[str, str, str]]:
-    data = found.data
+def _facts(analysis: Analysis) -> list[tuple[str, str, str]]:
+    data = analysis.data
     steps = flow(data)
     began, used = steps[0], steps[-1]
     count = next(s for s in steps if s.what == "trials that count")
@@ -102,11 +102,11 @@ def _facts(found: Analysis) -> list[tuple[str, str, str]]:
         ("Participants used", str(used.participants), f"of {began.participants} who began"),
         ("Trials used", str(used.trials), f"of {count.trials} that count"),
     ]
-    if found.success:
+    if analysis.success:
         rate = float(data.used["success"].mean())
         won = int(data.used["success"].sum())
         facts.append(("Success", formats.percent(rate), f"{won} of {len(data.used)} trials"))
-    if found.time:
+    if analysis.time:
         middle = float(data.used.loc[~data.used["censored"], "time_s"].median())
         facts.append(
             ("Median completion time", f"{formats.number(middle)} s", "of trials that succeeded")
@@ -114,25 +114,27 @@ def _facts(found: Analysis) -> list[tuple[str, str, str]]:
     return facts
 
 
-def _findings(found: Analysis) -> list[str]:
-    """The comparisons in words: every pair of levels of the first factor, time and success."""
-    main = found.main.name if found.main else ""
+def _findings(analysis: Analysis) -> list[str]:
+    """Sentences that compare each pair of levels of the first factor in time and success."""
+    main = analysis.main.name if analysis.main else ""
     out = []
-    for d in found.leading:
+    for d in analysis.leading:
         if d.pair.factor.name == main:
             ends = formats.interval(formats.change(d.estimate.low), formats.change(d.estimate.high))
             clear = d.estimate.low > 0 or d.estimate.high < 0
-            doubt = "" if clear else "; it may be none"
+            doubt = "" if clear else "; there may be no difference"
             out.append(
                 f"{d.pair.second} took {formats.less_or_more(d.estimate, 'less', 'more')} time "
                 f"than {d.pair.first} (95 % interval {ends}{doubt})."
             )
-    if out and unseen_model(found):
-        out[-1] += " Trials without success are taken as longer than they lasted."
-    for s in found.success.shares if found.success else []:
+    if out and unseen_model(analysis):
+        out[-1] += " Trials without success are assumed to take longer than they lasted."
+    for s in analysis.success.shares if analysis.success else []:
         if s.pair.factor.name == main:
             ends = formats.interval(formats.points(s.estimate.low), formats.points(s.estimate.high))
-            doubt = "" if s.estimate.low > 0 or s.estimate.high < 0 else "; it may be none"
+            doubt = (
+                "" if s.estimate.low > 0 or s.estimate.high < 0 else "; there may be no difference"
+            )
             out.append(
                 f"{s.pair.second} succeeded in {formats.percent(s.second.value)} of trials, "
                 f"{s.pair.first} in {formats.percent(s.first.value)}: "

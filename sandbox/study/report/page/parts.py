@@ -1,4 +1,4 @@
-"""Parts of a page: sections with paragraphs, tables, and pictures with their numbers."""
+"""Parts of a page: sections with paragraphs, tables and pictures."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ class Table:
     Attributes:
         caption: Caption of the table.
         head: Headings of the columns.
-        rows: Texts of the cells; the first of each row is its name.
+        rows: Texts of the cells; the first cell of each row is its heading.
         note: Note below the table.
     """
 
@@ -30,8 +30,8 @@ class Picture:
 
     Attributes:
         svg: The picture.
-        caption: Content of the picture, and how to read it.
-        table: The same values as numbers.
+        caption: Description of the picture.
+        table: Table with the same numbers.
     """
 
     svg: str
@@ -45,8 +45,8 @@ class Paragraph:
     """A paragraph.
 
     Attributes:
-        text: Plain.
-        tone: empty; `note` for what limits a result; `lead` for the result itself.
+        text: Plain text.
+        tone: Empty, `note` for a limitation of a result, or `lead` for the result itself.
     """
 
     text: str
@@ -62,9 +62,9 @@ class Section:
     """A section of the page.
 
     Attributes:
-        id: Id of its anchor.
-        title: Its heading.
-        parts: In order.
+        id: Id of the anchor.
+        title: Heading.
+        parts: Parts in order.
     """
 
     id: str

@@ -1,7 +1,8 @@
-"""Pictures as SVG that follows the page: its colours, light or dark, and its letters.
+"""Plots as SVG with the colours (light or dark) and the font of the page.
 
-matplotlib draws with colours that stand for others; in the SVG they become variables of the page's
-style sheet. Levels differ in shape, too, for those who see no colours.
+matplotlib draws with placeholder colours, which are replaced in the SVG by variables of the page's
+style sheet. Levels also differ in the shape of their markers, for readers who cannot tell colours
+apart.
 """
 
 from __future__ import annotations
@@ -20,15 +21,15 @@ from sandbox.study.report.models.intervals import Estimate
 INK, MUTED, GRID, PAPER = "#0a0bf0", "#0a0bf1", "#0a0bf2", "#0a0bf3"
 _NAMES = {INK: "--ink", MUTED: "--muted", GRID: "--grid", PAPER: "--paper"}
 SERIES = tuple(f"#0a0b{i:02x}" for i in range(8))
-"""Colours that stand for those of the page: --s0 ... --s7."""
+"""Placeholders of the colours --s0 ... --s7 of the page."""
 MARKERS = "osD^vPX*"
 FARTHEST = 2.0
-"""Intervals are shown as far as so many times the span of values; see `_scale`."""
+"""Farthest end of a drawn interval, in multiples of the span of values; see `_scale`."""
 WIDTH = 7.2
-"""In; the page scales it."""
+"""Width of a plot, in; the page scales it."""
 _STYLE: Any = {
     "svg.fonttype": "none",
-    # A dollar in a level's name is a dollar.
+    # A dollar sign in the name of a level must not start a formula.
     "text.parse_math": False,
     "svg.hashsalt": "sandbox study report",
     "font.size": 10.0,
@@ -57,7 +58,7 @@ _STYLE: Any = {
 
 @dataclass(frozen=True)
 class Dot:
-    """A mean with its intervals: a thick one inside of a thin one."""
+    """A mean with two intervals, drawn as a thin and a thick line."""
 
     value: float
     thin: Estimate
@@ -73,7 +74,7 @@ def _figure(
     columns: int = 1,
     **how: Any,
 ) -> Iterator[tuple[Any, list[Any]]]:
-    """A figure with given margins, inches: computing them would take longer than drawing."""
+    """A figure with given margins, in; to compute them would take longer than drawing."""
     from matplotlib import rc_context
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
@@ -90,17 +91,17 @@ def _figure(
 
 
 def _left(names: Sequence[str]) -> float:
-    """In, for names beside an axis."""
+    """Left margin for the names beside an axis, in."""
     return 0.25 + 0.075 * max((len(n) for n in names), default=0)
 
 
 def _above(series: Sequence[str]) -> float:
-    """In, for a legend in rows of `PER_ROW`."""
+    """Upper margin for the legend, in."""
     return 0.1 if len(series) < 2 else 0.2 + 0.22 * -(-len(series) // _per_row(series))
 
 
 def _per_row(series: Sequence[str]) -> int:
-    """Entries of a legend that fit beside each other."""
+    """Number of legend entries that fit in one row."""
     return max(1, min(len(series), int(WIDTH / (0.6 + 0.08 * max(map(len, series))))))
 
 
@@ -115,7 +116,7 @@ def _legend(figure: Any, axes: Any, series: Sequence[str]) -> None:
 
 
 def svg_of(figure: Any, name: str, title: str) -> str:
-    """A figure as SVG for a page that may hold several.
+    """Converts a figure to SVG for a page with several figures.
 
     Args:
         figure: Figure of matplotlib.
@@ -132,7 +133,7 @@ def svg_of(figure: Any, name: str, title: str) -> str:
     text = re.sub(r' id="([^"]+)"', rf' id="{name}-\1"', text)
     text = re.sub(r"url\(#", f"url(#{name}-", text)
     text = re.sub(r'xlink:href="#', f'href="#{name}-', text)
-    # The page's letters instead of those of the drawing.
+    # The font of the page instead of that of the figure.
     text = re.sub(r"font: (?:[a-z0-9]+ )*?(\d[\d.]*)px [^;\"]+", r"font-size: \1px", text)
     for colour, variable in _NAMES.items():
         text = text.replace(colour, f"var({variable})")
@@ -157,7 +158,7 @@ def dots(
     log: bool = False,
     limits: tuple[float, float] | None = None,
 ) -> str:
-    """Means by row and series, side by side, with their intervals.
+    """Plots means with their intervals, by row and series.
 
     Args:
         name, title: See `svg_of`.
@@ -212,7 +213,7 @@ def forest(
     none: float,
     log: bool = False,
 ) -> str:
-    """Differences with intervals, and a line at no difference.
+    """Plots differences with intervals, and a line at no difference.
 
     Args:
         name, title: See `svg_of`.
@@ -255,7 +256,7 @@ def lines_by_person(
     means: Sequence[Sequence[Estimate]],
     log: bool = False,
 ) -> str:
-    """A line for each person from level to level, and the mean over people.
+    """Plots a line over levels for each person, and the mean over people.
 
     Args:
         name, title: See `svg_of`.
@@ -272,7 +273,7 @@ def lines_by_person(
     ) as (figure, all_axes):
         for k, axes in enumerate(all_axes):
             x = np.arange(len(levels[k]))
-            # People who did one level only are points, a little apart.
+            # People who did only one level are drawn as points with small shifts.
             many = np.isfinite(values[k]).sum(axis=1) > 1
             axes.plot(x, values[k][many].T, "-", color=MUTED, alpha=0.5, lw=0.9)
             for i, own in enumerate(values[k][~many]):
@@ -295,7 +296,7 @@ def lines_by_person(
             axes.set_xlim(-0.5, len(x) - 0.5)
             axes.set_title(panels[k])
             axes.grid(axis="x", visible=False)
-        # Once everything is drawn: the panels share this axis.
+        # This must come last, since the panels share the axis.
         _scale(all_axes[0].yaxis, log, np.concatenate([v.ravel() for v in values]))
         all_axes[0].set_ylabel(label)
         return svg_of(figure, name, title)
@@ -311,7 +312,7 @@ def curves(
     values: Sequence[Sequence[Estimate]],
     log: bool = False,
 ) -> str:
-    """Means along something, with bands or bars.
+    """Plots means along a horizontal axis, with bands or bars.
 
     Args:
         name, title: See `svg_of`.
@@ -346,7 +347,7 @@ def curves(
 
 
 def _label(name: str) -> str:
-    """A legend's entry; matplotlib takes no notice of names that begin with an underscore."""
+    """Entry of a legend; matplotlib ignores names that begin with an underscore."""
     return "\u200b" + name if name.startswith("_") else name
 
 
@@ -355,10 +356,10 @@ def _short(text: str, most: int = 18) -> str:
 
 
 def _scale(axis: Any, log: bool, values: Sequence[float] | np.ndarray = ()) -> None:
-    """An axis around values; a logarithmic one with plain numbers on it.
+    """Sets limits of an axis around values, and plain numbers as ticks of a logarithmic one.
 
-    Intervals of two or three people can be so wide that nothing else would be seen: the axis ends
-    where they are several times as far away as values are from each other.
+    Intervals over two or three people can be so wide that nothing else would be visible. The axis
+    therefore ends at `FARTHEST` times the span of the values beyond them.
     """
     known = np.asarray(values, dtype=float)
     known = known[np.isfinite(known) & ((known > 0.0) | (not log))]

@@ -14,16 +14,16 @@ from sandbox.study.report.models.intervals import Estimate
 from sandbox.study.report.models.mixed import Mixed, practice_effect
 from sandbox.study.report.models.order import balanced, neighbours
 from sandbox.study.report.models.quantities import LOG, SHARE
-from sandbox.study.report.models.summaries import cells_of, person_means
+from sandbox.study.report.models.summaries import cells_of, person_means, row_means
 from sandbox.study.report.page import formats, plots
 from sandbox.study.report.page.parts import Picture, Section, Table
 from sandbox.study.report.page.section_results import means_picture
 
 
-def exclusions_section(found: Analysis) -> Section:
-    """Section on left out data, and on how trials ended."""
-    section = Section("exclusions", "What was left out")
-    data = found.data
+def exclusions_section(analysis: Analysis) -> Section:
+    """Section on excluded data, and on how trials ended."""
+    section = Section("exclusions", "Excluded data")
+    data = analysis.data
     rows = [
         [
             s.what,
@@ -34,16 +34,16 @@ def exclusions_section(found: Analysis) -> Section:
     ]
     section.parts.append(
         Table(
-            "From everything to what is used here",
+            "From all data to the data used here",
             ["Step", "Participants", "Trials"],
             rows,
-            "Nothing is ever deleted; trial_results.csv has all.",
+            "Excluded data are not deleted: trial_results.csv has all trials.",
         )
     )
     missing = unfinished(data)
     if missing:
         section.say(
-            f"Not finished yet: {', '.join(missing)}. Their trials so far are used.", "note"
+            f"Not finished yet: {', '.join(missing)}. Their finished trials are used.", "note"
         )
     kinds = list(next(iter(endings(data).values()), {}))
     if kinds:
@@ -52,9 +52,9 @@ def exclusions_section(found: Analysis) -> Section:
                 "How the trials used ended",
                 ["Condition", *kinds],
                 [[c, *(str(n[k]) for k in kinds)] for c, n in endings(data).items()],
-                "timeout: the time was up; failed: something was lost or broken for good; diverged "
-                "and input_ended: the simulation or the device failed. All but successes count as "
-                "no success.",
+                "timeout: the time limit was reached; failed: the task could no longer succeed; "
+                "diverged and input_ended: the simulation or the device failed. All of these "
+                "count as no success.",
             )
         )
     return section
@@ -64,32 +64,34 @@ def _minus(n: int) -> str:
     return f"−{n}" if n else "0"
 
 
-def people_section(found: Analysis) -> Section:
-    """Everybody's own means."""
+def people_section(analysis: Analysis) -> Section:
+    """Section with the means of every person."""
     section = Section("people", "Person by person")
-    for one in (found.time, found.success):
+    for one in (analysis.time, analysis.success):
         if one is not None:
-            section.parts.append(_spaghetti(found, one))
+            section.parts.append(_spaghetti(analysis, one))
     if not section.parts:
         section.say("No trials are used.")
     return section
 
 
-def _spaghetti(found: Analysis, one: MeasureModel) -> Picture:
-    data, what = found.data, one.described.what
+def _spaghetti(analysis: Analysis, one: MeasureModel) -> Picture:
+    data, what = analysis.data, one.described.what
     own = person_means(data, what)
     several = [f for f in data.factors if len(f.levels) > 1]
     levels, values, means = [], [], []
     scale = 100.0 if what.scale == SHARE else 1.0
     for factor in several:
         groups = cells_of(data, factor)
-        table = np.column_stack([_row_means(own[:, cells]) for _, cells in groups])
+        table = np.column_stack([row_means(own[:, cells]) for _, cells in groups])
         values.append(np.vectorize(what.back)(table) * scale)
         levels.append([name for name, _ in groups])
-        means.append([_scaled(s.within, scale) for s in one.described.levels[factor.name]])
+        means.append(
+            [s.within.mapped(lambda v: scale * v) for s in one.described.levels[factor.name]]
+        )
     if not several:
         values, levels = [np.vectorize(what.back)(own) * scale], [["all"]]
-        means = [[_scaled(s.mean, scale) for s in one.described.conditions]]
+        means = [[s.mean.mapped(lambda v: scale * v) for s in one.described.conditions]]
     panels = [f.name for f in several] or [""]
     label = f"{what.title} (% of trials)" if what.scale == SHARE else what.label
     svg = plots.lines_by_person(
@@ -109,8 +111,8 @@ def _spaghetti(found: Analysis, one: MeasureModel) -> Picture:
     unit = "%" if what.scale == SHARE else what.unit
     return Picture(
         svg,
-        f"{what.title}: a thin line is a person; the thick one is the mean, with "
-        "95 % intervals for comparing.",
+        f"{what.title}: thin lines are persons; the thick line is the mean, with 95 % intervals "
+        "for comparing.",
         Table(
             f"{what.title} of every person ({unit})",
             ["Participant", *(x for some in levels for x in some)],
@@ -119,50 +121,38 @@ def _spaghetti(found: Analysis, one: MeasureModel) -> Picture:
     )
 
 
-def _row_means(values: np.ndarray) -> np.ndarray:
-    known = np.isfinite(values)
-    n = known.sum(axis=1)
-    return np.divide(
-        np.where(known, values, 0.0).sum(axis=1), n, out=np.full(len(n), np.nan), where=n > 0
-    )
-
-
-def _scaled(e: Estimate, by: float) -> Estimate:
-    return Estimate(by * e.value, by * e.low, by * e.high)
-
-
-def practice_section(found: Analysis) -> Section:
-    """Learning, and whether order mattered."""
+def practice_section(analysis: Analysis) -> Section:
+    """Section on learning and effects of order."""
     section = Section("order", "Practice and order")
-    if found.time is None:
-        section.say("Without completion times there is nothing to tell about practice.")
+    if analysis.time is None:
+        section.say("Effects of practice need completion times, and there are none.")
         return section
-    model = found.time.model
+    model = analysis.time.model
     practice = practice_effect(model) if isinstance(model, Mixed) else None
     if practice:
         value, low, high = (formats.change(v) for v in practice)
         section.say(
-            f"With every doubling of trials done, completion time changes by {value} (95 % "
-            f"interval {formats.interval(low, high)}); the models above take this into account."
+            f"Each time the number of trials done doubles, completion time changes by {value} (95 "
+            f"% interval {formats.interval(low, high)}). The models above include this effect."
         )
-    if found.learning:
-        section.parts.append(_learning(found))
-    for factor in found.data.factors:
-        if factor.name in found.places:
-            _order(section, found, factor.name)
+    if analysis.learning:
+        section.parts.append(_learning(analysis))
+    for factor in analysis.data.factors:
+        if factor.name in analysis.places:
+            _order(section, analysis, factor.name)
     return section
 
 
 FEWEST = 3
-"""People of whom an interval is drawn: that of two is so wide that nothing else would be seen."""
+"""Smallest number of people for a drawn interval; that of two people would fill the plot."""
 
 
 def _drawn(e: Estimate, people: int) -> Estimate:
     return e if people >= FEWEST else Estimate(e.value, nan, nan)
 
 
-def _learning(found: Analysis) -> Picture:
-    points = found.learning
+def _learning(analysis: Analysis) -> Picture:
+    points = analysis.learning
     series = list(dict.fromkeys(p.level for p in points))
     at = [[(p.first + p.last) / 2 for p in points if p.level == s] for s in series]
     values = [[_drawn(p.mean, p.people) for p in points if p.level == s] for s in series]
@@ -180,24 +170,24 @@ def _learning(found: Analysis) -> Picture:
         "learning",
         "Completion time from trial to trial",
         "Completion time (s)",
-        "trial with this level",
+        "number of the trial with this level",
         series,
         at,
         values,
         True,
     )
-    what = f" by {found.main.name}" if found.main else ""
+    what = f" by {analysis.main.name}" if analysis.main else ""
     return Picture(
         svg,
-        f"Completion time from trial to trial{what}, what other factors make of it "
-        f"taken out; 95 % intervals over people, where they are {FEWEST} or more.",
+        f"Completion time from trial to trial{what}, without the effects of other factors; 95 % "
+        f"intervals over people, for {FEWEST} people or more.",
         Table("Learning curves", ["Level", "Trial", "People", "Mean, s", "95 % interval"], rows),
     )
 
 
-def _order(section: Section, found: Analysis, name: str) -> None:
-    factor = found.data.factor(name)
-    some = found.places[name]
+def _order(section: Section, analysis: Analysis, name: str) -> None:
+    factor = analysis.data.factor(name)
+    some = analysis.places[name]
     even = balanced(some, factor)
     series = list(dict.fromkeys(p.level for p in some))
     at = [[float(p.place) for p in some if p.level == s] for s in series]
@@ -212,13 +202,13 @@ def _order(section: Section, found: Analysis, name: str) -> None:
         ]
         for p in some
     ]
-    after = neighbours(found.data, factor)
-    told = ", ".join(f"{a} then {b}: {n}" for (a, b), n in sorted(after.items()))
+    after = neighbours(analysis.data, factor)
+    sequences = ", ".join(f"{a} then {b}: {n}" for (a, b), n in sorted(after.items()))
     svg = plots.curves(
         f"order-{_id(name)}",
-        f"Completion time by place of each level of {name}",
+        f"Completion time by position of each level of {name}",
         "Completion time (s)",
-        f"place of the level of {name}",
+        f"position of the level of {name} in the order",
         series,
         at,
         values,
@@ -228,20 +218,19 @@ def _order(section: Section, found: Analysis, name: str) -> None:
         Picture(
             svg,
             f"Order of {name}: every level was {'' if even else 'not '}equally often at every "
-            "place. Lines that run side by side mean that the comparison does not depend on the "
-            "order.",
+            "position. Parallel lines mean that the comparison does not depend on the order.",
             Table(
-                f"Completion time by place of {name}",
-                ["Level", "Place", "Times", "Mean, s", "95 % interval"],
+                f"Completion time by position of {name}",
+                ["Level", "Position", "Times", "Mean, s", "95 % interval"],
                 rows,
-                f"Right after each other: {told}." if told else "",
+                f"Direct sequences: {sequences}." if sequences else "",
             ),
         )
     )
     if not even:
         section.say(
-            f"The order of {name} is not balanced among the trials used. The models take practice "
-            "into account, and nothing else that order may do.",
+            f"The order of {name} is not balanced in the trials used. The models include "
+            "practice, but no other effect of order.",
             "note",
         )
 
@@ -250,20 +239,20 @@ def _id(name: str) -> str:
     return "".join(c if c.isalnum() else "-" for c in name)
 
 
-def questionnaire_section(found: Analysis) -> Section:
-    """Scores and scales."""
+def questionnaire_section(analysis: Analysis) -> Section:
+    """Section on scores and single questions of questionnaires."""
     section = Section("questionnaires", "Questionnaires")
-    if not found.scales:
-        section.say("No questionnaire has answers that are numbers.")
-    for i, some in enumerate(_together(found.scales)):
+    if not analysis.scales:
+        section.say("No questionnaire has numerical answers.")
+    for i, some in enumerate(_together(analysis.scales)):
         section.parts.append(_scales(i, some))
     return section
 
 
 def _together(scales: Sequence[ScaleAnswers]) -> list[list[ScaleAnswers]]:
-    """Scales of one questionnaire that were asked about the same levels: scores, then questions.
+    """Groups scales of one questionnaire about the same levels: scores first, then questions.
 
-    A question that is a score by itself, as a rating of the NASA-TLX, is not shown twice.
+    A question that is also a score, such as a rating of the NASA-TLX, is not shown twice.
     """
     scored = {(s.questionnaire, s.scale) for s in scales if s.score}
     groups: dict[tuple[str, bool, tuple[str, ...]], list[ScaleAnswers]] = {}
@@ -293,7 +282,8 @@ def _scales(number: int, some: list[ScaleAnswers]) -> Picture:
     )
     return Picture(
         svg,
-        f"{title} ({kind}): means over people with 95 % intervals; thick lines are for comparing.",
+        f"{title} ({kind}): means over people with 95 % intervals; thick lines: intervals for "
+        "comparing.",
         Table(
             f"{title}, {kind}",
             ["Level, or pair", "People", "Mean or difference", "95 % interval", "p", "p, Holm"],
@@ -335,21 +325,20 @@ def _scale_rows(name: str, scale: ScaleAnswers) -> list[list[str]]:
     return rows
 
 
-def others_section(found: Analysis) -> Section:
-    """Measures that nobody asked to be compared."""
+def others_section(analysis: Analysis) -> Section:
+    """Section on measures that are described but not compared."""
     section = Section("measures", "Further measures")
-    if not found.rest:
+    if not analysis.rest:
         section.say("There are no further measures.")
         return section
     section.say(
-        "These are described and not tested: who looks at many measures finds differences "
-        "by chance. `--measure NAME` adds the comparison of one that was chosen "
-        "beforehand.",
+        "These measures are described but not tested, since among many measures some differ by "
+        "chance. `--measure NAME` adds the comparison of a measure that was chosen beforehand.",
         "note",
     )
-    for one in found.rest:
-        picture = means_picture(found.data, one, f"m-{one.what.name}")
-        better = {"high": " More is better.", "low": " Less is better."}.get(one.what.better, "")
+    for one in analysis.rest:
+        picture = means_picture(analysis.data, one, f"m-{one.what.name}")
+        better = {"high": " Higher is better.", "low": " Lower is better."}.get(one.what.better, "")
         means = f" {one.what.means[:1].upper()}{one.what.means[1:]}." if one.what.means else ""
         caption = f"{one.what.title} ({one.what.name}).{means}{better}"
         section.parts.append(Picture(picture.svg, caption, picture.table))

@@ -1,4 +1,4 @@
-"""Sections on completion time, success, and measures that were asked for."""
+"""Sections on completion time, success, and requested measures."""
 
 from __future__ import annotations
 
@@ -18,53 +18,52 @@ from sandbox.study.report.page import formats, plots
 from sandbox.study.report.page.parts import Picture, Section, Table
 
 HOW_TO_READ = (
-    "Points are means over people, each person counting once. Thin lines: 95 % intervals of these "
-    "means. Thick lines: 95 % intervals for comparing conditions, without the differences between "
-    "people (Cousineau and Morey)."
+    "Points are means over people, with equal weights. Thin lines: 95 % intervals of these means. "
+    "Thick lines: 95 % intervals for comparing conditions, without the differences between people "
+    "(Cousineau and Morey)."
 )
 
 
-def time_section(found: Analysis) -> Section:
-    """Completion times."""
+def time_section(analysis: Analysis) -> Section:
+    """Section on completion times."""
     section = Section("time", "Completion time")
-    if found.time is None:
+    if analysis.time is None:
         section.say("No trial succeeded, so there are no completion times.")
         return section
-    data = found.data
+    data = analysis.data
     unseen = int(data.used["censored"].sum())
     section.say(
         f"Of {formats.count(len(data.used), 'trial')}, {len(data.used) - unseen} succeeded; their "
         "times are averaged as logarithms (geometric means)."
         + (
-            f" {unseen} did not, and their completion times are only known to be longer than they "
-            "lasted."
+            f" {unseen} did not: their completion times are only known to be longer than the "
+            "trials lasted."
             if unseen
             else ""
         )
     )
-    section.parts.append(means_picture(data, found.time.described, "time"))
-    _compare_times(section, found, unseen)
+    section.parts.append(means_picture(data, analysis.time.described, "time"))
+    _compare_times(section, analysis, unseen)
     return section
 
 
-def _compare_times(section: Section, found: Analysis, unseen: int) -> None:
-    assert found.time is not None
-    model, seen, leading = found.time.model, found.time.differences, found.leading
+def _compare_times(section: Section, analysis: Analysis, unseen: int) -> None:
+    assert analysis.time is not None
+    model, seen, leading = analysis.time.model, analysis.time.differences, analysis.leading
     ways: list[tuple[str, Sequence[Difference]]] = []
-    if unseen and found.unseen:
-        ways.append(("all trials", found.unseen))
+    if unseen and analysis.unseen:
+        ways.append(("all trials", analysis.unseen))
     if seen:
         ways.append(("successes only", seen))
     if isinstance(model, str):
         section.say(f"No mixed model: {model}.", "note")
-    if unseen and isinstance(found.censored, str):
-        section.say(f"No model with trials that did not succeed: {found.censored}.", "note")
-    if unseen and found.unseen:
+    if unseen and isinstance(analysis.censored, str):
+        section.say(f"No model with trials that did not succeed: {analysis.censored}.", "note")
+    if unseen and analysis.unseen:
         section.say(
-            "Trials without success are mostly those that would have taken long. Leaving them out "
-            "makes conditions with many of them look faster than they are, so the comparison that "
-            "knows of them is to be read first; the mixed model of the trials that succeeded is "
-            "beside it.",
+            "Trials without success are mostly those that would have taken long. Without them, "
+            "conditions with many such trials look faster than they are. Therefore read the "
+            "comparison of all trials first; the mixed model uses successful trials only.",
             "note",
         )
     if not leading:
@@ -88,7 +87,7 @@ def _compare_times(section: Section, found: Analysis, unseen: int) -> None:
     ]
     nothing = Estimate(float("nan"), float("nan"), float("nan"))
     values = [
-        [_factor(known[t].estimate) if t in known else nothing for t in titles]
+        [known[t].estimate.mapped(exp) if t in known else nothing for t in titles]
         for known in by_title
     ]
     section.parts.append(
@@ -104,14 +103,14 @@ def _compare_times(section: Section, found: Analysis, unseen: int) -> None:
                 True,
             ),
             "How much longer (right of the line) or shorter (left) the first-named level takes, "
-            "averaged over the other factors, with 95 % intervals. All trials: those without "
-            "success are taken as longer than they lasted.",
+            "averaged over the other factors, with 95 % intervals. In the comparison of all "
+            "trials, those without success are assumed to take longer than they lasted.",
             Table(
                 "Differences in completion time",
                 ["Levels", "From", "Change", "95 % interval", "p", "p, Holm"],
                 rows,
-                "Successes only: by the mixed model. p Holm is adjusted for all "
-                "pairs of levels of the same factor; intervals are each for itself.",
+                "Successes only: by the mixed model. p, Holm is adjusted for all pairs of levels "
+                "of the same factor; intervals are not adjusted.",
             ),
         )
     )
@@ -124,29 +123,34 @@ def _model_table(model: Mixed, scale: str) -> Table:
     practice = practice_effect(model)
     if practice:
         value = formats.change(practice[0]) if scale == LOG else formats.number(practice[0])
-        rows.append(["change with every doubling of trials done", value])
+        rows.append(["change per doubling of the trials done", value])
     trials = formats.count(model.trials, "trial")
     note = f"{trials} of {formats.count(model.people, 'person', 'people')}"
     if model.left_out:
         note += "; left out: " + "; ".join(model.left_out)
     if not model.converged:
-        note += "; the optimiser did not settle, so read it with care"
+        note += "; the optimiser did not converge, so the estimates are uncertain"
     kind = " of the logarithm" if scale == LOG else ""
-    return Table(f"The mixed model{kind}: what varies", ["Term", "Estimate"], rows, note + ".")
+    return Table(
+        f"Random effects and practice in the mixed model{kind}",
+        ["Term", "Estimate"],
+        rows,
+        note + ".",
+    )
 
 
-def success_section(found: Analysis) -> Section:
-    """Success."""
+def success_section(analysis: Analysis) -> Section:
+    """Section on success."""
     section = Section("success", "Success")
-    if found.success is None:
+    if analysis.success is None:
         section.say("No trials are used.")
         return section
-    section.parts.append(means_picture(found.data, found.success.described, "success"))
-    if found.success.shares:
-        section.parts.append(_share_pairs("success", found.success.shares))
-    if isinstance(found.odds, str):
-        section.say(f"Odds ratios: {found.odds}.", "note")
-    elif found.odds:
+    section.parts.append(means_picture(analysis.data, analysis.success.described, "success"))
+    if analysis.success.shares:
+        section.parts.append(_share_pairs("success", analysis.success.shares))
+    if isinstance(analysis.odds, str):
+        section.say(f"Odds ratios: {analysis.odds}.", "note")
+    elif analysis.odds:
         rows = [
             [
                 d.pair.title,
@@ -157,14 +161,15 @@ def success_section(found: Analysis) -> Section:
                 formats.p_value(d.p),
                 formats.p_value(p),
             ]
-            for d, p in zip(found.odds, adjusted(found.odds), strict=True)
+            for d, p in zip(analysis.odds, adjusted(analysis.odds), strict=True)
         ]
         section.parts.append(
             Table(
                 "Odds ratios of success, by generalised estimating equations",
                 ["Levels", "Odds ratio", "95 % interval", "p", "p, Holm"],
                 rows,
-                "Trials of one person are exchangeable; errors after Mancl and DeRouen.",
+                "Exchangeable correlation of one person's trials; standard errors by Mancl and "
+                "DeRouen.",
             )
         )
     return section
@@ -184,16 +189,14 @@ def _share_pairs(name: str, some: Sequence[ShareDifference]) -> Picture:
         ]
         for d, p in zip(some, adjusted(some), strict=True)
     ]
-    hundred = [
-        Estimate(100 * d.estimate.value, 100 * d.estimate.low, 100 * d.estimate.high) for d in some
-    ]
+    percentages = [d.estimate.mapped(lambda v: 100 * v) for d in some]
     return Picture(
         plots.forest(
             f"{name}-pairs",
             "Differences of shares with 95 % intervals",
             "percentage points (0: no difference)",
             titles,
-            [hundred],
+            [percentages],
             ["shares"],
             0.0,
         ),
@@ -203,13 +206,13 @@ def _share_pairs(name: str, some: Sequence[ShareDifference]) -> Picture:
             "Differences in shares of trials",
             ["Levels", "second", "first", "Points", "95 % interval", "p", "p, Holm"],
             [[r[0], r[2], r[1], *r[3:]] for r in rows],
-            "p is of a permutation test over people.",
+            "p is from a permutation test over people.",
         ),
     )
 
 
 def asked_section(one: MeasureModel) -> Section:
-    """A measure that was asked for."""
+    """Section on a requested measure, without its results."""
     what = one.described.what
     section = Section(what.name, what.title)
     if what.means:
@@ -217,12 +220,12 @@ def asked_section(one: MeasureModel) -> Section:
     return section
 
 
-def asked_sections(found: Analysis) -> list[Section]:
-    """All measures that were asked for."""
+def asked_sections(analysis: Analysis) -> list[Section]:
+    """Sections on all requested measures."""
     sections = []
-    for one in found.asked:
+    for one in analysis.asked:
         section, what = asked_section(one), one.described.what
-        section.parts.append(means_picture(found.data, one.described, what.name))
+        section.parts.append(means_picture(analysis.data, one.described, what.name))
         if one.shares:
             section.parts.append(_share_pairs(what.name, one.shares))
         elif isinstance(one.model, str):
@@ -254,7 +257,7 @@ def _pairs_table(what: Quantity, some: Sequence[Difference]) -> Table:
 
 
 def means_picture(data: StudyData, one: MeasureSummary, name: str) -> Picture:
-    """Means by condition: the first factor in colours, combinations of the others in rows."""
+    """Plot of means by condition: levels of the first factor in colours, the others in rows."""
     what = one.what
     factors = [f for f in data.factors if len(f.levels) > 1]
     rows, series, places = [""], ["all"], {}
@@ -265,14 +268,14 @@ def means_picture(data: StudyData, one: MeasureSummary, name: str) -> Picture:
         rank = {x: i for f in factors[1:] for i, x in enumerate(f.levels)}
         rows.sort(key=lambda r: [rank.get(x, 0) for x in r.split(BETWEEN_NAMES)])
         places = {c: (r[1] if len(r) > 1 else "", r[0]) for c, r in rest.items()}
-    hundred = 100.0 if what.scale == SHARE else 1.0
+    scale = 100.0 if what.scale == SHARE else 1.0
 
-    def scaled(e: Estimate) -> Estimate:
-        return Estimate(hundred * e.value, hundred * e.low, hundred * e.high)
+    def scaled(estimate: Estimate) -> Estimate:
+        return estimate.mapped(lambda value: scale * value)
 
     values = {
         places.get(s.name, ("", "all")): plots.Dot(
-            hundred * s.mean.value, scaled(s.mean), scaled(s.within)
+            scale * s.mean.value, scaled(s.mean), scaled(s.within)
         )
         for s in one.conditions
     }
@@ -296,7 +299,7 @@ def means_picture(data: StudyData, one: MeasureSummary, name: str) -> Picture:
 
 
 def means_table(data: StudyData, one: MeasureSummary, caption: str) -> Table:
-    """Means with intervals, as texts."""
+    """Table of means with intervals."""
     what = one.what
     show = formats.percent if what.scale == SHARE else formats.number
     timed = what.name == "time_s"
@@ -305,7 +308,7 @@ def means_table(data: StudyData, one: MeasureSummary, caption: str) -> Table:
         extra = []
         if timed:
             middle = median_with_unseen(data, i)
-            extra = ["not seen" if middle == float("inf") else formats.number(middle)]
+            extra = ["not known" if middle == float("inf") else formats.number(middle)]
         rows.append([s.name, *_mean_cells(s, show), *extra])
     for factor, some in one.levels.items():
         if len(one.levels) > 1:
@@ -316,8 +319,8 @@ def means_table(data: StudyData, one: MeasureSummary, caption: str) -> Table:
     unit = f", {what.unit}" if what.unit and what.scale != SHARE else ""
     head = ["Condition", "People", "Trials", f"Mean{unit}", "95 % interval", "for comparing"]
     note = (
-        "Median: of all trials, those without success counted as longer than any other; not seen "
-        "where half of them or more had none."
+        "Median: over all trials, where trials without success count as longer than all others; "
+        "not known if half of the trials or more had no success."
     )
     more = [f"Median{unit}"] if timed else []
     return Table(caption, [*head, *more], rows, note if timed else "")
@@ -334,10 +337,6 @@ def _mean_cells(s: Summary, show: object) -> list[str]:
     ]
 
 
-def _factor(e: Estimate) -> Estimate:
-    return Estimate(exp(e.value), exp(e.low), exp(e.high))
-
-
-def unseen_model(found: Analysis) -> bool:
-    """True if the main comparison includes trials without success."""
-    return isinstance(found.censored, Censored) and found.censored.unseen > 0
+def unseen_model(analysis: Analysis) -> bool:
+    """Returns True if the main comparison includes trials without success."""
+    return isinstance(analysis.censored, Censored) and analysis.censored.unseen > 0
