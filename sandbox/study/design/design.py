@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from sandbox.study.design.page_options import PageOptions
+from sandbox.study.design.page_settings import PageSettings
 from sandbox.study.design.reading import Text
 from sandbox.study.design.scoring import Scale
 
@@ -206,7 +206,7 @@ class Design:
     expected: float
     break_every: int
     break_time: float
-    page: PageOptions
+    page: PageSettings
     consent: Text
     consent_version: str
     instructions: tuple[Instruction, ...]

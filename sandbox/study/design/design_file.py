@@ -23,7 +23,7 @@ from sandbox.study.design.design import (
     Level,
 )
 from sandbox.study.design.orders import MOST_FACTORIAL
-from sandbox.study.design.page_options import read_page_options
+from sandbox.study.design.page_settings import read_page_settings
 from sandbox.study.design.questionnaires import read_form, read_item
 from sandbox.study.design.reading import DesignError, Mistake, Reader, TomlTable
 from sandbox.study.measures.registry import rule_measures
@@ -121,7 +121,7 @@ def _design(top: TomlTable, text: str, path: Path) -> Design:
         expected=float(trials.number("expected_s", 20.0, 0.05, 3600.0)),
         break_every=breaks.number("every", 0, 0, 10_000, whole=True),
         break_time=float(breaks.number("least_s", 30.0, 0.0, 7200.0)),
-        page=read_page_options(top, trials),
+        page=read_page_settings(top, trials),
         consent=consent.text("text") if consent.has("text") else {},
         consent_version=consent.string("version", "1"),
         instructions=tuple(_instruction(t, factors) for t in top.tables("instructions")),

@@ -109,7 +109,7 @@ class TomlTable:
         return value
 
     def string(self, key: str, default: str | None = None) -> str:
-        """Takes a string, which is required if there is no default."""
+        """Takes a string; required unless a default is given."""
         if default is None and not self.has(key):
             self._known.append(key)
             self.add_mistake("", f"`{key}` is missing", f'Add a line such as {key} = "..."')

@@ -19,7 +19,7 @@ SECOND = "hand2_"
 
 
 class Columns:
-    """Columns by name; each cell is a text, empty if there is no value.
+    """Columns by name; each cell is a text, empty for missing values.
 
     Args:
         texts: Cells by column; all columns have the same length.

@@ -11,7 +11,7 @@ import numpy as np
 
 from models.outside import failure
 from sandbox.study.measures.columns import Columns
-from sandbox.study.measures.measure import Measure, Row, Value
+from sandbox.study.measures.measure import Row, TrialMeasure, Value
 from sandbox.study.measures.played_trial import PlayedTrial
 from sandbox.study.measures.registry import measures
 from sandbox.trial.result import TrialResult
@@ -63,12 +63,12 @@ def measure_trials(rows: Sequence[Row]) -> Measured:
     """Computes the measures of several trials together.
 
     Args:
-        rows: Rows of `trial_results.csv`; see `Measure.of_trials`.
+        rows: Rows of `trial_results.csv`; see `TrialMeasure.of_trials`.
     """
     return _compute([(m, m.of_trials, rows) for m in measures() if m.of_trials is not None])
 
 
-def _compute(calls: Sequence[tuple[Measure, Callable[[T], Value], T]]) -> Measured:
+def _compute(calls: Sequence[tuple[TrialMeasure, Callable[[T], Value], T]]) -> Measured:
     values: dict[str, Value] = {}
     reasons: dict[str, str] = {}
     failed = []

@@ -28,11 +28,11 @@ LIVE = "trials with a live device"
 PAGE = "trials on the page"
 
 HIGH, LOW = "high", "low"
-"""Values of `Measure.better`."""
+"""Values of `TrialMeasure.better`."""
 
 
 @dataclass(frozen=True)
-class Measure:
+class TrialMeasure:
     """A measure of a trial.
 
     Exactly one of `of_trial`, `of_result` and `of_trials` computes it. If the function raises an
@@ -75,10 +75,10 @@ class Measure:
         return self.means if self.source == "ours" else f"{self.means} ({self.source})"
 
 
-def result_measure(name: str, title: str, better: str = "", in_report: bool = True) -> Measure:
+def result_measure(name: str, title: str, better: str = "", in_report: bool = True) -> TrialMeasure:
     """Creates a measure from a field of the trial's result, with its unit and meaning."""
     field = fields()[name]
-    return Measure(
+    return TrialMeasure(
         name,
         field.unit,
         title,

@@ -17,8 +17,8 @@ from sandbox.study.measures.measure import (
     LOW,
     PAGE,
     PLACES,
-    Measure,
     Row,
+    TrialMeasure,
     live_measure,
     result_measure,
 )
@@ -38,14 +38,14 @@ def _throughput(rows: Sequence[Row]) -> float | None:
 BALASUBRAMANIAN = "Balasubramanian, Melendez-Calderon, Roby-Brami and Burdet 2015"
 ISO = "ISO 9241-411; Soukoreff and MacKenzie 2004"
 
-BUILT_IN: tuple[Measure, ...] = (
+BUILT_IN: tuple[TrialMeasure, ...] = (
     result_measure("success", "Success", HIGH),
     result_measure("instant", "Reached for an instant", HIGH),
     result_measure("held", "Held", HIGH, in_report=False),
     result_measure("final", "Still there at the end", HIGH),
     result_measure("progress", "Progress", HIGH),
     result_measure("time_s", "Time", LOW),
-    Measure(
+    TrialMeasure(
         "first_attempt_success",
         "0/1",
         "Success at the first attempt",
@@ -54,7 +54,7 @@ BUILT_IN: tuple[Measure, ...] = (
         tasks=HANDLING,
         of_trial=lambda trial: trial.first_attempt_success,
     ),
-    Measure(
+    TrialMeasure(
         "completion_s",
         "s",
         "Completion time",
@@ -63,7 +63,7 @@ BUILT_IN: tuple[Measure, ...] = (
         of_trial=lambda trial: trial.result.time_s if trial.result.success else None,
         in_report=False,
     ),
-    Measure(
+    TrialMeasure(
         "first_contact_s",
         "s",
         "Time to first touch",
@@ -71,7 +71,7 @@ BUILT_IN: tuple[Measure, ...] = (
         better=LOW,
         of_result=live_measure("first_contact_s"),
     ),
-    Measure(
+    TrialMeasure(
         "first_push_s",
         "s",
         "Time to first contact",
@@ -80,7 +80,7 @@ BUILT_IN: tuple[Measure, ...] = (
         tasks=HANDLING,
         of_trial=lambda trial: trial.handling.get("first_push_s"),
     ),
-    Measure(
+    TrialMeasure(
         "grasps",
         "",
         "Grasps",
@@ -89,7 +89,7 @@ BUILT_IN: tuple[Measure, ...] = (
         tasks=HANDLING,
         of_trial=lambda trial: trial.handling.get("grasps"),
     ),
-    Measure(
+    TrialMeasure(
         "regrasps",
         "",
         "Regrasps",
@@ -99,7 +99,7 @@ BUILT_IN: tuple[Measure, ...] = (
         tasks=HANDLING,
         of_trial=lambda trial: trial.handling.get("regrasps"),
     ),
-    Measure(
+    TrialMeasure(
         "drops",
         "",
         "Drops",
@@ -108,7 +108,7 @@ BUILT_IN: tuple[Measure, ...] = (
         tasks=HANDLING,
         of_trial=lambda trial: trial.handling.get("drops"),
     ),
-    Measure(
+    TrialMeasure(
         "palm_path_m",
         "m",
         "Path of the palm",
@@ -116,7 +116,7 @@ BUILT_IN: tuple[Measure, ...] = (
         better=LOW,
         of_trial=lambda trial: trial.palm.get("palm_path_m"),
     ),
-    Measure(
+    TrialMeasure(
         "palm_efficiency",
         "0 to 1",
         "Path efficiency of the palm",
@@ -124,7 +124,7 @@ BUILT_IN: tuple[Measure, ...] = (
         better=HIGH,
         of_trial=lambda trial: trial.palm.get("palm_efficiency"),
     ),
-    Measure(
+    TrialMeasure(
         "object_path_m",
         "m",
         "Path of the object",
@@ -133,7 +133,7 @@ BUILT_IN: tuple[Measure, ...] = (
         tasks=GOALS,
         of_trial=lambda trial: trial.objects.get("object_path_m"),
     ),
-    Measure(
+    TrialMeasure(
         "object_efficiency",
         "0 to 1",
         "Path efficiency of the object",
@@ -142,7 +142,7 @@ BUILT_IN: tuple[Measure, ...] = (
         tasks=GOALS,
         of_trial=lambda trial: trial.objects.get("object_efficiency"),
     ),
-    Measure(
+    TrialMeasure(
         "placement_error_m",
         "m",
         "Placement error",
@@ -151,7 +151,7 @@ BUILT_IN: tuple[Measure, ...] = (
         tasks=GOALS,
         of_trial=lambda trial: trial.objects.get("placement_error_m"),
     ),
-    Measure(
+    TrialMeasure(
         "placement_error_deg",
         "deg",
         "Placement error (angle)",
@@ -161,14 +161,14 @@ BUILT_IN: tuple[Measure, ...] = (
         tasks=GOALS,
         of_trial=lambda trial: trial.objects.get("placement_error_deg"),
     ),
-    Measure(
+    TrialMeasure(
         "palm_peak_m_s",
         "m/s",
         "Peak speed of the palm",
         "largest speed of the commanded palm while the hand was down",
         of_trial=lambda trial: trial.palm.get("palm_peak_m_s"),
     ),
-    Measure(
+    TrialMeasure(
         "object_peak_m_s",
         "m/s",
         "Peak speed of the object",
@@ -177,7 +177,7 @@ BUILT_IN: tuple[Measure, ...] = (
         tasks=GOALS,
         of_trial=lambda trial: trial.objects.get("object_peak_m_s"),
     ),
-    Measure(
+    TrialMeasure(
         "palm_sparc",
         "",
         "Smoothness of the palm",
@@ -187,7 +187,7 @@ BUILT_IN: tuple[Measure, ...] = (
         source=BALASUBRAMANIAN,
         of_trial=lambda trial: trial.palm.get("palm_sparc"),
     ),
-    Measure(
+    TrialMeasure(
         "object_sparc",
         "",
         "Smoothness of the object",
@@ -198,7 +198,7 @@ BUILT_IN: tuple[Measure, ...] = (
         source=BALASUBRAMANIAN,
         of_trial=lambda trial: trial.objects.get("object_sparc"),
     ),
-    Measure(
+    TrialMeasure(
         "label_switches",
         "",
         "Label switches",
@@ -206,7 +206,7 @@ BUILT_IN: tuple[Measure, ...] = (
         better=LOW,
         of_trial=lambda trial: trial.labels.get("label_switches"),
     ),
-    Measure(
+    TrialMeasure(
         "label_truth",
         "",
         "Source of the true fingers",
@@ -215,7 +215,7 @@ BUILT_IN: tuple[Measure, ...] = (
         of_trial=lambda trial: trial.labels.get("label_truth"),
         words=True,
     ),
-    Measure(
+    TrialMeasure(
         "label_accuracy",
         "0 to 1",
         "Label accuracy",
@@ -224,7 +224,7 @@ BUILT_IN: tuple[Measure, ...] = (
         tasks=LABELS,
         of_trial=lambda trial: trial.labels.get("label_accuracy"),
     ),
-    Measure(
+    TrialMeasure(
         "label_errors",
         "",
         "Wrong labels",
@@ -233,7 +233,7 @@ BUILT_IN: tuple[Measure, ...] = (
         tasks=LABELS,
         of_trial=lambda trial: trial.labels.get("label_errors"),
     ),
-    Measure(
+    TrialMeasure(
         "label_recovery_s",
         "s",
         "Time to the right label",
@@ -243,7 +243,7 @@ BUILT_IN: tuple[Measure, ...] = (
         tasks=LABELS,
         of_trial=lambda trial: trial.labels.get("label_recovery_s"),
     ),
-    Measure(
+    TrialMeasure(
         "label_unrecovered",
         "",
         "Labels never corrected",
@@ -252,7 +252,7 @@ BUILT_IN: tuple[Measure, ...] = (
         tasks=LABELS,
         of_trial=lambda trial: trial.labels.get("label_unrecovered"),
     ),
-    Measure(
+    TrialMeasure(
         "lost_s",
         "s",
         "Lost time",
@@ -260,7 +260,7 @@ BUILT_IN: tuple[Measure, ...] = (
         better=LOW,
         of_result=live_measure("lost_s"),
     ),
-    Measure(
+    TrialMeasure(
         "waited_s",
         "s",
         "Time before the first touch",
@@ -270,7 +270,7 @@ BUILT_IN: tuple[Measure, ...] = (
         tasks=PAGE,
         of_result=live_measure("waited_s"),
     ),
-    Measure(
+    TrialMeasure(
         "away_s",
         "s",
         "Time without the page",
@@ -279,7 +279,7 @@ BUILT_IN: tuple[Measure, ...] = (
         tasks=PAGE,
         of_result=live_measure("away_s"),
     ),
-    Measure(
+    TrialMeasure(
         "away",
         "",
         "Gaps without the page",
@@ -288,7 +288,7 @@ BUILT_IN: tuple[Measure, ...] = (
         tasks=PAGE,
         of_result=live_measure("away"),
     ),
-    Measure(
+    TrialMeasure(
         "latency_p50_ms",
         "ms",
         "Latency (median)",
@@ -297,7 +297,7 @@ BUILT_IN: tuple[Measure, ...] = (
         tasks=LIVE,
         of_result=live_measure("latency_p50_ms"),
     ),
-    Measure(
+    TrialMeasure(
         "latency_p95_ms",
         "ms",
         "Latency (95th percentile)",
@@ -306,7 +306,7 @@ BUILT_IN: tuple[Measure, ...] = (
         tasks=LIVE,
         of_result=live_measure("latency_p95_ms"),
     ),
-    Measure(
+    TrialMeasure(
         "latency_p99_ms",
         "ms",
         "Latency (99th percentile)",
@@ -315,7 +315,7 @@ BUILT_IN: tuple[Measure, ...] = (
         tasks=LIVE,
         of_result=live_measure("latency_p99_ms"),
     ),
-    Measure(
+    TrialMeasure(
         "move_amplitude_m",
         "m",
         "Amplitude",
@@ -324,7 +324,7 @@ BUILT_IN: tuple[Measure, ...] = (
         source=ISO,
         of_trial=lambda trial: trial.objects.get("move_amplitude_m"),
     ),
-    Measure(
+    TrialMeasure(
         "move_error_m",
         "m",
         "Endpoint error along the line",
@@ -333,7 +333,7 @@ BUILT_IN: tuple[Measure, ...] = (
         source=ISO,
         of_trial=lambda trial: trial.objects.get("move_error_m"),
     ),
-    Measure(
+    TrialMeasure(
         "throughput_bit_s",
         "bit/s",
         "Effective throughput",

@@ -12,17 +12,17 @@ from functools import cache
 
 from models.errors import InputError
 from models.outside import failure, offered, package
-from sandbox.study.measures.measure import Measure
+from sandbox.study.measures.measure import TrialMeasure
 from sandbox.study.measures.measures import BUILT_IN
 from sandbox.trial.result import KeptIn, kept_fields
 
 GROUP = "hand_sandbox.measures"
 """Group of the entry points; each entry point has the name of its measure."""
 
-_registered: list[Measure] = []
+_registered: list[TrialMeasure] = []
 
 
-def measures() -> tuple[Measure, ...]:
+def measures() -> tuple[TrialMeasure, ...]:
     """Returns all measures, in the order of their columns.
 
     Raises:
@@ -31,7 +31,7 @@ def measures() -> tuple[Measure, ...]:
     return (*BUILT_IN, *_offered(), *_registered)
 
 
-def register(measure: Measure) -> None:
+def register(measure: TrialMeasure) -> None:
     """Adds a measure until this program ends.
 
     Raises:
@@ -53,7 +53,7 @@ def unregister(name: str) -> None:
     _registered[:] = [measure for measure in _registered if measure.name != name]
 
 
-def find_measure(name: str) -> Measure | None:
+def find_measure(name: str) -> TrialMeasure | None:
     """Returns the measure of a name; None if it does not exist."""
     return next((measure for measure in measures() if measure.name == name), None)
 
@@ -71,7 +71,7 @@ def rule_measures() -> tuple[str, ...]:
 
 
 @cache
-def _offered() -> tuple[Measure, ...]:
+def _offered() -> tuple[TrialMeasure, ...]:
     """Measures of installed packages, sorted by name."""
     loaded = []
     for name, entries in sorted(offered(GROUP).items()):
@@ -106,12 +106,12 @@ def _offered() -> tuple[Measure, ...]:
 
 def _check(measure: object, where: str) -> None:
     """Raises an error unless this is a valid measure."""
-    if not isinstance(measure, Measure):
+    if not isinstance(measure, TrialMeasure):
         raise InputError(
             "expected a measure",
             where=where,
             got=type(measure).__name__,
-            expected="sandbox.study.measures.measure.Measure",
+            expected="sandbox.study.measures.measure.TrialMeasure",
         )
     ways = [w for w in (measure.of_trial, measure.of_result, measure.of_trials) if w is not None]
     if len(ways) != 1:

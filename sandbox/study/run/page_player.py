@@ -15,7 +15,7 @@ from sandbox.server.protocol.skins import pack_skin
 from sandbox.server.publishing import publish
 from sandbox.server.web import WebDevice
 from sandbox.session.session import Session
-from sandbox.study.design.page_options import PageOptions
+from sandbox.study.design.page_settings import PageSettings
 from sandbox.study.run.players import PlayedAttempt, RunningAttempt, TrialRequest
 from sandbox.study.run.study_page import TICK, StudyPage, inches, is_too_small
 from sandbox.trial.driver import View
@@ -37,7 +37,7 @@ class PagePlayer:
         language: Language of the participant.
     """
 
-    def __init__(self, page: StudyPage, options: PageOptions, language: str) -> None:
+    def __init__(self, page: StudyPage, options: PageSettings, language: str) -> None:
         self._page, self._options, self._language = page, options, language
 
     def play(self, request: TrialRequest) -> PlayedAttempt:
@@ -101,7 +101,7 @@ class _PageClock:
     of the page say.
     """
 
-    def __init__(self, page: StudyPage, device: WebDevice | None, options: PageOptions) -> None:
+    def __init__(self, page: StudyPage, device: WebDevice | None, options: PageSettings) -> None:
         self._page, self._device, self._options = page, device, options
         self._shown = time.monotonic()
         self._waiting = device is not None and options.starts == "touch"
@@ -154,7 +154,7 @@ class _PageClock:
         return {"waited_s": waited, "away_s": round(self._away, 3), "away": self._times}
 
 
-def page_settings(page: StudyPage, settings: RunSettings, designed: bool) -> RunSettings:
+def settings_for_screen(page: StudyPage, settings: RunSettings, designed: bool) -> RunSettings:
     """Adapts the settings of a trial to the participant's screen.
 
     Args:

@@ -24,7 +24,7 @@ from sandbox.study.design.conditions import PARTNER
 from sandbox.study.design.plan import TrialStep
 from sandbox.study.record.folder import Participant
 from sandbox.study.run.forms import Poll
-from sandbox.study.run.page_player import page_device, page_settings
+from sandbox.study.run.page_player import page_device, settings_for_screen
 from sandbox.study.run.runner import FitSettings, OpenDevices
 from sandbox.study.run.simulate import simulated_devices, simulated_hand
 from sandbox.study.run.study_page import StudyPage
@@ -163,7 +163,7 @@ def settings_fitter(name: str, page: StudyPage | None = None, second: str = "") 
             return settings
         if page is not None and name == "web":
             page.wait_until_open(poll)
-            return page_settings(page, settings, designed)
+            return settings_for_screen(page, settings, designed)
         if is_evdev(name) and (native := native_surface(name)) is not None:
             if designed:
                 check_size(

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from models.errors import InputError
-from sandbox.study.measures.measure import Measure
+from sandbox.study.measures.measure import TrialMeasure
 from sandbox.study.measures.registry import find_measure, register, rule_measures, unregister
 from sandbox.study.record.folder import StudyFolder
 from sandbox.study.record.stored_sessions import session_path
@@ -18,7 +18,7 @@ from sandbox.study.report.make import make_report
 from sandbox.study.run.simulate import run_simulated
 from tests.support.study_files import open_study
 
-HEIGHT = Measure(
+HEIGHT = TrialMeasure(
     "palm_height_m",
     "m",
     "Height of the palm",
@@ -26,13 +26,15 @@ HEIGHT = Measure(
     better="low",
     of_trial=lambda trial: trial.table.numbers("q_position_z").max(),
 )
-BROKEN = Measure("broken", "m", "Broken", "always fails", of_trial=lambda trial: 1 / 0)
-NOTHING = Measure("nothing", "m", "Nothing", "never applies", of_trial=lambda trial: None)
-ENDLESS = Measure("endless", "s", "Endless", "not finite", of_result=lambda result: float("inf"))
-SEVERAL = Measure(
+BROKEN = TrialMeasure("broken", "m", "Broken", "always fails", of_trial=lambda trial: 1 / 0)
+NOTHING = TrialMeasure("nothing", "m", "Nothing", "never applies", of_trial=lambda trial: None)
+ENDLESS = TrialMeasure(
+    "endless", "s", "Endless", "not finite", of_result=lambda result: float("inf")
+)
+SEVERAL = TrialMeasure(
     "several", "", "Several", "fails over trials", of_trials=lambda rows: rows[99]["time_s"]
 )
-WINS = Measure("wins", "", "Wins", "successes with these levels", of_trials=len)
+WINS = TrialMeasure("wins", "", "Wins", "successes with these levels", of_trials=len)
 OWN = (HEIGHT, BROKEN, NOTHING, ENDLESS, SEVERAL, WINS)
 
 
@@ -130,13 +132,13 @@ def test_a_measure_that_is_added_later_is_computed_when_the_session_is_opened_ag
 @pytest.mark.parametrize(
     "measure",
     [
-        Measure("drops", "", "Drops", "again", of_trial=lambda trial: 1),
-        Measure("no way", "", "No way", "not a column", of_trial=lambda trial: 1),
-        Measure("unmade", "", "Unmade", "not computed"),
+        TrialMeasure("drops", "", "Drops", "again", of_trial=lambda trial: 1),
+        TrialMeasure("no way", "", "No way", "not a column", of_trial=lambda trial: 1),
+        TrialMeasure("unmade", "", "Unmade", "not computed"),
     ],
 )
 def test_a_measure_with_a_name_that_is_taken_or_without_a_value_is_refused(
-    measure: Measure,
+    measure: TrialMeasure,
 ) -> None:
     with pytest.raises(InputError):
         register(measure)

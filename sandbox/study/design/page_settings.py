@@ -17,7 +17,7 @@ contain the time without the page."""
 
 
 @dataclass(frozen=True)
-class PageOptions:
+class PageSettings:
     """Settings of trials on the page.
 
     Attributes:
@@ -34,14 +34,14 @@ class PageOptions:
     goals: dict[str, Text] = field(default_factory=dict)
 
 
-def read_page_options(top: TomlTable, trials: TomlTable) -> PageOptions:
+def read_page_settings(top: TomlTable, trials: TomlTable) -> PageSettings:
     """Reads the settings of the page.
 
     Args:
         top: The design, from which `[[tasks]]` is taken.
         trials: Its table `[trials]`.
     """
-    plain = PageOptions()
+    plain = PageSettings()
     shows = trials.strings("shows", plain.shows)
     for unknown in sorted(set(shows) - set(SHOWS)):
         trials.add_mistake("shows", f"got {unknown!r}", f"Choose among {', '.join(SHOWS)}")
@@ -50,7 +50,7 @@ def read_page_options(top: TomlTable, trials: TomlTable) -> PageOptions:
         task = table.string("task")
         names[task], goals[task] = table.text("name"), table.text("goal")
         table.done()
-    return PageOptions(
+    return PageSettings(
         shows,
         trials.choice("starts", STARTS, plain.starts),
         trials.choice("when_gone", WHEN_GONE, plain.when_gone),
